@@ -18,8 +18,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.derivations.equations import Equations
-from freebody.derivations.symbols import RATE, SECOND
+from freebody.derivations.equations.equations import Equations
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
 from freebody.model.build import build_model
 from freebody.model.description import Drive, Joint, Link, Mimic, RobotDescription

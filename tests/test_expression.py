@@ -10,9 +10,9 @@ from unicodedata import normalize
 import numpy as np
 import pytest
 
-from freebody.derivations import expression as ex
-from freebody.derivations.evaluate import NoValue
-from freebody.derivations.expression import (
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.evaluate import NoValue
+from freebody.derivations.expressions.expression import (
     add,
     cos,
     cross,
@@ -27,9 +27,9 @@ from freebody.derivations.expression import (
     sin,
     sub,
 )
-from freebody.derivations.formula_values import value
-from freebody.derivations.nodes import nodes, replaced
-from freebody.derivations.printed_names import entry, sym, vec
+from freebody.derivations.expressions.nodes import nodes, replaced
+from freebody.derivations.expressions.printed_names import entry, sym, vec
+from freebody.derivations.relations.formula_values import value
 from freebody.derivations.render.lines import broken, text_lines
 from freebody.derivations.render.sympy import to_sympy
 from freebody.derivations.render.text import breakable

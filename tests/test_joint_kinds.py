@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.derivations.base_parameters import base_parameters
-from freebody.derivations.symbols import symbols
+from freebody.derivations.equations.base_parameters import base_parameters
+from freebody.derivations.polynomials.symbols import symbols
 from freebody.figures.snapshot import clear_pose
 from freebody.inverse.solutions import turning_coordinates
 from freebody.model.build import build_model

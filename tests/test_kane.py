@@ -7,7 +7,7 @@ import pytest
 
 import freebody as fb
 from freebody.derivations.derivation import Derivation
-from freebody.derivations.expression import Equation, Symbol
+from freebody.derivations.expressions.expression import Equation, Symbol
 from freebody.figures.skeleton import skeleton
 from support.printed_values import evaluate
 from support.symbolic import spatial_arm, with_values

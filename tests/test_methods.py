@@ -27,7 +27,7 @@ OTHERWISE = [
         "cli/derive.py",
         "Example: freebody derive 2R --method lagrange",
     ),  # the help's example, which is run
-    ("derivations/kinematics.py", "kinematics"),  # the function that an error is of
+    ("derivations/equations/kinematics.py", "kinematics"),  # the function that an error is of
     ("report/html.py", "kinematics"),  # a chapter of the report
 ]
 """Where such a word means something else, or is shown to be typed."""

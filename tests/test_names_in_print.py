@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import freebody as fb
-from freebody.derivations.printed_names import sym
+from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.render import literal
 from freebody.derivations.render.prose import markdown_prose, tex_prose, text_prose, web_prose
 from freebody.model.build import build_model

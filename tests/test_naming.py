@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Derivation
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.methods import METHODS
 from freebody.derivations.naming import Naming
-from freebody.derivations.printed_names import sym
 from freebody.errors import FreebodyError
 from freebody.figures import illustrate
 from freebody.figures.drawing import Arc, Arrow, Dimension, Drawing, Label, Turn, canonical

@@ -16,7 +16,7 @@ from markupsafe import escape
 
 import freebody_notes
 from freebody.cli.app import run as program
-from freebody.derivations.formula import as_printed
+from freebody.derivations.relations.formula import as_printed
 from freebody.errors import UnknownNameError
 from freebody_notes.contents import _item, chapters, item, items
 from freebody_notes.data import data

@@ -7,10 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import freebody as fb
-from freebody.derivations.formula import FormulaError, parse
-from freebody.derivations.formula_values import Each, value
-from freebody.derivations.quantities import of_link
-from freebody.derivations.relation import agrees, printed_numbers
+from freebody.derivations.relations.formula import FormulaError, parse
+from freebody.derivations.relations.formula_values import Each, value
+from freebody.derivations.relations.quantities import of_link
+from freebody.derivations.relations.relation import agrees, printed_numbers
 from freebody.errors import FreebodyError, ModelError, ShapeError, UnknownNameError
 
 

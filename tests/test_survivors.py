@@ -11,7 +11,7 @@ import freebody as fb
 from freebody.derivations.check.example import example
 from freebody.derivations.check.right_equations import setting
 from freebody.derivations.closed.linear import product
-from freebody.derivations.printed_names import sym
+from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.render.latex import width
 from support.printed_values import evaluate
 

@@ -11,9 +11,9 @@ from markupsafe import Markup, escape
 import freebody as fb
 from freebody.derivations.derivation import Derivation
 from freebody.derivations.derive import compare
-from freebody.derivations.expression import eq
-from freebody.derivations.formula import parse, symbol
-from freebody.derivations.quantities import Quantities
+from freebody.derivations.expressions.expression import eq
+from freebody.derivations.relations.formula import parse, symbol
+from freebody.derivations.relations.quantities import Quantities
 from freebody.derivations.render import page
 from freebody_notes.chapters.first_kind import pinned_bar
 from freebody_notes.chapters.five_bar import limbs, robot

@@ -47,8 +47,8 @@ class ItemCheck(Protocol):
 
 @dataclass(frozen=True)
 class Item:
-    """One item of the notes. `printed` and `corrected` are formulas (see `derivations.formula`) or
-    words."""
+    """One item of the notes. `printed` and `corrected` are formulas (see
+    `derivations.relations.formula`) or words."""
 
     id: str
     section: str

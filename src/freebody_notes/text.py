@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import textwrap
 
-from freebody.derivations.expression import Equation, Expression
-from freebody.derivations.formula import as_printed
+from freebody.derivations.expressions.expression import Equation, Expression
+from freebody.derivations.relations.formula import as_printed
 from freebody.derivations.render import page
 from freebody_notes.item import ExecutedItem, Item, parts
 from freebody_notes.steps import place_of

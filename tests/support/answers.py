@@ -13,7 +13,6 @@ from itertools import product as words_of
 
 import freebody as fb
 from freebody.algorithms.kinematics import jacobian
-from freebody.derivations import expression as ex
 from freebody.derivations.check.answer_text import AnswerText
 from freebody.derivations.check.asked_quantities import polynomial
 from freebody.derivations.check.exact_polynomials import PolynomialReader
@@ -21,10 +20,11 @@ from freebody.derivations.check.reading import AnswerParser
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.verdict import Verdict
 from freebody.derivations.check.vocabulary import Vocabulary
-from freebody.derivations.equations import Equations
-from freebody.derivations.expression import Expression
+from freebody.derivations.equations.equations import Equations
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Expression
+from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar.lexer import tokens
-from freebody.derivations.printed_names import sym
 from freebody.scalars.trig import Trig
 
 WORDS = ["".join(word) for n in (1, 2, 3, 4) for word in words_of("RP", repeat=n)]

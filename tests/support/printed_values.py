@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from freebody.derivations import evaluate as walk
-from freebody.derivations.expression import (
+from freebody.derivations.expressions import evaluate as walk
+from freebody.derivations.expressions.expression import (
     Cross,
     Dot,
     Equation,

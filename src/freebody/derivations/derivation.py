@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from freebody.derivations.equations import Equations
-from freebody.derivations.expression import Equation, Expression
+from freebody.derivations.equations.equations import Equations
+from freebody.derivations.expressions.expression import Equation, Expression
 from freebody.outputs.display import Titled, counted
 from freebody.scalars.trig import Trig
 

@@ -12,7 +12,7 @@ from freebody.derivations.methods import METHODS
 from freebody.derivations.methods.method import Method
 from freebody.derivations.methods.overview import overview
 from freebody.derivations.methods.setting import Setting, require_chain_of_bodies
-from freebody.derivations.symbols import symbols
+from freebody.derivations.polynomials.symbols import symbols
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.model import Model

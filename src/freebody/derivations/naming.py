@@ -12,10 +12,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from freebody.derivations import expression as ex
-from freebody.derivations.expression import Expression, Symbol
-from freebody.derivations.printed_names import entry, sym, vec
-from freebody.derivations.symbols import names_by_body
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Expression, Symbol
+from freebody.derivations.expressions.printed_names import entry, sym, vec
+from freebody.derivations.polynomials.symbols import names_by_body
 from freebody.lazy import cached_property
 from freebody.model.bodies import Body
 from freebody.model.loop_kinds import LOOP_KINDS

@@ -12,9 +12,9 @@ import numpy as np
 
 from freebody.derivations.derivation import Derivation, Drawings, Step
 from freebody.derivations.derive import undrawn_derivation
-from freebody.derivations.expression import Expression, Symbol, nodes
+from freebody.derivations.expressions.expression import Expression, Symbol, nodes
+from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.methods import METHODS
-from freebody.derivations.printed_names import vec
 from freebody.figures import colours
 from freebody.figures.drawing import Drawing, Element, canonical
 from freebody.figures.figure import save

@@ -15,8 +15,8 @@ import numpy as np
 
 from freebody.algorithms.rnea import Recursion, rnea
 from freebody.arrays import Array
-from freebody.derivations import expression as ex
-from freebody.derivations.expression import Expression
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.naming import Naming
 from freebody.figures.skeleton import BodyPlace, Skeleton, extent, skeleton
 from freebody.model.joints import JointKind

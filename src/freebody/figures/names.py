@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from freebody.derivations.expression import Symbol
+from freebody.derivations.expressions.expression import Symbol
+from freebody.derivations.expressions.printed_names import GREEK, sym
 from freebody.derivations.naming import TIP, Naming
-from freebody.derivations.printed_names import GREEK, sym
-from freebody.derivations.symbols import RATE, SECOND
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.figures.loads import Load, label
 from freebody.figures.skeleton import BodyPlace, End
 from freebody.model.model import Model

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from freebody.derivations.base_parameters import short_by_base
-from freebody.derivations.equations import equations
+from freebody.derivations.equations.base_parameters import short_by_base
+from freebody.derivations.equations.equations import equations
 from freebody.derivations.render import page
 from freebody.model.model import Model
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 import freebody as fb
-from freebody.derivations.kinematics import Kinematics
-from freebody.derivations.quantities import Quantities
-from freebody.derivations.textbook_form import Layout
+from freebody.derivations.equations.kinematics import Kinematics
+from freebody.derivations.polynomials.textbook_form import Layout
+from freebody.derivations.relations.quantities import Quantities
 from freebody_notes.checks import Related
 
 CRANKS = (2.0, 0.9)

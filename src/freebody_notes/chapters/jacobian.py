@@ -7,8 +7,8 @@ import re
 import numpy as np
 
 import freebody as fb
-from freebody.derivations.formula import parse
-from freebody.derivations.formula_values import value
+from freebody.derivations.relations.formula import parse
+from freebody.derivations.relations.formula_values import value
 from freebody_notes.checks import ByFunction, Related, number
 from freebody_notes.figures.catalogue import notes_figure
 from freebody_notes.item import Outcome, parts

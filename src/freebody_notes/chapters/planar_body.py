@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import freebody as fb
-from freebody.derivations.formula_values import Each
+from freebody.derivations.relations.formula_values import Each
 from freebody.model.inertia import combined
 from freebody_notes.checks import ARM, Related
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 import freebody as fb
-from freebody.derivations.formula import parse
-from freebody.derivations.formula_values import value
-from freebody.derivations.relation import printed_numbers
+from freebody.derivations.relations.formula import parse
+from freebody.derivations.relations.formula_values import value
+from freebody.derivations.relations.relation import printed_numbers
 from freebody_notes.checks import ByFunction, Related
 from freebody_notes.item import Outcome
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import freebody as fb
-from freebody.derivations.formula_values import Each
+from freebody.derivations.relations.formula_values import Each
 from freebody.model.build import build_model
 from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.inertia import combined

@@ -6,9 +6,9 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from freebody.derivations.formula import as_printed, parse
-from freebody.derivations.formula_values import value
-from freebody.derivations.relation import agrees, relation
+from freebody.derivations.relations.formula import as_printed, parse
+from freebody.derivations.relations.formula_values import value
+from freebody.derivations.relations.relation import agrees, relation
 from freebody_notes.checks.calls import source
 from freebody_notes.checks.evidence import number
 from freebody_notes.checks.relation import vectors

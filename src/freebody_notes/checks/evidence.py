@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from freebody.derivations.functions import printed
-from freebody.derivations.printed_names import sym
-from freebody.derivations.quantities import Quantities
-from freebody.derivations.relation import Relation
+from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.relations.functions import printed
+from freebody.derivations.relations.quantities import Quantities
+from freebody.derivations.relations.relation import Relation
 from freebody.outputs.numbers import shortest
 from freebody.scalars.composed import Composed
 from freebody.scalars.trig import Trig

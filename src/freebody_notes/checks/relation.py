@@ -7,10 +7,10 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from freebody.derivations.formula import FormulaError, as_printed
-from freebody.derivations.formula_values import Each, plain, rank
-from freebody.derivations.quantities import Quantities, of_link
-from freebody.derivations.relation import relation
+from freebody.derivations.relations.formula import FormulaError, as_printed
+from freebody.derivations.relations.formula_values import Each, plain, rank
+from freebody.derivations.relations.quantities import Quantities, of_link
+from freebody.derivations.relations.relation import relation
 from freebody.errors import UnknownNameError
 from freebody.lazy import cached_property
 from freebody_notes.checks.calls import ARM, made, source

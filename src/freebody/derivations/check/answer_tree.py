@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from freebody.derivations.nodes import Expression
+from freebody.derivations.expressions.nodes import Expression
 from freebody.scalars.trig import Trig
 
 Angle = tuple[tuple[str, int], ...]

@@ -9,14 +9,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from freebody.algorithms.kinematics import frame_pose, jacobian, joint_poses, world_poses
-from freebody.derivations import expression as ex
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.vocabulary import spellings
-from freebody.derivations.determinant import determinant
-from freebody.derivations.evaluate import arithmetic, evaluate
-from freebody.derivations.expression import Expression
-from freebody.derivations.printed_names import sym
-from freebody.derivations.symbols import names_by_body
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.evaluate import arithmetic, evaluate
+from freebody.derivations.expressions.expression import Expression
+from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.polynomials.determinant import determinant
+from freebody.derivations.polynomials.symbols import names_by_body
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 

@@ -15,7 +15,7 @@ from itertools import pairwise
 from freebody.derivations.check.asked_quantities import AskedQuantity, Targets
 from freebody.derivations.check.finite_field import PRIME, Point, Turn, plus, residue
 from freebody.derivations.check.right_equations import RightEquations
-from freebody.derivations.printed_names import sym
+from freebody.derivations.expressions.printed_names import sym
 from freebody.scalars.trig import Trig
 
 Thought = tuple[str, int]

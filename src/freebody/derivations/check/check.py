@@ -11,7 +11,7 @@ from freebody.derivations.check.claims import claims
 from freebody.derivations.check.judge import Judge
 from freebody.derivations.check.right_equations import setting
 from freebody.derivations.check.verdict import Verdict
-from freebody.derivations.equations import equations
+from freebody.derivations.equations.equations import equations
 from freebody.model.model import Model
 
 MOST_EXPLAINED = 12

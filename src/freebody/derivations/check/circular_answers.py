@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from freebody.derivations.check.answer_tree import Named
 from freebody.derivations.check.asked_quantities import AskedQuantity
 from freebody.derivations.check.vocabulary import Vocabulary
+from freebody.derivations.expressions.nodes import Expression, nodes
 from freebody.derivations.grammar.source import Source, Span
-from freebody.derivations.nodes import Expression, nodes
 
 if TYPE_CHECKING:
     from freebody.derivations.check.claims import Claim

@@ -16,11 +16,11 @@ from freebody.derivations.check.exact_polynomials import PolynomialReader
 from freebody.derivations.check.reading import AnswerParser
 from freebody.derivations.check.right_equations import FAMILIES, RightEquations
 from freebody.derivations.check.vocabulary import Vocabulary, spellings
+from freebody.derivations.expressions.nodes import Expression, Matrix, Negative, Sum
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import Token, tokens
 from freebody.derivations.grammar.parser import around
 from freebody.derivations.grammar.source import Source
-from freebody.derivations.nodes import Expression, Matrix, Negative, Sum
 from freebody.errors import listed
 from freebody.scalars.trig import Trig
 

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
-from freebody.derivations.angle_sums import Monomial, Terms, Wave, gathered, raw
 from freebody.derivations.check.right_equations import RightEquations
-from freebody.derivations.expression import Expression, mul
-from freebody.derivations.textbook_form import Layout
+from freebody.derivations.expressions.expression import Expression, mul
+from freebody.derivations.polynomials.angle_sums import Monomial, Terms, Wave, gathered, raw
+from freebody.derivations.polynomials.textbook_form import Layout
 from freebody.scalars.trig import Trig
 
 MOST_TERMS = 20_000

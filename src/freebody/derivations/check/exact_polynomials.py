@@ -9,9 +9,9 @@ from fractions import Fraction
 from functools import reduce
 
 from freebody.derivations.check.answer_tree import Angle, Named, Wave
-from freebody.derivations.evaluate import NoValue, Rules, arithmetic, evaluate
+from freebody.derivations.expressions.evaluate import NoValue, Rules, arithmetic, evaluate
+from freebody.derivations.expressions.nodes import Expression, Matrix, Quotient
 from freebody.derivations.grammar.source import Source
-from freebody.derivations.nodes import Expression, Matrix, Quotient
 from freebody.errors import FreebodyError
 from freebody.scalars.trig import Trig, TrigRing
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.verdict import Example
-from freebody.derivations.printed_names import sym
+from freebody.derivations.expressions.printed_names import sym
 from freebody.outputs.numbers import shortest
 from freebody.scalars.trig import Trig
 

@@ -14,8 +14,8 @@ from fractions import Fraction
 from functools import reduce
 
 from freebody.derivations.check.answer_tree import Angle, Named, Wave
-from freebody.derivations.evaluate import Rules, arithmetic, evaluate
-from freebody.derivations.nodes import Expression
+from freebody.derivations.expressions.evaluate import Rules, arithmetic, evaluate
+from freebody.derivations.expressions.nodes import Expression
 from freebody.lazy import cached_property
 from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import Trig, TrigRing

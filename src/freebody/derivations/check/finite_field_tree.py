@@ -6,7 +6,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from freebody.derivations.check.finite_field import PRIME, Point
-from freebody.derivations.nodes import Expression, Negative, Power, Product, Quotient, Sum, nodes
+from freebody.derivations.expressions.nodes import (
+    Expression,
+    Negative,
+    Power,
+    Product,
+    Quotient,
+    Sum,
+    nodes,
+)
 from freebody.lazy import cached_property
 
 

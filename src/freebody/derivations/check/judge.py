@@ -30,9 +30,9 @@ from freebody.derivations.check.units import misfit, unit_text
 from freebody.derivations.check.verdict import EquationVerdict, Mistake
 from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.check.wording import Wording, quoted
+from freebody.derivations.expressions.nodes import nodes
+from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar.lexer import tokens
-from freebody.derivations.nodes import nodes
-from freebody.derivations.printed_names import sym
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig

@@ -12,8 +12,8 @@ from freebody.derivations.check.claims import Claim
 from freebody.derivations.check.finite_field_tree import Workspace
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.verdict import Mistake
-from freebody.derivations.nodes import Expression, Negative, Number, Sum, replaced
-from freebody.derivations.symbols import RATE, SECOND
+from freebody.derivations.expressions.nodes import Expression, Negative, Number, Sum, replaced
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 
 _GRAVITY = ("9.8", "9.81", "9.807", "9.80665", "10")
 

@@ -8,10 +8,10 @@ from fractions import Fraction
 from freebody.derivations.check.answer_tree import Named, Wave
 from freebody.derivations.check.exact_polynomials import LARGEST_EXPONENT, PolynomialReader
 from freebody.derivations.check.vocabulary import Vocabulary
+from freebody.derivations.expressions.nodes import Expression, Number, Power
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.parser import PI, Parser, around, product_of
 from freebody.derivations.grammar.source import Source
-from freebody.derivations.nodes import Expression, Number, Power
 from freebody.errors import FreebodyError
 from freebody.scalars.trig import Trig
 

@@ -18,7 +18,7 @@ from freebody.derivations.check.answer_tree import Angle, Named, Wave
 from freebody.derivations.check.finite_field import PRIME, rational
 from freebody.derivations.check.finite_field_tree import Workspace
 from freebody.derivations.check.right_equations import RightEquations
-from freebody.derivations.nodes import (
+from freebody.derivations.expressions.nodes import (
     Expression,
     Negative,
     Number,

@@ -7,10 +7,10 @@ import re
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 
-from freebody.derivations.equations import Equations
-from freebody.derivations.symbol_order import Order
-from freebody.derivations.symbols import RATE, SECOND, Symbols
-from freebody.derivations.textbook_form import Layout
+from freebody.derivations.equations.equations import Equations
+from freebody.derivations.polynomials.symbol_order import Order
+from freebody.derivations.polynomials.symbols import RATE, SECOND, Symbols
+from freebody.derivations.polynomials.textbook_form import Layout
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig, TrigRing
 

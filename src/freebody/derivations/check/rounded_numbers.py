@@ -16,8 +16,8 @@ from freebody.derivations.check.differences import Difference, Key, differences,
 from freebody.derivations.check.exact_polynomials import PolynomialReader
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.terms_by_motion import Parts, Product, parts, whole
+from freebody.derivations.expressions.nodes import Expression, Number, nodes, replaced
 from freebody.derivations.grammar.source import Source
-from freebody.derivations.nodes import Expression, Number, nodes, replaced
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.scalars.rational import exactly, rational_sin_cos

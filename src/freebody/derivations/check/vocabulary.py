@@ -14,7 +14,7 @@ from freebody.derivations.check.right_equations import FAMILIES, RightEquations
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.source import Source, Span
 from freebody.derivations.grammar.words import DOT, PRIME, spell
-from freebody.derivations.symbols import RATE, SECOND
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.errors import likely
 from freebody.scalars.trig import Trig
 

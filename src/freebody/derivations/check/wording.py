@@ -6,7 +6,6 @@ import re
 from dataclasses import dataclass
 from fractions import Fraction
 
-from freebody.derivations import expression as ex
 from freebody.derivations.check.answer_tree import Named, Wave
 from freebody.derivations.check.differences import Difference, printed
 from freebody.derivations.check.exact_polynomials import PolynomialReader
@@ -14,9 +13,10 @@ from freebody.derivations.check.finite_field_tree import Workspace
 from freebody.derivations.check.repairs import Repair
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.verdict import Mistake
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.nodes import Expression, Number, Power, Product, Sum
+from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar.source import Source
-from freebody.derivations.nodes import Expression, Number, Power, Product, Sum
-from freebody.derivations.printed_names import sym
 
 _LONG = 70
 _OPPOSITE = {

@@ -15,9 +15,9 @@ from itertools import combinations
 
 from freebody.derivations.closed.linear import Entries, Ratio, inner, ratio, solved, times
 from freebody.derivations.closed.loops import LoopEquations
-from freebody.derivations.determinant import determinant
-from freebody.derivations.equations import Equations
-from freebody.derivations.symbols import Symbols
+from freebody.derivations.equations.equations import Equations
+from freebody.derivations.polynomials.determinant import determinant
+from freebody.derivations.polynomials.symbols import Symbols
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 

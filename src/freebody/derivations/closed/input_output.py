@@ -23,9 +23,9 @@ from freebody.derivations.closed.linear import (
     times,
     without_common,
 )
-from freebody.derivations.determinant import determinant
-from freebody.derivations.kinematics import Kinematics
-from freebody.derivations.singularities import Determinant
+from freebody.derivations.equations.kinematics import Kinematics
+from freebody.derivations.equations.singularities import Determinant
+from freebody.derivations.polynomials.determinant import determinant
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig

@@ -10,12 +10,12 @@ from functools import reduce
 from itertools import combinations
 from typing import Any
 
-from freebody.derivations import expression as ex
-from freebody.derivations.determinant import determinant
-from freebody.derivations.expression import Expression
-from freebody.derivations.factors import factored
-from freebody.derivations.symbols import Symbols
-from freebody.derivations.textbook_form import Layout
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Expression
+from freebody.derivations.polynomials.determinant import determinant
+from freebody.derivations.polynomials.factors import factored
+from freebody.derivations.polynomials.symbols import Symbols
+from freebody.derivations.polynomials.textbook_form import Layout
 from freebody.scalars.trig import Trig
 
 Entries = list[list[Trig]]

@@ -15,10 +15,10 @@ from typing import Any
 from freebody.algorithms import loop_constraints
 from freebody.algorithms.kinematics import Pose, frame_pose, joint_poses, world_poses
 from freebody.arrays import Array
-from freebody.derivations import expression as ex
-from freebody.derivations.expression import Expression
-from freebody.derivations.symbols import Symbols, symbols
-from freebody.derivations.textbook_form import Layout
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Expression
+from freebody.derivations.polynomials.symbols import Symbols, symbols
+from freebody.derivations.polynomials.textbook_form import Layout
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.model.model import Model

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from freebody.derivations.closed.first_kind import multiplier_names
 from freebody.derivations.closed.linear import Entries, Ratio, ratio, solved
 from freebody.derivations.closed.loops import LoopEquations
-from freebody.derivations.determinant import determinant
+from freebody.derivations.polynomials.determinant import determinant
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 

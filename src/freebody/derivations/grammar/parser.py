@@ -8,9 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 
-from freebody.derivations.grammar.lexer import Token
-from freebody.derivations.grammar.source import Source, Span
-from freebody.derivations.nodes import (
+from freebody.derivations.expressions.nodes import (
     Expression,
     Matrix,
     Negative,
@@ -20,6 +18,8 @@ from freebody.derivations.nodes import (
     Quotient,
     Sum,
 )
+from freebody.derivations.grammar.lexer import Token
+from freebody.derivations.grammar.source import Source, Span
 
 DEEPEST = 100
 """Brackets inside brackets."""

@@ -12,8 +12,8 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 from itertools import pairwise
 
+from freebody.derivations.expressions.printed_names import GREEK
 from freebody.derivations.grammar.source import Source
-from freebody.derivations.printed_names import GREEK
 
 DOT, PRIME = "˙", "'"
 _LETTERS = {letter: name for name, letter in GREEK.items()} | {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from freebody.derivations.derivation import Step
-from freebody.derivations.expression import eq
+from freebody.derivations.expressions.expression import eq
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.wording import added_rates, coriolis
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from freebody.derivations import expression as ex
-from freebody.derivations.base_parameters import short_by_base
 from freebody.derivations.derivation import Step
-from freebody.derivations.expression import Equation, eq
+from freebody.derivations.equations.base_parameters import short_by_base
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Equation, eq
+from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.printed_names import vec
 from freebody.errors import listed
 
 FEW = 4

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 from freebody.algorithms import loop_constraints
 from freebody.algorithms.kinematics import frame_pose
-from freebody.derivations import expression as ex
 from freebody.derivations.closed.first_kind import FirstKind, multiplier_names
 from freebody.derivations.closed.loops import LoopEquations
 from freebody.derivations.derivation import Step
-from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Equation, Expression, eq
+from freebody.derivations.expressions.printed_names import entry, sym
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.printed_names import entry, sym
 from freebody.derivations.render.literal import literal
 from freebody.errors import listed
 from freebody.lazy import cached_property

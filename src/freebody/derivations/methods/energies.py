@@ -5,11 +5,11 @@ from __future__ import annotations
 from fractions import Fraction
 
 from freebody.algorithms.kinematics import BodyMotions
-from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Step
-from freebody.derivations.expression import Equation, eq
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Equation, eq
+from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.printed_names import vec
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import dot, neg

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from freebody.algorithms.kinematics import jacobian
-from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Step
-from freebody.derivations.expression import Expression, eq
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Expression, eq
+from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.wording import motorless
-from freebody.derivations.printed_names import sym, vec
 
 
 class Equilibrium:

@@ -7,18 +7,18 @@ from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 
-from freebody.derivations import expression as ex
 from freebody.derivations.closed.first_kind import Reduction
 from freebody.derivations.closed.linear import Ratio, product, quotient
 from freebody.derivations.derivation import Meaning, Step
-from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Equation, Expression, eq
+from freebody.derivations.expressions.printed_names import entry, sym
 from freebody.derivations.methods import glossary, lagrange
 from freebody.derivations.methods.cut_loops import LONG, Loops
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.virtual_work import virtual_work
-from freebody.derivations.printed_names import entry, sym
-from freebody.derivations.symbols import RATE, SECOND
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.scalars.trig import Trig
 
 HALF = ex.num(Fraction(1, 2))

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Step
-from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Equation, Expression, eq
+from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.printed_names import vec
 from freebody.elementary import Scalar
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Meaning
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.wording import joints_that
-from freebody.derivations.printed_names import sym, vec
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.render.literal import literal
-from freebody.derivations.symbols import RATE, SECOND
 from freebody.model.joints import JointWords
 from freebody.model.parameters import Parameter, each_parameter
 from freebody.model.placement import AxisRotation, Placement

@@ -3,11 +3,11 @@
 
 from __future__ import annotations
 
-from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Step
-from freebody.derivations.expression import Expression, eq
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Expression, eq
+from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.printed_names import sym
 
 
 def inverse_position(s: Setting) -> list[Step]:

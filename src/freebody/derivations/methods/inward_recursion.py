@@ -4,14 +4,14 @@
 from __future__ import annotations
 
 from freebody.algorithms.rnea import Recursion
-from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Step
-from freebody.derivations.expression import Equation, Expression, Symbol, eq
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Equation, Expression, Symbol, eq
+from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.methods.geometry import rotation_name
 from freebody.derivations.methods.reactions import drive_part
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.wording import working_part
-from freebody.derivations.printed_names import vec
 from freebody.scalars.trig import Trig
 
 

@@ -11,17 +11,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Meaning, Step
-from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Equation, Expression, eq
+from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods import glossary, wording
 from freebody.derivations.methods.body_motion import motion
 from freebody.derivations.methods.closed_form_steps import closed_form
 from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.printed_names import sym, vec
-from freebody.derivations.symbols import RATE
+from freebody.derivations.polynomials.symbols import RATE
 from freebody.errors import listed
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, dot, scale

@@ -6,18 +6,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise
 
-from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Meaning, Step
-from freebody.derivations.expression import Equation, Expression, eq
-from freebody.derivations.kinematics import Kinematics
+from freebody.derivations.equations.kinematics import Kinematics
+from freebody.derivations.equations.singularities import jacobian_determinant
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Equation, Expression, eq
+from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods import loop_kinematics
 from freebody.derivations.methods.glossary import METER
 from freebody.derivations.methods.inverse_position import inverse_position
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.printed_names import sym, vec
-from freebody.derivations.singularities import jacobian_determinant
-from freebody.derivations.symbols import RATE, SECOND
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 

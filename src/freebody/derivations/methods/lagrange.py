@@ -7,17 +7,17 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 from freebody.algorithms.kinematics import BodyMotions, outward
-from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Meaning, Step
-from freebody.derivations.expression import Expression, eq
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Expression, eq
+from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.methods import glossary, wording
 from freebody.derivations.methods.closed_form_steps import closed_form
 from freebody.derivations.methods.energies import Energies, kinetic_step, potential_step
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.virtual_work import virtual_work
-from freebody.derivations.printed_names import sym
-from freebody.derivations.symbols import RATE
+from freebody.derivations.polynomials.symbols import RATE
 from freebody.scalars.trig import Trig
 
 HALF = ex.num(Fraction(1, 2))

@@ -5,18 +5,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from freebody.derivations import expression as ex
 from freebody.derivations.closed.input_output import ClosedInputOutput
 from freebody.derivations.closed.linear import product, quotient
 from freebody.derivations.derivation import Meaning, Step
-from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.equations.singularities import Determinant
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Equation, Expression, eq
+from freebody.derivations.expressions.printed_names import entry, sym, vec
 from freebody.derivations.methods import glossary
 from freebody.derivations.methods.cut_loops import LONG, Loops
 from freebody.derivations.methods.method import Worked
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.printed_names import entry, sym, vec
-from freebody.derivations.singularities import Determinant
-from freebody.derivations.symbols import RATE
+from freebody.derivations.polynomials.symbols import RATE
 
 SOUGHT = (
     "Sought: how the tip P moves with the joints, and the joints' motion for a given one of "

@@ -8,11 +8,12 @@ from dataclasses import replace
 
 from freebody.algorithms import loop_constraints
 from freebody.algorithms.kinematics import frame_pose
-from freebody.derivations import expression as ex
 from freebody.derivations.closed.linear import Ratio, product
 from freebody.derivations.closed.statics import LoopStatics
 from freebody.derivations.derivation import Meaning, Step
-from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Equation, Expression, eq
+from freebody.derivations.expressions.printed_names import entry, sym
 from freebody.derivations.methods import glossary
 from freebody.derivations.methods.cut_loops import LONG, Loops
 from freebody.derivations.methods.equilibrium import Equilibrium
@@ -20,7 +21,6 @@ from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.method import Worked
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.printed_names import entry, sym
 from freebody.errors import listed
 from freebody.lazy import cached_property
 from freebody.model.tree import TreeLoop

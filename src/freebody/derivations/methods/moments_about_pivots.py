@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Meaning, Step
-from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Equation, Expression, eq
+from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods.glossary import INERTIA, METER
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.printed_names import sym, vec
 from freebody.scalars.trig import Trig
 from freebody.spatial import dot
 

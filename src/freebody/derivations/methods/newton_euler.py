@@ -10,9 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Meaning, Step
-from freebody.derivations.expression import Expression, eq
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Expression, eq
+from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.methods import glossary, wording
 from freebody.derivations.methods.body_motion import motion
 from freebody.derivations.methods.closed_form_steps import closed_form
@@ -21,7 +22,6 @@ from freebody.derivations.methods.method import Method, MethodOption, Worked
 from freebody.derivations.methods.moments_about_pivots import about_pivots, arms_of_pivots
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.printed_names import vec
 from freebody.scalars.trig import Trig
 
 

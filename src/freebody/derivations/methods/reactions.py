@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from freebody.derivations import expression as ex
-from freebody.derivations.expression import Expression
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.methods.setting import Setting
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig

@@ -6,9 +6,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from freebody.algorithms.rnea import Recursion, rnea
-from freebody.derivations import expression as ex
 from freebody.derivations.derivation import Meaning, Step
-from freebody.derivations.expression import Equation, Expression, eq
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Equation, Expression, eq
+from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods import glossary
 from freebody.derivations.methods.closed_form_steps import closed_form
 from freebody.derivations.methods.geometry import geometry, rotation_name
@@ -16,8 +17,7 @@ from freebody.derivations.methods.inward_recursion import Inward
 from freebody.derivations.methods.method import Method, MethodOption, Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.wording import coriolis
-from freebody.derivations.printed_names import sym, vec
-from freebody.derivations.symbols import RATE, SECOND
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.spatial import times, transposed
 
 GRAVITIES = ("base", "explicit")

@@ -12,14 +12,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from freebody.algorithms.kinematics import BodyMotions, Pose, outward, world_poses
-from freebody.derivations import expression as ex
-from freebody.derivations.equations import Equations
-from freebody.derivations.expression import Expression
-from freebody.derivations.grouped_by_length import by_lengths
+from freebody.derivations.equations.equations import Equations
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Expression
+from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.naming import Naming
-from freebody.derivations.printed_names import sym, vec
-from freebody.derivations.symbols import Symbols
-from freebody.derivations.textbook_form import Layout
+from freebody.derivations.polynomials.grouped_by_length import by_lengths
+from freebody.derivations.polynomials.symbols import Symbols
+from freebody.derivations.polynomials.textbook_form import Layout
 from freebody.elementary import Scalar
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property

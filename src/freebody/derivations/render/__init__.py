@@ -1,1 +1,1 @@
-"""Renderers of expressions: one small file each, a table from node to template."""
+"""Renderers of expressions: one walk, `typesetter`, and a small file for each notation."""

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import ClassVar
 
-from freebody.derivations.expression import Expression, Function, Number, Power, Symbol
+from freebody.derivations.expressions.expression import Expression, Function, Number, Power, Symbol
 from freebody.derivations.render.typesetter import ATOM, CALL, EQUATION, PRODUCT, Typesetter
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from fractions import Fraction
 
-from freebody.derivations.expression import Expression, Number, Symbol
-from freebody.derivations.printed_names import GREEK
+from freebody.derivations.expressions.expression import Expression, Number, Symbol
+from freebody.derivations.expressions.printed_names import GREEK
 from freebody.derivations.render.literal import tex, tex_math
 from freebody.derivations.render.typesetter import BREAK, Typesetter, is_call
 

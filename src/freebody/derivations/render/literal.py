@@ -12,7 +12,7 @@ import html
 import re
 from collections.abc import Callable
 
-from freebody.derivations.printed_names import GREEK
+from freebody.derivations.expressions.printed_names import GREEK
 
 MARK = "\u2060"
 """A word joiner: it has no width and no place in a name."""

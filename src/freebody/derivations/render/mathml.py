@@ -6,7 +6,7 @@ import re
 from fractions import Fraction
 from xml.sax.saxutils import escape
 
-from freebody.derivations.expression import Expression, Quotient, Symbol, nodes
+from freebody.derivations.expressions.expression import Expression, Quotient, Symbol, nodes
 from freebody.derivations.render.lines import broken
 from freebody.derivations.render.typesetter import ATOM, BREAK, Typesetter, is_call, precedence
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from freebody.derivations.expression import (
+from freebody.derivations.expressions.expression import (
     Derivative,
     Equation,
     Expression,

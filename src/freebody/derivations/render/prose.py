@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from freebody.derivations.printed_names import GREEK
+from freebody.derivations.expressions.printed_names import GREEK
 from freebody.derivations.render import literal
 
 _NAMES = {letter: "lambda" if name == "lam" else name for name, letter in GREEK.items()}

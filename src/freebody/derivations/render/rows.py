@@ -6,7 +6,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from freebody.derivations.expression import Equation, Expression, Matrix, Symbol, Vector, eq
+from freebody.derivations.expressions.expression import (
+    Equation,
+    Expression,
+    Matrix,
+    Symbol,
+    Vector,
+    eq,
+)
 
 Measure = Callable[[Expression], float]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from freebody.derivations.evaluate import NoValue, arithmetic, evaluate
-from freebody.derivations.expression import Expression, Function, Matrix, Symbol, Vector
+from freebody.derivations.expressions.evaluate import NoValue, arithmetic, evaluate
+from freebody.derivations.expressions.expression import Expression, Function, Matrix, Symbol, Vector
 from freebody.errors import FreebodyError, MissingPackageError
 
 _NAMES = {x: x for x in ("sin", "cos", "tan", "sqrt", "exp", "log")} | {"sgn": "sign"}

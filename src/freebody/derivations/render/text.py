@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from unicodedata import normalize
 
-from freebody.derivations.expression import Expression, Symbol
+from freebody.derivations.expressions.expression import Expression, Symbol
 from freebody.derivations.render.typesetter import CALL, POWER, Typesetter
 from freebody.outputs.numbers import signed, superscript
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Any, ClassVar
 
-from freebody.derivations.expression import (
+from freebody.derivations.expressions.expression import (
     Arguments,
     Cross,
     Derivative,

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from freebody.derivations.expression import (
+from freebody.derivations.expressions.expression import (
     Expression,
     Function,
     Negative,
@@ -17,12 +17,12 @@ from freebody.derivations.expression import (
     Symbol,
     nodes,
 )
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.render.code import code
-from freebody.derivations.symbols import RATE, SECOND
 from freebody.identifiers import identifiers, in_words
 
 if TYPE_CHECKING:
-    from freebody.derivations.equations import Equations
+    from freebody.derivations.equations.equations import Equations
 
 _C_WORDS = frozenset(
     [

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from freebody.derivations.nodes import Expression, Function, Symbol
+from freebody.derivations.expressions.nodes import Expression, Function, Symbol
 
 GREEK = {
     "alpha": "α",

@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections import defaultdict
 from fractions import Fraction
 
-from freebody.derivations import expression as ex
-from freebody.derivations.angle_sums import Monomial, Terms, Wave, raw
-from freebody.derivations.expression import Expression
-from freebody.derivations.textbook_form import Layout, Poly, function, wave_rank
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Expression
+from freebody.derivations.polynomials.angle_sums import Monomial, Terms, Wave, raw
+from freebody.derivations.polynomials.textbook_form import Layout, Poly, function, wave_rank
 from freebody.scalars.trig import Trig
 
 Inner = dict[tuple[Monomial, Wave], Fraction]

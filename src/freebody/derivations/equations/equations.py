@@ -8,15 +8,15 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
-from freebody.derivations import equation_views, source_code
-from freebody.derivations import expression as ex
-from freebody.derivations.base_parameters import by_base_parameters
-from freebody.derivations.closed_form import ClosedForm
-from freebody.derivations.expression import Equation, operations
-from freebody.derivations.intermediates import intermediates
+from freebody.derivations.equations import equation_views, source_code
+from freebody.derivations.equations.base_parameters import by_base_parameters
+from freebody.derivations.equations.closed_form import ClosedForm
+from freebody.derivations.equations.intermediates import intermediates
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Equation, operations
+from freebody.derivations.polynomials.symbols import symbols
 from freebody.derivations.render import page
 from freebody.derivations.render.sympy import to_sympy
-from freebody.derivations.symbols import symbols
 from freebody.errors import UnknownNameError
 from freebody.model.model import Model
 from freebody.model.parameters import finite, with_parameters

@@ -1,7 +1,7 @@
 """Kinematics in closed form: a frame's position, velocity, Jacobian and acceleration (2.10-2.24).
 
 >>> import freebody as fb
->>> from freebody.derivations.kinematics import kinematics
+>>> from freebody.derivations.equations.kinematics import kinematics
 >>> arm = kinematics(fb.planar("RR"))
 >>> print(arm.form(arm.position[0]))
 l1 cos θ1 + l2 cos(θ1 + θ2)
@@ -15,10 +15,10 @@ from typing import Any
 
 from freebody.algorithms import kinematics as algorithms
 from freebody.arrays import Array
-from freebody.derivations.determinant import columns_of, determinant
-from freebody.derivations.expression import Expression
-from freebody.derivations.symbols import Symbols, symbols
-from freebody.derivations.textbook_form import Layout
+from freebody.derivations.expressions.expression import Expression
+from freebody.derivations.polynomials.determinant import columns_of, determinant
+from freebody.derivations.polynomials.symbols import Symbols, symbols
+from freebody.derivations.polynomials.textbook_form import Layout
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.model.model import Model

@@ -8,17 +8,17 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from freebody.derivations import expression as ex
-from freebody.derivations.expression import Equation, Expression, Symbol
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Equation, Expression, Symbol
+from freebody.derivations.expressions.printed_names import entry
 from freebody.derivations.naming import motors
-from freebody.derivations.printed_names import entry
-from freebody.derivations.symbols import RATE, SECOND
-from freebody.derivations.textbook_form import Layout
+from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.polynomials.textbook_form import Layout
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 if TYPE_CHECKING:
-    from freebody.derivations.closed_form import ClosedForm
+    from freebody.derivations.equations.closed_form import ClosedForm
 
 Group = list[Equation]
 

@@ -15,15 +15,15 @@ from dataclasses import replace
 from typing import Any
 from unicodedata import normalize
 
-from freebody.derivations import expression as ex
-from freebody.derivations.evaluate import Rules, arithmetic, evaluate
-from freebody.derivations.expression import Equation, Expression, Symbol
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.evaluate import Rules, arithmetic, evaluate
+from freebody.derivations.expressions.expression import Equation, Expression, Symbol
+from freebody.derivations.expressions.nodes import NOWHERE
+from freebody.derivations.expressions.printed_names import GREEK, sym
 from freebody.derivations.grammar.lexer import Token, tokens
 from freebody.derivations.grammar.parser import Parser
 from freebody.derivations.grammar.source import Source, UnreadableError
 from freebody.derivations.grammar.words import Piece
-from freebody.derivations.nodes import NOWHERE
-from freebody.derivations.printed_names import GREEK, sym
 
 FUNCTIONS = (
     "sin", "cos", "tan", "sqrt", "exp", "log", "arcsin", "arccos", "arctan", "norm", "det", "sum",

@@ -14,18 +14,18 @@ import numpy as np
 
 from freebody.algorithms.regressor import bodies_with_drive, regressor
 from freebody.algorithms.regrouped_parameters import kept, regrouped
-from freebody.derivations import expression as ex
-from freebody.derivations.closed_form import SHORT, ClosedForm
-from freebody.derivations.expression import Equation
-from freebody.derivations.printed_names import sym
-from freebody.derivations.symbol_order import Order
-from freebody.derivations.symbols import RATE, SECOND, Symbols, symbols
+from freebody.derivations.equations.closed_form import SHORT, ClosedForm
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Equation
+from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.polynomials.symbol_order import Order
+from freebody.derivations.polynomials.symbols import RATE, SECOND, Symbols, symbols
 from freebody.lazy import cached_property
 from freebody.model.inertial_parameters import body_parameters
 from freebody.scalars.trig import Trig
 
 if TYPE_CHECKING:
-    from freebody.derivations.equations import Equations
+    from freebody.derivations.equations.equations import Equations
 
 TOLERANCE = 1e-9
 """Relative rest below which a column counts as a combination of others; what is found is then

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from freebody.derivations.check.example import occurs, typical
-from freebody.derivations.expression import Equation
-from freebody.derivations.formula import FormulaError, names_in, parse
-from freebody.derivations.formula_values import (
+from freebody.derivations.expressions.expression import Equation
+from freebody.derivations.relations.formula import FormulaError, names_in, parse
+from freebody.derivations.relations.formula_values import (
     Each,
     Value,
     minus,
@@ -23,7 +23,7 @@ from freebody.derivations.formula_values import (
     shape_name,
     value,
 )
-from freebody.derivations.quantities import of_link
+from freebody.derivations.relations.quantities import of_link
 from freebody.scalars.composed import Composed
 from freebody.scalars.trig import Trig
 
@@ -80,10 +80,10 @@ def relation(values: Mapping[str, Any], formula: str, *, link: int | None = None
     """Whether an equation holds between quantities given by name; see `fb.quantities` for those of
     an arm.
 
-    formula: "f12 + m2*gravity = m2*vc2_d"; see `freebody.derivations.formula`. values: scalars,
-    vectors and matrices of numbers or exact polynomials. Polynomials are compared exactly, numbers
-    to 1e-9 of the largest. link: the number that `i` stands for in names such as omega_i, and
-    omega_h, omega_k of the links before and behind. A scalar and a vector are not equal, but a
+    formula: "f12 + m2*gravity = m2*vc2_d"; see `freebody.derivations.relations.formula`. values:
+    scalars, vectors and matrices of numbers or exact polynomials. Polynomials are compared exactly,
+    numbers to 1e-9 of the largest. link: the number that `i` stands for in names such as omega_i,
+    and omega_h, omega_k of the links before and behind. A scalar and a vector are not equal, but a
     vector may be compared with 0. Raises FormulaError for text that cannot be read,
     UnknownNameError for a name without value.
     """

@@ -9,10 +9,10 @@ from freebody.algorithms.crba import crba
 from freebody.algorithms.energy import potential_energy
 from freebody.algorithms.rnea import friction_and_spring
 from freebody.arrays import Array
-from freebody.derivations import equation_views
-from freebody.derivations.expression import Expression, size
-from freebody.derivations.symbols import Symbols
-from freebody.derivations.textbook_form import Layout
+from freebody.derivations.equations import equation_views
+from freebody.derivations.expressions.expression import Expression, size
+from freebody.derivations.polynomials.symbols import Symbols
+from freebody.derivations.polynomials.textbook_form import Layout
 from freebody.lazy import cached_property
 from freebody.model.tree import Tree
 from freebody.scalars.trig import Trig

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from freebody.algorithms.kinematics import Column, Pose, ancestors, joint_poses
-from freebody.derivations.symbols import Symbols
+from freebody.derivations.polynomials.symbols import Symbols
 from freebody.model.tree import Tree
 from freebody.scalars.trig import Trig
 from freebody.spatial import Matrix, Vector, add, compose, identity, neg, sub, times, transposed

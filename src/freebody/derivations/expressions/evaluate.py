@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from functools import reduce
 from typing import Any
 
-from freebody.derivations.nodes import (
+from freebody.derivations.expressions.nodes import (
     Expression,
     Negative,
     Number,

@@ -14,13 +14,21 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 
-from freebody.derivations import expression as ex
-from freebody.derivations.angle_sums import Monomial, Raw, Terms, Wave, as_products, gathered, raw
-from freebody.derivations.expression import Expression
-from freebody.derivations.printed_names import sym
-from freebody.derivations.sums_to_products import paired
-from freebody.derivations.symbol_order import Order
-from freebody.derivations.symbols import SECOND, Symbols
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Expression
+from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.polynomials.angle_sums import (
+    Monomial,
+    Raw,
+    Terms,
+    Wave,
+    as_products,
+    gathered,
+    raw,
+)
+from freebody.derivations.polynomials.sums_to_products import paired
+from freebody.derivations.polynomials.symbol_order import Order
+from freebody.derivations.polynomials.symbols import SECOND, Symbols
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 

@@ -13,11 +13,11 @@ from fractions import Fraction
 from typing import Any
 
 from freebody.algorithms.rnea import Recursion, rnea
-from freebody.derivations import expression as ex
-from freebody.derivations.expression import Equation, Expression, Symbol
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Equation, Expression, Symbol
+from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.naming import motors
-from freebody.derivations.printed_names import sym
-from freebody.derivations.symbols import RATE, SECOND, Symbols
+from freebody.derivations.polynomials.symbols import RATE, SECOND, Symbols
 from freebody.elementary import Scalar, cos, sin
 from freebody.model.parameters import Parameter, Quantity
 from freebody.model.quantity_reader import QuantityReader, exact_sin_cos

@@ -10,15 +10,15 @@ from typing import Any
 
 from freebody.algorithms.kinematics import frame_motion, jacobian
 from freebody.algorithms.rnea import Recursion, rnea
-from freebody.derivations import expression as ex
 from freebody.derivations.derive import LOADS
-from freebody.derivations.expression import Expression
-from freebody.derivations.formula_values import time_rates
-from freebody.derivations.kinematics import Kinematics
+from freebody.derivations.equations.kinematics import Kinematics
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.methods.recursive import GRAVITIES
 from freebody.derivations.methods.setting import Setting, require_chain_of_bodies
-from freebody.derivations.symbols import symbols
-from freebody.derivations.textbook_form import Layout
+from freebody.derivations.polynomials.symbols import symbols
+from freebody.derivations.polynomials.textbook_form import Layout
+from freebody.derivations.relations.formula_values import time_rates
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.model.model import Model

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats
-from freebody.derivations import expression as ex
-from freebody.derivations.expression import Expression
-from freebody.derivations.formula import FormulaError, parse
-from freebody.derivations.formula_values import value
-from freebody.derivations.printed_names import sym
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Expression
+from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.relations.formula import FormulaError, parse
+from freebody.derivations.relations.formula_values import value
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.outputs.display import Titled

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from freebody import elementary
-from freebody.derivations.evaluate import NoValue, Rules, arithmetic, evaluate
-from freebody.derivations.expression import (
+from freebody.derivations.expressions.evaluate import NoValue, Rules, arithmetic, evaluate
+from freebody.derivations.expressions.expression import (
     Arguments,
     Cross,
     Derivative,
@@ -25,8 +25,8 @@ from freebody.derivations.expression import (
     Transposed,
     Vector,
 )
-from freebody.derivations.formula import FormulaError
-from freebody.derivations.symbols import RATE, SECOND
+from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.relations.formula import FormulaError
 from freebody.errors import UnknownNameError
 from freebody.math import tan
 from freebody.scalars.composed import Composed

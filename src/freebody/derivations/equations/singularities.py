@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from freebody.derivations import expression as ex
-from freebody.derivations.angle_sums import Monomial, gathered, raw
-from freebody.derivations.determinant import shortest_determinant
-from freebody.derivations.expression import Equation, Expression
-from freebody.derivations.factors import factored
-from freebody.derivations.kinematics import Kinematics
-from freebody.derivations.printed_names import sym
+from freebody.derivations.equations.kinematics import Kinematics
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Equation, Expression
+from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.polynomials.angle_sums import Monomial, gathered, raw
+from freebody.derivations.polynomials.determinant import shortest_determinant
+from freebody.derivations.polynomials.factors import factored
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 

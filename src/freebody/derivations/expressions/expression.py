@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from fractions import Fraction
 from numbers import Rational
 
-from freebody.derivations.nodes import (  # noqa: F401  (the nodes are asked for here, with what builds them)
+from freebody.derivations.expressions.nodes import (  # noqa: F401  (the nodes are asked for here, with what builds them)
     Arguments,
     Cross,
     Derivative,
@@ -35,7 +35,7 @@ from freebody.derivations.nodes import (  # noqa: F401  (the nodes are asked for
     Words,
     nodes,
 )
-from freebody.derivations.printed_names import sym
+from freebody.derivations.expressions.printed_names import sym
 
 Like = Expression | Rational | int | str
 """An expression, a number, or the name of a symbol."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 
-from freebody.derivations.angle_sums import Blocks, Monomial, Terms, Wave
+from freebody.derivations.polynomials.angle_sums import Blocks, Monomial, Terms, Wave
 
 Angle = dict[str, int]
 

@@ -8,10 +8,10 @@ from dataclasses import dataclass, fields, is_dataclass
 from fractions import Fraction
 from typing import Any
 
-from freebody.derivations import expression as ex
-from freebody.derivations.angle_sums import Blocks
-from freebody.derivations.expression import Expression
-from freebody.derivations.symbols import RATE, SECOND, Symbols
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Expression
+from freebody.derivations.polynomials.angle_sums import Blocks
+from freebody.derivations.polynomials.symbols import RATE, SECOND, Symbols
 from freebody.lazy import cached_property
 from freebody.model.bodies import Body
 from freebody.model.parameters import Parameter, each_parameter

@@ -1,0 +1,1 @@
+"""Closed forms as exact polynomials, and their views: motion, kinematics, singularities."""

@@ -1,0 +1,1 @@
+"""Formulas of a user between quantities that have names: read, valued, compared."""
