@@ -16,7 +16,7 @@ import pytest
 import freebody as fb
 from freebody.derivations.derive import compare
 from freebody.derivations.expressions.expression import Equation, Symbol, nodes
-from freebody.derivations.render.cited import cited
+from freebody.derivations.render.equation_numbers import cited
 from freebody.model.model import Model
 from support.printed_values import evaluate
 from support.symbolic import METHODS, WAYS, spatial_arm, with_values

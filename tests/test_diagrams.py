@@ -16,8 +16,8 @@ from freebody.figures import mathtext, svg
 from freebody.figures.drawing import Arc, Arrow, Dimension, Label, Line, Mark, Turn
 from freebody.figures.figure import Figure
 from freebody.figures.illustrate import illustrations
+from freebody.figures.label_placement import _overlap
 from freebody.figures.layers.axes import common_normal
-from freebody.figures.placement import _overlap
 from freebody.figures.snapshot import clear_pose, with_values
 from freebody_notes.figures.catalogue import FIGURES
 from freebody_notes.figures.five_bar import closed, five_bar

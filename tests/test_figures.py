@@ -12,9 +12,9 @@ import freebody as fb
 from freebody.cli.app import run
 from freebody.errors import FreebodyError, MissingValueError, ShapeError, UnknownNameError
 from freebody.figures.drawing import Arc, Arrow, Line, Mark, Turn
+from freebody.figures.label_placement import Crowd, Wanted, _overlap
 from freebody.figures.layers import forces
 from freebody.figures.names import Names
-from freebody.figures.placement import Crowd, Wanted, _overlap
 from freebody.figures.plots import Plot, plot, thin, ticks
 from freebody.figures.robot import robot_drawing
 from freebody.figures.snapshot import snapshot

@@ -95,20 +95,20 @@ class Derivation(Titled):
 
     def text(self, width: int = 100) -> str:
         """The derivation for a terminal."""
-        from freebody.derivations.render.book import text
+        from freebody.derivations.render.documents import text
 
         return text(self, width)
 
     def markdown(self, images: Mapping[str, str] | None = None) -> str:
         """The derivation as Markdown, formulas between dollar signs; images: paths of drawings by
         figure."""
-        from freebody.derivations.render.book import markdown
+        from freebody.derivations.render.documents import markdown
 
         return markdown(self, images)
 
     def latex(self) -> str:
         """A LaTeX document."""
-        from freebody.derivations.render.book import latex
+        from freebody.derivations.render.documents import latex
 
         return latex(self)
 
@@ -118,7 +118,7 @@ class Derivation(Titled):
 
         Raises UnknownNameError, and MissingValueError for values that the model does not have.
         """
-        from freebody.derivations.render.book import html
+        from freebody.derivations.render.documents import html
 
         made = self.draw(self, labels) if self.draw else Drawings({}, "")
         return html(self, made.svg, made.style)
@@ -127,7 +127,7 @@ class Derivation(Titled):
         return self.text()
 
     def _repr_html_(self) -> str:
-        from freebody.derivations.render.book import body
+        from freebody.derivations.render.documents import body
 
         made = self.draw(self, "names") if self.draw else Drawings({}, "")
         return (f"<style>{made.style}</style>" if made.style else "") + body(self, made.svg)

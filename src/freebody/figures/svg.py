@@ -27,7 +27,7 @@ from freebody.figures.drawing import (
     View,
     places,
 )
-from freebody.figures.placement import Crowd, Placed, Wanted
+from freebody.figures.label_placement import Crowd, Placed, Wanted
 from freebody.outputs.text import legal
 
 XMLNS = 'xmlns="http://www.w3.org/2000/svg"'

@@ -13,7 +13,7 @@ from freebody.trees.states import integrate
 
 Telling = Callable[[Array], Array]
 """Φ_q (N, m, nv) -> P (N, m, m): the combinations of the equations that count, see
-`scaled.telling`."""
+`scaled_equations.telling`."""
 
 _STEP = 0.6  # rad: the longest step towards closure
 _ITERATIONS = 60

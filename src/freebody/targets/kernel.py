@@ -150,8 +150,8 @@ class Kernel:
     def quick_checked(
         self, general: Callable[..., Any], held: Any = None, units: Sequence[tuple[int, int]] = ()
     ) -> Callable[..., Any] | None:
-        """The same where all is sound too, see `sound.sound`, the four entries at each of `units`
-        of unit length."""
+        """The same where all is sound too, see `finite_check.sound`, the four entries at each of
+        `units` of unit length."""
         return None
 
     def _at_most(self, count: int, arrays: tuple[ArrayLike, ...]) -> bool:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from freebody.derivations.render import page
 from freebody.derivations.render import text as plain
-from freebody.derivations.render.cited import cited
+from freebody.derivations.render.equation_numbers import cited
 from freebody.derivations.render.literal import literal
 from freebody.derivations.render.mathml import mathml
 from freebody.derivations.render.prose import markdown_prose, tex_prose, text_prose, web_prose
