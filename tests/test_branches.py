@@ -9,6 +9,7 @@ import pytest
 import freebody as fb
 from freebody.errors import FreebodyError
 from support.arms import apart, arm, direction, meeting, parallel, skew
+from support.exported import passes, require
 
 
 def industrial(rng):
@@ -229,8 +230,6 @@ def test_what_has_none():
 @pytest.mark.parametrize(("name", "language"), [("ur5e", "c"), ("panda", "javascript")])
 def test_exports(name, language, tmp_path):
     """As C and JavaScript, by their own tests."""
-    from test_exports import passes, require
-
     require(language)
     fb.export(fb.load(name), "inverse_kinematics", tmp_path, language)
     passes(tmp_path, language, "inverse_kinematics")

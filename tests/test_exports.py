@@ -35,23 +35,9 @@ from freebody.targets.text import LANGUAGES, Unit
 from freebody.targets.text.language import called
 from freebody.targets.text.statements import Spelling, lines, statements, words_of
 from support.browser import browser
+from support.exported import NEEDS, TOOL, passes, require, self_test
 from support.extras import extra
 from support.generate import model as mechanism
-
-TOOL = {
-    "c": "cc", "cpp": "c++", "javascript": "node", "javascript-script": "node", "rust": "rustc",
-    "julia": "julia",
-    "matlab": "octave", "cuda": "nvidia-smi", "numpy": sys.executable, "jax": sys.executable,
-    "casadi": sys.executable,
-}  # fmt: skip
-NEEDS = {"jax": "jax", "casadi": "casadi"}
-STRICT = {
-    "cc -std=c99": "cc -std=c99 -Wall -Wextra -Wconversion -Wdouble-promotion -pedantic -Werror",
-    "c++ ": "c++ -Wall -Wextra -Wconversion -pedantic -Werror ",
-    "rustc ": "rustc -D warnings ",
-    "python ": f"{sys.executable} ",
-    "-O2": "-O0",
-}
 
 
 def module_of(language: str) -> ModuleType:
@@ -63,29 +49,6 @@ def module_of(language: str) -> ModuleType:
 def having(table: str) -> list[str]:
     """Languages whose file has a table or bound of that name: a new one is among them by itself."""
     return [language for language in LANGUAGES if hasattr(module_of(language), table)]
-
-
-def require(language: str) -> None:
-    if shutil.which(TOOL[language]) is None:
-        pytest.skip(f"{TOOL[language]} is not installed: {language} is written, not run")
-    if language in NEEDS:
-        extra(NEEDS[language])
-
-
-def self_test(folder: Path, language: str, word: str) -> subprocess.CompletedProcess[str]:
-    """The package's own test, compiled with all warnings as errors."""
-    command = LANGUAGES[language].test.format(name=word)
-    for plain, strict in STRICT.items():
-        command = command.replace(plain, strict)
-    return subprocess.run(
-        command, shell=True, cwd=folder, capture_output=True, text=True, check=False, timeout=300
-    )
-
-
-def passes(folder: Path, language: str, word: str) -> None:
-    done = self_test(folder, language, word)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "passed" in done.stdout
 
 
 def package(program: Program, folder: Path, language: str, dtype: str = "float64") -> None:

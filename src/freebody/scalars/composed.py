@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
-from functools import cached_property, reduce
+from functools import reduce
 from math import isqrt
 from numbers import Rational
 from typing import Any, NamedTuple
@@ -23,6 +23,7 @@ import numpy as np
 
 from freebody.elementary import NUMERIC
 from freebody.errors import FreebodyError, UnknownNameError
+from freebody.lazy import cached_property
 from freebody.scalars.rational import exactly
 
 LARGEST = 300

@@ -4,7 +4,6 @@ clearly."""
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from freebody.algorithms.branches.choose import Kind, recipe_for, without_idle
 from freebody.algorithms.branches.recipes import OneJointHeld, Recipe, WantedMotion
 from freebody.algorithms.screws import ScrewChain, chain_to
 from freebody.elementary import Scalar, epsilon, less, less_equal, maximum, where
+from freebody.lazy import cached_property
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, dot, sub, times, transposed
 
