@@ -8,6 +8,7 @@ import pytest
 
 import freebody as fb
 from freebody.errors import FreebodyError
+from freebody.inverse import by_closed_form
 from support.arms import apart, arm, direction, meeting, parallel, skew
 from support.exported import passes, require
 
@@ -233,3 +234,44 @@ def test_exports(name, language, tmp_path):
     require(language)
     fb.export(fb.load(name), "inverse_kinematics", tmp_path, language)
     passes(tmp_path, language, "inverse_kinematics")
+
+
+@pytest.mark.parametrize("kind", ["an industrial arm", "like a UR, backwards", "a SCARA"])
+def test_many_targets_as_few(kind, monkeypatch):
+    """The function of many targets takes the kernel, and says what it says of one: singular poses,
+    targets out of reach and beyond limits among them."""
+    model = arm(POSES[kind][0](np.random.default_rng(7)), 7)
+    q, _, _ = fb.random_state(model, 5, by_closed_form.MANY)
+    q[:9] *= 0.0  # as singular as it gets
+    T = fb.forward_kinematics(model, q)
+    T[10:14, :3, 3] += 30.0
+    many = fb.inverse_kinematics(model, T, q0=q[40])
+    assert many.residual[np.isfinite(many.residual)].max() < 1e-12
+    monkeypatch.setattr(by_closed_form, "MANY", np.inf)
+    few = fb.inverse_kinematics(model, T, q0=q[40])
+    assert (many.count == few.count).all()
+    assert (many.valid.sum(axis=-1) == many.count).all()
+    assert not many.count[10:14].any()
+    assert np.allclose(many.distance, few.distance)
+    assert (many.distance[10:14] > 20).all()
+    assert many.method == few.method
+    assert many.notes == few.notes
+    for i, row in enumerate(many.q):
+        for x, name in zip(row[many.valid[i]], many.branches[i][many.valid[i]], strict=True):
+            same = [apart(model, x, other) < 1e-6 for other in few.q[i][few.valid[i]]]
+            assert sum(same) == 1
+            assert few.branches[i][few.valid[i]][same] == [name]
+
+
+def test_many_positions_of_a_robot_with_more(monkeypatch):
+    """Joints that do not move the target stay where they were asked to stay."""
+    model = fb.load("ur5e")
+    q, _, _ = fb.random_state(model, 5, by_closed_form.MANY)
+    p = fb.forward_kinematics(model, q, frame="forearm_link")[:, :3, 3]
+    q0 = np.full(6, 0.5)
+    many = fb.inverse_kinematics(model, p, frame="forearm_link", q0=q0)
+    assert (many.q[many.valid][:, 3:] == 0.5).all()
+    monkeypatch.setattr(by_closed_form, "MANY", np.inf)
+    few = fb.inverse_kinematics(model, p, frame="forearm_link", q0=q0)
+    assert (many.count == few.count).all()
+    assert many.notes == few.notes

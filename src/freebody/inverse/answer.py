@@ -9,7 +9,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.inverse.closed_form import ClosedFormSolver, Displacement
 from freebody.inverse.problem import Found, Problem
-from freebody.inverse.solutions import Solutions, Verified, within
+from freebody.inverse.solutions import Solutions, within
 from freebody.inverse.workspace import distances
 
 Away = Callable[[Array], tuple[Array, list[str]]]
@@ -30,34 +30,28 @@ def gathered(
     away: how far targets are out of reach; by default as of an open chain.
     """
     solver, N = problem.solver, len(problem.target)
-    fine = [within(solver, s.q) for s in found.solutions]
-    chosen = [f if problem.limits == "drop" else np.ones(len(f), dtype=bool) for f in fine]
-    k = max((int(c.sum()) for c in chosen), default=0)
-    q, residual = np.full((N, k, solver.model.nq), np.nan), np.full((N, k), np.nan)
-    branches = np.full((N, k), "", dtype=object)
-    inside = np.zeros((N, k), dtype=bool)
-    for i, (s, names, f, c) in enumerate(
-        zip(found.solutions, found.branches, fine, chosen, strict=True)
-    ):
-        n = int(c.sum())
-        q[i, :n], residual[i, :n], inside[i, :n] = (
-            s.q[c],
-            s.miss[c],
-            f[c] | (problem.limits == "ignore"),
-        )
-        branches[i, :n] = [name for name, taken in zip(names, c, strict=True) if taken]
-    notes = list(found.notes) if any(len(s.q) for s in found.solutions) else []
-    lost = [i for i, s in enumerate(found.solutions) if not len(s.q)]
+    there = np.isfinite(found.miss)
+    fine = there & within(solver, found.q)
+    chosen = fine if problem.limits == "drop" else there
+    k = int(chosen.sum(axis=-1).max(initial=0))
+    first = np.argsort(~chosen, axis=-1, kind="stable")[:, :k]
+    taken = np.take_along_axis(chosen, first, axis=-1)
+    q = np.where(taken[..., None], np.take_along_axis(found.q, first[..., None], axis=1), np.nan)
+    residual = np.where(taken, np.take_along_axis(found.miss, first, axis=1), np.nan)
+    branches = np.where(taken, np.take_along_axis(found.branches, first, axis=1), "")
+    inside = taken & (np.take_along_axis(fine, first, axis=1) | (problem.limits == "ignore"))
+    lost = found.lost
+    notes = list(found.notes) if len(lost) < N else []
     distance = np.zeros(N)
-    if lost:
+    if len(lost):
         part = None if X is None else Displacement(X.R[lost], X.p[lost])
         goals = problem.target[lost]
         distance[lost], sentences = away(goals) if away else distances(solver, form, part, goals)
         notes += _each_once(sentences, lost, N)
-    notes += _each_once(*_dropped(problem, found.solutions, chosen), N)
+    notes += _each_once(*_dropped(problem, found, there, chosen), N)
     return Solutions(
-        q.reshape(*batch, k, -1) if k else q.reshape(*batch, 0, solver.model.nq),
-        branches.astype(str).reshape(*batch, k),
+        q.reshape(*batch, k, solver.model.nq),
+        branches.reshape(*batch, k),
         residual.reshape(*batch, k),
         inside.reshape(*batch, k),
         distance.reshape(batch),
@@ -67,29 +61,28 @@ def gathered(
 
 
 def _dropped(
-    problem: Problem, solutions: list[Verified], chosen: list[np.ndarray]
-) -> tuple[list[str], list[int]]:
+    problem: Problem, found: Found, there: np.ndarray, chosen: np.ndarray
+) -> tuple[list[str], np.ndarray]:
     """A sentence for each target all of whose solutions lie outside the limits."""
-    sentences, rows = [], []
+    sentences = []
     low, high = problem.solver.bounds
     names = problem.solver.model.position_names
-    for i, (s, c) in enumerate(zip(solutions, chosen, strict=True)):
-        if len(s.q) and not c.any():
-            bad = [
-                names[k]
-                for k in range(len(names))
-                if ((s.q[:, k] < low[k] - 1e-9) | (s.q[:, k] > high[k] + 1e-9)).any()
-            ]
-            sentences.append(
-                f"Within reach, but each of the {len(s.q)} solutions leaves a joint's limits "
-                f"({', '.join(bad)}); "
-                'limits="mark" returns them.'
-            )
-            rows.append(i)
+    rows = np.flatnonzero(there.any(axis=-1) & ~chosen.any(axis=-1))
+    for i in rows:
+        q = found.q[i][there[i]]
+        bad = [
+            names[k]
+            for k in range(len(names))
+            if ((q[:, k] < low[k] - 1e-9) | (q[:, k] > high[k] + 1e-9)).any()
+        ]
+        sentences.append(
+            f"Within reach, but each of the {len(q)} solutions leaves a joint's limits "
+            f'({", ".join(bad)}); limits="mark" returns them.'
+        )
     return sentences, rows
 
 
-def _each_once(sentences: list[str], rows: list[int], N: int) -> list[str]:
+def _each_once(sentences: list[str], rows: np.ndarray, N: int) -> list[str]:
     """Sentences, with their samples where there are several targets; three of them at most."""
     if N == 1 or not sentences:
         return sentences

@@ -11,7 +11,7 @@ from freebody.arrays import Array
 from freebody.inverse.answer import gathered
 from freebody.inverse.levenberg_marquardt import descend
 from freebody.inverse.numerical_solver import EXACT, NumericalSolver
-from freebody.inverse.problem import Found, Problem
+from freebody.inverse.problem import Found, Problem, found_in_turn
 from freebody.inverse.solutions import ALIKE, APART, Solutions, Verified, wrapped
 from freebody.lazy import cached_property
 from freebody.loops.dyad_decomposition import Decomposition, decomposed
@@ -48,7 +48,8 @@ def of_closed_chain(problem: Problem, batch: tuple[int, ...]) -> Solutions:
                 work.plan.branches(s.q, target[None])
                 for s, target in zip(solutions, problem.target, strict=True)
             ]
-            found = Found(solutions, branches, "dyads, in closed form", [])
+            nq = problem.solver.model.nq
+            found = found_in_turn(solutions, branches, nq, "dyads, in closed form", [])
             return gathered(problem, None, None, found, batch, work.away)
     return gathered(problem, None, None, _searched(work), batch, work.away)
 
@@ -77,7 +78,8 @@ def _searched(work: _Held) -> Found:
         ]
     )
     method = f"Levenberg–Marquardt from {len(starts)} starts, loops and tip together"
-    return Found(solutions, [[""] * len(s.q) for s in solutions], method, notes)
+    names = [[""] * len(s.q) for s in solutions]
+    return found_in_turn(solutions, names, problem.solver.model.nq, method, notes)
 
 
 @dataclass(frozen=True, eq=False)

@@ -56,8 +56,8 @@ class ClosedFormSolver(ABC):
         """Candidates (N, k, n); joints that could stand anywhere stay at `prefer` (n,)."""
 
     @abstractmethod
-    def label(self, x: Array) -> list[str]:
-        """Name of the branch of one solution x (n,), in parts."""
+    def label(self, x: Array) -> list[np.ndarray]:
+        """Names (...) of the branches of solutions x (..., n), in parts."""
 
     def reached(self, X: Displacement) -> Reached | None:
         """(screws, c, points): a target is in the workspace where the screws bring the point c (3,)
@@ -86,7 +86,7 @@ class ThreeJointPosition(ClosedFormSolver):
         assert found is not None  # `closed_form_for` has tried
         return found
 
-    def label(self, x: Array) -> list[str]:
+    def label(self, x: Array) -> list[np.ndarray]:
         return branch_names.arm(self.screws, self.chain.p, x)
 
     def reached(self, X: Displacement) -> Reached | None:
@@ -102,7 +102,7 @@ class ThreeJointOrientation(ClosedFormSolver):
     def solve(self, X: Displacement, prefer: Array) -> Candidates:
         return wrist(self.screws, X.R, prefer)
 
-    def label(self, x: Array) -> list[str]:
+    def label(self, x: Array) -> list[np.ndarray]:
         return branch_names.wrist(self.screws, x)
 
 
@@ -125,9 +125,9 @@ class SphericalWristArm(ClosedFormSolver):
         hand = wrist(self.screws[3:], np.swapaxes(R, -1, -2) @ X.R[:, None], prefer[3:])
         return _every_pair(arm, hand)
 
-    def label(self, x: Array) -> list[str]:
-        return branch_names.arm(self.screws[:3], self.c, x[:3]) + branch_names.wrist(
-            self.screws[3:], x[3:]
+    def label(self, x: Array) -> list[np.ndarray]:
+        return branch_names.arm(self.screws[:3], self.c, x[..., :3]) + branch_names.wrist(
+            self.screws[3:], x[..., 3:]
         )
 
     def reached(self, X: Displacement) -> Reached | None:
@@ -186,11 +186,12 @@ class ThreeParallelAxes(ClosedFormSolver):
         shift = motion(np.zeros(3))
         return Displacement(np.stack([motion(e) - shift for e in np.eye(3)], axis=-1), shift)
 
-    def label(self, x: Array) -> list[str]:
+    def label(self, x: Array) -> list[np.ndarray]:
         s1, s2, s3, s4, s5, s6 = self.screws
-        side = branch_names.shoulder(s1, s2, s2.moved(x[1], s3.moved(x[2], s4.moved(x[3], self.c))))
-        elbow = branch_names.elbow(s2, s3, s4.p, x[1:3], side)
-        return [side, elbow, branch_names.flip(s2.w, s5, s6.w, x[4])]
+        carried = s3.moved(x[..., 2], s4.moved(x[..., 3], self.c))
+        side = branch_names.shoulder(s1, s2, s2.moved(x[..., 1], carried))
+        elbow = branch_names.elbow(s2, s3, s4.p, x[..., 1:3], side)
+        return [side, elbow, branch_names.flip(s2.w, s5, s6.w, x[..., 4])]
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,8 +208,8 @@ class ReversedArm(ClosedFormSolver):
         found = self.forward.solve(X.inverse(), -prefer[::-1])
         return Candidates(-found.x[..., ::-1], found.free[..., ::-1])
 
-    def label(self, x: Array) -> list[str]:
-        return self.forward.label(-x[::-1])
+    def label(self, x: Array) -> list[np.ndarray]:
+        return self.forward.label(-x[..., ::-1])
 
     def reached(self, X: Displacement) -> Reached | None:
         return self.forward.reached(X.inverse())

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.inverse.answer import gathered
+from freebody.inverse.by_closed_form import by_closed_form
 from freebody.inverse.choose_closed_form import (
     can_serve,
     closed_form_for,
@@ -18,15 +18,14 @@ from freebody.inverse.choose_closed_form import (
     displacement_to_points,
 )
 from freebody.inverse.closed_chains import of_closed_chain
-from freebody.inverse.closed_form import ClosedFormSolver, Displacement
+from freebody.inverse.closed_form import ClosedFormSolver
 from freebody.inverse.many_starts import by_search
 from freebody.inverse.numerical_solver import NumericalSolver
-from freebody.inverse.problem import Found, Problem
-from freebody.inverse.solutions import Solutions, verified
+from freebody.inverse.problem import Found, Problem, found_in_turn
+from freebody.inverse.solutions import Solutions
 from freebody.inverse.task import read_target
 from freebody.model.model import Model
 from freebody.trees.public_calls import Vector, finite_vector
-from freebody.trees.states import neutral
 
 LIMITS = ("mark", "drop", "ignore")
 
@@ -90,59 +89,19 @@ def inverse_kinematics(
         if not can_serve(form, chosen, X):
             form = X = None
     if not len(flat):
-        found = Found([], [], form.name() if form is not None else "Levenberg–Marquardt", [])
+        method = form.name() if form is not None else "Levenberg–Marquardt"
+        found = found_in_turn([], [], model.nq, method, [])
     elif form is not None and X is not None:
-        found = _with_families(problem, form, _by_form(problem, form, X))
+        found = _with_families(problem, form, by_closed_form(problem, form, X))
     else:
         found = by_search(problem)
     return gathered(problem, form, X, found, poses.shape[:-2])
 
 
-# ---------------------------------------------------------------- in closed form
-def _by_form(problem: Problem, form: ClosedFormSolver, X: Displacement) -> Found:
-    solver, chain = problem.solver, form.chain
-    rest = np.zeros(solver.model.nq) if problem.q0 is None else problem.q0
-    base = np.clip(neutral(solver.model), *solver.bounds) if problem.q0 is None else problem.q0
-    with np.errstate(invalid="ignore"):
-        candidates = form.solve(X, chain.positions(rest))
-    q = chain.coordinates(candidates.x, base)
-    solutions = verified(solver, q, problem.target, problem.reference)
-    branches = [
-        [", ".join(filter(None, form.label(chain.positions(row)))) for row in s.q]
-        for s in solutions
-    ]
-    free = np.zeros(len(chain.screws), dtype=bool)
-    for i, s in enumerate(solutions):
-        free |= candidates.free[i][s.row].any(axis=0)
-    names = [_joint_at(solver.model, int(chain.index[k])) for k in np.flatnonzero(free)]
-    notes = [_free_note(name) for name in names]
-    idle = solver.moving.copy()
-    idle[chain.index] = False
-    if idle.any():
-        names = ", ".join(repr(_joint_at(solver.model, int(k))) for k in np.flatnonzero(idle))
-        notes.append(f"Left alone, as they do not move the target's point: {names}.")
-    return Found(solutions, branches, form.name(), notes)
-
-
 def _with_families(problem: Problem, form: ClosedFormSolver, found: Found) -> Found:
     """A form for fewer rows than the task counts gives one member of a family of solutions: the
     right one is sought."""
-    lost = [i for i, s in enumerate(found.solutions) if not len(s.q)]
-    if not lost or len(problem.solver.task.rows) <= len(form.screws):
+    lost = found.lost
+    if not len(lost) or len(problem.solver.task.rows) <= len(form.screws):
         return found
-    sought = by_search(replace(problem, target=problem.target[lost]))
-    for i, s in zip(lost, sought.solutions, strict=True):
-        found.solutions[i], found.branches[i] = s, [""] * len(s.q)
-    return found
-
-
-def _joint_at(model: Model, index: int) -> str:
-    return model.position_names[index]
-
-
-def _free_note(joint: str) -> str:
-    return (
-        f"Joint {joint!r} may take any angle at this target, the others make up for it: a whole "
-        f"family of solutions, "
-        "of which one is given for each branch, that with the angle of q0 (0 without q0)."
-    )
+    return found.with_rows(lost, by_search(replace(problem, target=problem.target[lost])))

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.inverse.problem import Found, Problem
+from freebody.inverse.problem import Found, Problem, found_in_turn
 from freebody.inverse.solutions import ALIKE, APART, Verified, verified, within
 from freebody.trees.states import random_state
 
@@ -41,9 +41,10 @@ def by_search(problem: Problem) -> Found:
             f"all."
         ]
     )
-    return Found(
+    return found_in_turn(
         solutions,
         [[""] * len(s.q) for s in solutions],
+        solver.model.nq,
         f"Levenberg–Marquardt from {K} starts",
         notes,
     )

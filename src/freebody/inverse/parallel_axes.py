@@ -63,11 +63,11 @@ class ParallelAxesArm(ClosedFormSolver):
             return Candidates(-back.x[..., ::-1], back.free[..., ::-1])
         return _turn_between_slides(s, X)
 
-    def label(self, x: Array) -> list[str]:
+    def label(self, x: Array) -> list[np.ndarray]:
         s = [self.screws[i] for i in self.across]
-        y = x[list(self.across)]
+        y = x[..., list(self.across)]
         if len(s) == 3 and not s[2].turning and s[0].turning:
-            s, y = s[::-1], -y[::-1]
+            s, y = s[::-1], -y[..., ::-1]
         if len(s) == 3 and not s[2].turning:
             return []
         c = s[2].p if len(s) == 3 else self.chain.p
@@ -76,9 +76,9 @@ class ParallelAxesArm(ClosedFormSolver):
             len(s) > 1 and s[0].turning and s[1].turning
         ):  # names do not depend on the sense of the axes
             upper, fore = (replace(up, p=screw.p) for screw in s[:2])
-            bent = y[:2] * [screw.w @ self.normal for screw in s[:2]]
+            bent = y[..., :2] * [screw.w @ self.normal for screw in s[:2]]
             return [branch_names.elbow(upper, fore, c, bent, words=self.words)]
-        return branch_names.pair(s[0], s[1], c, y[:2]) if len(s) > 1 else []
+        return branch_names.pair(s[0], s[1], c, y[..., :2]) if len(s) > 1 else []
 
     def reached(self, X: Displacement) -> Reached | None:
         if len(self.across) < 3:

@@ -26,11 +26,11 @@ class Solutions(Tabled, ByValue):
     """What `inverse_kinematics` found for one target, or for a batch of them (...).
 
     q: (k, nq), one row a solution; of a batch (..., k, nq), k the largest number, NaN where a
-    target has fewer. branches: (..., k) names such as "elbow up"; "" where there is no name or no
-    solution. residual: (..., k), by forward kinematics, the larger of m and rad. within_limits:
-    (..., k). distance: (...) from the workspace, m; 0 where there are solutions, or only the
-    orientation cannot be had. method: what was done. notes: what else is worth knowing, such as
-    joints that could stand anywhere.
+    target has fewer. valid: (..., k), which rows are solutions. branches: (..., k) names such as
+    "elbow up"; "" where there is no name or no solution. residual: (..., k), by forward kinematics,
+    the larger of m and rad. within_limits: (..., k). distance: (...) from the workspace, m; 0 where
+    there are solutions, or only the orientation cannot be had. method: what was done. notes: what
+    else is worth knowing, such as joints that could stand anywhere.
     """
 
     q: Array
@@ -46,9 +46,14 @@ class Solutions(Tabled, ByValue):
         return self.q.shape[-2]
 
     @property
+    def valid(self) -> np.ndarray:
+        """Which rows of q are solutions (..., k); the others are NaN."""
+        return np.isfinite(self.residual)
+
+    @property
     def count(self) -> np.ndarray:
         """How many solutions each target has (...)."""
-        return np.isfinite(self.residual).sum(axis=-1)
+        return np.asarray(self.valid.sum(axis=-1))
 
     def _found(self) -> str:
         if self.q.ndim > 2:

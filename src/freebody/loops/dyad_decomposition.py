@@ -63,7 +63,7 @@ class Decomposition:
             label = step.label(at)
             if label is not None:
                 words = [f"{step.called} {way}" for way in (*step.ways, "straight")]
-                columns.append([side_of(float(x), 1.0, *words) for x in label[0]])
+                columns.append(side_of(label[0], 1.0, *words).tolist())
         return (
             [", ".join(names) for names in zip(*columns, strict=True)] if columns else [""] * len(q)
         )

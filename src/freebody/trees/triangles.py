@@ -24,6 +24,10 @@ def by_triangle(above: Array, below: Array, scale: Array) -> Array:
     return np.where(good, psi, np.nan)
 
 
-def side_of(value: float, size: float, positive: str, negative: str, between: str) -> str:
-    """One of three words by the sign of a value, `between` where it is small beside `size`."""
-    return between if abs(value) <= _FLAT * size else positive if value > 0 else negative
+def side_of(
+    value: Array, size: Array | float, positive: str, negative: str, between: str | np.ndarray
+) -> np.ndarray:
+    """One of three words (...) by the sign of values (...), `between` where they are small beside
+    `size`."""
+    flat = np.abs(value) <= _FLAT * size
+    return np.where(flat, between, np.where(value > 0, positive, negative))
