@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.derivations.closed.first_kind import FirstKind
-from freebody.derivations.closed.statics import LoopStatics
+from freebody.derivations.closed_chains.first_kind import FirstKind
+from freebody.derivations.closed_chains.statics import LoopStatics
 
 PLANAR = ["slider_crank", "four_bar", "five_bar", "five_bar_rods", "double_four_bar"]
 METHOD = "lagrange-first-kind"

@@ -19,7 +19,7 @@ from freebody.figures.plots import Plot, plot, thin, ticks
 from freebody.figures.robot import robot_drawing
 from freebody.figures.snapshot import snapshot
 from freebody.figures.svg import picture
-from freebody.figures.symbols import MARKS
+from freebody.figures.svg_symbols import MARKS
 from freebody.figures.text import plain
 from freebody.model.joints import KINDS
 from freebody.outputs.numbers import significant

@@ -10,7 +10,7 @@ import pytest
 import freebody as fb
 from freebody.derivations.check.example import example
 from freebody.derivations.check.right_equations import setting
-from freebody.derivations.closed.linear import product
+from freebody.derivations.closed_chains.linear import product
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.render.latex import width
 from support.printed_values import evaluate

@@ -66,7 +66,7 @@ AREAS = (
     ),
     Area(
         "derivations",
-        ("derivations/*.py", "derivations/methods/*.py", "derivations/closed/*.py",
+        ("derivations/*.py", "derivations/methods/*.py", "derivations/closed_chains/*.py",
          "derivations/render/*.py"),
         ("derivation_words", "equations", "expression", "relation", "closed_equations",
          "closed_derivations", "naming",

@@ -87,7 +87,7 @@ _PLACES = {
     "freebody.kernels.own_functions": ("compile",),
     "freebody.kernels.scalar_formulas": ("formula",),
     "freebody.derivations.equations.equations": ("equations",),
-    "freebody.derivations.closed.loops": ("loop_equations",),
+    "freebody.derivations.closed_chains.loops": ("loop_equations",),
     "freebody.figures.illustrate": ("derive",),
     "freebody.derivations.check.check": ("check",),
     "freebody.derivations.relations.quantities": ("quantities",),

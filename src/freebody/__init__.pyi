@@ -2,7 +2,7 @@
 
 from . import math as math
 from freebody.derivations.check.check import check as check
-from freebody.derivations.closed.loops import loop_equations as loop_equations
+from freebody.derivations.closed_chains.loops import loop_equations as loop_equations
 from freebody.derivations.equations.equations import equations as equations
 from freebody.derivations.relations.functions import sampled_trajectory as sampled_trajectory
 from freebody.derivations.relations.functions import trajectory as trajectory

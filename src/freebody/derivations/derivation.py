@@ -13,8 +13,8 @@ from freebody.outputs.display import Titled, counted
 from freebody.scalars.trig import Trig
 
 if TYPE_CHECKING:
-    from freebody.derivations.closed.first_kind import FirstKind
-    from freebody.derivations.closed.statics import LoopStatics
+    from freebody.derivations.closed_chains.first_kind import FirstKind
+    from freebody.derivations.closed_chains.statics import LoopStatics
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from freebody.derivations.closed.first_kind import MULTIPLIER
+from freebody.derivations.closed_chains.first_kind import MULTIPLIER
 from freebody.derivations.derivation import Comparison, Derivation
 from freebody.derivations.methods import METHODS
 from freebody.derivations.methods.method import Method

@@ -12,7 +12,7 @@ FORCES = {
     "external": "external",
     "moment": "moment",
 }
-"""The colour, one of those below, of what acts on a body, by its role (`loads.Load`)."""
+"""The colour, one of those below, of what acts on a body, by its role (`body_loads.Load`)."""
 
 _LIGHT = {
     "paper": "#ffffff", "ink": "#1c2430", "soft": "#66707d", "dimension": "#66707d",

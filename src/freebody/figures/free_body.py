@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
+from freebody.figures.body_loads import BodyLoads
 from freebody.figures.drawing import Drawing
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.labelling import labels_of, metres
 from freebody.figures.layers import forces
-from freebody.figures.layers.forces import Scale
+from freebody.figures.layers.force_scale import Scale, common_or_own_scales
 from freebody.figures.layers.space import round_down
-from freebody.figures.loads import BodyLoads
 from freebody.figures.names import Names, names_of
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.model.model import Model
@@ -105,7 +105,7 @@ def diagrams(
 ) -> tuple[Drawing, ...]:
     """Drawings of all bodies, seen from one side; lengths and forces to one scale where their sizes
     allow it. parts: of `forces.PARTS`; missing: parameters for which values were assumed."""
-    scales = forces.scales(seen.loads)
+    scales = common_or_own_scales(seen.loads)
     drawings = []
     for loads, scale in zip(seen.loads, scales, strict=True):
         drawing = forces.alone(seen, loads.body, names, parts, scale)

@@ -1,5 +1,5 @@
-"""A joint's symbol, as its kind describes it (`model/joints`): a mark in the plane, solids in
-space."""
+"""A joint's symbol, as its kind describes it (`model/joints`: `mark`, `solids`): a mark in the
+plane, solids in space. What a mark looks like: `svg_symbols.MARKS`."""
 
 from __future__ import annotations
 

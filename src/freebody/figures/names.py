@@ -13,7 +13,7 @@ from freebody.derivations.expressions.expression import Symbol
 from freebody.derivations.expressions.printed_names import GREEK, sym
 from freebody.derivations.naming import TIP, Naming
 from freebody.derivations.polynomials.symbols import RATE, SECOND
-from freebody.figures.loads import Load, label
+from freebody.figures.body_loads import Load, label
 from freebody.figures.skeleton import BodyPlace, End
 from freebody.model.model import Model
 

@@ -11,8 +11,8 @@ import numpy as np
 from scipy.optimize import root
 
 from freebody.arrays import Array
+from freebody.figures.body_loads import BodyLoads, body_loads
 from freebody.figures.drawing import SAME
-from freebody.figures.loads import BodyLoads, body_loads
 from freebody.figures.skeleton import BodyPlace, End, Skeleton, extent, skeleton
 from freebody.lazy import cached_property
 from freebody.loops.assembly import assemble

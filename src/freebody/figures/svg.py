@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures import colours, labelling, mathtext, symbols
+from freebody.figures import colours, labelling, mathtext, svg_symbols
 from freebody.figures import text as texts
 from freebody.figures.drawing import (
     Arc,
@@ -166,7 +166,7 @@ def _fit(drawing: Drawing, width: float, tallest: float) -> tuple[Page, float]:
 
 def _line(page: Page, e: Line) -> None:
     points = [page.at(p) for p in e.points]
-    d = symbols.path(points, e.closed)
+    d = svg_symbols.path(points, e.closed)
     if e.width:
         edge = f'<path class="edge" stroke-width="{e.width + 2.4:g}" d="{d}"/>'
         bar = f'<path class="bar" stroke-width="{e.width:g}" d="{d}"/>'
@@ -181,7 +181,7 @@ def _line(page: Page, e: Line) -> None:
 
 def _arrow(page: Page, e: Arrow) -> None:
     a, b = _beside(page.at(e.start), page.at(e.end), e.aside)
-    page.body.append(symbols.arrow(a, b, e.role, e.heads, _tooltip(page, e)))
+    page.body.append(svg_symbols.arrow(a, b, e.role, e.heads, _tooltip(page, e)))
     page.crowd.keep_clear(a, b)
     dx, dy = (b[0] - a[0], b[1] - a[1])
     beyond = (*b, dx, dy) if math.hypot(dx, dy) > 1 else (*b, 1.0, -1.0)
@@ -195,8 +195,8 @@ def _arrow(page: Page, e: Arrow) -> None:
 
 
 def _beside(
-    a: symbols.Pixel, b: symbols.Pixel, aside: float
-) -> tuple[symbols.Pixel, symbols.Pixel]:
+    a: svg_symbols.Pixel, b: svg_symbols.Pixel, aside: float
+) -> tuple[svg_symbols.Pixel, svg_symbols.Pixel]:
     """A segment moved some pixels to its left."""
     length = math.dist(a, b)
     if not aside or not length:
@@ -208,7 +208,7 @@ def _beside(
 def _dimension(page: Page, e: Dimension) -> None:
     ends = page.at(e.start), page.at(e.end)
     a, b = _beside(*ends, e.aside)
-    page.body.append(symbols.dimension(ends, (a, b)))
+    page.body.append(svg_symbols.dimension(ends, (a, b)))
     page.crowd.keep_clear(a, b)
     for end, moved in zip(ends, (a, b), strict=True):
         page.crowd.keep_clear(end, moved)
@@ -219,21 +219,21 @@ def _dimension(page: Page, e: Dimension) -> None:
 
 def _turn(page: Page, e: Turn) -> None:
     at, title = page.at(e.at), _tooltip(page, e)
-    page.body.append(symbols.turn(at, e.radius, e.value, e.role, title, e.facing, e.span))
+    page.body.append(svg_symbols.turn(at, e.radius, e.value, e.role, title, e.facing, e.span))
     start, sweep = math.radians(e.facing - e.span / 2), math.radians(e.span)
     page.around(e, f"{e.role}-text", e.radius, start, sweep, (0.75, 0.25, 0.5, 1.0, 0.0))
 
 
 def _arc(page: Page, e: Arc) -> None:
     r = e.radius * page.scale
-    page.body.append(symbols.arc(page.at(e.at), r, e.start, e.sweep))
+    page.body.append(svg_symbols.arc(page.at(e.at), r, e.start, e.sweep))
     page.around(e, "", r, e.start, e.sweep, (0.5, 0.7, 0.3))
 
 
 def _mark(page: Page, e: Mark) -> None:
     x, y = page.at(e.at)
     u, v = page.towards(e.direction) if e.direction else (1.0, 0.0)
-    page.body.append(symbols.MARKS[e.kind]((x, y), e.size, (u, v), e.role))
+    page.body.append(svg_symbols.MARKS[e.kind]((x, y), e.size, (u, v), e.role))
     page.crowd.keep_clear((x - e.size * 0.7, y), (x + e.size * 0.7, y))
     page.around(e, "", e.size, 0.0, 2 * math.pi, ())
     if e.kind == "ground":
@@ -244,9 +244,11 @@ def _mark(page: Page, e: Mark) -> None:
 
 
 def _prism(page: Page, e: Prism) -> None:
-    near, far = symbols.prism_rings(e, page.drawing.view)
-    page.body.append(symbols.prism([page.at(p) for p in near], [page.at(p) for p in far], e.far))
-    outline = symbols.hull([page.at(p) for p in near + far])
+    near, far = svg_symbols.prism_rings(e, page.drawing.view)
+    page.body.append(
+        svg_symbols.prism([page.at(p) for p in near], [page.at(p) for p in far], e.far)
+    )
+    outline = svg_symbols.hull([page.at(p) for p in near + far])
     for a, b in zip(outline, outline[1:] + outline[:1], strict=True):
         page.crowd.keep_clear(a, b)
 
@@ -303,7 +305,7 @@ def _corners(drawing: Drawing, page: Page, height: float) -> list[str]:
     x = 14.0
     for metres, label, role in drawing.rulers:
         length = metres * page.scale
-        out.append(symbols.ruler((x, height - 10.0), length, label, role))
+        out.append(svg_symbols.ruler((x, height - 10.0), length, label, role))
         x += max(length, texts.width(label, 11)) + 26
     return out + (_compass(drawing.view, (width - 34.0, height - 26.0)) if drawing.compass else [])
 
@@ -313,7 +315,7 @@ def _compass(view: View, at: tuple[float, float]) -> list[str]:
     out = []
     for k, name in enumerate("xyz"[: len(view.rows[0])]):
         u, v = 20.0 * view.rows[0][k], -20.0 * view.rows[1][k]
-        out.append(symbols.arrow(at, (at[0] + u, at[1] + v), name))
+        out.append(svg_symbols.arrow(at, (at[0] + u, at[1] + v), name))
         far = 1.0 + 9.0 / max(math.hypot(u, v), 6.0)
         out.append(_centred("tick", at[0] + far * u, at[1] + far * v + 4, name))
     return out

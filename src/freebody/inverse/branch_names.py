@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from freebody.algorithms.lines import parallel, perpendicular
+from freebody.algorithms.joint_lines import parallel, perpendicular
 from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
 from freebody.inverse import subproblems as sp

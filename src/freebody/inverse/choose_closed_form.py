@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from freebody.algorithms.lines import off_axis, parallel
+from freebody.algorithms.joint_lines import off_axis, parallel
 from freebody.algorithms.screws import SAME, ScrewChain, chain_to
 from freebody.arrays import Array
 from freebody.inverse.closed_form import (

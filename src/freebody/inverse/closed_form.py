@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from freebody.algorithms.lines import can_meet, common_point, parallel
+from freebody.algorithms.joint_lines import can_meet, common_point, parallel
 from freebody.algorithms.screws import Screw, ScrewChain
 from freebody.arrays import Array
 from freebody.inverse import branch_names

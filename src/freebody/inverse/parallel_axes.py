@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from freebody.algorithms.lines import can_meet, parallel, perpendicular
+from freebody.algorithms.joint_lines import can_meet, parallel, perpendicular
 from freebody.algorithms.screws import Screw, ScrewChain
 from freebody.arrays import Array
 from freebody.inverse import branch_names

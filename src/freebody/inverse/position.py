@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from freebody.algorithms.lines import (
+from freebody.algorithms.joint_lines import (
     can_meet,
     changes_distance,
     changes_height,

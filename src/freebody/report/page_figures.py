@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from freebody.figures.body_loads import BodyLoads
 from freebody.figures.free_body import PANEL, TALLEST, diagrams
-from freebody.figures.loads import BodyLoads
 from freebody.figures.names import names_of
 from freebody.figures.plots import Plot, plot
 from freebody.figures.robot import robot_drawing

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from markupsafe import Markup
 
-from freebody.figures.loads import BodyLoads, Load
+from freebody.figures.body_loads import BodyLoads, Load
 from freebody.figures.text import html
 from freebody.model.description import Joint
 from freebody.report.results_dataset import facts

@@ -25,7 +25,7 @@ from freebody.algorithms.branches.places import (
     onto,
     turning,
 )
-from freebody.algorithms.lines import (
+from freebody.algorithms.joint_lines import (
     can_meet,
     changes_distance,
     changes_height,

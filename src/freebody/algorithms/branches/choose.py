@@ -19,7 +19,13 @@ from freebody.algorithms.branches.recipes import (
     SphericalWrist,
     ThreeParallel,
 )
-from freebody.algorithms.lines import can_meet, common_point, off_axis, parallel, perpendicular
+from freebody.algorithms.joint_lines import (
+    can_meet,
+    common_point,
+    off_axis,
+    parallel,
+    perpendicular,
+)
 from freebody.algorithms.screws import SAME, Screw, ScrewChain
 from freebody.arrays import Array
 

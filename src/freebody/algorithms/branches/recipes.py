@@ -24,7 +24,7 @@ from freebody.algorithms.branches.places import (
     turn_by,
     turning,
 )
-from freebody.algorithms.lines import off_axis
+from freebody.algorithms.joint_lines import off_axis
 from freebody.algorithms.screws import SAME, Screw
 from freebody.arrays import Array
 from freebody.elementary import Scalar

@@ -10,7 +10,6 @@ from freebody.derivations.check import coriolis, example, undriven_joints
 from freebody.derivations.check.answer_text import AnswerText
 from freebody.derivations.check.answer_tree import Named
 from freebody.derivations.check.asked_quantities import Targets
-from freebody.derivations.check.causes import Causes, related
 from freebody.derivations.check.claims import Claim
 from freebody.derivations.check.differences import (
     Difference,
@@ -21,6 +20,7 @@ from freebody.derivations.check.differences import (
 )
 from freebody.derivations.check.finite_field import Point, random_point
 from freebody.derivations.check.finite_field_tree import Workspace
+from freebody.derivations.check.misconceptions import Misconceptions, related
 from freebody.derivations.check.misreadings import misread
 from freebody.derivations.check.reading import AnswerParser
 from freebody.derivations.check.repairs import Repair, Repairs
@@ -166,9 +166,9 @@ class Judge:
         finding, doubt = misread(self.setting, self.targets, claim, work, value)
         if finding is not None:
             return [finding], []
-        causes = Causes(self.setting, self.targets, claim.target, right, self.point).explaining(
-            work.value
-        )
+        causes = Misconceptions(
+            self.setting, self.targets, claim.target, right, self.point
+        ).explaining(work.value)
         findings = _Explanation(self, claim, right, work, value).findings(bool(causes))
         return findings, [doubt] * bool(doubt) + causes + self._units(claim.value, right)
 

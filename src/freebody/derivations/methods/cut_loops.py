@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from freebody.algorithms import loop_constraints
 from freebody.algorithms.kinematics import frame_pose
-from freebody.derivations.closed.first_kind import FirstKind, multiplier_names
-from freebody.derivations.closed.loops import LoopEquations
+from freebody.derivations.closed_chains.first_kind import FirstKind, multiplier_names
+from freebody.derivations.closed_chains.loops import LoopEquations
 from freebody.derivations.derivation import Step
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq

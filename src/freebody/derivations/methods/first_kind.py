@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 
-from freebody.derivations.closed.first_kind import Reduction
-from freebody.derivations.closed.linear import Ratio, product, quotient
+from freebody.derivations.closed_chains.first_kind import Reduction
+from freebody.derivations.closed_chains.linear import Ratio, product, quotient
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from freebody.derivations.closed.input_output import ClosedInputOutput
-from freebody.derivations.closed.linear import product, quotient
+from freebody.derivations.closed_chains.input_output import ClosedInputOutput
+from freebody.derivations.closed_chains.linear import product, quotient
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.equations.singularities import Determinant
 from freebody.derivations.expressions import expression as ex

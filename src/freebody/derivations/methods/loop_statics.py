@@ -8,8 +8,8 @@ from dataclasses import replace
 
 from freebody.algorithms import loop_constraints
 from freebody.algorithms.kinematics import frame_pose
-from freebody.derivations.closed.linear import Ratio, product
-from freebody.derivations.closed.statics import LoopStatics
+from freebody.derivations.closed_chains.linear import Ratio, product
+from freebody.derivations.closed_chains.statics import LoopStatics
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq

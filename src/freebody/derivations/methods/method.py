@@ -6,8 +6,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from freebody.derivations.closed.first_kind import FirstKind
-from freebody.derivations.closed.statics import LoopStatics
+from freebody.derivations.closed_chains.first_kind import FirstKind
+from freebody.derivations.closed_chains.statics import LoopStatics
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.methods.setting import Setting
 from freebody.errors import UnknownNameError

@@ -4,75 +4,32 @@ apart at the joints."""
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.figures.body_loads import BodyLoads, Load
 from freebody.figures.colours import FORCES
 from freebody.figures.drawing import SAME, Arrow, Dimension, Drawing, Element, Line, Turn, point
 from freebody.figures.joint_symbols import flat_joint, solid_joint
 from freebody.figures.layers import axes, geometry, space, vectors
+from freebody.figures.layers.force_scale import (
+    Scale,
+    common_or_own_scales,
+    extent_with_forces,
+    scale_of,
+)
 from freebody.figures.layers.plane import add_body, letter
 from freebody.figures.layers.structure import Layer, of_each, view_of
-from freebody.figures.loads import BodyLoads, Load
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot
-from freebody.outputs.numbers import significant
 
-_SHORTEST = 0.12
-"""Of the longest arrow."""
-_ALIKE = 6.0  # bodies and forces that differ by less than this factor are drawn to one scale
 _GAP = 0.34
 _BESIDE = vectors.BESIDE + 2
-
-
-@dataclass(frozen=True)
-class Scale:
-    """The largest force (N) and moment (N m) of a drawing, and how long they are, metres."""
-
-    force: float
-    moment: float
-    longest: float
-
-    def arrow(self, place: Array, value: Array, largest: float, share: float = 1.0) -> Array:
-        """Where the arrow of a force or moment at a place ends."""
-        size = float(np.linalg.norm(value))
-        return place + max(size / largest, _SHORTEST) * share * self.longest * value / size
-
-    def bar(self, role: str) -> tuple[float, str, str]:
-        """A scale bar of the forces."""
-        force = space.round_down(self.force / 2.5)
-        return force / self.force * self.longest, f"{significant(force, 1)} N", role
-
-
-def scale_of(bodies: Iterable[BodyLoads], longest: float) -> Scale:
-    """One scale for some bodies."""
-    loads = [load for body in bodies for load in body.loads]
-    force = max((float(np.linalg.norm(load.force)) for load in loads), default=0.0)
-    moment = max((float(np.linalg.norm(load.moment)) for load in loads), default=0.0)
-    return Scale(force, moment, longest)
-
-
-def scales(bodies: Sequence[BodyLoads]) -> tuple[Scale, ...]:
-    """Of bodies each drawn alone; one for all where their sizes and forces allow it."""
-    sizes = [_extent(body) for body in bodies]
-    alone = [scale_of((body,), 0.75 * size) for body, size in zip(bodies, sizes, strict=True)]
-    forces = [scale.force for scale in alone]
-    if max(sizes) <= _ALIKE * min(sizes) and max(forces) <= _ALIKE * min(forces):
-        return (scale_of(bodies, 0.75 * max(sizes)),) * len(bodies)
-    return tuple(alone)
-
-
-def _extent(loads: BodyLoads) -> float:
-    """Of a body and of where forces act on it, metres."""
-    ends = [place for segment in loads.body.outline for place in segment]
-    places = np.array([*(load.place for load in loads.loads), *ends])
-    size = float(np.linalg.norm(places.max(axis=0) - places.min(axis=0)))
-    return size if size > 1e-3 else 0.1
 
 
 # ---------------------------------------------------------------- one body
@@ -118,9 +75,9 @@ def alone(
     show: Sequence[str],
     scale: Scale | None = None,
 ) -> Drawing:
-    """One body where it is; show: of `PARTS`. Default scale: that of `scales`."""
+    """One body where it is; show: of `PARTS`. Default scale: that of `common_or_own_scales`."""
     drawing = Drawing(view_of(seen), f"Free-body diagram of body {body.number}, {body.name}")
-    scale = scales(seen.loads)[body.index] if scale is None else scale
+    scale = common_or_own_scales(seen.loads)[body.index] if scale is None else scale
     _stick(drawing, seen, body)
     for part in show:
         PARTS[part](drawing, seen, names, (body,))
@@ -140,7 +97,7 @@ def _stick(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
         for child in _children(seen, body):
             drawing.mark(child.origin, "joint", f"joint {child.number}", "joint", 5.0)
         return
-    radius = 0.05 * _extent(seen.loads[body.index])
+    radius = 0.05 * extent_with_forces(seen.loads[body.index])
     parts = [*space.solids_of(body, radius)]
     for child in _children(seen, body):
         parts += solid_joint(child, radius)

@@ -126,7 +126,7 @@ class JointKind(ABC):
     axis_letter: ClassVar[str] = "z"
     """What the unit vector along its axis is called, before the joint's number."""
     mark: ClassVar[str] = "joint"
-    """Its symbol in drawings of the plane, one of `figures.symbols.MARKS`; "" for none."""
+    """Its symbol in drawings of the plane, one of `figures.svg_symbols.MARKS`; "" for none."""
     solids: ClassVar[tuple[Solid, ...]] = (Solid(1.0, 1.35),)
     """The same in space; without any its mark."""
     ranged: ClassVar[bool] = True

@@ -153,7 +153,7 @@ class LoopEquations(Titled, ByValue):
         default the first ones, as many as joints are driven. Returns a `ClosedInputOutput`. Raises
         FreebodyError where the numbers of rows, drives and freedoms do not match.
         """
-        from freebody.derivations.closed.input_output import input_output
+        from freebody.derivations.closed_chains.input_output import input_output
 
         return input_output(self, frame, rows)
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from freebody.algorithms.kinematics import jacobian
 from freebody.arrays import Array
-from freebody.derivations.closed.linear import (
+from freebody.derivations.closed_chains.linear import (
     Entries,
     Ratio,
     left_null,
@@ -31,7 +31,7 @@ from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 if TYPE_CHECKING:
-    from freebody.derivations.closed.loops import LoopEquations
+    from freebody.derivations.closed_chains.loops import LoopEquations
 
 ROWS = {2: ("vx", "vy", "w"), 3: ("vx", "vy", "vz", "wx", "wy", "wz")}
 

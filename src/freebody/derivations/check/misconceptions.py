@@ -26,7 +26,7 @@ Weight = Callable[[Mapping[str, int]], int | Fraction]
 
 
 @dataclass(frozen=True)
-class Causes:
+class Misconceptions:
     """The thoughts that are tried for one quantity."""
 
     setting: RightEquations

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from freebody.derivations.closed.first_kind import multiplier_names
-from freebody.derivations.closed.linear import Entries, Ratio, ratio, solved
-from freebody.derivations.closed.loops import LoopEquations
+from freebody.derivations.closed_chains.first_kind import multiplier_names
+from freebody.derivations.closed_chains.linear import Entries, Ratio, ratio, solved
+from freebody.derivations.closed_chains.loops import LoopEquations
 from freebody.derivations.polynomials.determinant import determinant
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
