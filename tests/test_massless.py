@@ -77,8 +77,9 @@ def test_a_negative_mass_is_looked_at_in_full():
 
 
 def test_a_rotor_that_takes_the_inertia_away_is_seen():
-    rows = [{"a": 0.5, "m": 2.0, "com": (-0.5, 0.0, 0.0), "I": (0.1, 0.0, 0.0, 0.1, 0.0, 0.1)}]
-    model = fb.dh(rows, convention="standard").with_drive("joint1", rotor=-0.1)
+    spin = (0.1, 0.0, 0.0, 0.1, 0.0, 0.1)
+    rows = [{"a": 0.5, "m": 2.0, "com": (-0.5, 0.0, 0.0), "I": spin, "rotor": -0.1}]
+    model = fb.dh(rows, convention="standard", physical="ignore")
     assert massless_joints.massless(model) == ("joint1",)
 
 

@@ -6,6 +6,7 @@ import dataclasses
 import math
 import re
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -583,3 +584,51 @@ def test_placements():
     assert Placement().steps == shift(0.0, 0.0, 0.0).steps == ()
     there = shift(1.0, 2.0, 3.0)
     assert generate.matrix(there.then(generate.inverse(there))) == pytest.approx(np.eye(4))
+
+
+# ---------------------------------------------------------------- drives that no motor has
+NO_DRIVE = [
+    ({"viscous": -1.0}, "viscous friction -1 is negative; give it as 0 or more"),
+    ({"coulomb": -2.0}, "Coulomb friction -2 is negative; give it as 0 or more"),
+    ({"rotor": -1e-4}, "rotor inertia -0.0001 is negative; give it as 0 or more"),
+    ({"gear": 0.0}, "gear is 0; give the motor's speed over the joint's, 1 without a gear"),
+]
+
+
+@pytest.mark.parametrize(("given", "words"), NO_DRIVE)
+@pytest.mark.parametrize("changes", [0, 3])
+def test_a_drive_that_no_motor_has_is_refused(given: dict[str, float], words: str, changes: int):
+    """Of a model, and of a copy that is edited for the third time."""
+    model = fb.load("ur5e")
+    for k in range(changes):
+        model = model.bind({"elbow_joint.friction.viscous": 1.0 + k})
+    number = {"viscous": "friction.viscous", "coulomb": "friction.coulomb", "gear": "rotor.gear"}
+    name = number.get(*given, "rotor.inertia")
+    value = next(iter(given.values()))
+    with pytest.raises(fb.FreebodyError, match=re.escape(words)):
+        model.with_drive("elbow_joint", **given)
+    with pytest.raises(fb.FreebodyError, match=re.escape(f"joint 'elbow_joint': {words}")):
+        model.bind({f"elbow_joint.{name}": value})
+    with pytest.raises(fb.FreebodyError, match=re.escape(words)):
+        model.bind({f"elbow_joint.{name}": np.array([1.0, value])})
+
+
+@pytest.mark.parametrize(("given", "words"), NO_DRIVE)
+def test_a_file_s_drive_that_no_motor_has_is_warned_of(
+    given: dict[str, float], words: str, tmp_path: Path
+):
+    given = dict(given)
+    viscous, coulomb = given.pop("viscous", 0.0), given.pop("coulomb", 0.0)
+    rows = [{"a": 1.0, "m": 1.0, "friction": (viscous, coulomb), **given}]
+    with pytest.raises(fb.FreebodyError, match=re.escape(words)):
+        fb.dh(rows, convention="standard")
+    file = tmp_path / "arm.toml"
+    fb.save(fb.dh(rows, convention="standard", physical="ignore"), file)
+    with pytest.warns(fb.PhysicalWarning, match=re.escape(f"joint 'joint1': {words}.")):
+        model = fb.load(file)
+    assert [notice.kind for notice in model.notices] == ["drive"]
+    model.bind({"gravity": 9.0})  # what was accepted before stays so
+
+
+def test_a_spring_may_push_away_and_a_gear_turn_the_other_way():
+    fb.load("ur5e").with_drive("elbow_joint", stiffness=-1.0, gear=-100.0, rotor=1e-4)

@@ -72,7 +72,7 @@ def show(
         out.print()
     out.print(Text(f"frames: {', '.join(model.frame_names)}"))
     for notice in model.notices:
-        if notice.kind not in ("physical", DOUBTFUL):  # those have been printed in yellow
+        if notice.kind not in ("physical", "drive", DOUBTFUL):  # those have been printed in yellow
             out.print(Text(f"note: {notice}"), soft_wrap=True)
 
 

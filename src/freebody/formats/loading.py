@@ -51,10 +51,10 @@ def load(
     tip: the frame that `frame=None` means; default: the file's, else the only leaf.
     base: "fixed" or "free" (a free joint carries the root link); default: the file's, else fixed.
     mimic: "follow", or "free" to make mimic joints independent.
-    physical: "warn" about, "refuse" or "ignore" an inertia that no rigid body has; the numbers are
-    never changed. snap_angles: URDF angles (rad) this close to a multiple of π/2 are read as that
-    multiple; 0 reads them as written. convention: "standard" or "modified", for a DH table that
-    does not say it.
+    physical: "warn" about, "refuse" or "ignore" an inertia that no rigid body has, and friction,
+    rotors and gears that no motor has; the numbers are never changed. snap_angles: URDF angles
+    (rad) this close to a multiple of π/2 are read as that multiple; 0 reads them as written.
+    convention: "standard" or "modified", for a DH table that does not say it.
     estimate_inertia: the robot's whole mass (kg): all inertias of a URDF are replaced by estimates
     from the shapes in the file, filled evenly at one density; meshes need the extra freebody[mesh].
     Marked as estimated wherever shown. loop_tolerance: (m, rad) by which rounded numbers may keep

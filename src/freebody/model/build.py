@@ -79,6 +79,8 @@ class _Assembly:
         joints = [self.checked(joint) for joint in d.joints]
         for link in d.links:
             self.check_inertia(link)
+        for joint in joints:
+            self.check_drive(joint)
         parent_joint = self.parent_joints(joints)
         root = self.root(parent_joint)
         if self.base == "free":
@@ -191,15 +193,23 @@ class _Assembly:
                 f"{self.description.dim}D.",
                 link.line,
             )
-        fault = link.inertia.fault()
+        self.doubt("physical", f"link {link.name!r}", link.inertia.fault(), link.line)
+
+    def check_drive(self, joint: Joint) -> None:
+        """The same policy on friction that pushes and rotors that no motor has."""
+        if self.physical != "ignore":
+            self.doubt("drive", f"joint {joint.name!r}", joint.drive.fault(), joint.line)
+
+    def doubt(self, kind: str, what: str, fault: str | None, line: int | None) -> None:
+        """Warn about what no robot has, or refuse it."""
         if fault is None:
             return
-        problem = f"link {link.name!r}: {fault}"
+        problem = f"{what}: {fault}"
         if self.physical == "refuse":
-            self.refuse(f"{problem}. Correct it, or accept it with physical='warn'.", link.line)
-        notice = Notice("physical", f"warning: {problem}.", self.description.file, link.line)
+            self.refuse(f"{problem}. Correct it, or accept it with physical='warn'.", line)
+        notice = Notice(kind, f"warning: {problem}.", self.description.file, line)
         self.notices.append(notice)
-        warnings.warn(str(notice), PhysicalWarning, stacklevel=5)
+        warnings.warn(str(notice), PhysicalWarning, stacklevel=6)
 
     def parent_joints(self, joints: list[Joint]) -> dict[str, Joint]:
         """For each link the joint above it; a link has at most one."""

@@ -115,7 +115,11 @@ def with_drive(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
         else quantity(x, f"with_drive: {name}")
         for name, x in given.items()
     }
-    driven = replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **numbers)))
+    drive = replace(body.joint.drive, **numbers)
+    fault = drive.fault()
+    if fault:
+        raise ModelError(f"with_drive: joint {joint!r}: {fault}.")
+    driven = replace(body, joint=replace(body.joint, drive=drive))
     return one_family(put(model, ("bodies", k), driven), model, *numbers.values())
 
 

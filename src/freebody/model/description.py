@@ -13,7 +13,7 @@ from freebody.errors import ModelError
 from freebody.lazy import Keeps
 from freebody.model.families import Members
 from freebody.model.inertia import Inertia
-from freebody.model.parameters import Quantity, finite, quantity, real
+from freebody.model.parameters import Parameter, Quantity, finite, quantity, real
 from freebody.model.placement import Placement
 from freebody.model.shapes import Shape
 
@@ -112,6 +112,32 @@ class Drive(Keeps):
     def __post_init__(self) -> None:
         for name, value in tuple(vars(self).items()):
             object.__setattr__(self, name, quantity(value, f"Drive: {name}"))
+
+    def fault(self) -> str | None:
+        """Why no joint has this drive, or None; of a family, of the first member that has none.
+
+        A spring may push away from its rest position (stiffness below 0), as one that balances a
+        weight does.
+        """
+        for what, number in (
+            ("viscous friction", self.viscous),
+            ("Coulomb friction", self.coulomb),
+            ("rotor inertia", self.rotor),
+        ):
+            for x in _values(number):
+                if x < 0.0:
+                    return f"{what} {x:g} is negative; give it as 0 or more"
+        if any(x == 0.0 for x in _values(self.gear)):
+            return "gear is 0; give the motor's speed over the joint's, 1 without a gear"
+        return None
+
+
+def _values(number: Quantity) -> list[float]:
+    """The numbers of a quantity, none where its value is not known."""
+    known = number.value if isinstance(number, Parameter) else number
+    if known is None:
+        return []
+    return known.array.ravel().tolist() if isinstance(known, Members) else [known]
 
 
 @dataclass(frozen=True)

@@ -81,8 +81,11 @@ class NumberLayout:
         return values
 
     def is_physical(self, slots: Iterable[int], values: SlotValues) -> bool:
-        """Whether the inertias that these slots belong to surely are those of rigid bodies."""
+        """Whether the inertias that these slots belong to surely are those of rigid bodies, and
+        the drives those of motors."""
         for slot in slots:
+            if slot in self.rows.positive and values[slot] <= 0.0:
+                return False
             for take in self.rows.inertias.get(slot, ()):
                 mass, *tensor = take(values)
                 if not is_surely_physical(mass, tensor):

@@ -75,6 +75,8 @@ class NumberRows:
         """The name of the number in a slot, where it has one."""
         self.inertias: dict[int, list[TakeSlots]] = {}
         """Of a slot, what picks mass and tensor of the inertias that it belongs to."""
+        self.positive: set[int] = set()
+        """Slots whose numbers, where they are not above 0, have to be looked at closely."""
         self.positions: list[ShiftSum] = []
         self.places: list[Vector] = []
         """Where each position is."""
@@ -190,6 +192,7 @@ class NumberRows:
             self._slot((*path, name), getattr(drive, name))
             for name in ("viscous", "coulomb", "rotor", "gear", "stiffness", "rest")
         ]
+        self.positive.update(those[:4])
         take: TakeSlots = itemgetter(*those)
         now = drive_numbers(*take(self.values))
         acts, present = acting(now), at.stop > at.start

@@ -309,6 +309,10 @@ def _check(old: Model, new: Model) -> None:
             problem = a.joint.limits.fault()
             if problem:
                 raise ModelError(f"{new.name!r}: joint {a.joint.name!r}: {problem}.")
+        if a.joint.drive is not b.joint.drive:
+            problem = a.joint.drive.fault()
+            if problem:
+                raise ModelError(f"{new.name!r}: joint {a.joint.name!r}: {problem}.")
 
 
 def _pairs(old: Model, new: Model, bodies: list[tuple[Any, Any]]) -> Iterable[tuple[Any, Any]]:

@@ -127,7 +127,7 @@ def _notices(study: Study) -> dict[str, list[str]]:
     file's folder."""
     read = study.model.notices
     short = {str(n): str(replace(n, file=Path(n.file).name if n.file else None)) for n in read}
-    doubtful = [str(n) for n in read if n.kind in ("physical", DOUBTFUL, ESTIMATED)]
+    doubtful = [str(n) for n in read if n.kind in ("physical", "drive", DOUBTFUL, ESTIMATED)]
     return {
         "findings": [text for text in study.notices if text not in short],
         "doubtful": [short[text] for text in study.notices if text in doubtful],

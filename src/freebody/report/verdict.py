@@ -71,6 +71,10 @@ def verdict(
     if unphysical and not masses:
         noun, verb = ("inertias", "are") if unphysical > 1 else ("inertia", "is")
         sentences.append(f"{unphysical} {noun} that no rigid body has {verb} used as given.")
+    drives = sum(notice.kind == "drive" for notice in model.notices)
+    if drives:
+        noun, verb = ("drives", "are") if drives > 1 else ("drive", "is")
+        sentences.append(f"{drives} {noun} that no motor has {verb} used as given.")
     if estimated:
         sentences.append("The inertias are estimated, and so are all torques.")
     factor = float("nan") if masses or loose or not uses else run.factor
