@@ -170,6 +170,28 @@ def test_files_that_the_architecture_sends_to_are_there():
     assert found > 15
 
 
+def layers() -> list[str]:
+    """Of the contract in pyproject, from the top."""
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    contracts = settings["tool"]["importlinter"]["contracts"]
+    return next(c["layers"] for c in contracts if c["id"] == "layers")
+
+
+def test_the_architecture_describes_every_layer_and_folder():
+    """Its table has a row for each layer, in their order; each row names the folders inside,
+    and the picture each layer from the model upwards."""
+    text = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
+    table = text.partition("| layer |")[2].partition("\n\n")[0]
+    rows = dict(re.findall(r"^\| `(\w+)` \|(.*)$", table, re.MULTILINE))
+    assert list(rows) == layers()
+    for folder in (ROOT / "src/freebody").glob("*/*"):
+        if folder.is_dir() and not folder.name.startswith("_"):
+            assert f"`{folder.name}`" in rows[folder.parent.name], folder
+    picture = text.partition("## From a file to a number")[2].partition("## ")[0]
+    shown = layers()[: layers().index("spatial")]
+    assert [layer for layer in shown if layer not in picture] == []
+
+
 def test_what_contributing_names_is_there():
     """Files, by their path or its end, tables in capitals, and the layers in their order."""
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
@@ -186,7 +208,4 @@ def test_what_contributing_names_is_there():
     tables = set(re.findall(r"`(_?[A-Z]{3,}[A-Z_]*)`", text))
     assert len(tables) > 10
     assert {name for name in tables if not re.search(rf"\b{name}\b", code)} == set()
-    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    contracts = settings["tool"]["importlinter"]["contracts"]
-    layers = next(c["layers"] for c in contracts if c["id"] == "layers")
-    assert " · ".join(layers) in text
+    assert " · ".join(layers()) in text
