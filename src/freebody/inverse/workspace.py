@@ -15,6 +15,11 @@ from freebody.inverse.task import Task
 from freebody.trees.states import random_state
 
 _STARTS = 48
+_KEPT = 12
+"""Of the starts those that are nearest when each has gone most of its way are followed to the
+end."""
+_AT_ONCE = 256
+"""Targets looked at side by side, which bounds the memory."""
 _NEAR = 1e-7  # nearer than this (in arm lengths) is reached
 
 
@@ -23,9 +28,21 @@ def distances(
 ) -> tuple[Array, list[str]]:
     """(m, a sentence) for targets (N, …) without solution; the distance is 0 where only the
     orientation is wrong."""
+    count = len(target)
     if not solver.task.linear:
-        count = len(target)
         return np.zeros(count), ["The frame cannot be turned so."] * count
+    away, sentences = np.zeros(count), []
+    for at in range(0, count, _AT_ONCE):
+        some = slice(at, at + _AT_ONCE)
+        part = None if X is None else Displacement(X.R[some], X.p[some])
+        away[some], said = _some_distances(solver, form, part, target[some])
+        sentences += said
+    return away, sentences
+
+
+def _some_distances(
+    solver: NumericalSolver, form: ClosedFormSolver | None, X: Displacement | None, target: Array
+) -> tuple[Array, list[str]]:
     near = _NEAR * solver.length
     chained = form.reached(X) if form is not None and X is not None else None
     if chained is not None:
@@ -66,20 +83,31 @@ def distance_of_points(screws: tuple[Screw, ...], c: Array, points: Array, lengt
     angles = rng.uniform(-np.pi, np.pi, size=(_STARTS, n))
     slides = np.array([not s.turning for s in screws])
     angles[:, slides] *= length / np.pi
-    starts = np.tile(angles, (len(points), 1))
-    goals = np.repeat(points, _STARTS, axis=0)
 
-    def residual(x: Array, rows: np.ndarray) -> tuple[Array, Array]:
-        p = np.broadcast_to(c, (len(x), 3))
-        columns: list[Array] = []
-        for i in reversed(range(n)):
-            columns = [screws[i].turned(x[:, i], v) for v in columns]
-            p = screws[i].moved(x[:, i], p)
-            columns.insert(0, _speed(screws[i], p))
-        return (goals[rows] - p) / length, np.stack(columns, axis=-1) / length
+    def descended(x: Array, count: int, iterations: int) -> tuple[Array, Array]:
+        goals = np.repeat(points, count, axis=0)
 
-    _, cost = descend(residual, starts, goal=1e-14, iterations=200)
-    return length * cost.reshape(len(points), _STARTS).min(axis=-1)
+        def residual(x: Array, rows: np.ndarray) -> tuple[Array, Array]:
+            p = np.broadcast_to(c, (len(x), 3))
+            columns: list[Array] = []
+            for i in reversed(range(n)):
+                columns = [screws[i].turned(x[:, i], v) for v in columns]
+                p = screws[i].moved(x[:, i], p)
+                columns.insert(0, _speed(screws[i], p))
+            return (goals[rows] - p) / length, np.stack(columns, axis=-1) / length
+
+        return descend(residual, x, goal=1e-14, iterations=iterations)
+
+    x, cost = descended(np.tile(angles, (len(points), 1)), _STARTS, 20)
+    _, cost = descended(x[_nearest_rows(cost)], _KEPT, 200)
+    return length * cost.reshape(len(points), _KEPT).min(axis=-1)
+
+
+def _nearest_rows(cost: Array) -> np.ndarray:
+    """Of the costs of all starts, target by target, the rows of the least of each target."""
+    by_target = cost.reshape(-1, _STARTS)
+    best = np.argpartition(by_target, _KEPT, axis=-1)[:, :_KEPT]
+    return (best + _STARTS * np.arange(len(by_target))[:, None]).ravel()
 
 
 def _speed(screw: Screw, p: Array) -> Array:
@@ -92,10 +120,12 @@ def _nearest(solver: NumericalSolver, target: Array) -> tuple[Array, Array]:
     thousandfold."""
     q, _, _ = random_state(solver.model, 1, _STARTS)
     starts, goals = np.tile(q, (len(target), 1)), np.repeat(target, _STARTS, axis=0)
-    q, cost = solver.solve(goals, starts, weight=30.0, iterations=60)
+    q, cost = solver.solve(goals, starts, weight=30.0, iterations=30)
+    rows, goals = _nearest_rows(cost), np.repeat(target, _KEPT, axis=0)
+    q, _ = solver.solve(goals, q[rows], weight=30.0, iterations=60)
     q, cost = solver.solve(goals, q, weight=1000.0, iterations=100)
-    best = np.argmin(cost.reshape(len(target), _STARTS), axis=-1)
-    q = q.reshape(len(target), _STARTS, -1)[np.arange(len(target)), best]
+    best = np.argmin(cost.reshape(len(target), _KEPT), axis=-1)
+    q = q.reshape(len(target), _KEPT, -1)[np.arange(len(target)), best]
     error = solver.task.error(solver.pose_and_jacobian(q)[0], target)
     k = len(solver.task.linear)
     return np.linalg.norm(error[:, :k], axis=-1), np.linalg.norm(error[:, k:], axis=-1)

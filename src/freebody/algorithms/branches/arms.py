@@ -36,7 +36,7 @@ from freebody.algorithms.joint_lines import (
 )
 from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
-from freebody.elementary import Scalar, maximum, sqrt
+from freebody.elementary import Scalar, less, maximum, sqrt, where
 from freebody.spatial import Vector, add, dot, scale, sub
 
 Places = tuple[JointPlace, ...]
@@ -79,7 +79,7 @@ class Pair:
     ) -> list[tuple[Vector, Scalar]]:
         s1, s2 = self.s1, self.s2
         if s1.turning and s2.turning:
-            return self._on_circle(s1, l1, p, s2.w, dot(sub(c, l1.p), l2.w))
+            return self._on_both_circles(c, p)
         if s1.turning != s2.turning:
             turn, slide = (s1, s2) if s1.turning else (s2, s1)
             on_circle, on_line = (p, c) if s1.turning else (c, p)
@@ -92,6 +92,19 @@ class Pair:
         m = s2.w - (s2.w @ s1.w) * s1.w
         far = dot(sub(p, c), numbers(m / (m @ m)))
         return [(add(c, scale(far, l2.w)), 1.0)]
+
+    def _on_both_circles(self, c: Vector, p: Vector) -> list[tuple[Vector, Scalar]]:
+        """Where the circles of p and c meet, taken on the smaller of them: the radius of the other
+        would be the root of a difference of squares."""
+        l1, l2 = line(self.s1), line(self.s2)
+        first = self._on_circle(self.s1, l1, p, self.s2.w, dot(sub(c, l1.p), l2.w))
+        second = self._on_circle(self.s2, l2, c, self.s1.w, dot(sub(p, l2.p), l1.w))[::-1]
+        arms = level(l1, p), level(l2, c)
+        smaller = less(dot(arms[1], arms[1]), dot(arms[0], arms[0]))
+        return [
+            (tuple(where(smaller, b, a) for a, b in zip(ya, yb, strict=True)), clear)
+            for (ya, clear), (yb, _) in zip(first, second, strict=True)
+        ]
 
     def _on_circle(
         self, s: Screw, l: AxisLine, point: Vector, n: Array, height: Scalar
