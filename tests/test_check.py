@@ -3,6 +3,7 @@ input."""
 
 from __future__ import annotations
 
+import math
 import pickle
 import time
 from pathlib import Path
@@ -141,6 +142,45 @@ def test_typical_mistakes_are_named(answer: str, kind: str, words: str):
     assert not verdict
     assert verdict.findings[0].kind in kind.split() or verdict.findings[0].kind == kind
     assert words in verdict.text
+
+
+@pytest.mark.parametrize(
+    ("gravity", "words"),
+    [
+        ((0.0, 0.0, -9.81), "the weights pull along −z, so V = + m g z"),
+        ((0.0, 9.81, 0.0), "the weights pull along +y, so V = − m g y"),
+        ((3.0, 0.0, -4.0), "V = − m g · r, with the vector g"),
+    ],
+)
+def test_where_the_weights_pull_is_said_of_this_robot(gravity: tuple[float, ...], words: str):
+    lift = fb.dh([{"joint": "R", "alpha": math.pi / 2, "a": "a1"},
+                  {"joint": "R", "a": "a2", "m": "m2"}], convention="standard")  # fmt: skip
+    lift = lift.replace(gravity=gravity).replace(gravity="g")
+    right = fb.check(lift, "G2 = 0").findings[0].right
+    verdict = fb.check(lift, f"G2 = -({right})")
+    assert "the sign of gravity" in verdict.text
+    assert words in verdict.text
+
+
+RUBBED = ARM.with_drive("joint1", viscous="b", coulomb="f")
+
+
+@pytest.mark.parametrize(
+    ("friction", "words"),
+    [
+        ("", "Friction is missing; everything else is right."),
+        ("- b θ̇1 - f sgn(θ̇1)", "All friction terms have the wrong sign"),
+    ],
+)
+def test_friction_is_not_taken_for_velocity_terms(friction: str, words: str):
+    right = "tau1 = H11 θ̈1 + H12 θ̈2 - h θ̇2² - 2 h θ̇1 θ̇2 + G1"
+    assert fb.check(RUBBED, f"{right} + b θ̇1 + f sgn(θ̇1)")
+    verdict = fb.check(RUBBED, f"{right} {friction}")
+    assert not verdict
+    assert words in verdict.text
+    assert "entrifugal" not in verdict.text
+    missing = fb.check(RUBBED, "tau1 = H11 θ̈1 + H12 θ̈2 + G1 + b θ̇1 + f sgn(θ̇1)")
+    assert "The Coriolis and centrifugal terms are missing; everything else" in missing.text
 
 
 def test_a_verdict_reads_like_this():

@@ -86,3 +86,9 @@ def direction_fault(direction: tuple[Any, ...]) -> str | None:
 
 
 _UNIT = 1e-9
+
+
+def axis_of(direction: Sequence[float]) -> str:
+    """The axis that a direction lies along, such as "-z"; "" of others."""
+    along = [(axis, x) for axis, x in zip("xyz", direction, strict=False) if x]
+    return f"{'-' if along[0][1] < 0 else '+'}{along[0][0]}" if len(along) == 1 else ""

@@ -16,6 +16,7 @@ from freebody.derivations.check.asked_quantities import AskedQuantity, Targets
 from freebody.derivations.check.finite_field import PRIME, Point, Turn, plus, residue
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.expressions.printed_names import sym
+from freebody.model.gravity import axis_of
 from freebody.scalars.trig import Trig
 
 Thought = tuple[str, int]
@@ -75,10 +76,14 @@ class Misconceptions:
         g = self.setting.order.gravity
         if not g or not any(g in powers for powers, _ in self.right.terms()):
             return
+        axis = axis_of(self.setting.symbols.model.gravity_direction)
+        energy = "the weights' potential energy is V = − m g · r, with the vector g"
+        if axis:
+            pull, rise = ("−", "+") if axis[0] == "-" else ("+", "−")
+            energy = f"the weights pull along {pull}{axis[1]}, so V = {rise} m g {axis[1]}"
         opposite = (
-            "Everything is right but the sign of gravity: the weights pull along −y, so V = + m g "
-            "y, "
-            "and the drive must hold them up: g_i = + ∂V/∂q_i."
+            f"Everything is right but the sign of gravity: {energy}, and the drive must hold them "
+            "up: g_i = + ∂V/∂q_i."
         )
         yield opposite, self._weighted(lambda p: -1 if g in p else 1)
         yield (
@@ -87,34 +92,45 @@ class Misconceptions:
         )
 
     def _velocity(self) -> Iterator[Thought]:
-        """Mistakes in all terms with products of rates."""
-        if not any(
-            _rates(powers) for powers, _ in self.right.terms()
-        ) or self.target.family not in (
-            "tau",
-            "c",
-        ):
+        """Mistakes in all terms with products of rates, and friction left out."""
+        if self.target.family not in ("tau", "c"):
             return
+        parts = {_part(powers) for powers, _ in self.right.terms()}
+        if parts & {"coriolis", "centrifugal"}:
+            yield from self._products_of_rates()
+        if "friction" in parts:
+            yield (
+                "Friction is missing; everything else is right.",
+                self._weighted(lambda p: 0 if _part(p) == "friction" else 1),
+            )
+            yield (
+                "All friction terms have the wrong sign: the drive must overcome friction; "
+                "everything else is right.",
+                self._weighted(lambda p: -1 if _part(p) == "friction" else 1),
+            )
+
+    def _products_of_rates(self) -> Iterator[Thought]:
         mixed = (
             "All is right but a factor 2: a product of two different rates, θ̇ᵢ θ̇ⱼ, arises twice "
             "(as ij and as ji), so that Coriolis terms carry a 2."
         )
-        yield mixed, self._weighted(lambda p: Fraction(1, 2) if len(_rates(p)) > 1 else 1)
+        yield mixed, self._weighted(lambda p: Fraction(1, 2) if _part(p) == "coriolis" else 1)
         yield (
             "The Coriolis terms, with products of two different rates, are missing.",
-            self._weighted(lambda p: 0 if len(_rates(p)) > 1 else 1),
+            self._weighted(lambda p: 0 if _part(p) == "coriolis" else 1),
         )
         yield (
             "The centrifugal terms, with squares of rates, are missing.",
-            self._weighted(lambda p: 0 if len(_rates(p)) == 1 else 1),
+            self._weighted(lambda p: 0 if _part(p) == "centrifugal" else 1),
         )
+        both = ("coriolis", "centrifugal")
         yield (
             "The Coriolis and centrifugal terms are missing; everything else is right.",
-            self._weighted(lambda p: 0 if _rates(p) else 1),
+            self._weighted(lambda p: 0 if _part(p) in both else 1),
         )
         yield (
             "All Coriolis and centrifugal terms have the wrong sign; everything else is right.",
-            self._weighted(lambda p: -1 if _rates(p) else 1),
+            self._weighted(lambda p: -1 if _part(p) in both else 1),
         )
 
     def _inertia(self) -> Iterator[Thought]:
@@ -294,6 +310,12 @@ def related(targets: Targets, target: AskedQuantity) -> dict[str, Trig]:
     return found
 
 
-def _rates(powers: Mapping[str, int]) -> set[str]:
-    """First rates in a term."""
-    return {x for x in powers if x.endswith("_d") and not x.startswith("sgn_")}
+def _part(powers: Mapping[str, int]) -> str:
+    """What a term of a torque is by its first rates: of second degree "coriolis" or "centrifugal",
+    of first degree, or with a rate's sign, "friction", else ""."""
+    if any(x.startswith("sgn_") for x in powers):
+        return "friction"
+    rates = {x: k for x, k in powers.items() if x.endswith("_d")}
+    if sum(rates.values()) == 1:
+        return "friction"
+    return "coriolis" if len(rates) > 1 else "centrifugal" if rates else ""

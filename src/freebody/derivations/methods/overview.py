@@ -8,6 +8,7 @@ from freebody.derivations.methods.glossary import glossary
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.render.literal import literal
+from freebody.model.gravity import axis_of
 from freebody.model.parameters import Parameter
 
 
@@ -70,11 +71,8 @@ def _gravity(s: Setting) -> list[str]:
     name = (
         "of magnitude g" if isinstance(model.gravity_size, Parameter) else "of the given magnitude"
     )
-    along = [(axis, x) for axis, x in zip("xyz", model.gravity_direction, strict=False) if x]
-    if len(along) > 1:
-        return [f"Gravity {name} acts in a given direction."]
-    ((axis, x),) = along
-    return [f"Gravity {name} acts along {'-' if x < 0 else '+'}{axis}."]
+    axis = axis_of(model.gravity_direction)
+    return [f"Gravity {name} acts {f'along {axis}' if axis else 'in a given direction'}."]
 
 
 def _axes(s: Setting) -> list[str]:
