@@ -372,6 +372,13 @@ def test_what_cannot_be_read_is_refused_at_once(answer: str, words: str):
     assert str(pickle.loads(pickle.dumps(refused.value))) == str(refused.value)
 
 
+@pytest.mark.parametrize("nothing", ["0", "(l1 - l1)"])
+def test_what_is_nothing_may_have_a_power(nothing: str):
+    """Repairs of a power try one lower, too: of x⁰ there is none that a value has."""
+    assert not fb.check(ARM, f"tau1 = {nothing}^0")
+    assert fb.check(ARM, f"H22 = {nothing}^0 (m2 lc2^2 + I2)")
+
+
 def test_errors_point_at_the_place():
     with pytest.raises(AnswerError) as refused:
         fb.check(ARM, "H22 = m2 lc2^2 + I2\nH12 = θ̇₁ * L1 + I2")

@@ -318,6 +318,36 @@ def test_drives_that_do_not_force_the_motion(four_bar, q):
         fb.inverse_dynamics(five, at, np.zeros(4), np.zeros(4), actuated=["theta1"])
 
 
+def test_a_drive_that_nothing_moves(tmp_path):
+    """A differential screw whose two threads are equal: the carriage stands still whatever they
+    turn, but for rounding."""
+    heavy = "mass = 1\ninertia = [0.1, 0, 0, 0.1, 0, 0.1]\n"
+    link = "[[link]]\nname = '{}'\n" + heavy
+    joint = "[[joint]]\nname = '{}'\nparent = '{}'\nchild = '{}'\nkind = '{}'\naxis = 'z'\n{}\n"
+    frame = "[[frame]]\nname = '{}'\nparent = '{}'\norigin = [0.1, 0, 0]\n"
+    path = tmp_path / "jack.toml"
+    path.write_text(
+        "".join(map(link.format, ("base", "spindle", "nut", "carriage")))
+        + joint.format("outer", "base", "spindle", "helical", "pitch = 0.02")
+        + joint.format("inner", "spindle", "nut", "helical", "pitch = { name = 'h', value = 0.02 }")
+        + joint.format("slide", "base", "carriage", "prismatic", "")
+        + "".join(frame.format(*pair) for pair in (("A", "nut"), ("B", "carriage")))
+        + "[[loop]]\nname = 'on'\nkind = 'fixed'\nframes = ['A', 'B']\n"
+    )
+    model = fb.load(path)
+    at = fb.assemble(model, [0.4, 0.3, 0.2])
+    with pytest.raises(SingularError, match=r"\(slide\) cannot force this motion"):
+        fb.inverse_dynamics(model, at, STILL, [0.1, -0.1, 0.0], actuated=["slide"])
+    # with another thread it moves, and gives the power that the motion takes
+    model = model.bind(h=0.03)
+    at = fb.assemble(model, [0.4, 0.3, 0.2])
+    motion = np.array([1.0, -1.0, -0.01])
+    power = fb.inverse_dynamics(model.opened, at, STILL, motion) @ motion
+    for driven in (["slide"], ["outer"]):
+        tau = fb.inverse_dynamics(model, at, STILL, motion, actuated=driven)
+        close(tau @ motion, power, 1e-12)
+
+
 def test_motions_without_inertia_are_named():
     """A rod that may spin about its own line: nothing tells its acceleration."""
     model = fb.load("five_bar_rods").bind(m3=0.0)

@@ -248,7 +248,7 @@ def test_clear_pose_is_within_the_limits():
 
 def test_bad_requests_are_explained(arm):
     with pytest.raises(
-        UnknownNameError, match="no view 'frames' in kinematic_diagram of a model in 2D"
+        UnknownNameError, match="no choice 'frames' in kinematic_diagram of a model in 2D"
     ):
         fb.kinematic_diagram(arm, show="frames")
     with pytest.raises(FreebodyError, match="show is empty; name one of geometry"):

@@ -334,6 +334,8 @@ def test_wrong_wishes_are_refused_by_name(arm):
     for draw in (fb.free_body_diagram, fb.kinematic_diagram):
         with pytest.raises(UnknownNameError, match=r"Choices: names, values, both"):
             draw(arm, Q2, labels="numbers")
+        with pytest.raises(FreebodyError, match=r"show is 5; give a name, or several"):
+            draw(arm, Q2, show=5)
 
 
 def test_pages_of_derivations_show_values_on_wish():

@@ -11,7 +11,7 @@ from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
 from freebody.figures.body_loads import BodyLoads
 from freebody.figures.drawing import Drawing
 from freebody.figures.figure import Figure, to_one_scale
-from freebody.figures.labelling import labels_of, metres
+from freebody.figures.labelling import chosen_of, labels_of, metres
 from freebody.figures.layers import forces
 from freebody.figures.layers.force_scale import Scale, common_or_own_scales
 from freebody.figures.layers.space import round_down
@@ -146,12 +146,8 @@ def _notes(loads: BodyLoads, labels: str, missing: Sequence[str]) -> list[str]:
 
 def _parts(dim: int, show: str | Sequence[str]) -> list[str]:
     """Parts of `forces.PARTS` that are asked for."""
-    chosen = (show,) if isinstance(show, str) else tuple(show)
-    for name in chosen:
-        if name not in SHOW[dim]:
-            owner = f"free_body_diagram of a model in {dim}D: show="
-            raise UnknownNameError("choice", name, owner, SHOW[dim])
-    return [part for name in dict.fromkeys(chosen) for part in SHOW[dim][name]]
+    chosen = chosen_of(f"free_body_diagram of a model in {dim}D", show, SHOW[dim])
+    return [part for name in chosen for part in SHOW[dim][name]]
 
 
 def _index(model: Model, body: str | int) -> int:

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody.errors import FreebodyError
 from freebody.figures.figure import Figure, to_one_scale
-from freebody.figures.labelling import labels_of
+from freebody.figures.labelling import chosen_of, labels_of
 from freebody.figures.layers.views import VIEWS, view
 from freebody.figures.names import names_of
 from freebody.figures.snapshot import snapshot
@@ -42,10 +42,8 @@ def kinematic_diagram(
     MissingValueError. Source: figures 1.2, 2.1, 3.2, 4.3, 5.3, 6.4, 6.5.
     """
     caller, known = "kinematic_diagram", VIEWS[model.dim]
-    chosen = (show,) if isinstance(show, str) else _DEFAULT[model.dim] if show is None else show
-    for name in chosen:
-        if name not in known:
-            raise UnknownNameError("view", name, f"{caller} of a model in {model.dim}D", known)
+    asked = _DEFAULT[model.dim] if show is None else show
+    chosen = chosen_of(f"{caller} of a model in {model.dim}D", asked, known)
     if not chosen:
         raise FreebodyError(f"{caller}: show is empty; name one of {', '.join(known)}.")
     for argument, value, views in (("qd", qd, _MOVING), ("qdd", qdd, _MOVING[1:])):

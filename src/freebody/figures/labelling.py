@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Iterable
 
 import numpy as np
 
-from freebody.errors import UnknownNameError
+from freebody.errors import FreebodyError, UnknownNameError, shown
 from freebody.figures.drawing import Arc, Arrow, Dimension, Element, Label, Turn
 from freebody.model.model import Model
 from freebody.outputs.numbers import significant
@@ -26,6 +27,20 @@ def labels_of(caller: str, model: Model, labels: str | None) -> str:
     if labels != "names":
         model.require_values(f"{caller} with labels={labels!r}")
     return labels
+
+
+def chosen_of(caller: str, show: str | Iterable[str], known: Collection[str]) -> tuple[str, ...]:
+    """What `show` names, each once, as one name or several.
+
+    Raises UnknownNameError for one that is not known, FreebodyError for what is no name.
+    """
+    if not isinstance(show, Iterable):
+        raise FreebodyError(f"{caller}: show is {shown(show)}; give a name, or several.")
+    chosen = (show,) if isinstance(show, str) else tuple(show)
+    for name in chosen:
+        if name not in list(known):
+            raise UnknownNameError("choice", name, f"{caller}: show=", known)
+    return tuple(dict.fromkeys(chosen))
 
 
 def metres(length: float, digits: int = 3) -> str:

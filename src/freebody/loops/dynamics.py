@@ -44,6 +44,8 @@ _SHORT = 0.01  # rad: a motion that shows where accelerations lead
 # part of what accelerations add to it by which it may miss the closed positions: terms of third
 # order
 _ASIDE = 0.03
+# part of a mechanism's motion, all coordinates as angles, by which a drive that stands still moves
+_STILL = 1e-12
 WOULD_OPEN = (
     "would open{} under these accelerations; "
     "make them consistent with fb.loop_acceleration(model, q, qd, qdd)"
@@ -341,7 +343,10 @@ def _careful_torques(
         N = np.swapaxes(Vt[at, rank:], -1, -2)
         motions = np.swapaxes(N[:, driven], -1, -2)
         power = np.einsum("nkf,nk->nf", N, asked[at])
-        found = np.einsum("nkf,nf->nk", np.linalg.pinv(motions, rcond=1e-9), power)
+        # N's columns are units: less than _STILL is rounding, also where a drive has no more
+        largest = np.linalg.norm(motions, axis=(-2, -1))
+        cut = np.maximum(1e-9, _STILL / np.maximum(largest, 1e-300))
+        found = np.einsum("nkf,nf->nk", np.linalg.pinv(motions, rcond=cut), power)
         missed = np.abs(np.einsum("nfk,nk->nf", motions, found) - power).max(axis=-1, initial=0.0)
         bad = np.flatnonzero(missed > 1e-9 * (1.0 + np.abs(power).max(axis=-1, initial=0.0)))
         if len(bad):

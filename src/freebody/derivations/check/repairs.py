@@ -303,7 +303,7 @@ def _powers(node: Power) -> Iterator[Repair]:
     """A power one higher or lower."""
     for exponent in (node.exponent - 1, node.exponent + 1):
         new = node.base if exponent == 1 else Power(node.base, exponent, span=node.span)
-        if exponent:
+        if exponent > 0:  # of x⁰ none is lower
             yield Repair("exponent", 1.8, node, new)
 
 
