@@ -291,3 +291,27 @@ def test_many_positions_of_a_robot_with_more(monkeypatch):
     few = fb.inverse_kinematics(model, p, frame="wrist_1_link", q0=q0)
     assert (many.count == few.count).all()
     assert many.notes == few.notes
+
+
+def test_derivatives_of_branches():
+    """Along the redundancy the tip stands still; by the target, the Jacobian undoes what is
+    done."""
+    panda = fb.load("panda")
+    q = np.array([0.1, -0.4, 0.2, -2.0, 0.1, 1.7, 0.8, 0.0])
+    T = fb.forward_kinematics(panda, q)
+    k = fb.kernel(panda, "inverse_kinematics", by="redundancy", target="numpy")
+    branches, valid, _, along, *_ = k(T, 0.8)
+    assert valid.any()
+    for x, rate, good in zip(branches, along, valid, strict=True):
+        if good:
+            assert rate[6] == 1.0
+            assert np.abs(fb.jacobian(panda, x) @ rate).max() < 1e-9
+    ur = fb.load("ur5e")
+    T = fb.forward_kinematics(ur, [0.3, -1.0, 0.9, 0.4, 0.7, 0.2])
+    k = fb.kernel(ur, "inverse_kinematics", by="target", target="numpy")
+    branches, valid, _, slopes, *_ = k(T)
+    assert valid.all()
+    assert slopes.shape == (8, 6, 16)
+    moved = slopes.reshape(8, 6, 4, 4)[:, :, :3, 3]  # by x, y, z of the target
+    for x, slope in zip(branches, moved, strict=True):
+        assert np.abs(fb.jacobian(ur, x) @ slope - np.eye(6)[:, :3]).max() < 1e-9

@@ -3,7 +3,8 @@ trace."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import itertools
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from freebody.algorithms.kinematics import position_rates
@@ -41,7 +42,7 @@ def lifted(
     given = dict(given)
     for name in sizes:
         if name not in POSITIONS:
-            given[name] = _units(plain[name], starts[name])
+            given[name] = _units(plain[name], itertools.count(starts[name]))
     p = given.pop("p", None)
     tree = fixed if over is None else over(p)
     for name in sizes:
@@ -55,11 +56,11 @@ def lifted(
     return given, tree
 
 
-def _units(scalars: Any, start: int) -> Any:
-    """Each scalar with a slope of its own."""
+def _units(scalars: Any, numbers: Iterator[int]) -> Any:
+    """Each scalar with a slope of its own, a matrix's row by row."""
     if not isinstance(scalars, tuple):
-        return Outer(scalars, {start: 1.0})
-    return tuple(Outer(x, {start + k: 1.0}) for k, x in enumerate(scalars))
+        return Outer(scalars, {next(numbers): 1.0})
+    return tuple(_units(x, numbers) for x in scalars)
 
 
 def with_slopes(
