@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
-from freebody.algorithms.joint_lines import off_axis, parallel
-from freebody.algorithms.screws import SAME, ScrewChain, chain_to
+from freebody.algorithms.branches.choose import without_idle
+from freebody.algorithms.joint_lines import parallel
+from freebody.algorithms.screws import ScrewChain, chain_to
 from freebody.arrays import Array
 from freebody.inverse.closed_form import (
     ClosedFormSolver,
@@ -27,7 +26,7 @@ def closed_form_for(model: Model, frame: str, task: Task) -> ClosedFormSolver | 
     """The closed form that gives all solutions of a task, or None."""
     chain = chain_to(model.tree, frame)
     if chain is not None and not task.angular:
-        chain = _without_idle(chain)
+        chain = without_idle(chain)
     if chain is None or len(chain.screws) > 6:
         return None
     if model.dim == 2:
@@ -40,23 +39,6 @@ def closed_form_for(model: Model, frame: str, task: Task) -> ClosedFormSolver | 
     if form is None and task.turns and not task.linear and len(chain.screws) == 3:
         form = three_turns(chain)
     return form
-
-
-def _without_idle(chain: ScrewChain) -> ScrewChain:
-    """The chain but for its last joints that turn about the frame's origin: they do not move it."""
-    n = len(chain.screws)
-    while n > 1 and chain.screws[n - 1].turning:
-        s = chain.screws[n - 1]
-        if off_axis(s, chain.p) > SAME * chain.length:
-            break
-        n -= 1
-    return replace(
-        chain,
-        screws=chain.screws[:n],
-        index=chain.index[:n],
-        ratio=chain.ratio[:n],
-        offset=chain.offset[:n],
-    )
 
 
 def _level_in_space(model: Model, chain: ScrewChain, task: Task) -> ClosedFormSolver | None:

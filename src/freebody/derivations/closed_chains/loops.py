@@ -14,11 +14,10 @@ from typing import Any
 
 from freebody.algorithms import loop_constraints
 from freebody.algorithms.kinematics import Pose, frame_pose, joint_poses, world_poses
-from freebody.arrays import Array
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.polynomials.symbols import Symbols, symbols
-from freebody.derivations.polynomials.textbook_form import Layout
+from freebody.derivations.polynomials.textbook_form import InTextbookForm
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
@@ -34,7 +33,7 @@ _HALF = 0.5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LoopEquations(Titled, ByValue):
+class LoopEquations(Titled, InTextbookForm, ByValue):
     """The loop equations of a model, exact polynomials in normal form: equal means identical."""
 
     symbols: Symbols
@@ -158,15 +157,6 @@ class LoopEquations(Titled, ByValue):
         return input_output(self, frame, rows)
 
     # ------------------------------------------------------------ for the reader
-    @cached_property
-    def layout(self) -> Layout:
-        """How polynomials of this model are printed."""
-        return Layout(self.symbols)
-
-    def form(self, x: Trig) -> Expression:
-        """A polynomial as it is printed; it has text, LaTeX and MathML of its own."""
-        return self.layout.form(x)
-
     def expressions(self) -> list[Expression]:
         """Φ as it is printed, squared distances as squares of components (2.33)."""
         shown: list[Expression] = []
@@ -178,10 +168,6 @@ class LoopEquations(Titled, ByValue):
             else:
                 shown += [self.form(self.Phi[k]) for k in self.rows(own)]
         return shown
-
-    def evaluate(self, quantity: Any, q: Any, qd: Any = None, qdd: Any = None) -> Array:
-        """Numbers of one of the above at q, qd, qdd (..., n), with the model's parameter values."""
-        return self.symbols.evaluate(quantity, q, qd, qdd)
 
     def __str__(self) -> str:
         return "\n".join(

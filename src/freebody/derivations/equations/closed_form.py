@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 from freebody.algorithms.crba import crba
 from freebody.algorithms.energy import potential_energy
 from freebody.algorithms.rnea import friction_and_spring
-from freebody.arrays import Array
 from freebody.derivations.equations import equation_views
-from freebody.derivations.expressions.expression import Expression, size
+from freebody.derivations.expressions.expression import size
 from freebody.derivations.polynomials.symbols import Symbols
-from freebody.derivations.polynomials.textbook_form import Layout
+from freebody.derivations.polynomials.textbook_form import InTextbookForm
 from freebody.lazy import cached_property
 from freebody.model.tree import Tree
 from freebody.scalars.trig import Trig
@@ -25,7 +23,7 @@ MOST = 2000
 
 
 @dataclass(frozen=True, eq=False)
-class ClosedForm(ByValue):
+class ClosedForm(InTextbookForm, ByValue):
     """Exact polynomials in normal form: equal means identical."""
 
     symbols: Symbols
@@ -119,20 +117,7 @@ class ClosedForm(ByValue):
         s = self.symbols
         return s.element(potential_energy(s.tree, s.q))
 
-    def evaluate(self, quantity: Any, q: Any, qd: Any = None, qdd: Any = None) -> Array:
-        """Numbers of one of the above at q, qd, qdd (..., n), with the model's parameter values."""
-        return self.symbols.evaluate(quantity, q, qd, qdd)
-
     # ------------------------------------------------------------ for the reader
-    @cached_property
-    def layout(self) -> Layout:
-        """How polynomials of this model are printed: `layout.form(x)` is an expression."""
-        return Layout(self.symbols)
-
-    def form(self, x: Trig) -> Expression:
-        """A polynomial as it is printed; it has text, LaTeX and MathML of its own."""
-        return self.layout.form(x)
-
     def count(self) -> dict[str, int]:
         """Number of terms of M (upper triangle), c and g, as exact polynomials."""
         return {

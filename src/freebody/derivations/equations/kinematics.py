@@ -14,11 +14,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from freebody.algorithms import kinematics as algorithms
-from freebody.arrays import Array
-from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.polynomials.determinant import columns_of, determinant
 from freebody.derivations.polynomials.symbols import Symbols, symbols
-from freebody.derivations.polynomials.textbook_form import Layout
+from freebody.derivations.polynomials.textbook_form import InTextbookForm
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
@@ -28,7 +26,7 @@ Entries = list[list[Trig]]
 
 
 @dataclass(frozen=True)
-class Kinematics:
+class Kinematics(InTextbookForm):
     """Closed forms of one frame, exact polynomials in normal form: equal means identical. World
     axes."""
 
@@ -92,19 +90,6 @@ class Kinematics:
                 f"coordinates make no square; choose {len(columns)} rows."
             )
         return determinant([[self.J[r][k] for k in columns] for r in chosen], self.symbols)
-
-    def evaluate(self, quantity: Any, q: Any, qd: Any = None, qdd: Any = None) -> Array:
-        """Numbers of one of the above at q, qd, qdd (..., n), with the model's parameter values."""
-        return self.symbols.evaluate(quantity, q, qd, qdd)
-
-    @cached_property
-    def layout(self) -> Layout:
-        """How polynomials of this model are printed."""
-        return Layout(self.symbols)
-
-    def form(self, x: Trig) -> Expression:
-        """A polynomial as it is printed; it has text, LaTeX and MathML of its own."""
-        return self.layout.form(x)
 
 
 def _times(A: Entries, x: Sequence[Trig], s: Symbols) -> list[Trig]:

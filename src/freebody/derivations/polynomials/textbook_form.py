@@ -13,7 +13,9 @@ from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
+from freebody.arrays import Array
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.expressions.printed_names import sym
@@ -281,6 +283,25 @@ class Layout:
 
     def _sorted(self, monomial: Iterable[tuple[str, int]]) -> Monomial:
         return tuple(sorted(monomial, key=lambda item: self.order.rank(item[0])))
+
+
+class InTextbookForm:
+    """Closed forms of a model in `symbols`: how they are printed, and their numbers."""
+
+    symbols: Symbols
+
+    @cached_property
+    def layout(self) -> Layout:
+        """How polynomials of this model are printed: `layout.form(x)` is an expression."""
+        return Layout(self.symbols)
+
+    def form(self, x: Trig) -> Expression:
+        """A polynomial as it is printed; it has text, LaTeX and MathML of its own."""
+        return self.layout.form(x)
+
+    def evaluate(self, quantity: Any, q: Any, qd: Any = None, qdd: Any = None) -> Array:
+        """Numbers of one of the above at q, qd, qdd (..., n), with the model's parameter values."""
+        return self.symbols.evaluate(quantity, q, qd, qdd)
 
 
 def _without(monomial: Monomial, divisor: Monomial) -> Monomial:
