@@ -281,9 +281,7 @@ def test_loops():
          "Keys: point, disc, ring, bar, box, cylinder, sphere."),
         (LINKS + JOINT.replace("revolute", "revolut"),
          "arm.toml:7: no kind 'revolut' in joint 'a'. Did you mean "
-         "'revolute'? Kinds: "
-         "revolute, continuous, prismatic, helical, fixed, cylindrical, universal, planar, "
-         "spherical, free."),
+         f"'revolute'? Kinds: {', '.join(KINDS)}."),
         (LINKS + JOINT, "arm.toml:5: joint 'a': axis is missing; add axis = ..."),
         (LINKS + JOINT + "axis = 'w'\n",
          "arm.toml:10: joint 'a': axis is 'w', expected x, y, z, one of them with a "

@@ -440,6 +440,7 @@ def test_torques_are_reactions_along_the_joints_and_what_drives_add(seed: int, d
             found[..., at.v[0]] += (axis * n).sum(-1)
             found[..., at.v[1]] += (axis * f).sum(-1)
         else:
+            assert len(at.v) == 1, f"what a {joint.kind} joint's torques are is not told here"
             axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
             if dim == 2:
                 axis = (

@@ -48,7 +48,9 @@ class Theirs:
                 j = self.joint(part_of(body.joint, "slide"))
                 place = (int(self.model.jnt_qposadr[j]), int(self.model.jnt_dofadr[j]))
                 self.screws.append((*place, at.q[0], at.v[0], body.joint.numbers[0]))
-        assert (len(self.q), len(self.v)) == (ours.nq, ours.nv)
+        kinds = {body.joint.kind for body in ours.bodies}
+        unknown = f"`several` above or `attach` below lack one of {kinds}"
+        assert (len(self.q), len(self.v)) == (ours.nq, ours.nv), unknown
         more = len(self.screws)
         assert (self.model.nq, self.model.nv) == (ours.nq + more, ours.nv + more)
 
