@@ -84,7 +84,7 @@ WRONG = [
     ("H11 = m1 lc1^2 + I1 + I2 + m2 (l1^2 + lc2^2 + 2 l1 lc2 cos θ2) + I2", "extra",
      "‘I2’ should not be there"),
     ("H22 = m1 lc2^2 + I2", "index", "‘m1’ must be m₂ in ‘m1 lc2^2’"),
-    ("H12 = m2 (lc2^2 + 2 l1 lc2 cos θ2) + I2", "factor", "‘2 l1 lc2 cos θ2’ is twice too large"),
+    ("H12 = m2 (lc2^2 + 2 l1 lc2 cos θ2) + I2", "factor", "cos θ2’ is twice as large as it"),
     ("V2 = m2 g (l1 sin θ1 + lc1 sin θ1)", "extra", "‘m₂ g lc₂ sin(θ₁+θ₂)’ is missing"),
     # signs
     ("G2 = -m2 g lc2 cos(θ1+θ2)", "sign", "sign of gravity"),
@@ -95,26 +95,26 @@ WRONG = [
     ("J11 = l1 s1 + l2 s12", "sign", "The whole answer has the wrong sign"),
     ("x = l1 c1 - l2 c12", "sign", "‘- l2 c12’ has the wrong sign"),
     # factors
-    ("tau1 = H11 θ̈1 + H12 θ̈2 - h θ̇2² - h θ̇1 θ̇2 + G1", "factor", "arises twice"),
-    ("c1 = -m2 l1 lc2 s2 (θ̇2² + θ̇1 θ̇2)", "factor", "‘θ̇1 θ̇2’ is too small by half"),
+    ("tau1 = H11 θ̈1 + H12 θ̈2 - h θ̇2² - h θ̇1 θ̇2 + G1", "factor", "occurs twice"),
+    ("c1 = -m2 l1 lc2 s2 (θ̇2² + θ̇1 θ̇2)", "factor", "‘θ̇1 θ̇2’ is half as large as it should be"),
     ("H11 = m1 lc1² + I1 + m2 (l1² + lc2² + l1 lc2 c2) + I2", "factor",
-     "‘l1 lc2 c2’ is too small by half"),
-    ("T1 = (m1 lc1² + I1) θ̇1²", "factor", "is twice too large"),
+     "‘l1 lc2 c2’ is half as large as it should be"),
+    ("T1 = (m1 lc1² + I1) θ̇1²", "factor", "is twice as large as it should be"),
     # lengths and indices
     ("G2 = m2 g l2 cos(θ1+θ2)", "length", "the centre of mass of link 2 is lc₂ from its joint"),
-    ("G1 = m1 g lc1 c1 + m2 g (lc1 c1 + lc2 c12)", "length", "the next joint is l₁ away"),
+    ("G1 = m1 g lc1 c1 + m2 g (lc1 c1 + lc2 c12)", "length", "l₁ is the distance to the next"),
     ("H22 = m2 l2² + I2", "length", "You wrote l2 for lc2"),
-    ("H22 = m2 (l2/2)² + I2", "extra", "half-way, lc2 = l2/2"),
+    ("H22 = m2 (l2/2)² + I2", "extra", "the midpoint of the link, lc2 = l2/2"),
     ("H12 = m1 (lc2² + l1 lc2 c2) + I2", "index", "‘m1’ must be m₂"),
     ("tau2 = H12 θ̈1 + H11 θ̈2 + h θ̇1² + G2", "index", "‘H11’ must be H22"),
     # parallel axis, moments of inertia
     ("H11 = I1 + m2 (l1² + lc2² + 2 l1 lc2 c2) + I2", "missing",
-     "The parallel-axis theorem is forgotten"),
+     "The parallel-axis theorem is missing"),
     ("H22 = I2", "missing", "m2 lc2² must be added"),
     ("H11 = m1 lc1² + m2 (l1² + lc2² + 2 l1 lc2 c2)", "missing", "right for point masses only"),
     ("H11 = m1 lc1² + I1 + m2 (l1² + lc2² + 2 l1 lc2 c2)", "missing", "ω2 = θ̇1 + … + θ̇2"),
     # angles and functions
-    ("G2 = m2 g lc2 cos θ2", "angle", "angles are measured from the link before"),
+    ("G2 = m2 g lc2 cos θ2", "angle", "each angle is measured from the previous link"),
     ("G1 = m1 g lc1 c1 + m2 g (l1 c1 + lc2 c2)", "angle", "were measured from the x axis"),
     ("h = m2 l1 lc2 sin(θ1+θ2)", "angle", "must be sin θ₂"),
     ("h = m2 l1 lc2 cos θ2", "function", "‘cos θ2’ must be sin θ₂"),
@@ -147,8 +147,8 @@ def test_typical_mistakes_are_named(answer: str, kind: str, words: str):
 @pytest.mark.parametrize(
     ("gravity", "words"),
     [
-        ((0.0, 0.0, -9.81), "the weights pull along −z, so V = + m g z"),
-        ((0.0, 9.81, 0.0), "the weights pull along +y, so V = − m g y"),
+        ((0.0, 0.0, -9.81), "weights act along −z, so V = + m g z"),
+        ((0.0, 9.81, 0.0), "weights act along +y, so V = − m g y"),
         ((3.0, 0.0, -4.0), "V = − m g · r, with the vector g"),
     ],
 )
@@ -188,7 +188,7 @@ def test_a_verdict_reads_like_this():
     assert str(verdict).splitlines() == [
         "H22 is right.",
         "H12, entry 1, 2 of the mass matrix, is not right.",
-        "  ‘2*l1*lc2*cos(theta2)’ is twice too large: it must be l₁ lc₂ cos θ₂.",
+        "  ‘2*l1*lc2*cos(theta2)’ is twice as large as it should be: it must be l₁ lc₂ cos θ₂.",
         "      H12 = m2*(lc2**2 + 2*l1*lc2*cos(theta2)) + I2",
         "                         ^^^^^^^^^^^^^^^^^^^^",
         "  For example, at θ₂ = 0.9, l₁ = 0.5, m₂ = 2, lc₂ = 0.15, I₂ = 0.05: "
@@ -234,7 +234,7 @@ def test_what_a_symbol_was_taken_for_is_said():
 
 def test_symbols_that_the_arm_does_not_have_are_explained():
     verdict = fb.check(fb.planar("RP"), "G1 = m1 g lc1 c1 + m2 g (l1 + d2 + l2) c1")
-    assert "l₂ is no symbol of RP" in verdict.text
+    assert "l₂ is not a symbol of RP" in verdict.text
     verdict = fb.check(fb.planar("RP"), "G1 = m1 g lc1 c1 + m2 g (l1 + d2 + lc2) c12")
     assert [f.kind for f in verdict.findings] == ["angle"]
 
@@ -292,7 +292,7 @@ def test_one_joint_needs_no_numbers():
     ):
         assert fb.check(arm, answer)
     verdict = fb.check(arm, "τ + m g lc cos θ = (I + m lc²) ω̇")  # (3.3) of the notes as printed
-    assert "Everything is right but the sign of gravity" in verdict.text
+    assert "Only the sign of gravity is wrong" in verdict.text
 
 
 def test_arms_in_space_and_measured_numbers():
@@ -309,13 +309,15 @@ def test_arms_in_space_and_measured_numbers():
 def test_the_zero_of_the_potential_energy_is_free():
     verdict = fb.check(fb.planar("RR"), "V = m1 g lc1 s1 + m2 g (l1 s1 + lc2 s12) + m1 g l1")
     assert verdict
-    assert verdict.text == "V is right. It differs by the constant m₁ g l₁: the zero of V is free."
+    assert verdict.text == (
+        "V is right. It differs by the constant m₁ g l₁: the zero level of V is arbitrary."
+    )
 
 
 # ---------------------------------------------------------------- what cannot be read
 UNREADABLE = [
     ("", "the answer is empty"),
-    ("H12", "says nothing about what it equals"),
+    ("H12", "this line has no equals sign"),
     ("H12 = ", "one side of this = is empty"),
     ("H12 = (l1", "this '(' is not closed (line 1, column 7)"),
     ("H12 = l1)", "this ')' closes no bracket (line 1, column 9)"),

@@ -129,7 +129,9 @@ def compare(first: Derivation, second: Derivation) -> Comparison:
         raise FreebodyError("compare: the derivations are of different models.")
     for derivation in (first, second):
         if not METHODS[derivation.method].finds_torques:
-            raise FreebodyError(f"compare: a derivation of {derivation.method} ends in no torques.")
+            raise FreebodyError(
+                f"compare: a derivation by {derivation.method} does not give joint torques."
+            )
     if a.ring != b.ring:
         raise FreebodyError("compare: one derivation has a load on the tip, the other has none.")
     return Comparison(first, second)

@@ -158,7 +158,7 @@ def _drawn(seen: Snapshot, names: Names, name: str) -> Drawing | None:
         return forces.carried(seen, seen.pose.bodies[int(number) - 1], names) if plane else None
     if kind == "partial":
         alone = partial(motion.partial_of_centres, joint=int(number))
-        note = f"Partial velocities: joint {number} alone moves, at the rate 1"
+        note = f"Partial velocities: only joint {number} moves, at unit rate"
         layers = (geometry.angles, geometry.slides, geometry.centres, alone)
         return _noted(drawn(seen, names, note.lower(), layers), note) if plane else None
     recipe = _RECIPES[seen.model.dim].get(name)
@@ -181,12 +181,12 @@ def _load(drawing: Drawing, seen: Snapshot, names: Names) -> None:
 
 
 def _tip(*layers: Layer) -> dict[str, tuple[str, tuple[Layer, ...]]]:
-    """The way to the tip, its velocity and its acceleration, with the joints' rates, on layers."""
+    """Position of the tip, its velocity and its acceleration, with the joints' rates, on layers."""
     r, v, a = (label(vec("r_P" + ending)) for ending in ("", "_d", "_dd"))
     rates, velocity = motion.rates, partial(motion.of_tip, name=v)
     acceleration = partial(motion.of_tip, name=a, second=True)
     return {
-        "tip": ("The way to the tip", (*layers, vectors.links, partial(vectors.to_tip, name=r))),
+        "tip": ("Position of the tip", (*layers, vectors.links, partial(vectors.to_tip, name=r))),
         "tip velocity": ("The velocity of the tip", (*layers, rates, velocity)),
         "tip acceleration": (
             "The acceleration of the tip", (*layers, partial(rates, second=True), acceleration)

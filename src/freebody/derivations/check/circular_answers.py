@@ -53,8 +53,8 @@ def refuse_circles(source: Source, claims: Sequence[Claim]) -> None:
             through = [label[target] for target in way if target != claim.target]
             by = f" by way of {', '.join(through)}" if through else ""
             source.fail(
-                f"{claim.label} is given by itself{by}: whatever it is, that holds, and says "
-                f"nothing to be checked",
+                f"{claim.label} is defined by itself{by}: the equation holds for any value, so "
+                f"there is nothing to check",
                 use.span,
                 "Write it in the model's symbols.",
             )

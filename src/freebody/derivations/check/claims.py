@@ -69,9 +69,8 @@ def claims(setting: RightEquations, text: str, names: Mapping[str, str]) -> list
         names_given = dict.fromkeys(source[line[0][0].span] for line in own)
         taken = "are taken for names" if len(names_given) > 1 else "is taken for a name"
         raise AnswerError(
-            f"{listed(names_given, 8)} {taken} of your own, none of the robot's quantities; write "
-            f"what is to be "
-            "checked, such as tau1 = …"
+            f"{listed(names_given, 8)} {taken} of your own, not one of the robot's quantities; "
+            f"write the quantity to be checked, such as tau1 = …"
         )
     refuse_circles(source, found)
     return found
@@ -184,7 +183,7 @@ def _sides(source: Source, line: list[Token]) -> Line:
             sides[-1].append(token)
     if len(sides) == 1:
         source.fail(
-            "this line says nothing about what it equals; write, for example, tau1 = … or H12 = …",
+            "this line has no equals sign; write, for example, tau1 = … or H12 = …",
             (line[0].start, line[-1].end),
         )
     if len(sides) > MOST_SIDES:

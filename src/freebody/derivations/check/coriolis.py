@@ -10,8 +10,8 @@ from freebody.derivations.check.right_equations import RightEquations
 from freebody.scalars.trig import Trig
 
 _ALONE = (
-    "Many matrices C have C q̇ = c: compared with Christoffel's; "
-    "give the whole row to have C q̇ = c looked at."
+    "C is not unique: many matrices satisfy C q̇ = c. This entry was compared with Christoffel's; "
+    "give the whole row to have C q̇ = c checked."
 )
 
 

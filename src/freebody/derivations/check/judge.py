@@ -70,8 +70,8 @@ class Judge:
             return EquationVerdict(claim.label, title, True, note=self._zeros(claim))
         if claim.target.family in ("V", "L", "Vi") and self._is_constant(claim.value - right):
             note = (
-                f"It differs by the constant {self.setting.form(claim.value - right)}: "
-                "the zero of V is free."
+                f"It differs by the constant {self.setting.form(claim.value - right)}: the zero "
+                f"level of V is arbitrary."
             )
             return EquationVerdict(claim.label, title, True, note=note)
         return (
@@ -103,7 +103,7 @@ class Judge:
             claim.value.is_zero or undriven_joints.is_same(self.setting, claim.value, right)
         ):
             joint = claim.target.index[0]
-            note = f"Nothing drives joint {joint}: {sym(f'tau{joint}')} = 0."
+            note = f"Joint {joint} is passive: {sym(f'tau{joint}')} = 0."
         return EquationVerdict(claim.label, claim.target.title, True, note=note) if note else None
 
     @cached_property
@@ -141,9 +141,9 @@ class Judge:
         if not rounded.is_mixed:
             return None
         text = (
-            f"With the values of {self.setting.symbols.model.name!r} the number is right, but "
-            f"symbols and numbers "
-            "stand in one term, which may be right by chance: write it in symbols, or in numbers."
+            f"With the values of {self.setting.symbols.model.name!r} the number is right, but one "
+            f"term mixes symbols and numbers, which may be right by coincidence: write it all in "
+            f"symbols, or all in numbers."
         )
         return self._with_example(claim, rounded.right, (), [text])
 

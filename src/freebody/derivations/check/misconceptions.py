@@ -80,10 +80,10 @@ class Misconceptions:
         energy = "the weights' potential energy is V = − m g · r, with the vector g"
         if axis:
             pull, rise = ("−", "+") if axis[0] == "-" else ("+", "−")
-            energy = f"the weights pull along {pull}{axis[1]}, so V = {rise} m g {axis[1]}"
+            energy = f"weights act along {pull}{axis[1]}, so V = {rise} m g {axis[1]}"
         opposite = (
-            f"Everything is right but the sign of gravity: {energy}, and the drive must hold them "
-            "up: g_i = + ∂V/∂q_i."
+            f"Only the sign of gravity is wrong: {energy}, and the drives must support them: "
+            "g_i = + ∂V/∂q_i."
         )
         yield opposite, self._weighted(lambda p: -1 if g in p else 1)
         yield (
@@ -111,8 +111,8 @@ class Misconceptions:
 
     def _products_of_rates(self) -> Iterator[Thought]:
         mixed = (
-            "All is right but a factor 2: a product of two different rates, θ̇ᵢ θ̇ⱼ, arises twice "
-            "(as ij and as ji), so that Coriolis terms carry a 2."
+            "Only a factor of 2 is missing: a product of two different rates, θ̇ᵢ θ̇ⱼ, occurs "
+            "twice (as ij and as ji), so Coriolis terms have a factor of 2."
         )
         yield mixed, self._weighted(lambda p: Fraction(1, 2) if _part(p) == "coriolis" else 1)
         yield (
@@ -148,8 +148,8 @@ class Misconceptions:
             names = {name for name, (i, _) in inertial.items() if i == body}
             link = self.setting.symbols.model.bodies[body].name
             text = (
-                f"Everything that carries the mass or the moment of inertia of {link} is "
-                "missing; the rest is right."
+                f"Every term with the mass or the moment of inertia of {link} is missing; the "
+                f"rest is right."
             )
             yield text, self._weighted(lambda p, own=names: 0 if own & set(p) else 1)
         moments = {name for name, (_, kind) in inertial.items() if kind == 1}
@@ -174,8 +174,8 @@ class Misconceptions:
                 return int(moving <= {f"theta{k}_d", f"theta{k}_dd"} and self._is_own(k))
 
             text = (
-                f"This is right for ω{k} = θ̇{k}. The rate θ̇{k} is relative to the link before: "
-                f"link {k} turns at ω{k} = θ̇1 + … + θ̇{k}."
+                f"This is right for ω{k} = θ̇{k}. The rate θ̇{k} is relative to the previous "
+                f"link: the angular velocity of link {k} is ω{k} = θ̇1 + … + θ̇{k}."
             )
             yield text, self._weighted(weight)
 
@@ -199,14 +199,14 @@ class Misconceptions:
             )
             half = residue(Fraction(1, 2))
             yield (
-                "This is right only where the centre of mass is half-way, "
+                "This is right only if the centre of mass is at the midpoint of the link, "
                 f"{', '.join(f'lc{k} = l{k}/2' for k in group)}.",
                 self._at({f"lc{k}": v[f"l{k}"] * half % PRIME for k in group}),
             )
             if both >= set(group):
                 yield (
-                    f"l and lc are exchanged: l{group[0]} is the whole link, "
-                    f"lc{group[0]} reaches to the centre of mass.",
+                    f"l and lc are swapped: l{group[0]} is the length of the link, lc{group[0]} "
+                    f"the distance from its joint to the centre of mass.",
                     self._at(
                         {
                             x: v[y]
@@ -233,7 +233,7 @@ class Misconceptions:
                 " and ".join(f"m{k} lc{k}²" for k in group),
             )
             yield (
-                "The parallel-axis theorem is forgotten: this is right for moments of inertia "
+                "The parallel-axis theorem is missing: this would be right for moments of inertia "
                 "about the joints; "
                 f"here {names} {'is' if len(group) == 1 else 'are'} about the centre of mass, "
                 f"and {lacking} must be added.",
@@ -253,7 +253,8 @@ class Misconceptions:
         for sign, where in ((1, "up"), (-1, "down")):
             quarter: Turn = (sign % PRIME, 0)
             text = (
-                f"This is right if {sym(first)} were measured from the vertical ({where}wards); "
+                f"This would be right if {sym(first)} were measured from the vertical "
+                f"({where}wards); "
                 "here it is measured from the x axis."
             )
             yield text, self._at(turns={first: plus(self.point.turns[first], quarter)})
@@ -272,8 +273,9 @@ class Misconceptions:
                 ) % PRIME
         names = ", ".join(str(sym(x)) for x in turning[1:])
         text = (
-            f"This is right if {names} were measured from the x axis; "
-            "here each angle is measured from the link before, and links stand at sums of angles."
+            f"This would be right if {names} were measured from the x axis; "
+            "here each angle is measured from the previous link, so the direction of a link is a "
+            "sum of angles."
         )
         yield text, self.point.changed(turns=turns).of(self.right)
         moved = Point(values, turns)

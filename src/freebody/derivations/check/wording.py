@@ -78,18 +78,18 @@ class Wording:
         """Why, in half a sentence."""
         name = self._name(old)
         if name in self.setting.foreign:
-            return f" ({sym(name)} is no symbol of {self.setting.symbols.model.name})"
+            return f" ({sym(name)} is not a symbol of {self.setting.symbols.model.name})"
         other = self._name(new)
         if kind == "length" and other.startswith("lc"):
             k = other.removeprefix("lc")
             return (
                 f": the centre of mass of link {k} is {sym(other)} from its joint, "
-                f"{sym('l' + k)} is the whole link"
+                f"{sym('l' + k)} is the length of the link"
             )
         if kind == "length":
             return (
-                f": the next joint is {sym(other)} away, {sym('lc' + other[1:])} reaches to the "
-                "centre of mass only"
+                f": {sym(other)} is the distance to the next joint, {sym('lc' + other[1:])} only "
+                f"that to the centre of mass"
             )
         if (
             kind == "angle"
@@ -98,12 +98,12 @@ class Wording:
             and len(new.angle) > len(old.angle) > 0
         ):
             return (
-                ": angles are measured from the link before, so that the direction of a link is "
+                ": angles are measured from the previous link, so the direction of a link is "
                 "a sum of angles"
             )
         if kind == "rate" and isinstance(new, Sum):
             return (
-                ": rates are relative to the link before, so that a link's angular velocity is "
+                ": rates are relative to the previous link, so a link's angular velocity is "
                 "a sum of rates"
             )
         return ""
@@ -233,7 +233,9 @@ def _times(factor: Fraction) -> str:
         return "has the wrong sign"
     if size in (2, Fraction(1, 2)):
         return sign + (
-            "is too small by half: a factor 2 is missing" if size == 2 else "is twice too large"
+            "is half as large as it should be: a factor of 2 is missing"
+            if size == 2
+            else "is twice as large as it should be"
         )
     if size.numerator == 1:
         return f"{sign}is {size.denominator} times too large"

@@ -147,7 +147,7 @@ def _number(source: Source, at: int, single: bool) -> Token:
     if match is None:
         if not source.text[at + 1 : at + 2].strip():
             return Token("space", ".", at, at + 1)  # a full stop
-        source.fail("a point without digits", (at, at + 1))
+        source.fail("a decimal point without digits", (at, at + 1))
     text = match[0][0] if single and match[0].isdigit() else match[0]
     span = (at, at + len(text))
     mantissa, _, exponent = text.lower().partition("e")

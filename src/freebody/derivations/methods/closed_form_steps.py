@@ -15,9 +15,9 @@ FEW = 4
 
 
 _BASE = (
-    " Written by base parameters, the fewest combinations of masses (μ), first moments (κ) and "
-    "inertias (J) that "
-    "motion depends on, they are short enough to read; what these are stands below."
+    " In base parameters, the minimal set of combinations of masses (μ), first moments (κ) and "
+    "inertias (J) that the motion depends on, they are short enough to read; the combinations are "
+    "listed below."
 )
 
 
@@ -34,12 +34,13 @@ def closed_form(setting: Setting) -> Step:
     reason = _sorted(setting) + ("" if equations.is_short else _BASE)
     if setting.cited == "RR":
         reason += (
-            " The notes' (3.22) to (3.24) are printed with slips; these are the corrected ones."
+            " (3.22) to (3.24) are misprinted in the notes; the equations here are the corrected "
+            "ones."
         )
     if setting.load:
         reason += (
-            " The motors do not act alone: with each stands the part of the load on the tip, "
-            "at r_P."
+            " The load at the tip, at r_P, acts besides the motors: on the left its part is added "
+            "to each motor's."
         )
         groups = [_loaded(setting, groups[0]), *groups[1:]]
     lines = tuple(line for group in groups for line in group)
@@ -71,7 +72,7 @@ def _sorted(setting: Setting) -> str:
 def _told(setting: Setting) -> str:
     """How long equations are that nobody reads."""
     return (
-        f"Sorted by {_by(setting)}, the torques are too long to read, but exact; fb.equations "
+        f"Sorted by {_by(setting)}, the torques are exact but too long to print; fb.equations "
         f"gives them. "
         f"({setting.equations.length}.)"
     )

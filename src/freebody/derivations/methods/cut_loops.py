@@ -71,7 +71,7 @@ class Loops:
         """What a loop does."""
         first, second = self.points(loop)
         if loop.closure.distance:
-            return f"{literal(loop.name)} is a rod without mass from {first} to {second}"
+            return f"{literal(loop.name)} is a massless rod from {first} to {second}"
         kind = next(x.kind for x in self.s.symbols.model.loops if x.name == loop.name)
         if LOOP_KINDS[kind].pins:
             return f"{literal(loop.name)} holds {first} and {second} together"
@@ -84,9 +84,8 @@ class Loops:
         held = "; ".join(self.holds(loop) for loop in s.tree.loops)
         cuts = "loop" if len(s.tree.loops) == 1 else "loops"
         reason = (
-            f"The {cuts} cut open, the bodies hang in a tree, whose joint variables fix every "
-            f"pose; they are not "
-            f"independent, because what was cut must stay closed: {held}."
+            f"With the {cuts} cut, the bodies form a tree, whose joint variables determine every "
+            f"pose; they are not independent, because the loops must stay closed: {held}."
         )
         motors = [s.motor(i) for i in s.order]
         if any(x == ex.ZERO for x in motors):
@@ -117,8 +116,8 @@ class Loops:
             return f"{listed(rows)} {verb} that {square} is that of {literal(loop.name)}'s length."
         if not loop.closure.turns and not loop.closure.slides:
             return (
-                f"{listed(rows)} {verb} that the way from {first} to {second} is zero, "
-                "component by component."
+                f"{listed(rows)} {verb} that the vector from {first} to {second} is zero, "
+                f"component by component."
             )
         return f"{listed(rows)} {verb} that {literal(loop.name)} stays closed: {_parts(loop)}."
 
@@ -143,9 +142,9 @@ class Loops:
         f = self.equations.gruebler
         word = "degree" if f == 1 else "degrees"
         reason = (
-            f"{n} coordinates less {m} equations leave {f} {word} of freedom, by the count that "
-            f"takes all equations as "
-            "independent (Grübler's); whether they are depends on lengths and position."
+            f"{n} coordinates less {m} equations leave {f} {word} of freedom (Grübler's count). "
+            f"It assumes that all equations are independent; whether they are depends on lengths "
+            f"and position."
         )
         return Step("Degrees of freedom", reason, (eq("f", ex.sub("n", "m"), ex.sub(n, m), f),))
 
@@ -153,12 +152,11 @@ class Loops:
         """Φ_q q̇ = 0."""
         reason = (
             "The equations hold at all times, so their time derivatives vanish: the matrix Φ_q of "
-            "partial derivatives "
-            "takes the rates to zero."
+            "partial derivatives, multiplied by the rates, gives zero."
         )
         zero = eq(ex.d_dt(sym("Phi")), ex.mul(self.phi_q, _dotted("q", 1)), ex.ZERO)
         return Step(
-            "Rates under the loops",
+            "Velocity constraints",
             reason,
             (zero, *self.matrix(self.phi_q, self.equations.Phi_q)),
             ("5.22",),
@@ -170,10 +168,10 @@ class Loops:
         rule = eq(ex.mul(self.phi_q, _dotted("q", 2)), ex.neg(ex.mul(rate, _dotted("q", 1))), "c")
         lines = [eq(entry("c", k), self.s.show(x)) for k, x in enumerate(self.equations.c, 1)]
         reason = (
-            "Differentiated once more: what the accelerations must satisfy, "
-            "c holding the products of rates."
+            "Differentiating once more gives the constraints on the accelerations; c holds the "
+            "products of rates."
         )
-        return Step("Accelerations under the loops", reason, (rule, *lines), ("5.28",))
+        return Step("Acceleration constraints", reason, (rule, *lines), ("5.28",))
 
     def wrenches(self) -> Step:
         """Which force is which multiplier."""
@@ -185,12 +183,11 @@ class Loops:
             words.append(f"{names} {'is' if len(rows) == 1 else 'are'} {self._meaning(loop)}.")
             lines += self.force_lines(loop)
         reason = (
-            "What a loop does enters as -Φ_qᵀ λ. "
+            "The constraint forces of a loop enter the equations as -Φ_qᵀ λ. "
             + " ".join(words)
-            + " The bodies act on one another with opposite "
-            "wrenches."
+            + " The two bodies exert opposite wrenches on each other."
         )
-        return Step("What the multipliers are", reason, tuple(lines))
+        return Step("Meaning of the multipliers", reason, tuple(lines))
 
     def _meaning(self, loop: TreeLoop) -> str:
         target, other = map(self.body, self.ends(loop))
@@ -291,5 +288,5 @@ def _parts(loop: TreeLoop) -> str:
     closure = loop.closure
     parts = ["the points together"] if closure.point else []
     parts += ["no motion across the slide"] if closure.slides else []
-    parts += ["directions at right angles that stay so"] if closure.turns else []
+    parts += ["perpendicular directions that stay perpendicular"] if closure.turns else []
     return ", ".join(parts)

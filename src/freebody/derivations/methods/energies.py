@@ -94,8 +94,8 @@ def kinetic_step(s: Setting, energies: Energies) -> Step:
     if energies.has_rotors:
         lines.append(eq("T_r", s.show(energies.rotors)))
     reason = (
-        "A body has the energy of its mass moving with the centre, and that of turning about "
-        "the centre"
+        "The kinetic energy of a body is that of its mass moving with the centre of mass, plus "
+        "that of its rotation about the centre of mass"
     )
     rotors = "; the motors' rotors add T_r" if energies.has_rotors else ""
     numbers = {"RR": ("5.3", "5.11", "5.13", "5.17", "5.19")}.get(s.cited, ("5.3",))
@@ -112,19 +112,19 @@ def potential_step(s: Setting, energies: Energies) -> Step:
     if energies.has_springs:
         lines.append(eq("V_s", s.show(energies.springs)))
     parts = (
-        ["a weight's is its mass times gravity times its height, zero at the base's origin"]
+        ["that of a weight is mass times gravity times height above the base's origin"]
         if s.weighs
         else []
     )
     parts += (
-        ["a spring's is half its stiffness times the square of its stretch"]
+        ["that of a spring is half its stiffness times the square of its deflection"]
         if energies.has_springs
         else []
     )
     words = (
         "Potential energy: " + "; ".join(parts)
         if parts
-        else "Without gravity and springs there is none"
+        else "Without gravity and springs there is no potential energy"
     )
     numbers = (
         ("5.4", *({"RR": ("5.12", "5.14", "5.18", "5.20")}.get(s.cited, ()))) if s.weighs else ()

@@ -40,9 +40,8 @@ class Equilibrium:
         forces += [force for force, _ in self.outer(i)]
         moments = [s.joint_moment(i), *map(ex.neg, map(s.joint_moment, children)), *self.about(i)]
         reason = (
-            f"The forces on body {n} add up to zero, and so do the moments; taken about joint {n} "
-            f"the reaction "
-            f"there has none."
+            f"The forces on body {n} add up to zero, and so do the moments; about joint {n} the "
+            f"reaction there has no moment."
         )
         if s.cited == "RR" and s.weighs and n == 1:
             reason += (
@@ -84,7 +83,7 @@ class Equilibrium:
         motor = (
             f"the {s.words(i).effort} of its motor"
             if s.driven(i)
-            else "what must be 0, for it has no motor"
+            else "the torque or force there, which must be 0 because it has no motor"
         )
         reason = f"The two equations of body {n} give the reaction at joint {n} and {motor}."
         return Step(f"Solve for joint {n}", reason, tuple(lines), numbers)
@@ -94,11 +93,11 @@ class Equilibrium:
         s = self.s
         lines = tuple(eq(s.motor(i), s.show(tau[i])) for i in s.order)
         numbers = ("2.47", "2.48") if s.cited == "RR" else ()
-        reason = "The vectors put in, the torques that hold the arm still are found."
+        reason = "Substituting the vectors gives the torques that hold the arm at rest."
         if not all(map(s.driven, s.order)):
             reason += (
-                f"{motorless(s)} The arm can be held only where the equation with 0 on its "
-                "left is met."
+                f"{motorless(s)} The arm can be held only where the equation with 0 on the left "
+                f"is satisfied."
             )
         return Step(
             "The torques" if all(map(s.turns, s.order)) else "Torques and forces",
@@ -114,7 +113,7 @@ class Equilibrium:
         J = jacobian(s.tree, s.symbols.q, s.symbols.model.frame().name)
         rows = [[s.symbols.element(x) for x in row] for row in J[: s.tree.space.dim]]
         part = ex.neg(ex.mul(ex.transposed(sym("J")), vec("f")))
-        weights = " The rest is what the weights need." if s.weighs else ""
+        weights = " The remaining terms balance the weights." if s.weighs else ""
         slips = (
             " (The notes print (2.49) to (2.52) without the minus: "
             "they are the torques that exert f.)"

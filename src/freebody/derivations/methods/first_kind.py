@@ -36,7 +36,10 @@ def work_out(setting: Setting) -> Worked:
     for i in setting.order:
         steps += work.equation(i)
     steps += [loops.wrenches(), loops.seconds(), *work.together(), *work.reduced()]
-    sought = "Given what the motors do, the accelerations and the forces in the loops are sought."
+    sought = (
+        "Given the motor torques and forces, the accelerations and the forces in the loops are "
+        "sought."
+    )
     return Worked(
         tuple(steps), tuple(work.forces), _symbols(setting), sought=sought, system=loops.system
     )
@@ -45,9 +48,11 @@ def work_out(setting: Setting) -> Worked:
 def _symbols(s: Setting) -> Iterator[Meaning]:
     yield from lagrange.symbols(s)
     yield glossary.loop_equations()
-    yield Meaning((sym("lam_k"),), "its multiplier: what the loop presses with", "")
+    yield Meaning((sym("lam_k"),), "its multiplier: the loop's constraint force", "")
     yield glossary.joint_forces()
-    yield Meaning((sym("u"), sym("N")), "independent coordinates; rates of all by theirs", "")
+    yield Meaning(
+        (sym("u"), sym("N")), "independent coordinates; the rates of all in terms of theirs", ""
+    )
 
 
 def _open_chain(setting: Setting) -> Worked:
@@ -114,8 +119,8 @@ class _FirstKindSteps:
         )
         own += ", the load" if s.load else ""
         reason = (
-            f"{own}{' and ' if s.driven(i) or s.load else ' '}the loops, by -Φ_qᵀ λ, "
-            "which stands on the left."
+            f"{own}{' and ' if s.driven(i) or s.load else ' '}the loops, whose part -Φ_qᵀ λ is "
+            f"written on the left."
         )
         if not friction.is_zero:
             reason += " Friction opposes."
@@ -186,10 +191,9 @@ class _FirstKindSteps:
         reduction = self.system.reduction
         if reduction is None:
             reason = (
-                "The count leaves no independent coordinate; a mechanism that moves all the same "
-                "has dependent "
-                "equations, and only a position tells which. (5.29) holds as it stands, solved by "
-                "rank."
+                "By this count there is no independent coordinate. If the mechanism can move "
+                "nevertheless, its loop equations are dependent, and which ones depends on the "
+                "position. (5.29) still holds, solved with the rank of Φ_q."
             )
             return [Step("No reduction", reason)]
         self._common = self._shared(reduction)
@@ -229,9 +233,9 @@ class _FirstKindSteps:
         if self._common is not None:
             lines.append(eq(sym("Delta"), self.loops.equations.form(self._common)))
         reason = (
-            f"The loop equations on the rates are solved for those of all coordinates but {names}: "
-            f"the columns of N "
-            f"are the motions that the loops allow. It fails where the denominator vanishes; there "
+            f"The velocity constraints are solved for the rates of all coordinates but {names}: "
+            f"the columns of N are the motions that the loops allow. This fails where the "
+            f"denominator vanishes; there "
             f"{names} "
             f"{'does' if len(chosen) == 1 else 'do'} not determine the motion."
         )
@@ -257,9 +261,9 @@ class _FirstKindSteps:
             if not r.drift[k].is_zero
         ]
         reason = (
-            "So are the equations on the accelerations: γ is what the dependent coordinates have "
-            "of products of rates "
-            "alone; of the independent ones it is 0."
+            "The acceleration constraints are solved in the same way: γ holds the terms of the "
+            "dependent accelerations with products of rates; its entries for the independent "
+            "coordinates are 0."
         )
         return Step("Dependent accelerations", reason, tuple(lines), ("5.28",))
 
@@ -278,10 +282,11 @@ class _FirstKindSteps:
         count = len(r.independent)
         remaining = "is one equation" if count == 1 else f"are {count} equations"
         reason = (
-            "The loops do no work in the motions they allow: multiplied by Nᵀ the multipliers "
-            f"leave, and what remains {remaining} in independent coordinates, the second kind."
+            "The constraint forces do no work in the motions that the loops allow: multiplying by "
+            f"Nᵀ eliminates the multipliers, and what remains {remaining} in independent "
+            "coordinates, Lagrange's equations of the second kind."
         )
-        return Step("The second kind", reason, tuple(lines), ("5.24",), result=True)
+        return Step("Equations of the second kind", reason, tuple(lines), ("5.24",), result=True)
 
     def _written(self, r: Reduction) -> list[Equation]:
         """The reduced equations by entries of M, n, N and γ; the mass matrix H = NᵀM N by its

@@ -19,7 +19,7 @@ def geometry(setting: Setting, rotations: bool = False, inertias: bool = True) -
         if not setting.planar:
             lines += _in_space(setting, i, rotations, inertias)
     reach = (
-        "s_i leads from joint i to the next joint (or the tip), "
+        "s_i points from joint i to the next joint (or the tip), "
         "s_ci from joint i to the centre of mass of body i"
     )
     if setting.planar:

@@ -102,7 +102,7 @@ class _JointRate:
                 )
         if s.load and _some(self._tip()):
             lines.append(eq(self._tip_name(), s.column(self._tip())))
-        what = f"They tell how the bodies move when joint {self.number} alone moves, at the rate 1"
+        what = f"They tell how the bodies move when only joint {self.number} moves, at unit rate"
         if self.is_first:
             what = (
                 "A partial velocity is the factor of one joint's rate in the velocity of a point, "
@@ -281,7 +281,7 @@ def _symbols(s: Setting) -> Iterator[Meaning]:
         (sym("v_ci,r", True),), "factor of joint r's rate in v_ci: a partial velocity", "m or 1"
     )
     yield Meaning(
-        (sym("omega_i,r", not s.planar),), "the same of ω_i: a partial angular velocity", "1"
+        (sym("omega_i,r", not s.planar),), "the same for ω_i: a partial angular velocity", "1"
     )
     unit = "N m" if all(map(s.turns, s.order)) else "N m or N"
     star = ex.Symbol("F_r_star", "F", ("r",), high="*")

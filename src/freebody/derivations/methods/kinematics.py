@@ -78,11 +78,13 @@ class _Tip:
         s, closed = self.s, self.closed
         lines = [*self._along(), *self._sum(), *([self._angle()] if self.turning else [])]
         reason = (
-            "The vectors along the bodies, one after the other, lead from the base to the tip P."
+            "The vectors along the bodies, added one after the other, lead from the base to the "
+            "tip P."
         )
         if not s.planar:
             reason = (
-                "The poses of the bodies, one after the other, lead from the base to the tip P."
+                "The poses of the bodies, added one after the other, lead from the base to the "
+                "tip P."
             )
         position = self._named("r_P", closed.position)
         last = [] if s.planar else [position]
@@ -169,8 +171,7 @@ class _Tip:
         return Step(
             "The Jacobian",
             "The velocity is linear in the rates; their factors are the partial derivatives of the "
-            "position, one "
-            "column a joint.",
+            "position, one column for each joint.",
             (eq(moved, ex.mul("J", vec("q_d"))), eq(vec("q_d"), rates), eq("J", ex.matrix(J))),
             ("2.6", *self.cited("2.18", "2.19")),
             result=True,
@@ -198,7 +199,7 @@ class _Tip:
         where = (
             "It is zero where one of the following holds"
             if found.conditions
-            else "It is zero nowhere"
+            else "It is never zero"
         )
         if found.polynomial.is_zero:
             where = "It is zero everywhere: the joints cannot move the tip in all directions"

@@ -1,5 +1,5 @@
-"""Lagrange's equations of the second kind: energies, the Lagrangian, and one equation a coordinate
-(5.6-5.20, 6.15)."""
+"""Lagrange's equations of the second kind: energies, the Lagrangian, one equation per
+coordinate (5.6-5.20, 6.15)."""
 
 from __future__ import annotations
 
@@ -152,7 +152,7 @@ def _lagrangian(s: Setting, energies: Energies) -> Step:
     rule = ex.sub(kinetic, potential) if energies.has_potential else kinetic
     return Step(
         "The Lagrangian",
-        f"Kinetic minus potential energy: all that the equations need of the "
+        f"Kinetic minus potential energy: all that the equations need from the "
         f"{'bodies' if s.tree.loops else 'arm'}.",
         (eq("L", rule, s.show(energies.lagrangian)),),
         ("5.6",),
@@ -212,7 +212,7 @@ def _equation(s: Setting, energies: Energies, i: int, work: Trig) -> tuple[list[
 METHOD = Method(
     "lagrange",
     "Lagrange's equations of the second kind",
-    "kinetic and potential energies, one equation a coordinate",
+    "kinetic and potential energies, one equation per coordinate",
     "lecture notes, chapter 5 and section 6.2",
     work_out,
     aliases=("lagrange-second-kind",),

@@ -36,7 +36,7 @@ def work_out(setting: Setting) -> Worked:
 def _symbols() -> Iterator[Meaning]:
     yield glossary.loop_equations()
     yield Meaning((vec("v"),), "rates of the tip", "m/s, rad/s")
-    yield Meaning((sym("J"),), "Jacobian of the tip by the driven joints", "m or 1")
+    yield Meaning((sym("J"),), "Jacobian of the tip with respect to the driven joints", "m or 1")
 
 
 class _TipAndDrives:
@@ -62,11 +62,10 @@ class _TipAndDrives:
         coordinates = self.s.symbols.coordinates
         direct = set(self.io.driven) | {"x", "y", "z"} >= set(coordinates)
         how = (
-            "The rates of the tip and those of the drives stand in different columns."
+            "The rates of the tip and those of the drives appear in separate columns."
             if direct
-            else "The equations are combined so that the passive joints' rates leave, "
-            "as one multiplies with the "
-            "direction of a bar to be rid of its turning."
+            else "The equations are combined so that the rates of the passive joints cancel, as "
+            "when a velocity is projected on a bar to eliminate the bar's rotation."
         )
         slips = (
             " (The notes print (2.37), (2.39), (2.40) with the sign of d = 2b exchanged.)"
@@ -74,7 +73,8 @@ class _TipAndDrives:
             else ""
         )
         reason = (
-            f"The equations on the rates tie the tip's velocity to the driven rates. {how}{slips}"
+            f"The velocity constraints relate the velocity of the tip to the rates of the driven "
+            f"joints. {how}{slips}"
         )
         numbers = ("2.35", "2.37", "2.38", "2.39", "2.40") if self._numbered else ("2.35",)
         return Step("The tip and the drives", reason, tuple(lines), numbers)
@@ -111,11 +111,10 @@ class _TipAndDrives:
         """Where det J_b or det J_a vanishes."""
         lines = [*self._where(self.io.first, "b"), *self._where(self.io.second, "a")]
         reason = (
-            "First type, det J_b = 0: some drive turns and the tip stands still in a direction, as "
-            "at the edge of the "
-            "workspace. Second type, det J_a = 0: the tip gives way though the drives hold; near "
-            "it the forces in the "
-            "robot grow without bound."
+            "First type, det J_b = 0: the drives can move while the tip does not, and the tip "
+            "loses a direction of motion, as at the boundary of the workspace. Second type, det "
+            "J_a = 0: the tip can move although the drives are locked; near such a position the "
+            "forces in the robot grow without bound."
         )
         return Step("Singular positions", reason, tuple(lines))
 

@@ -36,14 +36,15 @@ def work_out(setting: Setting) -> Worked:
     steps += [*work.passive(), work.torques(), work.reactions_step()]
     torques = tuple(work.reactions.motor(i) for i in setting.order)
     sought = (
-        "Sought: what the motors must give to hold the robot at rest, and the forces in the loops."
+        "Sought: the motor torques and forces that hold the robot at rest, and the forces in the "
+        "loops."
     )
     return Worked(tuple(steps), torques, _symbols(setting), sought=sought, system=work.system)
 
 
 def _symbols(s: Setting) -> Iterator[Meaning]:
     yield from glossary.vectors(s)
-    yield Meaning((sym("lam_k"),), "multiplier of loop equation k: what the loop presses with", "")
+    yield Meaning((sym("lam_k"),), "multiplier of loop equation k: the loop's constraint force", "")
     yield glossary.joint_forces()
     yield from glossary.joint_moments(s)
 
@@ -88,16 +89,16 @@ class _Balance(Equilibrium):
         held = "; ".join(self.loops.holds(loop) for loop in self.s.tree.loops)
         rods = any(loop.closure.distance for loop in self.s.tree.loops)
         along = (
-            " A rod without mass pulls along itself; λ is half its tension over its length."
+            " A massless rod transmits force only along its axis; λ is half its tension over its "
+            "length."
             if rods
             else ""
         )
         reason = (
-            f"The loops are cut: {held}. In place of each stands the force of the one body on the "
-            f"other, and its "
-            f"opposite on that; its components are sought.{along}"
+            f"The loops are cut: {held}. Each is replaced by the force of one body on the other "
+            f"and its opposite; its components are the unknowns.{along}"
         )
-        return Step("Cut the loops: their forces are sought", reason, tuple(lines))
+        return Step("Cut the loops: their forces are the unknowns", reason, tuple(lines))
 
     def body(self, i: int) -> Step:
         """Equilibrium of one body, and what its motor gives of the moment or force at its joint."""
@@ -177,7 +178,7 @@ class _Balance(Equilibrium):
                 if self.arm(i, frame) != ex.ZERO:
                     lines.append(eq(self.arm(i, frame), self.s.column(self._way(i, frame))))
         others = any(len(getattr(line.lhs, "low", ())) > 1 for line in lines)
-        more = "s_i,P leads from joint i to a point P where a loop acts; " if others else ""
+        more = "s_i,P points from joint i to a point P where a loop acts; " if others else ""
         reason = more + step.reason.replace("(or the tip)", "(or the tip, or where a loop acts)")
         return Step(step.operation, reason, tuple(dict.fromkeys(lines)), step.notes, step.figure)
 
@@ -191,12 +192,14 @@ class _Balance(Equilibrium):
         joints = listed([f"joint {s.numbers[i]}" for i in free])
         lines = [eq(s.show(self.reactions.motor(i)), ex.ZERO) for i in free]
         reason = (
-            f"Nothing drives {joints}: of all that hangs on such a joint, the moments about it "
-            f"(along a slide, the "
-            "forces) add up to zero, with springs where there are. No other unknown is in these "
-            "equations."
+            f"No motor acts at {joints}: on all the bodies that such a joint carries, the moments "
+            f"about its axis (the forces along it, if it slides) add up to zero, springs "
+            f"included. These equations contain no other unknowns."
         )
-        return [Step("Passive joints carry none", reason, tuple(lines)), self._loop_forces()]
+        return [
+            Step("No torque or force at passive joints", reason, tuple(lines)),
+            self._loop_forces(),
+        ]
 
     def _loop_forces(self) -> Step:
         system, names = (
@@ -205,9 +208,9 @@ class _Balance(Equilibrium):
         )
         if system.multipliers is None:
             reason = (
-                f"They are {len(system.passive)} for {len(names)} multipliers: the drives are more "
-                f"than the degrees of "
-                "freedom and may press against one another. As a system: A λ = k."
+                f"There are {len(system.passive)} equations for {len(names)} multipliers: there "
+                f"are more drives than degrees of freedom, so that the drives can work against "
+                f"one another. As a system: A λ = k."
             )
             lines = [*self.loops.matrix(sym("A"), system.A), eq(ex.mul("A", "lam"), "k")]
             lines += [eq("k", ex.Vector(tuple(map(self.s.show, system.right))))]
@@ -217,8 +220,8 @@ class _Balance(Equilibrium):
         ]
         reason = (
             "Linear equations, solved by determinants. Where the denominator vanishes the robot "
-            "gives way though its "
-            "drives hold (a singular position of the second type), and no finite forces balance."
+            "can move although its drives are locked (a singular position of the second type), "
+            "and no finite forces give equilibrium."
         )
         return Step("The forces in the loops", reason, tuple(lines), result=True)
 
@@ -240,10 +243,10 @@ class _Balance(Equilibrium):
                 )
             lines.append(eq(s.motor(i), *dict.fromkeys(sides)))
         reason = (
-            "The balance about the driven joints, by the multipliers, "
-            "then with these put in where that is short."
+            "The balance at the driven joints in terms of the multipliers, then with these "
+            "substituted where the result is short."
         )
-        return Step("What the motors give", reason, tuple(lines), result=True)
+        return Step("Torques and forces of the motors", reason, tuple(lines), result=True)
 
     def reactions_step(self) -> Step:
         """Forces in the joints."""
@@ -258,7 +261,8 @@ class _Balance(Equilibrium):
             if not s.is_pin(i)
         ]
         reason = (
-            "The balance of forces, from the last body inward: what the body before does to each."
+            "The balance of forces, from the last body inward, gives the force of the previous "
+            "body on each."
         )
         return Step("The forces in the joints", reason, tuple(lines))
 

@@ -71,16 +71,17 @@ def _carried(s: Setting, i: int, drive: Expression) -> Step:
                 f"forces along it, give {found}"
             )
         reason = (
-            f"Take all that joint {n} carries as one system: its inner reactions cancel, and the "
+            f"Take all that joint {n} carries as one system: the reactions inside it cancel, and "
+            f"the "
             f"reaction {held} at the joint {none}."
         )
     else:
         reason = (
-            f"Take all that joint {n} carries as one system: its inner reactions cancel, and of "
+            f"Take all that joint {n} carries as one system: the reactions inside it cancel, and "
+            f"of "
             f"the reaction {held} at "
             f"the joint {'only the motor' if s.driven(i) else 'nothing'} acts along the slide, so "
-            f"that one equation of "
-            f"forces gives {found}."
+            f"that one force equation gives {found}."
         )
     return Step(f"All that joint {n} carries", reason, tuple(lines), figure=f"carried {n}")
 

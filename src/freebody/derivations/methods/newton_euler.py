@@ -167,7 +167,7 @@ class FreeBodies:
                 lines.append(eq(s.joint_moment(i), s.angular(self.reactions.n[i])))
         lines.append(eq(s.motor(i), s.show(self.tau[i])))
         return Step(
-            f"Put the motion in: joint {n}", wording.substituted(s, i, reactions), tuple(lines)
+            f"Substitute the motion: joint {n}", wording.substituted(s, i, reactions), tuple(lines)
         )
 
 

@@ -79,7 +79,7 @@ def _axes(s: Setting) -> list[str]:
     if s.planar:
         if len(s.order) == 1 or not any(map(s.turns, s.order[1:])):
             return []
-        return ["Angles are counted anticlockwise, each measured from the previous link."]
+        return ["Angles are positive anticlockwise, each measured from the previous link."]
     return [
         "Each body has a frame of its own, fixed to it; its vectors are given by their components "
         "in that frame "
@@ -97,7 +97,7 @@ def _load(s: Setting) -> list[str]:
 
 
 def motors(s: Setting) -> str:
-    """What the motors give: torques, or a force."""
+    """Torques and forces of the motors: torques, or a force."""
     words = "torques" if all(map(s.turns, s.order)) else "torques and forces"
     if len(s.order) == 1:
         return "torque" if words == "torques" else "force"

@@ -69,15 +69,15 @@ class _Outward:
         """The motion of the base."""
         s = self.s
         if not s.weighs:
-            reason = "The base rests, and there is no gravity."
+            reason = "The base is at rest, and there is no gravity."
         elif self.base:
             reason = (
-                "The base rests. Letting it accelerate with -g instead, upwards, gives every body "
-                "its weight without a "
-                "further term: all accelerations below contain it."
+                "The base is at rest. Giving it the acceleration -g instead, upwards, accounts "
+                "for every body's weight without a further term: all accelerations below contain "
+                "it."
             )
         else:
-            reason = "The base rests; each body's weight will stand among its forces."
+            reason = "The base is at rest; each body's weight is counted among its forces."
         w, wd = ((sym if s.planar else vec)(name) for name in ("omega0", "omega0_d"))
         moved = eq(vec("v0_d"), ex.neg(vec("g")) if self.base and s.weighs else ex.ZERO)
         return Step(
@@ -93,7 +93,7 @@ class _Outward:
         own = " and the ".join(
             word for word, has in (("turning", s.turns(i)), ("sliding", s.slides(i))) if has
         )
-        reason = f"What body {n} takes over from {before}, and the {own} of joint {n}"
+        reason = f"The motion that body {n} takes over from {before}, plus the {own} of joint {n}"
         if s.slides(i):
             reason += f"; on a turning body it brings Coriolis' acceleration {coriolis(s, (i,))}"
         lines = (*self._angular(i), *self._linear(i), *self._centre(i))

@@ -30,7 +30,7 @@ def virtual_work(s: Setting) -> tuple[Step, dict[int, Trig]]:
         lines.append(eq(f"Q{s.numbers[i]}", ex.add(motor, part), ex.add(motor, s.show(work))))
     reason = (
         "The work of motors and load in a small change of the coordinates, Σ τ_i δq_i + f · δr_P, "
-        "is Σ Q_i δq_i: the "
-        "load adds its component along the way that each coordinate moves the tip."
+        "is Σ Q_i δq_i: the load adds its component along the direction in which each coordinate "
+        "moves the tip."
     )
     return Step("Generalized forces by virtual work", reason, tuple(lines)), works

@@ -34,7 +34,7 @@ def _acting(s: Setting, i: int) -> list[str]:
     for k in s.tree.children(i):
         c = s.numbers[k]
         moment = f" and -n_{n},{c}" if not s.is_pin(k) else f" and -τ_{c}" if s.driven(k) else ""
-        acting.append(f"-f_{n},{c}{moment}, the opposite of what it does to body {c} at joint {c}")
+        acting.append(f"-f_{n},{c}{moment}, the opposite of its action on body {c} at joint {c}")
     if s.weighs:
         acting.append("its weight")
     if s.loaded(i):
@@ -62,7 +62,7 @@ def added_rates(s: Setting) -> str:
     turning, others = joints_that(s, turn=True), joints_that(s, turn=False)
     if not turning:
         return f"No joint turns a body; a {others} joint adds nothing"
-    added = f"A {turning} joint adds its rate to the angular velocity of the body before it"
+    added = f"A {turning} joint adds its rate to the angular velocity of the previous body"
     return f"{added}; a {others} joint adds nothing" if others else added
 
 
@@ -98,7 +98,7 @@ def eliminated(s: Setting, i: int) -> str:
         along = f"the part along the slide, u_{n} · f"
         motor = f"the motor's force is {along}" if s.driven(i) else f"{along}, has no motor"
         return f"{first}{moment}; {motor}."
-    into = f"{first}; put into Euler's equation it"
+    into = f"{first}; substituted into Euler's equation, it"
     if s.is_pin(i):
         left = (
             f"the torque τ_{n} and nothing unknown"
@@ -124,4 +124,4 @@ def substituted(s: Setting, i: int, reactions: bool) -> str:
         if reactions
         else ""
     )
-    return f"With the vectors put in: {carried}{motor}, sorted by accelerations and rates."
+    return f"With the vectors substituted: {carried}{motor}, sorted by accelerations and rates."
