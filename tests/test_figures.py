@@ -361,7 +361,9 @@ def test_colours_of_forces_are_in_the_theme():
 # ---------------------------------------------------------------- labels, numbers, curves
 def test_labels_keep_apart():
     crowd = Crowd(300, 300)
-    placed = crowd.settle([Wanted(f"label {k}", "", [(150, 150, 1, 0)]) for k in range(6)])
+    placed = crowd.settle(
+        [Wanted(f"label {k}", "", [(150, 150, 1, 0)], 13.0, 45.0) for k in range(6)]
+    )
     boxes = [p.box for p in placed]
     overlap = sum(_overlap(a, b) for i, a in enumerate(boxes) for b in boxes[i + 1 :])
     assert overlap < 60

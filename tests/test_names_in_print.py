@@ -8,12 +8,15 @@ import re
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import freebody as fb
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.render import literal
 from freebody.derivations.render.prose import markdown_prose, tex_prose, text_prose, web_prose
+from freebody.figures.plots import Plot, plot
+from freebody.figures.text import html, marked, plain
 from freebody.model.build import build_model
 from freebody.model.description import Joint, Link, Mount, RobotDescription
 from freebody.model.inertia import Inertia
@@ -142,6 +145,25 @@ def test_names_of_parameters_are_legible_formulas(name: str):
     for drawing in fb.kinematic_diagram(model).drawings:
         ET.fromstring(fb.kinematic_diagram(model).svg)
         assert drawing
+
+
+@pytest.mark.parametrize("name", ["j_{}", "j_{1}", "a_b", "j_{", "_{<&>}"])
+def test_curves_are_called_what_their_joints_are(name: str):
+    """The legend shows a name letter by letter and leaves it room; braces after a bar made the page
+    of a study fail."""
+    t = np.linspace(0.0, 1.0, 5)
+    body = plot(Plot("Torque", t, {name: t, "next": t}, "N m")).body
+    drawn = [x for x in ET.fromstring(f"<g>{body}</g>") if x.get("class") == "num"]
+    first, second = (x for x in drawn if x.text in (name, "next"))
+    assert first.text == name
+    assert float(second.get("x", 0)) - float(first.get("x", 0)) > 40 + 4 * len(name)
+
+
+@pytest.mark.parametrize("text", ["j_{}", "m_{a<b}", "2 θ_12 & x_{1,2}"])
+def test_text_with_subscripts_is_well_formed(text: str):
+    letters = plain(text)
+    for made in (marked(text).replace("\u200a", ""), html(text)):
+        assert "".join(ET.fromstring(f"<g>{made}</g>").itertext()) == letters
 
 
 def test_every_name_in_a_sentence_is_literal():

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures import text as texts
 
 Box = tuple[float, float, float, float]
 """Left, top, right, bottom in pixels."""
@@ -28,9 +27,10 @@ class Wanted:
     css: str
     anchors: Sequence[tuple[float, float, float, float]]
     """(x, y, dx, dy) of each anchor, the best first; y down."""
-    size: float = 13.0
-    width: float | None = None
-    """Pixels; default: as `text.width` estimates."""
+    size: float
+    """Height of its letters, pixels."""
+    width: float
+    """Pixels."""
     after: str = ""
     """Plain text that follows."""
 
@@ -108,7 +108,7 @@ class Crowd:
 
 def _candidates(wanted: Wanted) -> tuple[Array, Array]:
     """Boxes around the anchors (k, 4), and how far each is from what is wanted."""
-    w = (texts.width(wanted.text, wanted.size) if wanted.width is None else wanted.width) + 2
+    w = wanted.width + 2
     h = wanted.size * 1.25
     boxes, prices = [], []
     for rank, (x, y, dx, dy) in enumerate(wanted.anchors):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from html import escape
 
 import numpy as np
 
 from freebody.figures.drawing import Point, Prism, View, point
-from freebody.figures.text import marked
 
 Pixel = tuple[float, float]
 
@@ -210,7 +210,7 @@ def _left(a: Pixel, b: Pixel, c: Pixel) -> float:
 def ruler(at: Pixel, length: float, label: str, role: str) -> str:
     """A scale bar, its text above."""
     x, y = at
-    text = f'<text class="tick" x="{x:g}" y="{y - 6:g}">{marked(label)}</text>'
+    text = f'<text class="tick" x="{x:g}" y="{y - 6:g}">{escape(label)}</text>'
     if role == "length":
         bar = (
             f"M{x:g} {y - 3:g}V{y + 3:g}M{x:g} {y:g}H{x + length:.1f}M{x + length:.1f} "
