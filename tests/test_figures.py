@@ -11,7 +11,7 @@ import pytest
 import freebody as fb
 from freebody.cli.app import run
 from freebody.errors import FreebodyError, MissingValueError, ShapeError, UnknownNameError
-from freebody.figures.drawing import Arc, Arrow, Line, Mark, Turn
+from freebody.figures.drawing import Arc, Arrow, Dimension, Line, Mark, Turn
 from freebody.figures.label_placement import Crowd, Wanted, _overlap
 from freebody.figures.layers import forces
 from freebody.figures.names import Names
@@ -243,6 +243,103 @@ def test_what_vanishes_is_said_to(arm):
     nothing = fb.free_body_diagram(weightless, Q2, body=1)
     rooted(nothing.svg)
     assert nothing.drawing.arrows == []
+
+
+HANGING = """
+[[link]]
+name = "rails"
+[[link]]
+name = "trolley"
+mass = 35
+[[link]]
+name = "boom"
+mass = 60
+com = [0, 0, -2]
+inertia = [0.5, 0, 0, 0.6, 0, 0.1]
+[[link]]
+name = "hook"
+mass = 5
+com = [0, 0, -0.02]
+[[joint]]
+name = "travel"
+kind = "prismatic"
+parent = "rails"
+child = "trolley"
+axis = "x"
+[[joint]]
+name = "ball"
+kind = "spherical"
+parent = "trolley"
+child = "boom"
+passive = true
+[[joint]]
+name = "swivel"
+kind = "revolute"
+parent = "boom"
+child = "hook"
+origin = [0, 0, -2]
+axis = "y"
+passive = true
+[[frame]]
+name = "eye"
+parent = "hook"
+origin = [0, 0, -0.02]
+"""
+
+
+@pytest.fixture
+def hanging(tmp_path):
+    (tmp_path / "crane.toml").write_text(HANGING, encoding="utf-8")
+    return fb.load(tmp_path / "crane.toml")
+
+
+def test_joints_without_motor_rest_unless_a_state_is_given(hanging):
+    still = np.zeros(hanging.nv)
+    figure = fb.free_body_diagram(hanging)
+    needed = fb.inverse_dynamics(hanging, figure.q, still, still)
+    assert np.abs(needed).max() < 1e-8
+    assert figure.unheld == ()
+    assert not any("passive" in note for d in figure.drawings for note in d.notes)
+
+
+def test_what_a_joint_without_motor_lacks_is_said(hanging):
+    q = fb.integrate(hanging, figure_q := fb.neutral(hanging), [0.3, 0.5, 0.0, 0.0, 0.0])
+    still = np.zeros(hanging.nv)
+    tau = fb.inverse_dynamics(hanging, q, still, still)
+    figure = fb.free_body_diagram(hanging, q, labels="both")
+    assert f"ball.wx is passive, and this state needs {tau[1]:.0f} N m there" in figure.unheld
+    assert not any("ball.wz" in text or "travel" in text for text in figure.unheld)
+    assert any("ball.wx is passive" in note for note in figure.drawings[1].notes)
+    free = fb.forward_dynamics(hanging, q, still, still)
+    assert fb.free_body_diagram(hanging, q, qdd=free).unheld == (), "it swings as it would"
+    assert fb.free_body_diagram(hanging, figure_q).unheld == ()
+    named = fb.free_body_diagram(hanging, q, labels="names").drawings[1].notes
+    assert "ball.wx is passive, and this state needs a torque there" in named
+
+
+def test_a_body_is_drawn_in_its_own_size(hanging):
+    """Beside a boom of 2 m a hook of 2 cm has its vector, and axes no longer than its forces; a
+    trolley's forces are no dots beside its rail."""
+    figure = fb.free_body_diagram(hanging, [1.5, 1, 0, 0, 0, 0], show=["vectors", "axes"])
+    trolley, _, hook = figure.drawings
+    length = lambda arrow: float(np.linalg.norm(np.subtract(arrow.end, arrow.start)))  # noqa: E731
+    assert length(hook.named("s_3")) == pytest.approx(0.02)
+    forces_of = [a for a in hook.arrows if a.name.startswith("f")]
+    assert length(hook.named("z_3")) < max(map(length, forces_of))
+    assert max(length(a) for a in trolley.arrows if a.name.startswith("f")) > 0.5
+
+
+def test_angles_and_lengths_of_a_small_link_fit_it():
+    arm = fb.planar("RR", l=[1, 0.03], lc=[0.5, 0.015], m=[3, 0.1], I=[0.1, 1e-4])
+    small = fb.free_body_diagram(arm, [0.5, 0.6], show=["lengths", "angles"]).drawings[1]
+    (arc,) = [e for e in small.elements if isinstance(e, Arc)]
+    assert arc.radius < 0.03
+    assert {"l_2", "l_{c2}"} <= {e.name for e in small.elements if isinstance(e, Dimension)}
+
+
+def test_what_carries_a_floating_base_is_not_called_a_drive():
+    floating = fb.load("ur5e", base="free")
+    assert fb.free_body_diagram(floating).bodies[0].loads[0].other == "what moves it"
 
 
 def test_figure_shows_and_saves_itself(diagram, tmp_path):

@@ -87,6 +87,8 @@ def fbd(
     if figure.missing:
         assumed = f"drawn for typical values; without value: {', '.join(figure.missing)}"
         terminal.out().print(assumed, markup=False, soft_wrap=True)
+    for text in figure.unheld:
+        terminal.out().print(text, markup=False, soft_wrap=True)
     terminal.out().print(f"written: {path}", markup=False, soft_wrap=True)
 
 

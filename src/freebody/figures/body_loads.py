@@ -179,7 +179,7 @@ def _reactions(names: Naming, pose: Skeleton, body: BodyPlace, wrenches: Array) 
         if role == "counter":
             force, moment = ex.neg(force), ex.neg(moment)
         w, d = (-1.0 if role == "counter" else 1.0) * wrenches[k], pose.dim
-        by_name = "its drives" if by < 0 and body.kind.frees(d) else called[by]
+        by_name = "what moves it" if by < 0 and body.kind.frees(d) else called[by]
         found.append(Load(label(force), label(moment), role, by_name, at, w[:d], w[d:], k, kind))
 
     for other in pose.bodies:

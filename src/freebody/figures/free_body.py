@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
-from freebody.figures.body_loads import BodyLoads
+from freebody.figures.body_loads import NOISE, BodyLoads
 from freebody.figures.drawing import Drawing
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.labelling import chosen_of, labels_of, metres
@@ -16,9 +16,11 @@ from freebody.figures.layers import forces
 from freebody.figures.layers.force_scale import Scale, common_or_own_scales
 from freebody.figures.layers.space import round_down
 from freebody.figures.names import Names, names_of
-from freebody.figures.snapshot import Snapshot, snapshot
+from freebody.figures.snapshot import Snapshot, resting_pose, snapshot, with_values
 from freebody.model.model import Model
+from freebody.motion.ranges import angular
 from freebody.outputs.numbers import significant
+from freebody.trees.dynamics import inverse_dynamics
 from freebody.trees.public_calls import Vector, Wrenches
 
 PANEL, TALLEST = 430.0, 400.0
@@ -43,6 +45,8 @@ class FreeBodyDiagram(Figure):
     """What is drawn on each body; for assumed values where some are missing."""
     missing: tuple[str, ...] = ()
     """Parameters of the model that have no value."""
+    unheld: tuple[str, ...] = ()
+    """What joints without motor would need to be in this state, in words; () where nothing."""
 
     def _title(self) -> str:
         return self.title
@@ -72,7 +76,8 @@ def free_body_diagram(
     """Free-body diagram of a body (its name, its joint's or a link's; or its index from 0), or of
     all: forces to scale.
 
-    q: (nq,) rad or m, default a pose that is seen well; qd, qdd: (nv,), default at rest; wrenches
+    q: (nq,) rad or m, default a pose that is seen well, and at which joints without motor rest, if
+    one is found; qd, qdd: (nv,), default at rest; wrenches
     as for `inverse_dynamics`, acting on the arm. labels: "names", "values" or "both"; default:
     both, or names where parameters have no value; forces are then drawn for typical values. show:
     one or several of "points" (O, A, P), "centres" (C_i), "vectors" (s_i, s_ci), in the plane
@@ -85,6 +90,8 @@ def free_body_diagram(
     how, parts = labels_of(caller, model, labels), _parts(model.dim, show)
     chosen = None if body is None else _index(model, body)
     still = np.zeros(model.nv)
+    if q is None and qd is None and qdd is None:
+        q = resting_pose(with_values(model), wrenches)
     qd, qdd = still if qd is None else qd, still if qdd is None else qdd
     seen = snapshot(model, q, qd, qdd, wrenches, caller)
     drawings = diagrams(seen, names_of(seen.model), parts, how, model.missing)
@@ -93,7 +100,9 @@ def free_body_diagram(
         loads, drawings = (loads[chosen],), (drawings[chosen],)
         title += f": {loads[0].body.name}"
     made = title, drawings, 2, PANEL, TALLEST, caller, 0.0
-    return FreeBodyDiagram(*made, tuple(seen.q.tolist()), loads, tuple(model.missing))
+    needs = _unheld(seen, bool(model.missing))
+    lacking = tuple(text for item in loads for text in needs.get(item.body.index, ()))
+    return FreeBodyDiagram(*made, tuple(seen.q.tolist()), loads, tuple(model.missing), lacking)
 
 
 def diagrams(
@@ -106,7 +115,7 @@ def diagrams(
     """Drawings of all bodies, seen from one side; lengths and forces to one scale where their sizes
     allow it. parts: of `forces.PARTS`; missing: parameters for which values were assumed."""
     scales = common_or_own_scales(seen.loads)
-    drawings = []
+    drawings, unheld = [], _unheld(seen, bool(missing) or labels == "names")
     for loads, scale in zip(seen.loads, scales, strict=True):
         drawing = forces.alone(seen, loads.body, names, parts, scale)
         forces.inertia(drawing, loads, scale)
@@ -114,7 +123,7 @@ def diagrams(
         drawing.compass, drawing.labels = True, labels
         if not missing:
             drawing.rulers = _rulers(scale)
-        drawing.notes = _notes(loads, labels, missing)
+        drawing.notes = [*_notes(loads, labels, missing), *unheld.get(loads.body.index, ())]
         drawings.append(drawing)
     if len(set(scales)) == 1:
         to_one_scale(drawings, PANEL, TALLEST)
@@ -142,6 +151,29 @@ def _notes(loads: BodyLoads, labels: str, missing: Sequence[str]) -> list[str]:
             f"|ΣF − {loads.mass_name} a_{n}| = {force} N,\u2003|ΣM − Ḣ_{n}| = {moment} N m"
         )
     return notes
+
+
+def _unheld(seen: Snapshot, unnumbered: bool) -> dict[int, list[str]]:
+    """By body what the joint without motor that carries it would need to be in this state: nothing
+    exerts it. Closed chains are held by their drives. unnumbered: in words alone."""
+    model, found = seen.model, dict[int, list[str]]()
+    if model.loops or not model.passive:
+        return found
+    tau = inverse_dynamics(model, seen.q, seen.qd, seen.qdd, wrenches=seen.wrenches)
+    largest = max(np.linalg.norm(x.force) for body in seen.loads for x in body.loads)
+    turns = angular(model)
+    for body, at in zip(seen.pose.bodies, model.coordinates, strict=True):
+        for k in at.v if model.bodies[body.index].joint.passive else ():
+            unit, least = ("N m", seen.size) if turns[k] else ("N", 1.0)
+            if abs(tau[k]) > NOISE * largest * least:
+                name = model.velocity_names[k]
+                what = f"{significant(float(tau[k]), 3)} {unit}"
+                if unnumbered:
+                    what = "a torque" if turns[k] else "a force"
+                found.setdefault(body.index, []).append(
+                    f"{name} is passive, and this state needs {what} there"
+                )
+    return found
 
 
 def _parts(dim: int, show: str | Sequence[str]) -> list[str]:

@@ -22,10 +22,11 @@ from freebody.model.parameters import Parameter, with_parameters
 from freebody.trees.dynamics import inverse_dynamics, mass_matrix
 from freebody.trees.kinematics import acceleration, velocity
 from freebody.trees.public_calls import Wrenches, single_vector
-from freebody.trees.states import neutral
+from freebody.trees.states import integrate, neutral
 
 _PATTERN = (("lc", 0.45), ("l", 0.9), ("a", 0.4), ("d", 0.3), ("m", 1.0), ("I", 0.05), ("g", 9.81))
 _TURNS = (0.60, 0.75, -0.85, 0.80, -0.70)  # rad, of an arm that is only to be looked at
+_RESTS = 1e-12  # of joints without motor: far below what drawings show
 _RATES, _SECOND = (0.9, 1.1, -0.8), (1.5, 1.0, -1.0)
 
 
@@ -132,15 +133,18 @@ def resting_pose(model: Model, wrenches: Wrenches) -> Array | None:
     free = list(model.passive)
     if model.loops or not free:
         return None
-    q, still = clear_pose(model), np.zeros(model.nv)
+    start, still = clear_pose(model), np.zeros(model.nv)
+
+    def moved(x: Array) -> Array:
+        way = np.zeros(model.nv)
+        way[free] = x
+        return np.asarray(integrate(model, start, way))
 
     def missing(x: Array) -> Array:
-        q[free] = x
-        return np.asarray(inverse_dynamics(model, q, still, still, wrenches=wrenches))[free]
+        return np.asarray(inverse_dynamics(model, moved(x), still, still, wrenches=wrenches))[free]
 
-    found = root(missing, q[free])
-    q[free] = found.x
-    return q if found.success else None
+    found = root(missing, still[free], tol=_RESTS)
+    return moved(found.x) if found.success else None
 
 
 def _consistent_rates(model: Model, q: Array) -> Array:

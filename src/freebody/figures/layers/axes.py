@@ -45,10 +45,13 @@ def common_normal(p: Array, u: Array, q: Array, v: Array) -> Normal:
 
 
 @of_each
-def joint_axes(drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace) -> None:
-    """z_i along the axis of each joint, from where it is, and a thin line back."""
+def joint_axes(
+    drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace, longest: float = np.inf
+) -> None:
+    """z_i along the axis of each joint, from where it is, at most `longest` metres, and a thin line
+    back."""
     if body.axis is not None:
-        name, reach = names.axis(body), 0.17 * seen.size * body.axis
+        name, reach = names.axis(body), min(0.17 * seen.size, longest) * body.axis
         start = body.carrier if body.kind.slides else body.origin
         drawing.line((start - 0.6 * reach, start), f"axis {body.number}", "axisline")
         drawing.arrow(start, start + reach, name, "z", body.axis, label=name)

@@ -9,6 +9,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures.body_loads import BodyLoads
+from freebody.figures.layers.plane import bars
 from freebody.figures.layers.space import round_down
 from freebody.outputs.numbers import significant
 
@@ -55,8 +56,9 @@ def common_or_own_scales(bodies: Sequence[BodyLoads]) -> tuple[Scale, ...]:
 
 
 def extent_with_forces(loads: BodyLoads) -> float:
-    """Of a body and of where forces act on it, metres."""
-    ends = [place for segment in loads.body.outline for place in segment]
+    """Of a body as it is drawn and of where forces act on it, metres."""
+    drawn = bars(loads.body, rod=len(loads.body.origin) == 3)
+    ends = [place for _, segment in drawn for place in segment]
     places = np.array([*(load.place for load in loads.loads), *ends])
     size = float(np.linalg.norm(places.max(axis=0) - places.min(axis=0)))
     return size if size > 1e-3 else 0.1

@@ -30,6 +30,7 @@ from freebody.figures.snapshot import Snapshot
 
 _GAP = 0.34
 _BESIDE = vectors.BESIDE + 2
+_AXIS, _ANGLE = 0.45, 0.4  # the longest axis and arc beside the forces, of the size of the body
 
 
 # ---------------------------------------------------------------- one body
@@ -49,16 +50,24 @@ def _points(drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace) -> 
 @of_each
 def _axes(drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace) -> None:
     """The axes of a body's joints."""
-    axes.joint_axes(drawing, seen, names, (body, *_children(seen, body)))
+    longest = _AXIS * extent_with_forces(seen.loads[body.index])
+    axes.joint_axes(drawing, seen, names, (body, *_children(seen, body)), longest=longest)
+
+
+@of_each
+def _angles(drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace) -> None:
+    """The angle of a body's joint."""
+    longest = _ANGLE * extent_with_forces(seen.loads[body.index])
+    geometry.angles(drawing, seen, names, (body,), longest=longest)
 
 
 PARTS: dict[str, Layer] = {
     "points": _points,
     "centres": geometry.centres,
-    "angles": geometry.angles,
-    "lengths": geometry.all_lengths,
-    "s": partial(vectors.links, aside=_BESIDE),
-    "r": partial(vectors.links, aside=_BESIDE, letter="r"),
+    "angles": _angles,
+    "lengths": partial(geometry.all_lengths, least=0.0),
+    "s": partial(vectors.links, aside=_BESIDE, least=0.0),
+    "r": partial(vectors.links, aside=_BESIDE, letter="r", least=0.0),
     "sc": partial(vectors.to_centres, aside=-_BESIDE),
     "axes": _axes,
 }

@@ -14,6 +14,7 @@ from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot
 
 _ARC = 0.15
+_VISIBLE = 0.05
 """Radius of an angle's arc, of the drawing's size."""
 
 
@@ -27,15 +28,17 @@ def centres(drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace) -> 
 
 
 @of_each
-def angles(drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace) -> None:
+def angles(
+    drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace, longest: float = math.inf
+) -> None:
     """θ_1 from the x axis, further ones from the line of the link before: dashed where an angle
-    starts, an arc with a head where it ends."""
+    starts, an arc with a head where it ends, of a radius of at most `longest` metres."""
     name = names.coordinate(body)
     if not body.kind.turns or not name:
         return
     before = math.atan2(body.carrier_rotation[1, 0], body.carrier_rotation[0, 0])
     now = math.atan2(body.rotation[1, 0], body.rotation[0, 0])
-    turned, reach = math.remainder(now - before, 2 * math.pi), _ARC * seen.size
+    turned, reach = math.remainder(now - before, 2 * math.pi), min(_ARC * seen.size, longest)
     end = body.origin + 1.5 * reach * np.array([math.cos(before), math.sin(before)])
     drawing.line((body.origin, end), f"reference {name}", "guide")
     drawing.add(Arc(point(body.origin), reach, before, turned, name, label=name))
@@ -51,26 +54,30 @@ def slides(drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace) -> N
 
 @of_each
 def lengths(
-    drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace, aside: float = 14.0
-) -> None:
-    """l_i, on the side where no angle is."""
+    drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace, aside: float = 14.0,
+    least: float = _VISIBLE,
+) -> None:  # fmt: skip
+    """l_i, on the side where no angle is. least: of the robot's size, below which none is drawn."""
     for end in body.ends[:1]:
-        _length(drawing, seen, body, end.place, names.length(body, end), aside)
+        _length(drawing, seen, body, end.place, names.length(body, end), aside, least)
 
 
 @of_each
-def all_lengths(drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace) -> None:
-    """l_ci next to each link, l_i farther out."""
+def all_lengths(
+    drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace, least: float = _VISIBLE
+) -> None:
+    """l_ci next to each link, l_i farther out. least: as for `lengths`."""
     if body.mass > 0:
-        _length(drawing, seen, body, body.com, names.centre_length(body), 12.0)
-    lengths(drawing, seen, names, (body,), aside=27.0)
+        _length(drawing, seen, body, body.com, names.centre_length(body), 12.0, least)
+    lengths(drawing, seen, names, (body,), aside=27.0, least=least)
 
 
 def _length(
-    drawing: Drawing, seen: Snapshot, body: BodyPlace, place: Array, name: str, aside: float
-) -> None:
+    drawing: Drawing, seen: Snapshot, body: BodyPlace, place: Array, name: str, aside: float,
+    least: float,
+) -> None:  # fmt: skip
     aside *= _clear_side(seen, body)
-    _dimension(drawing, body.origin, place, name, aside, 0.05 * seen.size)
+    _dimension(drawing, body.origin, place, name, aside, max(least * seen.size, SAME))
 
 
 def _dimension(

@@ -19,13 +19,14 @@ _VISIBLE = 0.025
 @of_each
 def links(
     drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace, aside: float = 0.0,
-    letter: str = "s",
+    letter: str = "s", least: float = _VISIBLE,
 ) -> None:  # fmt: skip
-    """s_i, from the joint of body i to the next, or to the tip."""
+    """s_i, from the joint of body i to the next, or to the tip. least: of the robot's size, below
+    which none is drawn in space."""
     plane = seen.model.dim == 2
-    least, aside = (0.0, aside) if plane else (_VISIBLE * seen.size, 0.0)
+    shortest, aside = (0.0, aside) if plane else (max(least * seen.size, SAME), 0.0)
     for end, place in seen.reaches(body):
-        if np.linalg.norm(place - body.origin) > least:
+        if np.linalg.norm(place - body.origin) > shortest:
             drawing.position(body.origin, place, names.reach(body, end, letter), aside)
 
 
