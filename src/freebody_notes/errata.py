@@ -10,9 +10,9 @@ from freebody_notes.item import SOURCE, ExecutedItem
 from freebody_notes.text import shown
 
 _WORDS = {
-    "misprint": "A slip of the pen",
-    "inconsistent": "At odds with other equations of the notes",
-    "incomplete": "Something that has to be said with it",
+    "misprint": "A misprint",
+    "inconsistent": "It contradicts other equations of the notes",
+    "incomplete": "It needs an addition",
 }
 
 
@@ -34,10 +34,9 @@ def errata(findings: Sequence[ExecutedItem]) -> str:
         f"{len(wrong)} are "
         f"listed here in the order of the notes: {counts['misprint']} misprints, "
         f"{counts['inconsistent']} places where "
-        f"the notes are at odds with themselves, and {counts['incomplete']} where something is "
-        f"left unsaid, exercises "
-        "included. "
-        "`freebody notes ID` repeats each finding.",
+        f"the notes contradict themselves, and {counts['incomplete']} that need an addition, "
+        "exercises included. "
+        "`freebody notes ID` repeats the check of each.",
     ]
     chapter = 0
     for number, finding in enumerate(wrong, 1):

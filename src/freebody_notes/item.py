@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 VERDICTS = ("holds", "misprint", "inconsistent", "incomplete")
-"""As printed: true; a slip of the pen; at odds with the rest of the notes; true only with what is
-not said."""
+"""As printed: true; a misprint; in contradiction to the rest of the notes; true only with an
+addition."""
 
 SOURCE = "S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019"
 

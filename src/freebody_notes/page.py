@@ -26,14 +26,14 @@ from freebody_notes.steps import Place, place_of
 from freebody_notes.text import shown
 
 WORDS = {
-    "holds": "holds as printed", "misprint": "misprint", "inconsistent": "at odds with the notes",
-    "incomplete": "something left unsaid",
+    "holds": "holds as printed", "misprint": "misprint", "inconsistent": "inconsistent",
+    "incomplete": "incomplete",
 }  # fmt: skip
 
 
 COUNTED = {
-    "holds": "hold as printed", "misprint": "misprints", "inconsistent": "at odds with the notes",
-    "incomplete": "with something left unsaid",
+    "holds": "hold as printed", "misprint": "misprints", "inconsistent": "inconsistent",
+    "incomplete": "incomplete",
 }  # fmt: skip
 
 
