@@ -8,7 +8,7 @@ import math
 import pytest
 
 import freebody as fb
-from freebody.derivations.check.example import example
+from freebody.derivations.check.numeric_example import example
 from freebody.derivations.check.right_equations import setting
 from freebody.derivations.closed_chains.linear import product
 from freebody.derivations.expressions.printed_names import sym

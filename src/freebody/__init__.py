@@ -27,7 +27,7 @@ _PLACES = {
     "freebody.model.numbers": ("parameters",),
     "freebody.model.description": ("Drive", "Limits"),
     "freebody.model.model": ("Model",),
-    "freebody.model.planar": ("planar",),
+    "freebody.model.planar_arms": ("planar",),
     "freebody.model.dh": ("dh",),
     "freebody.formats.loading": ("load",),
     "freebody.formats.saving": ("save",),

@@ -49,7 +49,7 @@ from freebody.model.integrated_inertia import integrated_inertia as integrated_i
 from freebody.model.model import Model as Model
 from freebody.model.numbers import parameters as parameters
 from freebody.model.parameters import Parameter as Parameter
-from freebody.model.planar import planar as planar
+from freebody.model.planar_arms import planar as planar
 from freebody.motion.default_motion import default_motion as default_motion
 from freebody.motion.measured import smoothed as smoothed
 from freebody.motion.motion import Motion as Motion

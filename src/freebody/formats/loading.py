@@ -12,7 +12,7 @@ from freebody.formats import dh_csv, read_file, toml, urdf
 from freebody.formats.estimated_inertias import estimated
 from freebody.formats.implausible_masses import implausible_masses
 from freebody.formats.urdf_elements import xacro
-from freebody.model import planar
+from freebody.model import planar_arms
 from freebody.model.build import BasePolicy, MimicPolicy, Policy, build_model
 from freebody.model.description import DOUBTFUL, RobotDescription
 from freebody.model.dh import Convention
@@ -159,7 +159,7 @@ def _named(name: str) -> RobotDescription:
     if name in names:
         return toml.describe(f"{name}.toml", read_file.bundled_text(name), name=name)
     if name and not set(name) - set("RP"):
-        return planar.describe(name)
+        return planar_arms.describe(name)
     if name == "-":
         raise FreebodyError(
             "load: a robot is not read from standard input, where no suffix tells its format; save "

@@ -13,7 +13,7 @@ from freebody.errors import FileError, ModelError, UnknownNameError
 from freebody.formats import toml_parts as parts
 from freebody.formats.toml_lines import bounded, lines
 from freebody.formats.toml_table import TomlTable
-from freebody.model import dh, planar
+from freebody.model import dh, planar_arms
 from freebody.model.description import MASS_NOTICES, Link, Notice, RobotDescription
 from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
 
@@ -124,7 +124,7 @@ def _planar(top: TomlTable) -> RobotDescription:
         for i, t in enumerate(inner.tables("limits"))
     ]
     drives = [parts.drive(t.only(*parts.DRIVE)) for t in inner.tables("drives")]
-    described = planar.describe(
+    described = planar_arms.describe(
         word,
         **given,
         angles=inner.vector("angles", len(word), "angle", None),

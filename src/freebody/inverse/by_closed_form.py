@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from freebody.algorithms.branches.solve import branches
+from freebody.algorithms.closed_form_inverse.solve import branches
 from freebody.arrays import Array
 from freebody.inverse.branch_names import joined
 from freebody.inverse.closed_form import ClosedFormSolver, Displacement

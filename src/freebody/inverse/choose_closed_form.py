@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from freebody.algorithms.branches.choose import without_idle
+from freebody.algorithms.closed_form_inverse.choose_recipe import without_idle
 from freebody.algorithms.joint_lines import parallel
 from freebody.algorithms.screws import ScrewChain, chain_to
 from freebody.arrays import Array

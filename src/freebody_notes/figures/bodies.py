@@ -12,7 +12,7 @@ from freebody.figures.layers.plane import axes
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.model.model import Model
-from freebody.model.planar import planar
+from freebody.model.planar_arms import planar
 
 _REACH = 0.32  # metres: the longest arrow
 _OUTLINE = (

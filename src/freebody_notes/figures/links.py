@@ -17,7 +17,7 @@ from freebody.figures.layers.vectors import BESIDE
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot, snapshot
-from freebody.model.planar import planar
+from freebody.model.planar_arms import planar
 from freebody.trees.public_calls import Vector
 
 _RELATIVE = Names(

@@ -13,7 +13,7 @@ from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.layers import forces, geometry, motion, plane, vectors
 from freebody.figures.names import Names
 from freebody.figures.snapshot import Snapshot, snapshot
-from freebody.model.planar import planar
+from freebody.model.planar_arms import planar
 from freebody.trees.dynamics import forward_dynamics
 from freebody.trees.public_calls import Vector
 from freebody_notes.figures.bodies import pinned

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from freebody.derivations.check import coriolis, example, undriven_joints
+from freebody.derivations.check import coriolis, numeric_example, undriven_joints
 from freebody.derivations.check.answer_text import AnswerText
 from freebody.derivations.check.answer_tree import Named
 from freebody.derivations.check.asked_quantities import Targets
@@ -89,8 +89,8 @@ class Judge:
     def _with_example(
         self, claim: Claim, right: Trig, findings: Sequence[Mistake], causes: Sequence[str]
     ) -> EquationVerdict:
-        shown = example.example(self.setting, claim.value, right)
-        text = example.sentence(shown) if shown else ""
+        shown = numeric_example.example(self.setting, claim.value, right)
+        text = numeric_example.sentence(shown) if shown else ""
         return EquationVerdict(
             claim.label, claim.target.title, False, tuple(findings), tuple(causes), shown, text
         )

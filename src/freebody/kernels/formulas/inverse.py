@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from freebody.algorithms.branches.solve import Branches, branches, places_beside
+from freebody.algorithms.closed_form_inverse.solve import Branches, branches, places_beside
 from freebody.elementary import Scalar, sqrt, where
 from freebody.errors import FreebodyError
 from freebody.kernels.formulas.choices import frame_of

@@ -12,8 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from freebody.algorithms.branches.one_joint import at_angle, at_chord, at_distance, at_height
-from freebody.algorithms.branches.places import (
+from freebody.algorithms.closed_form_inverse.joint_places import (
     AxisLine,
     Choice,
     JointPlace,
@@ -24,6 +23,12 @@ from freebody.algorithms.branches.places import (
     mark,
     onto,
     turning,
+)
+from freebody.algorithms.closed_form_inverse.one_joint import (
+    at_angle,
+    at_chord,
+    at_distance,
+    at_height,
 )
 from freebody.algorithms.joint_lines import (
     can_meet,

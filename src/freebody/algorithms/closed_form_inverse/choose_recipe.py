@@ -8,8 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from freebody.algorithms.branches.arms import Wrist, arm
-from freebody.algorithms.branches.recipes import (
+from freebody.algorithms.closed_form_inverse.recipes import (
     Across,
     OneJointHeld,
     OrientationByThree,
@@ -19,6 +18,7 @@ from freebody.algorithms.branches.recipes import (
     SphericalWrist,
     ThreeParallel,
 )
+from freebody.algorithms.closed_form_inverse.two_and_three_joints import Wrist, arm
 from freebody.algorithms.joint_lines import (
     can_meet,
     common_point,

@@ -12,9 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from freebody.algorithms.branches.arms import Arm, Pair, Places, Way, Wrist, numbers
-from freebody.algorithms.branches.one_joint import at_angle, at_height
-from freebody.algorithms.branches.places import (
+from freebody.algorithms.closed_form_inverse.joint_places import (
     JointPlace,
     known_turn,
     least,
@@ -23,6 +21,15 @@ from freebody.algorithms.branches.places import (
     onto,
     turn_by,
     turning,
+)
+from freebody.algorithms.closed_form_inverse.one_joint import at_angle, at_height
+from freebody.algorithms.closed_form_inverse.two_and_three_joints import (
+    Arm,
+    Pair,
+    Places,
+    Way,
+    Wrist,
+    numbers,
 )
 from freebody.algorithms.joint_lines import off_axis
 from freebody.algorithms.screws import SAME, Screw

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from freebody.algorithms.branches.places import (
+from freebody.algorithms.closed_form_inverse.joint_places import (
     AxisLine,
     Choice,
     JointPlace,
