@@ -448,6 +448,14 @@ def test_tools_and_payloads_survive_writing():
     round_trip(planar.with_payload(fb.Inertia.disc(1, 0.1, dim=2)))
 
 
+@pytest.mark.parametrize("name", ["panda", "stewart", "2R"])
+def test_a_file_that_was_written_is_the_same_model(name, tmp_path):
+    """Also to ==, in which the lines of files do not count."""
+    model = fb.load(name)
+    fb.save(model, tmp_path / "again.toml")
+    assert fb.load(tmp_path / "again.toml") == model
+
+
 def test_a_load_is_no_link_even_with_the_name_of_one(tmp_path):
     model = fb.load("2R").with_payload(
         2.0, frame="link1", name="base"

@@ -632,3 +632,39 @@ def test_a_file_s_drive_that_no_motor_has_is_warned_of(
 
 def test_a_spring_may_push_away_and_a_gear_turn_the_other_way():
     fb.load("ur5e").with_drive("elbow_joint", stiffness=-1.0, gear=-100.0, rotor=1e-4)
+
+
+def test_a_name_is_one_number_wherever_it_stands():
+    arm = fb.load("2R")
+    like_m1 = Inertia.point(Parameter("m1"), (0.0, 0.0))
+    one = fb.planar("RR", l=[Parameter("a", 0.5), "a"])
+    assert one.parameters["a"] == 0.5
+    assert {r.name: r.value for r in fb.parameters(one)}["a"] == 0.5
+    for known, made in (
+        (0.4, arm.bind(l1=0.4).with_drive("joint1", viscous="l1").bodies[0].joint.drive.viscous),
+        (3.0, arm.bind(m2=3.0).replace(gravity="m2").gravity_size),
+        (
+            6.0,
+            arm.with_payload(like_m1).bodies[-1].inertias[-1].inertia.mass,
+        ),
+    ):
+        assert made.value == known
+    driven = arm.with_drive("joint1", viscous="l1")
+    q, qd = [0.1, 0.2], [0.3, 0.4]
+    friction = fb.inverse_dynamics(driven, q, qd, qd) - fb.inverse_dynamics(arm, q, qd, qd)
+    close(friction, [driven.parameters["l1"] * 0.3, 0.0], 1e-12)
+    other = Parameter("l1", 7.0)
+    for change in (
+        lambda: fb.planar("RR", l=[Parameter("l1", 1.0), other]),
+        lambda: arm.with_drive("joint1", viscous=other),
+        lambda: arm.with_payload(Inertia.point(other, (0.0, 0.0))),
+        lambda: arm.replace(gravity=other),
+    ):
+        with pytest.raises(ModelError, match=r"parameter 'l1' has two values, .*; a name is one"):
+            change()
+    assert (
+        arm.with_drive("joint1", viscous=Parameter("b", 1.0))
+        .with_drive("joint1", viscous=Parameter("b", 2.0))
+        .parameters["b"]
+        == 2.0
+    ), "what is replaced does not count"

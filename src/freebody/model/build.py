@@ -27,7 +27,7 @@ from freebody.model.description import (
 from freebody.model.joints import KINDS
 from freebody.model.loops import checked_loop
 from freebody.model.model import Model
-from freebody.model.parameters import Quantity, quantity
+from freebody.model.parameters import Quantity, one_value_each, quantity
 from freebody.model.placement import Placement
 from freebody.model.tree import Attached
 from freebody.spatial import of_dimension, unit
@@ -55,7 +55,8 @@ def build_model(
     ):
         if value not in allowed:
             raise UnknownNameError("option", value, f"{option}=", allowed)
-    return _Assembly(description, physical, mimic, base).model(tip)
+    described = one_value_each(description, repr(description.name))
+    return _Assembly(described, physical, mimic, base).model(tip)
 
 
 class _Assembly:

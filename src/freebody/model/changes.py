@@ -21,7 +21,14 @@ from freebody.model.inertia import Inertia, faults
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.loops import checked_loop
 from freebody.model.number_names import PAYLOAD
-from freebody.model.parameters import LARGEST, Quantity, finite, quantity
+from freebody.model.parameters import (
+    LARGEST,
+    Quantity,
+    each_parameter,
+    finite,
+    one_value_each,
+    quantity,
+)
 from freebody.model.piece_paths import get, put
 from freebody.model.placement import AxisRotation, Placement, Rotate, Shift, rotate, shift
 from freebody.model.tree import Attached
@@ -106,7 +113,7 @@ def with_drive(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
     """See `Model.with_drive`."""
     free = [body.joint.name for body in model.bodies if body.kind.nv == 1]
     if joint not in free:
-        raise UnknownNameError("joint with one coordinate", joint, f"{model.name!r}", free)
+        raise UnknownNameError("one-coordinate joint", joint, f"{model.name!r}", free)
     k = model.joint_names.index(joint)
     body = model.bodies[k]
     numbers = {
@@ -120,7 +127,16 @@ def with_drive(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
     if fault:
         raise ModelError(f"with_drive: joint {joint!r}: {fault}.")
     driven = replace(body, joint=replace(body.joint, drive=drive))
-    return one_family(put(model, ("bodies", k), driven), model, *numbers.values())
+    result = with_symbols_known(put(model, ("bodies", k), driven), *numbers.values())
+    return one_family(result, model, *numbers.values())
+
+
+def with_symbols_known(changed: Model, *new: Any) -> Model:
+    """A changed model in which what is new has the values that its names have elsewhere; refuses
+    other values."""
+    if not any(each_parameter(new)):  # most are numbers
+        return changed
+    return one_value_each(changed, repr(changed.name))
 
 
 def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -> Model:
@@ -128,7 +144,8 @@ def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -
     at = model.frame(frame)
     added = attached(inertia, at.placement, name, at.name, model.dim, model.name)
     path = ("base_inertias",) if at.body < 0 else ("bodies", at.body, "inertias")
-    return one_family(put(model, path, (*get(model, path), added)), model, inertia)
+    result = with_symbols_known(put(model, path, (*get(model, path), added)), inertia)
+    return one_family(result, model, inertia)
 
 
 def without_idle_payload(model: Model) -> Model:
@@ -204,7 +221,8 @@ def with_loop(model: Model, loop: Loop) -> Model:
     """See `Model.with_loop`."""
     body_of = {frame.name: frame.body for frame in model.frames}
     taken = (*model.joint_names, *(other.name for other in model.loops))
-    return replace(model, loops=(*model.loops, checked_loop(loop, model.dim, body_of, taken)))
+    loops = (*model.loops, checked_loop(loop, model.dim, body_of, taken))
+    return with_symbols_known(replace(model, loops=loops), loop)
 
 
 # ---------------------------------------------------------------- the twin in space

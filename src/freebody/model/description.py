@@ -167,7 +167,7 @@ class Joint(Keeps):
     limits: Limits = Limits()
     drive: Drive = Drive()
     mimic: Mimic | None = None
-    line: int | None = None
+    line: int | None = field(default=None, compare=False)
     passive: bool = False
     """Nothing drives it: it is moved by the others, and no torque acts there but friction and a
     spring."""
@@ -183,7 +183,7 @@ class Link:
     name: str
     inertia: Inertia | None = None
     placement: Placement = Placement()
-    line: int | None = None
+    line: int | None = field(default=None, compare=False)
     shapes: tuple[Shape, ...] = ()
 
 

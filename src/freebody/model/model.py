@@ -257,7 +257,10 @@ class Model(NamedParts, Tabled, ByValue):
             changes["bodies"] = changed.actuated(self, actuated)
         if loop_tolerance is not None:
             changes["loop_tolerance"] = checked_tolerance(loop_tolerance, "Model.replace")
-        return one_family(dataclasses.replace(self, **changes), self, *changes.values())  # type: ignore[arg-type]
+        result = dataclasses.replace(self, **changes)  # type: ignore[arg-type]
+        if gravity is not None:
+            result = changed.with_symbols_known(result, result.gravity_size)
+        return one_family(result, self, *changes.values())
 
     def with_drive(
         self,

@@ -6,10 +6,12 @@ import dataclasses
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from freebody.errors import ModelError, shown
 from freebody.model.families import Members, fields_of
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -99,6 +101,36 @@ def each_parameter(thing: Any) -> Iterator[Parameter]:
     else:
         for name in fields_of(type(thing)):
             yield from each_parameter(getattr(thing, name))
+
+
+def one_value_each(thing: T, owner: str) -> T:
+    """A tree of dataclasses and tuples in which a name has its value wherever it stands.
+
+    Raises ModelError for a name that has two.
+    """
+    known: dict[str, Any] = {}
+    without = False
+    for parameter in each_parameter(thing):
+        value = known.setdefault(parameter.name, parameter.value)
+        without = without or parameter.value is None
+        if value is None:
+            known[parameter.name] = parameter.value
+        elif parameter.value is not None and parameter.value != value:
+            raise ModelError(
+                f"{owner}: parameter {parameter.name!r} has two values, {_shown(value)} and "
+                f"{_shown(parameter.value)}; a name is one number."
+            )
+    if not without or not any(value is not None for value in known.values()):
+        return thing
+    return with_parameters(thing, lambda old: _valued(old, known[old.name]))
+
+
+def _shown(value: Any) -> str:
+    return "those of a family" if isinstance(value, Members) else f"{value:g}"
+
+
+def _valued(old: Parameter, value: Any) -> Parameter:
+    return old if value is None or old.value is not None else Parameter(old.name, value)
 
 
 def with_parameters(thing: Any, change: Callable[[Parameter], Any]) -> Any:
