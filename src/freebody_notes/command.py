@@ -22,7 +22,7 @@ COLOURS = {"holds": "green", "misprint": "red", "inconsistent": "magenta", "inco
 
 
 class VerdictChoice(StrEnum):
-    """What an item is found to be."""
+    """The verdict on an item."""
 
     holds = "holds"
     misprint = "misprint"
@@ -39,22 +39,22 @@ def notes(
     ] = None,
     chapter: Annotated[int | None, typer.Option(min=1, max=6, help="Only this chapter.")] = None,
     verdict: Annotated[
-        VerdictChoice | None, typer.Option(help="Only items found to be so.")
+        VerdictChoice | None, typer.Option(help="Only items with this verdict.")
     ] = None,
     errata: Annotated[
         bool, typer.Option("--errata", help="The list of errata, as Markdown.")
     ] = False,
     html: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Write all as one page that needs no network."),
+        typer.Option(metavar="FILE", help="Write all items as one page that needs no network."),
     ] = None,
     out: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Write the item's figure (.svg), or the errata, there."),
     ] = None,
 ) -> None:
-    """Execute the lecture notes: every equation, worked example and figure, with its verdict and
-    corrections."""
+    """Check the lecture notes: every equation, worked example and figure is executed, with its
+    verdict and correction."""
     given: dict[str, object] = {"an item": item, "--html": html, "--errata": errata, "--out": out}
     given |= {"--chapter": chapter, "--verdict": verdict}
     _require_used([name for name, value in given.items() if value not in (None, False)])
