@@ -422,3 +422,14 @@ def test_the_command_refuses_in_one_line_and_points(capsys: pytest.CaptureFixtur
     assert "no such file" in capsys.readouterr().err
     assert run(["check", "2R", "H12 = I2", "--name", "nonsense"]) == 2
     assert "such as L1=l1" in capsys.readouterr().err
+
+
+def test_a_long_line_is_cut_at_dots_around_the_mistake():
+    answer = "H11 = m1*lc1^2 + I1 + m2*(l1^2 + lc2^2 + l1*lc2*cos(theta2)) + I2" + " + 0*I1" * 12
+    for text in (answer, answer.replace("= ", "= " + "0*I2 + " * 12)):
+        context = fb.check(ARM, text).findings[0].context
+        line, carets = context.splitlines()
+        assert line.startswith("    …") is (text is not answer)
+        assert line.endswith("…")
+        start = carets.index("^")
+        assert line[start : start + carets.count("^")] == "l1*lc2*cos(theta2)"

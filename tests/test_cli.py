@@ -345,3 +345,49 @@ def test_thousands_of_warnings_are_counted_not_printed(capsys: pytest.CaptureFix
     said = capsys.readouterr().err.splitlines()
     assert 10 < len(said) < 60
     assert re.fullmatch(r"warning: and 3\d\d more such warnings; .*", said[-1])
+
+
+SCREW = """
+[[link]]
+name = "stand"
+[[link]]
+name = "nut"
+mass = 1
+[[joint]]
+name = "screw"
+kind = "helical"
+parent = "stand"
+child = "nut"
+axis = "z"
+pitch = {pitch}
+"""
+
+
+def test_show_tells_the_root_link_and_a_screws_pitch(tmp_path, capsys):
+    path = tmp_path / "press.toml"
+    for pitch, said in (("0.0008", "helical, pitch 0.0008 m/rad"), ('"h"', "helical, pitch h")):
+        path.write_text(SCREW.format(pitch=pitch), encoding="utf-8")
+        assert run(["show", str(path)]) == 0
+        out = capsys.readouterr().out
+        assert said in out
+        assert "\nstand\n└── nut  (screw, helical)" in out
+    path.write_text('base = "free"\n' + SCREW.format(pitch=1), encoding="utf-8")
+    assert run(["show", str(path)]) == 0
+    assert "\nworld\n└── stand  (base, free)" in capsys.readouterr().out
+
+
+def test_a_wrong_option_leads_to_its_commands_help(capsys):
+    assert run(["derive", "2R", "--base", "free"]) == 2
+    assert capsys.readouterr().err.rstrip().endswith("See freebody derive --help.")
+
+
+def test_derive_says_what_to_put_in_place_of_a_joint_of_several_coordinates(tmp_path, capsys):
+    path, ball = tmp_path / "ball.toml", SCREW.format(pitch=1).replace("helical", "spherical")
+    for kind, advice in (
+        ("universal", "put a joint for each coordinate in its place"),
+        ("spherical", "put three revolute joints (Euler angles) in its place"),
+    ):
+        text = ball.replace("spherical", kind).replace('axis = "z"\npitch = 1\n', "")
+        path.write_text(text, encoding="utf-8")
+        assert run(["derive", str(path), "--method", "lagrange"]) == 2
+        assert advice in capsys.readouterr().err

@@ -125,7 +125,8 @@ def _unforeseen(problem: Exception) -> int:
     wording = getattr(problem, "format_message", None)
     if wording is not None:
         text = wording().replace("Value error, ", "").rstrip(".")
-        return terminal.error(f"{text}. See freebody --help.")
+        command = getattr(getattr(problem, "ctx", None), "command_path", None) or "freebody"
+        return terminal.error(f"{text}. See {command} --help.")
     if os.environ.get("FREEBODY_TRACEBACK"):
         raise problem
     return terminal.error(

@@ -105,7 +105,8 @@ def _tree(model: Model) -> Tree:
     from rich.text import Text
     from rich.tree import Tree
 
-    root = Tree(Text("base"))
+    roots = (frame.name for frame in model.frames if frame.body < 0 and not frame.parent)
+    root = Tree(Text(next(roots, "world")))  # of a floating base
     carried: dict[int, list[int]] = {}
     for k, body in enumerate(model.bodies):
         carried.setdefault(body.parent, []).append(k)

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from freebody.model.families import Members
+from freebody.model.parameters import Parameter
 
 if TYPE_CHECKING:
     from freebody.model.bodies import Body
@@ -27,7 +28,7 @@ def row(body: Body) -> tuple[str, ...]:
     mimic = joint.mimic
     return (
         joint.name,
-        f"{joint.kind}, passive" if joint.passive else joint.kind,
+        ", ".join([joint.kind, *_own(body), *["passive"] * joint.passive]),
         " ".join(f"{x:.4g}" for x in joint.axis),
         f"{_number(limits.lower)} … {_number(limits.upper)} {unit}" if bounded else "",
         f"{_number(limits.velocity)} {unit}/s" if one and _given(limits.velocity) else "",
@@ -36,6 +37,16 @@ def row(body: Body) -> tuple[str, ...]:
         _mass(body),
         f"{mimic.ratio:g} × {mimic.joint} + {mimic.offset:g}" if mimic else "",
     )
+
+
+def _own(body: Body) -> list[str]:
+    """The numbers that joints of its kind have of their own, such as a screw's pitch."""
+    found = []
+    for own, number in zip(body.kind.numbers, body.joint.numbers, strict=True):
+        value = number.value if isinstance(number, Parameter) else number
+        said = number.name if value is None else f"{_number(value)} {own.unit}"
+        found.append(f"{own.name} {said}")
+    return found
 
 
 def _given(limit: Any) -> bool:

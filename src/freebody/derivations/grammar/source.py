@@ -68,12 +68,16 @@ class Source:
         raise self.error(problem, advice, line, column, self.caret(span))
 
     def caret(self, span: Span) -> str:
-        """The line, and below it carets under the piece."""
+        """The line, cut at "…" where it is long, and below it carets under the piece."""
         start = self.text.rfind("\n", 0, span[0]) + 1
         end = self.text.find("\n", span[0])
         end = len(self.text) if end < 0 else end
         first = max(start, min(span[0] - _SHOWN // 2, end - _SHOWN))
-        shown = self.text[first : min(end, first + _SHOWN)].replace("\t", " ")
+        while first > start and unicodedata.combining(self.text[first]):
+            first -= 1
+        last = min(end, first + _SHOWN)
+        shown = self.text[first:last].replace("\t", " ")
+        shown = ("…" + shown[1:] if first > start else shown) + ("…" if last < end else "")
         size = max(1, _width(self.text[span[0] : min(span[1], end)]))
         pad = " " * (_width(self.text[first : span[0]]) + 4)
         return f"    {unicodedata.normalize('NFC', shown)}\n{pad}{'^' * min(size, _SHOWN)}"

@@ -354,10 +354,15 @@ def require_chain_of_bodies(symbols: Symbols, what: str) -> None:
                 if model.loops
                 else "fb.equations gives the closed form"
             )
+            if body.kind.nv > 1:
+                instead = (
+                    "put a joint for each coordinate in its place, with links without mass "
+                    f"between them. Without that {instead}"
+                )
             raise FreebodyError(
                 f"{what}: joint {body.joint.name!r} of {model.name!r} is {body.kind.name}"
                 f"{' and follows another' if body.joint.mimic else ''}; derivations are written "
-                f"for independent joints of one coordinate. {instead}."
+                f"for independent joints of one coordinate: {instead}."
             )
     for i, k in enumerate(symbols.tree.body_of):
         if len(symbols.tree.bodies[k].masses) > 1:

@@ -195,9 +195,8 @@ def coordinate_names(model: Model) -> tuple[str, ...]:
         if body.kind.coordinates is None:
             raise FreebodyError(
                 f"joint {body.joint.name!r} of {model.name!r} is {body.kind.name}: closed forms "
-                f"need coordinates "
-                "that are numbers; put three revolute joints (Euler angles) and three prismatic "
-                "ones in its place."
+                "need coordinates that are numbers; put three revolute joints (Euler angles)"
+                f"{' and three prismatic ones' if body.kind.nv == 6 else ''} in its place."
             )
     return tuple(name for names in names_by_body(model) for name in names)
 
