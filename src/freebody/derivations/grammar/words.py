@@ -224,36 +224,13 @@ def cut(
     is no way."""
     if word.plain in known or word.plain in functions:
         return [(word.plain, word.start, word.end)]
-    if len(word.plain) > _LONGEST:
+    if not 0 < len(word.plain) <= _LONGEST:
         return None
-    best: dict[int, tuple[int, list[list[int]]]] = {
-        0: (0, [[0]])
-    }  # by place: how many pieces, and the ways
-    for i in sorted(word.cuts):
-        if i not in best:
-            continue
-        size, ways = best[i]
-        for j in sorted({*word.cuts, len(word.plain)}):
-            if j <= i:
-                continue
-            piece = word.plain[i:j]
-            ways_here = ways if piece in known or piece in functions else []
-            if piece.isdigit():
-                ways_here = [
-                    way for way in ways if len(way) > 1 and word.plain[way[-2] : i] in functions
-                ]
-            if not ways_here:
-                continue
-            longer = [[*way, j] for way in ways_here[:2]]
-            if j not in best or best[j][0] > size + 1:
-                best[j] = (size + 1, longer)
-            elif best[j][0] == size + 1:
-                best[j] = (size + 1, (best[j][1] + longer)[:2])
-    ways = best.get(len(word.plain), (0, []))[1]
-    if not ways or not word.plain:
+    ways = _shortest_ways(word, known, functions)
+    if not ways:
         return None
     if len(ways) > 1:
-        readings = " or ".join("·".join(_pieces(word, way)) for way in ways[:2])
+        readings = " or ".join("·".join(_pieces(word, way)) for way in ways)
         source.fail(
             f"{source[word.start, word.end]!r} may be {readings}: put spaces",
             (word.start, word.end),
@@ -262,6 +239,29 @@ def cut(
     ends = [word.origins[j] for j in way[1:-1]] + [word.end]
     starts = [word.start, *ends[:-1]]
     return list(zip(_pieces(word, way), starts, ends, strict=True))
+
+
+def _shortest_ways(
+    word: Word, known: Collection[str], functions: Collection[str]
+) -> list[list[int]]:
+    """Where the fewest pieces begin and the last one ends: no way, the only one, or two of
+    several."""
+    best: dict[int, list[list[int]]] = {0: [[0]]}  # by the place that they reach
+    for i in sorted(word.cuts):
+        for j in sorted({*word.cuts, len(word.plain)}):
+            if i not in best or j <= i:
+                continue
+            piece, ways = word.plain[i:j], best[i]
+            if piece.isdigit():
+                ways = [w for w in ways if len(w) > 1 and word.plain[w[-2] : i] in functions]
+            elif piece not in known and piece not in functions:
+                ways = []
+            longer = [[*way, j] for way in ways]
+            if longer and (j not in best or len(longer[0]) < len(best[j][0])):
+                best[j] = longer
+            elif longer and len(longer[0]) == len(best[j][0]):
+                best[j] = (best[j] + longer)[:2]
+    return best.get(len(word.plain), [])
 
 
 def _pieces(word: Word, way: list[int]) -> list[str]:
