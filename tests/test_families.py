@@ -74,6 +74,12 @@ def test_inertia_is_told_in_the_axes_of_the_link():
     assert np.allclose(np.array(R) @ com + p, in_body, atol=1e-14)
 
 
+@pytest.mark.parametrize("scale", [1e60, [1.0, 1e60]])
+def test_a_scale_makes_no_number_that_no_file_may_hold(scale):
+    with pytest.raises(fb.FreebodyError, match=r"scale: 1e\+60 makes a mass or inertia too large"):
+        fb.load("ur5e").bind({"forearm_link.scale": scale})
+
+
 def test_mass_keeps_centre_and_inertia_and_scale_scales_both():
     model = fb.load("ur5e")
     heavy, scaled = model.bind({"forearm_link.mass": 5.0}), model.bind({"forearm_link.scale": 2.0})

@@ -12,9 +12,12 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol, cast
 
+import numpy as np
+
+from freebody.errors import ModelError
 from freebody.model.families import Members, NamedNumber, changed
 from freebody.model.inertia import Inertia
-from freebody.model.parameters import Parameter, ParameterProduct, Quantity, each_parameter
+from freebody.model.parameters import LARGEST, Parameter, ParameterProduct, Quantity, each_parameter
 from freebody.model.piece_paths import Fields, Path, get, is_plain, put, put_at
 from freebody.model.placement import Placement
 from freebody.model.pose_editor import as_quantity, steps_to
@@ -239,4 +242,11 @@ def _times(x: Quantity, factor: Quantity) -> Quantity:
         return x
     if any(each_parameter((x, factor))):
         return cast(Quantity, ParameterProduct((x, factor)))
-    return as_quantity(VALUES.quantity(x) * VALUES.quantity(factor))
+    product = VALUES.quantity(x) * VALUES.quantity(factor)
+    if np.max(np.abs(product)) > LARGEST:
+        most = np.max(np.abs(VALUES.quantity(factor)))
+        raise ModelError(
+            f"scale: {most:g} makes a mass or inertia too large; numbers of a robot stay below "
+            f"{LARGEST:g}."
+        )
+    return as_quantity(product)
