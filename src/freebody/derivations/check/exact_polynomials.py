@@ -63,10 +63,7 @@ class PolynomialReader:
         return x if isinstance(x, Trig) else self.constant(Fraction(x))
 
     def _product(self, factors: Iterable[Trig]) -> Trig:
-        total = self.constant(Fraction(1))
-        for factor in factors:
-            total = self._times(total, factor)
-        return total
+        return reduce(self._times, list(factors) or [self.constant(Fraction(1))])
 
     def _quotient(self, node: Quotient, above: Trig, below: Trig) -> Trig:
         if below.is_zero:

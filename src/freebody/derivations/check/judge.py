@@ -149,6 +149,8 @@ class Judge:
 
     def _zeros(self, claim: Claim) -> str:
         """A sentence about parameters in the answer that are 0 in this model."""
+        if not self.setting.zeros:
+            return ""
         names = {x.name: sym(x.name) for x in nodes(claim.node) if isinstance(x, Named)}
         found = [str(names[name]) for name in names if name in self.setting.zeros]
         if not found:

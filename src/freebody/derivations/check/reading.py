@@ -47,7 +47,7 @@ class AnswerParser(Parser):
         """A symbol, c12, or a quantity that stands for its right value; theta1(t) is theta1."""
         token = self.take()
         name = token.text
-        if [self.ahead(k).text for k in range(3)] == ["(", "t", ")"]:
+        if self.token.text == "(" and [self.ahead(k).text for k in (1, 2)] == ["t", ")"]:
             self.at += 3
         span = self.since(token.start)
         vocabulary = self.vocabulary

@@ -44,7 +44,7 @@ class Expression:
         return hash((type(self), *self._content()))
 
     def _content(self) -> tuple[Any, ...]:
-        return tuple(getattr(self, name) for name in self.__match_args__)
+        return tuple([getattr(self, name) for name in self.__match_args__])
 
     @property
     def parts(self) -> tuple[Expression, ...]:
@@ -77,12 +77,14 @@ class Expression:
         printer.text(str(self))
 
 
-def _expressions(content: tuple[Any, ...]) -> Iterator[Expression]:
+def _expressions(content: tuple[Any, ...]) -> list[Expression]:
+    found = []
     for x in content:
         if isinstance(x, Expression):
-            yield x
+            found.append(x)
         elif isinstance(x, tuple):
-            yield from _expressions(x)
+            found += _expressions(x)
+    return found
 
 
 def _filled(x: Any, rest: Iterator[Expression]) -> Any:
@@ -93,10 +95,12 @@ def _filled(x: Any, rest: Iterator[Expression]) -> Any:
 
 
 def nodes(x: Expression) -> Iterator[Expression]:
-    """An expression and all that is in it."""
-    yield x
-    for part in x.parts:
-        yield from nodes(part)
+    """An expression and all that is in it, each node before its parts."""
+    waiting = [x]
+    while waiting:
+        node = waiting.pop()
+        yield node
+        waiting += reversed(node.parts)
 
 
 def replaced(x: Expression, new: Mapping[Expression, Expression]) -> Expression:
