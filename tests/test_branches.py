@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody.algorithms.closed_form_inverse.solve import branches
 from freebody.errors import FreebodyError
 from freebody.inverse import by_closed_form
 from support.arms import apart, arm, direction, meeting, parallel, skew
@@ -315,3 +316,36 @@ def test_derivatives_of_branches():
     moved = slopes.reshape(8, 6, 4, 4)[:, :, :3, 3]  # by x, y, z of the target
     for x, slope in zip(branches, moved, strict=True):
         assert np.abs(fb.jacobian(ur, x) @ slope - np.eye(6)[:, :3]).max() < 1e-9
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_right_angles_and_axes_that_fall_together(seed):
+    """Arms of right angles, many of which have joints that repeat each other: either the recipe
+    gives the position that made the target, or it says that this is not clear, or there is none."""
+    rng = np.random.default_rng(seed)
+    axes, p = [], np.zeros(3)
+    for _ in range(6):
+        axes.append(("R", np.eye(3)[rng.integers(3)], p.copy()))
+        p = p + np.eye(3)[rng.integers(3)] * rng.choice([0.0, 0.0, 1.0, 0.5])
+    if seed % 2:
+        c = rng.normal(size=3)
+        axes[3:] = [("R", np.eye(3)[k], c) for k in (2, 1, 2)]
+    model = arm(axes, seed)
+    known = branches(model.tree, "tool", tuple(range(6)))
+    if known is None:
+        return
+    q, _, _ = fb.random_state(model, seed, 20)
+    T = fb.forward_kinematics(model, q)
+    with np.errstate(all="ignore"):
+        found = fb.formula(model, "inverse_kinematics")(np.moveaxis(T, 0, -1))
+    x, valid, clearance = (
+        np.broadcast_to(np.moveaxis(np.array(part), -1, 0), s)
+        for part, s in zip(
+            found, ((20, known.count, 6), (20, known.count), (20, known.count)), strict=True
+        )
+    )
+    clear = np.abs(clearance).min(axis=1) > 1e-6
+    assert reached(model, (x, valid, clearance), T).max() < 3e-10
+    assert ((clearance > 0) == (valid == 1.0))[clear].all()
+    if clear.any():
+        assert own(model, (x, valid, clearance), q)[clear].max() < 1e-5

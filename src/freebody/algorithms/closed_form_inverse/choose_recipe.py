@@ -21,6 +21,7 @@ from freebody.algorithms.closed_form_inverse.recipes import (
 from freebody.algorithms.closed_form_inverse.two_and_three_joints import Wrist, arm
 from freebody.algorithms.joint_lines import (
     can_meet,
+    changes_distance,
     common_point,
     off_axis,
     parallel,
@@ -103,8 +104,10 @@ def _three_parallel(s: Sequence[Screw], length: float) -> Recipe | None:
         return None
     if parallel(s[0].w, s[1].w) or parallel(s[3].w, s[4].w) or parallel(s[4].w, s[5].w):
         return None
+    if not can_meet(s[1], s[2], length) or not changes_distance(s[2], s[3].p, length):
+        return None
     c = common_point(s[4:], length)
-    return None if c is None or not can_meet(s[1], s[2], length) else ThreeParallel(s, c, length)
+    return None if c is None else ThreeParallel(s, c, length)
 
 
 def _across(chain: ScrewChain, kind: Kind, normal: Array | None) -> Recipe | None:
@@ -129,7 +132,7 @@ def _regular(s: Sequence[Screw], turned: bool, length: float) -> bool:
     other."""
     if len(s) == 3 and turned and any(x.turning for x in s):
         if s[2].turning or s[0].turning:
-            first, second = (s[0], s[1]) if s[2].turning else (s[2], s[1])
-            return can_meet(first, second, length)
+            first, second, last = s if s[2].turning else s[::-1]
+            return can_meet(first, second, length) and changes_distance(second, last.p, length)
         return s[1].turning
     return len(s) == 1 or (len(s) == 2 and can_meet(s[0], s[1], length))

@@ -19,7 +19,7 @@ from freebody.algorithms.closed_form_inverse.joint_places import (
     least,
     level,
 )
-from freebody.elementary import Scalar, maximum, sqrt
+from freebody.elementary import Scalar, less, maximum, sqrt, where
 from freebody.spatial import Vector, dot, scale, sub, times
 
 
@@ -33,7 +33,13 @@ def at_height(l: AxisLine, c: Vector, n: Vector, height: Scalar, length: float) 
     radius = maximum(radius, 1e-12 * length)  # a point on the axis keeps its height
     cosine = wanted / radius
     sine, cosine, clear = bent((radius - wanted) / radius, (radius + wanted) / radius, cosine)
-    return either(l, base, sine, cosine, least(clear, radius * (1.0 / length)))
+    return either(l, base, sine, cosine, _of_size(clear, radius * (1.0 / length)))
+
+
+def _of_size(clear: Scalar, size: Scalar) -> Scalar:
+    """How clear it is where the point goes round a circle of a (relative) size: on the axis a
+    quotient by it says nothing."""
+    return least(where(less(size, 1e-9), 0.0, clear), size)
 
 
 def at_chord(l: AxisLine, c: Vector, o: Vector, square: Scalar, length: float) -> list[Choice]:
@@ -46,7 +52,7 @@ def at_chord(l: AxisLine, c: Vector, o: Vector, square: Scalar, length: float) -
     above = (square - (a - b) * (a - b)) / (2.0 * size)
     below = ((a + b) * (a + b) - square) / (2.0 * size)
     sine, cosine, clear = bent(above, below, (aa + bb - square) / (2.0 * size))
-    return either(l, base, sine, cosine, least(clear, size * (1.0 / length**2)))
+    return either(l, base, sine, cosine, _of_size(clear, size * (1.0 / length**2)))
 
 
 def at_distance(l: AxisLine, c: Vector, o: Vector, square: Scalar, length: float) -> list[Choice]:

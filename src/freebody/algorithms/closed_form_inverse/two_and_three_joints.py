@@ -158,6 +158,8 @@ def arm(screws: Sequence[Screw], c: Array, length: float) -> Arm | None:
     s1, s2, s3 = screws
     if not can_meet(s1, s2, length) or not can_meet(s2, s3, length):
         return None
+    if not changes_distance(s3, c, length):
+        return None
     l1, l3 = line(s1), line(s3)
     normal = kept_height(s2, s3)
     if normal is not None and changes_height(s1, _moved_point(s1, length), normal, length):
