@@ -129,15 +129,14 @@ def _readme(word: str, command: str, note: str, files: list[str]) -> str:
     before, too."""
     return "\n".join(
         [
-            f"Functions written by freebody {__version__}. The head of each text says how to call "
-            f"it.",
+            f"Functions written by freebody {__version__}. The comment at the top of each file "
+            f"says how to call them.",
             f"Files of {word}: {', '.join(files)}.",
-            "names.json: names as in the robot's file, where a text had to change them. "
+            "names.json: the names in the robot's file, where the code had to change them. "
             "manifest.json: checksums.",
             "",
-            f"Each has a self-test: it compares results with more exact ones and ends with status "
-            f"0 if they agree;"
-            f" that of {word}:",
+            f"Each function has a self-test: it compares results with more accurate ones and ends "
+            f"with status 0 if they agree. To run that of {word}:",
             f"    {command}",
             *(["", note] if note else []),
             "",

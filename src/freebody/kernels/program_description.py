@@ -52,8 +52,8 @@ class ProgramDescription:
         lines = [
             f"{program.name} of the robot {robot}.",
             f"{sum(program.operations.values())} operations: {counts or 'none'}.",
-            f"Written by freebody {__version__} for this robot alone: its numbers stand in the text"
-            f"{', but for those in p' if self.numbers else ''}.",
+            f"Written by freebody {__version__} for this robot only: its numbers are constants in "
+            f"the code{', except those in p' if self.numbers else ''}.",
             "",
             *self._arguments("Inputs", program.inputs),
             *self._arguments("Outputs", program.outputs),
@@ -170,16 +170,17 @@ class ProgramDescription:
 
 
 _SECTIONS = (
-    "Sections: outward, up to joint k, what depends on no later joint; inward, to joint k, what "
-    "only results of joints",
-    "up to k need. Names: w3_y is the angular velocity of body 3, which joint 3 carries, about y "
-    "of its own axes, and",
-    "minus_w3_y its negative; t1, t2, ... are what has no name there.",
+    "Sections: outward, up to joint k: values that depend on no later joint; inward, to joint k: "
+    "values needed only",
+    "for results of joints up to k. Names: w3_y is the y component, in its own axes, of the "
+    "angular velocity of",
+    "body 3, which joint 3 carries, and minus_w3_y its negative; t1, t2, ... are values without "
+    "such a name.",
 )
 _COUNTED = ("Entries of M and c count from 0, as arrays do.",)
 _REGROUPED = (
-    "Masses are regrouped among bodies where that saves operations and the motion stays the same: "
-    "f, n, h and I",
+    "Masses are regrouped among bodies where this saves operations and leaves the motion "
+    "unchanged: f, n, h and I",
     "are then those of the regrouped bodies.",
 )
 

@@ -25,16 +25,16 @@ from freebody.scalars.expr import Expr
 from freebody.scalars.operations import OPERATIONS
 
 MEANINGS = {
-    "R": "turn from its axes to those of the world",
+    "R": "rotation matrix from its axes to those of the world",
     "r": "position of its origin in the world",
     "w": "angular velocity",
     "wd": "angular acceleration",
     "v": "velocity of its origin",
-    "a": "acceleration of its origin, less gravity",
+    "a": "acceleration of its origin minus gravity",
     "f": "force that the joint transmits to it",
     "n": "moment that the joint transmits to it",
-    "h": "first moment of it and all that it carries, about its origin",
-    "I": "inertia of it and all that it carries, about its origin",
+    "h": "first moment of the body and all that it carries, about its origin",
+    "I": "inertia of the body and all that it carries, about its origin",
     "M": "entry of the mass matrix",
     "c": "torque at zero accelerations",
 }

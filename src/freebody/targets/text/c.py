@@ -241,7 +241,7 @@ def _checks(unit: Unit, words: ProgramWords, dialect: _Dialect) -> list[str]:
 _USE = (
     "Matrices are stored row by row. Arrays may overlap. Returns 0; or 1 if an input is NaN or "
     "infinite: all outputs",
-    "are then NaN. Do not compile with -ffast-math, which takes that check away.",
+    "are then NaN. Do not compile with -ffast-math, which removes that check.",
 )
 
 
