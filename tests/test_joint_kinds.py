@@ -17,7 +17,7 @@ from freebody.derivations.polynomials.symbols import symbols
 from freebody.figures.snapshot import clear_pose
 from freebody.inverse.solutions import turning_coordinates
 from freebody.model.build import build_model
-from freebody.model.description import Joint, Link, Mimic, RobotDescription
+from freebody.model.description import Joint, Limits, Link, Mimic, RobotDescription
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
@@ -327,6 +327,20 @@ def test_which_coordinates_repeat_after_a_whole_turn():
         numbers = (0.1,) * len(KINDS[kind].numbers)
         follower = replace(led[1], kind=kind, numbers=numbers)
         assert turning_coordinates(build_model(described(led[0], follower))).tolist() == [False]
+
+
+def test_turns_of_a_screw_beyond_the_starts_are_not_called_out_of_reach():
+    made = build_model(described(screw("s", "base", "a")))
+    target = fb.forward_kinematics(made, [20.0])
+    none = fb.inverse_kinematics(made, target)
+    assert not len(none.q)
+    assert "Out of reach" not in str(none)
+    assert "Starts lie within ±π of s" in str(none)
+    close(fb.inverse_kinematics(made, target, q0=[19.0]).q, [[20.0]], 1e-9)
+    limited = build_model(described(replace(screw("s", "base", "a"), limits=Limits(-30.0, 30.0))))
+    close(fb.inverse_kinematics(limited, target).q, [[20.0]], 1e-9)
+    far = fb.inverse_kinematics(limited, fb.forward_kinematics(limited, [300.0]))
+    assert "Starts lie" not in str(far)
 
 
 COMMON = {"fixed", "free", "planar", "point", "distance"}

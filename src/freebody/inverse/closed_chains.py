@@ -13,6 +13,7 @@ from freebody.inverse.levenberg_marquardt import descend
 from freebody.inverse.numerical_solver import EXACT, NumericalSolver
 from freebody.inverse.problem import Found, Problem, found_in_turn
 from freebody.inverse.solutions import ALIKE, APART, Solutions, Verified, wrapped
+from freebody.inverse.workspace import beyond_the_starts
 from freebody.lazy import cached_property
 from freebody.loops.dyad_decomposition import Decomposition, decomposed
 from freebody.loops.equations import (
@@ -233,6 +234,9 @@ class _Held:
 
     def _sentence(self, distance: float, turned: float, near: float) -> str:
         frame = f"frame {self.solver.frame!r} of {self.solver.model.name!r}"
+        unseen = beyond_the_starts(self.solver)
+        if unseen:
+            return f"No solution was found for {frame}, at best {distance:.6g} m from it. {unseen}"
         if distance > near:
             return (
                 f"Out of reach: the target is about {distance:.6g} m from what {frame} can "

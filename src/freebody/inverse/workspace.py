@@ -11,6 +11,7 @@ from freebody.arrays import Array
 from freebody.inverse.closed_form import ClosedFormSolver, Displacement
 from freebody.inverse.levenberg_marquardt import descend
 from freebody.inverse.numerical_solver import NumericalSolver
+from freebody.inverse.solutions import turning_coordinates
 from freebody.inverse.task import Task
 from freebody.trees.states import random_state
 
@@ -59,6 +60,9 @@ def _some_distances(
 
 def _sentence(solver: NumericalSolver, distance: float, out: bool, how: str) -> str:
     frame = f"frame {solver.frame!r} of {solver.model.name!r}"
+    unseen = beyond_the_starts(solver)
+    if unseen:
+        return f"No solution was found for {frame}, at best {distance:.6g} m from it. {unseen}"
     if out:
         oriented = " with this orientation" if solver.task.angular else ""
         return (
@@ -71,6 +75,26 @@ def _sentence(solver: NumericalSolver, distance: float, out: bool, how: str) -> 
             'task="position" leaves the orientation free.'
         )
     return f"No solution was found for {frame}, though the target lies at the edge of its reach."
+
+
+def beyond_the_starts(solver: NumericalSolver) -> str:
+    """What to say of angles whose turns differ and have no limits, as those of screws: starts lie
+    within one turn of them, so that what is not found may be there; "" without such."""
+    model, limited = solver.model, np.isfinite(solver.bounds).all(axis=0)
+    again = turning_coordinates(model)
+    names = [
+        model.position_names[k]
+        for body, at in zip(model.bodies, model.coordinates, strict=True)
+        if body.joint.mimic is None and body.kind.nq == body.kind.nv
+        for k, angular in zip(at.q, body.kind.angular, strict=True)
+        if angular and not again[k] and not limited[k]
+    ]
+    if not names:
+        return ""
+    return (
+        f"Starts lie within ±π of {', '.join(names)}, where each turn leads elsewhere: set limits, "
+        "or give q0= near a solution."
+    )
 
 
 def distance_of_points(screws: tuple[Screw, ...], c: Array, points: Array, length: float) -> Array:
