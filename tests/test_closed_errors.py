@@ -8,7 +8,14 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import LoopError, NotFiniteError, ShapeError, SingularError, UnknownNameError
+from freebody.errors import (
+    FreebodyError,
+    LoopError,
+    NotFiniteError,
+    ShapeError,
+    SingularError,
+    UnknownNameError,
+)
 from freebody.model.model import Model
 from freebody.trees.passive_joints import all_driven
 from support.helpers import close, refused
@@ -497,3 +504,29 @@ def test_accelerations_that_open_one_of_two_loops_name_that_one(joint: str, loop
     qdd = np.where(np.array(model.velocity_names) == joint, 1.0, 0.0)
     with pytest.raises(fb.LoopError, match=f"loop '{loop}'"):
         fb.inverse_dynamics(model, q, np.zeros(model.nv), qdd)
+
+
+def test_a_guess_by_name_may_leave_out_what_may_move(tmp_path):
+    """A platform on three legs has two dozen coordinates; one says the drives."""
+    model = fb.load("five_bar")
+    given = {"theta1": 2.1, "theta2": 1.0}
+    home = dict(zip(model.position_names, fb.assemble(model), strict=True))
+    q = fb.assemble(model, given, free=["B", "D"])
+    assert q[[model.position_names.index(name) for name in given]].tolist() == [2.1, 1.0]
+    start = dict(zip(model.position_names, [0.0] * model.nq, strict=True)) | dict(model.home)
+    assert q.tolist() == fb.assemble(model, {**start, **given}, free=["B", "D"]).tolist()
+    batch = fb.assemble(model, {**given, "theta1": np.array([2.1, 2.0])}, free=["B", "D"])
+    assert batch[0].tolist() == q.tolist()
+    with pytest.raises(FreebodyError, match="lacks theta2"):
+        fb.assemble(model, {"theta1": 2.1}, free=["B", "D"])
+    with pytest.raises(FreebodyError, match="no entry 'E'"):
+        fb.assemble(model, {**home, "E": 0.0})
+
+
+def test_a_quaternion_may_be_left_out_as_a_whole():
+    model = fb.load("stewart")
+    joint = next(b.joint.name for b in model.bodies if b.kind.nq == 7)
+    kept = [n for n in model.position_names if not n.startswith(joint + ".")]
+    home = dict(zip(model.position_names, fb.assemble(model), strict=True))
+    q = fb.assemble(model, {n: home[n] for n in kept}, free=[joint])
+    np.testing.assert_allclose(q, list(home.values()), atol=1e-9)

@@ -79,7 +79,7 @@ def fbd(
         figure = free_body_diagram(model, positions, body, **given, **chosen)
         path = figure.save(out or Path(f"{stem(model.name)}-fbd.svg"))
     if q is None or model.loops:
-        shown = ", ".join(f"{x:.3g}" for x in figure.q)
+        shown = ", ".join(f"{round(x, 9) + 0.0:.3g}" for x in figure.q)  # without rounding's rest
         terminal.out().print(
             f"at q = {shown}; choose another with --q", markup=False, soft_wrap=True
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,13 +40,14 @@ def assemble(model: Model, q: Vector | None = None, free: Sequence[str] | None =
     rounding.
 
     free: names of the coordinates (`model.velocity_names`) or joints that may move; the others keep
-    the values given. None: all may. Where the way from the guess ends in a gap, other starts are
+    the values given. None: all may. Given by name, q may leave out coordinates that may move: those
+    start from the model's home. Where the way from the guess ends in a gap, other starts are
     tried and the nearest closed position is taken. Raises LoopError with the loop and the gap when
     none is found. Levenberg-Marquardt on Φ (5.21).
     """
     require_loops(model, "assemble")
-    guess = finite_vector("assemble", model, "q", home_guess(model) if q is None else q)
     moving = free_coordinates(model, free, "assemble")
+    guess = finite_vector("assemble", model, "q", _completed(model, q, moving))
     flat = guess.reshape(-1, model.nq)
     closed, left = closing(model, flat, moving)
     for k in np.flatnonzero(~_is_closed(model, closed, left)):
@@ -54,6 +55,22 @@ def assemble(model: Model, q: Vector | None = None, free: Sequence[str] | None =
             model, flat[k], moving, closed[k], at_sample((int(k),) if guess.ndim > 1 else ())
         )
     return closed.reshape(guess.shape)
+
+
+def _completed(model: Model, q: Vector | None, moving: Sequence[int]) -> Vector:
+    """The guess, with the home's values where it does not name what may move."""
+    home = home_guess(model)
+    if q is None:
+        return home
+    if not isinstance(q, Mapping) or hasattr(q, "to_dataarray"):  # a Dataset has every entry
+        return q
+    may: dict[str, float] = {}
+    for at in model.coordinates:
+        one_to_one = len(at.q) == len(at.v)  # else with a quaternion, which moves as a whole
+        for k, own in zip(at.q, at.v if one_to_one else at.q, strict=True):
+            if not set(moving).isdisjoint((own,) if one_to_one else at.v):
+                may[model.position_names[k]] = float(home[k])
+    return {**may, **q}
 
 
 def assembly_modes(
