@@ -252,8 +252,8 @@ def test_a_mechanism_that_cannot_move_has_no_study():
         "hold", "point", ("pin", "tip")
     )
     refused(
-        "default_motion: the loops of 'RR' let nothing move; fb.mobility(model, q) counts its "
-        "freedom.",
+        "default_motion: the loops of 'RR' allow no motion; fb.mobility(model, q) gives its "
+        "degrees of freedom.",
         lambda: fb.study(rigid),
     )
 
@@ -313,8 +313,8 @@ def test_rates_that_say_too_little_or_too_much(four_bar, q):
 def test_drives_that_do_not_force_the_motion(four_bar, q):
     refused(
         "inverse_dynamics: the driven joints of 'four_bar' (none) cannot force this motion: it "
-        "moves though they stand "
-        "still (too few drives, or a singular position of the second type). Drive another joint: "
+        "can move with these joints locked (too few drives, or a singular position of the second "
+        "type). Drive another joint: "
         "actuated=[...].",
         lambda: fb.inverse_dynamics(four_bar, q, STILL, STILL, actuated=[]),
         SingularError,

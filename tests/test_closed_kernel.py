@@ -110,7 +110,7 @@ def test_a_lane_where_the_choice_fails_is_nan_and_the_function_takes_care():
     np.testing.assert_array_equal(np.isnan(found[:, :2]).all(axis=-1), np.arange(9) == 3)
     np.testing.assert_array_equal(np.delete(found, 3, axis=0), np.delete(alone, 3, axis=0))
     with pytest.raises(
-        SingularError, match=r"static_torque: .* at sample 3: it moves though they stand still"
+        SingularError, match=r"static_torque: .* at sample 3: it can move with these joints locked"
     ):
         fb.static_torque(model, q)
     # with a third drive the fixed choice still fails there, and another one is taken
@@ -130,7 +130,7 @@ def test_one_singular_sample_leaves_the_others(name: str):
     assert partition(few) is None
     with pytest.raises(SingularError, match="holds near its home, which a compiled kernel needs"):
         fb.kernel(few, "inverse_dynamics")
-    with pytest.raises(SingularError, match="at sample 0: it moves though they stand still"):
+    with pytest.raises(SingularError, match="at sample 0: it can move with these joints locked"):
         fb.static_torque(few, motion.q)
 
 

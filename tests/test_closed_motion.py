@@ -78,7 +78,7 @@ def test_where_the_loops_end_is_said(tmp_path, swing):
     )
     with pytest.raises(
         FileError,
-        match=r"the loops of 'five_bar' let the driven joints go no further at sample \d+",
+        match=r"the loops of 'five_bar' block the driven joints at sample \d+",
     ):
         fb.read_motion(model, path)
 

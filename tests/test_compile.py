@@ -332,7 +332,7 @@ def test_results_that_do_not_fit(returned, outputs, message):
         (
             (lambda **k: 1.0, {"x[0]": 2}),
             FreebodyError,
-            r"input name 'x\[0\]' is no word of letters a-z",
+            r"input name 'x\[0\]' is not a word of letters a-z",
         ),
         ((lambda x: x, {"x": 2}, {"a\n": 2}), FreebodyError, "output name"),
         ((lambda x: {"a-b": x}, {"x": 2}), FreebodyError, "output name 'a-b' is no word"),

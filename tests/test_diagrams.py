@@ -556,7 +556,7 @@ def test_derive_shows_values_on_pages_alone(tmp_path, capsys, monkeypatch):
     assert "1.00 m" in (tmp_path / "arm-overview.svg").read_text(encoding="utf-8")
     capsys.readouterr()
     assert run(["derive", "2R", "--labels", "both"]) == 2
-    assert capsys.readouterr().err.startswith("error: --labels is about drawings, and this form")
+    assert capsys.readouterr().err.startswith("error: --labels applies to drawings, and this")
 
 
 @pytest.mark.parametrize(

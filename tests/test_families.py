@@ -342,7 +342,7 @@ def test_a_family_is_a_value():
         family.bodies[2].inertias[0].inertia.mass.array[0] = 3.0
     with pytest.raises(TypeError):
         iter(family)
-    refused("'ur5e' is one robot, no family: it has no member 0.", lambda: model[0])
+    refused("'ur5e' is one robot, not a family: it has no member 0.", lambda: model[0])
 
 
 def test_the_ways_to_a_family():
@@ -578,7 +578,7 @@ def test_numbers_of_any_kind_by_name(number):
     p[1] = number
     for name in ("m2", ("m2",), "link2.mass"):
         assert kernel(q, p={name: number}).tobytes() == kernel(q, p).tobytes()
-        with pytest.raises(fb.FreebodyError, match="'l1' is no input"):
+        with pytest.raises(fb.FreebodyError, match="'l1' is not an input"):
             kernel(q, p={name: number, "l1": 1.0})
     assert kernel.values[1] != p[1]
 
@@ -638,7 +638,7 @@ def test_wrong_inputs_are_refused():
     with pytest.raises(fb.FreebodyError, match=r"no parameter 'forearm_link.mas'"):
         fb.kernel(model, "inverse_dynamics", inputs=["forearm_link.mas"])
     kernel = fb.kernel(model, "inverse_dynamics", inputs="forearm_link.mass")
-    with pytest.raises(fb.FreebodyError, match=r"'payload.mass' is no input of this kernel"):
+    with pytest.raises(fb.FreebodyError, match=r"'payload.mass' is not an input of this kernel"):
         kernel(*np.zeros((3, 6)), p={"payload.mass": 1.0})
     with pytest.raises(fb.FreebodyError, match="no input 'p' in by="):
         fb.kernel(model, "inverse_dynamics", by="p")

@@ -355,6 +355,6 @@ def test_a_robot(name):
 def test_matrices_of_large_robots_have_no_short_kernel():
     model = fb.planar("R" * 70)
     with pytest.raises(
-        FreebodyError, match="mass_matrix of 70 coordinates is made column by column"
+        FreebodyError, match="mass_matrix of 70 coordinates is computed column by column"
     ):
         fb.kernel(model, "mass_matrix", dtype="float32")

@@ -56,7 +56,7 @@ def test_unknown_names(tmp_path, monkeypatch):
     )
     (tmp_path / "robot").write_text("x")
     assert message("robot") == (
-        "load: 'robot' is no bundled model. The file of that name needs a suffix that tells its "
+        "load: 'robot' is not a bundled model. The file of that name needs a suffix that tells its "
         "format: .urdf, "
         ".toml, .csv."
     )
@@ -99,7 +99,7 @@ def test_files_that_are_none(tmp_path, suffix: str):
     path = tmp_path / name
     assert message(path, tmp_path) == f"{name}: there is no such file."
     (tmp_path / f"arn{suffix}").touch()
-    assert message(path, tmp_path) == f"{name}: there is no such file. Near it: arn{suffix}."
+    assert message(path, tmp_path) == f"{name}: there is no such file. Similar names: arn{suffix}."
     assert (
         message(f"nowhere/{name}")
         == f"nowhere/{name}: there is no such file: folder 'nowhere' does not exist."
@@ -252,7 +252,7 @@ def test_dh_convention_is_never_guessed(tmp_path):
         ("0.5", "1e999", "4: dh row 2: a is inf, not a finite number."),
         ("alpha,m", "alpha,Ixx", "3: dh row 1: com or I without a mass; add m."),
         ("R,1,90 deg,2\nP,0.5,0,1\n", "",
-         "2: the table has a header but no rows; add one a joint."),
+         "2: the table has a header but no rows; add one per joint."),
         (TABLE, "# convention: standard\n",
          " there is no table; the first line names the columns, such as joint, "
          "name, theta, "

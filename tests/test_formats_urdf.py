@@ -380,7 +380,7 @@ MASSLESS = (
          "arm.urdf:4: no joint 'elbw' in the mimic of 'elbow'. Did you mean 'elbow'? "
              "Joints: elbow. Correct it, or load with mimic='free'."),
         (joint('<mimic joint="elbow"/>'),
-         "arm.urdf:4: joint 'elbow': its mimics go round in a circle; remove one."),
+         "arm.urdf:4: joint 'elbow': its mimic relations form a cycle; remove one."),
         (joint("<mimic/>"), "arm.urdf:5: joint 'elbow': <mimic> has no joint; add joint=\"...\"."),
         (MASSLESS.format('<mass value="1"/>'),
          "arm.urdf:4: link 'b': <inertial> has no <inertia>; add it, or remove "
@@ -397,11 +397,9 @@ def test_refused(tmp_path, body: str, text: str):
     ("text", "problem"),
     [
         ("<robot name='a'>\n<link name='b'>\n",
-         "arm.urdf:3: the file ends inside <link>, opened on line 2; it "
-         "seems cut short."),
+         "arm.urdf:3: the file ends inside <link>, opened on line 2; it seems to be truncated."),
         ("<robot name='a'>\n<link name='b'\n",
-         "arm.urdf:2: the file ends inside <robot>, opened on line 1; it "
-         "seems cut short."),
+         "arm.urdf:2: the file ends inside <robot>, opened on line 1; it seems to be truncated."),
         ("<robot>\n<link></robot>",
          "arm.urdf:2: this is not well-formed XML: mismatched tag at column 9."),
         ("hello", "arm.urdf:1: this is not well-formed XML: syntax error at column 1."),

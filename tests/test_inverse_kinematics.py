@@ -220,7 +220,7 @@ def test_folded_onto_the_base():
     found = checked(model, [0.0, 0.0], q0=[0.7, 0.0])
     assert np.allclose(found.q, [[0.7, np.pi]])
     assert found.notes[0].startswith(
-        "Joint 'joint1' may take any angle at this target, the others make up for it"
+        "Joint 'joint1' may take any angle at this target, the others compensate"
     )
 
 
@@ -320,7 +320,7 @@ def test_scara():
         if task == "position":  # whose last joint stays at 0
             q[3] = 0.0
         assert holds(model, found.q, q)
-    assert "Left alone, as they do not move the target's point: 'joint4'." in found.notes
+    assert "Not changed, because they do not move the target point: 'joint4'." in found.notes
     elbows = fb.forward_kinematics(model, found.q, frame="forearm")[:, :2, 3]
     tip = T[:2, 3]
     assert _left_of(tip, elbows) == [True, False]
@@ -545,7 +545,8 @@ def test_refusals():
         lambda: ik(model, [1, 2], task="pos"),
     )
     refused(
-        "inverse_kinematics: target is no pose: its rotation must satisfy R Rᵀ = 1 within 1e-6 and "
+        "inverse_kinematics: target is not a pose: its rotation must satisfy R Rᵀ = 1 within 1e-6 "
+        "and "
         "det R = 1, "
         "its last row be (0, 0, 1).",
         lambda: ik(model, np.ones((3, 3))),

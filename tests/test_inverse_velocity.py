@@ -74,20 +74,17 @@ def test_names_the_lost_direction(two):
     """Straight along x: no motion along x. Along the diagonal: none along it, and the sample is
     named."""
     refused(
-        "inverse_velocity: the Jacobian is singular: frame 'tip' of 'RR' has lost a direction, "
-        "every motion that the "
-        "joints can give it has vx = 0. Leave out a row (task=), or give damping=0.05 for the "
-        "nearest that is "
-        "possible.",
+        "inverse_velocity: the Jacobian is singular: frame 'tip' of 'RR' has lost a degree of "
+        "freedom: every motion that the joints can give it satisfies vx = 0. Leave out a row "
+        "(task=), or give damping=0.05 for the nearest possible motion.",
         lambda: fb.inverse_velocity(two, [0, 0], [1, 0]),
         SingularError,
     )
     refused(
         "inverse_acceleration: the Jacobian is singular at sample 1: frame 'tip' of 'RR' has lost "
-        "a direction, every "
-        "motion that the joints can give it has vx + vy = 0. Leave out a row (task=), or give "
-        "damping=0.05 for the "
-        "nearest that is possible.",
+        "a degree of freedom: every motion that the joints can give it satisfies vx + vy = 0. "
+        "Leave out a row (task=), or give "
+        "damping=0.05 for the nearest possible motion.",
         lambda: fb.inverse_acceleration(two, [[0, 1], [np.pi / 4, np.pi]], [0.1, 0.2], [1, 0]),
         SingularError,
     )
@@ -144,7 +141,7 @@ def test_refusals(two):
     refused(
         "inverse_velocity: 2 joint coordinates of 'RR' cannot give frame 'tip' any motion in 3 "
         "rows (vx, vy, w); "
-        'count as many rows at most, such as task="position".',
+        'choose at most that many rows, such as task="position".',
         lambda: iv(two, [0.1, 0.2], [1, 0, 0]),
         SingularError,
     )

@@ -641,7 +641,7 @@ def test_numbers_of_the_model_by_name():
         np.testing.assert_allclose(slope, np.subtract(*steps), atol=1e-11)
         # the model's own numbers are of the type of what is given
         assert function(*map(np.float32, (q, qd, qdd)), p={"payload.mass": 1.0}).dtype == np.float32
-        with pytest.raises(fb.FreebodyError, match=r"'shoulder_link.mass' is no input"):
+        with pytest.raises(fb.FreebodyError, match=r"'shoulder_link.mass' is not an input"):
             function(q, qd, qdd, p={"shoulder_link.mass": 1.0})
     with pytest.raises(fb.FreebodyError, match="it has no numbers of the model as inputs"):
         fb.to_jax(model, "inverse_dynamics")(q, qd, qdd, p={"payload.mass": 1.0})

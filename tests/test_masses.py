@@ -240,8 +240,8 @@ def test_asking_for_an_estimate_is_consent_and_it_is_marked_everywhere(
     assert "9 kg, estimated; gravity" in out
     assert "mass, estimated" in out
     assert (
-        "filled evenly with 1000 kg/m³ so that all weigh 9 kg; links without shapes have none: base"
-        in out
+        "assuming a uniform density of 1000 kg/m³ so that their total mass is 9 kg; "
+        "links without shapes have none: base" in out
     )
 
 
@@ -279,7 +279,7 @@ def test_estimates_that_cannot_be_made_are_refused(capsys: pytest.CaptureFixture
 
 def test_a_mass_that_cannot_fill_the_shapes_is_said():
     (text,) = said(arm(["", "", ""]), estimate_inertia=9000.0)
-    assert text == "9000 kg do not fit the shapes in the file, 9 litres."
+    assert text == "9000 kg is implausible for the shapes in the file, whose volume is 9 litres."
 
 
 def test_a_link_that_has_no_shape_is_still_missing():

@@ -137,7 +137,7 @@ def test_a_study_gives_the_torque_with_and_without(tmp_path: Path):
 
 def test_an_honest_log_with_rates_is_followed_to_its_end(tmp_path: Path):
     motion = read_motion(ARM, log(tmp_path / "log.csv", rates=True, seconds=4.0))
-    assert "brought in line with the rates given" in motion.notices[0]
+    assert "adjusted to the given rates" in motion.notices[0]
     q, qd, _ = truth(motion.t)
     assert np.abs(motion.q - q).max() < 5 * SIGMA
     assert np.abs(motion.qd - qd).max() < 5 * RATE

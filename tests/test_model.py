@@ -178,13 +178,13 @@ def test_joints_that_cannot_be():
 
 def test_mimics_that_cannot_be():
     says(
-        "joint 'elbow': its mimics go round in a circle; remove one.",
+        "joint 'elbow': its mimic relations form a cycle; remove one.",
         changed(1, mimic=Mimic("elbow")),
     )
     both = described(
         replace(TWO[0], mimic=Mimic("elbow")), replace(TWO[1], mimic=Mimic("shoulder"))
     )
-    says("joint 'shoulder': its mimics go round in a circle; remove one.", both)
+    says("joint 'shoulder': its mimic relations form a cycle; remove one.", both)
     unknown = changed(1, mimic=Mimic("sholder"))
     says(
         "no joint 'sholder' in the mimic of 'elbow'. Did you mean 'shoulder'? Joints: shoulder, "

@@ -77,22 +77,22 @@ def test_comments_in_a_table(tmp_path: Path):
     [
         (
             "t,joint1 (m),joint2\n",
-            ":1: column 'joint1 (m)': 'm' is no unit of an angle; units: rad, deg, °.",
+            ":1: column 'joint1 (m)': 'm' is not a unit of an angle; units: rad, deg, °.",
         ),
         (
             "t,joint1,joint2 [deg]\n",
-            ":1: column 'joint2 [deg]': 'deg' is no unit of a length; units: m, cm, mm.",
+            ":1: column 'joint2 [deg]': 'deg' is not a unit of a length; units: m, cm, mm.",
         ),
         (
             "t (min),joint1,joint2\n",
-            ":1: column 't (min)': 'min' is no unit of a time; units: s, ms, us, µs, ns.",
+            ":1: column 't (min)': 'min' is not a unit of a time; units: s, ms, us, µs, ns.",
         ),
         (
             "t,joint1,joint2,current1\n",
-            "; a column that is no part of the motion must be removed.",
+            "; a column that is not part of the motion must be removed.",
         ),
         ("t joint1 joint2\n", "separate the columns by commas, semicolons or tabs."),
-        ("% t,joint1,joint2\n", "a line that is no part of the table starts with #."),
+        ("% t,joint1,joint2\n", "a line that is not part of the table starts with #."),
         ("t,joint1,time,joint2\n", ":1: columns 't' and 'time' are the same; remove one."),
         (
             "t,joint1,joint2\n0,0,0,0,0,1\n",
@@ -101,7 +101,7 @@ def test_comments_in_a_table(tmp_path: Path):
         ),
         (
             "t,joint1,joint2\ns,deg,m\n",
-            ":2: column 't': 's' is not a number; a unit stands behind the name in the header, as "
+            ":2: column 't': 's' is not a number; write a unit after the name in the header, as "
             "in 'joint1 (deg)'.",
         ),
     ],
@@ -157,7 +157,7 @@ def test_the_units_of_a_dataset_count():
 
     np.testing.assert_allclose(motion_from_dataset(ARM, data("deg")).q, Q, rtol=1e-12)
     with pytest.raises(
-        FreebodyError, match=r"motion: the dataset: 'joint1': 'furlong' is no unit of an angle"
+        FreebodyError, match=r"motion: the dataset: 'joint1': 'furlong' is not a unit of an angle"
     ):
         motion_from_dataset(ARM, data("furlong"))
 

@@ -159,13 +159,15 @@ def test_refusals_of_words():
     letters = "must be made of the letters R and P, such as 'RR' or 'RP'."
     for word in ("", "RX", "rr", 5, None):
         refused(f"planar: the word {word!r} {letters}", lambda word=word: fb.planar(word))
-    refused("planar: l must have 2 entries, one a joint; got [1].", lambda: fb.planar("RR", l=[1]))
-    refused("planar: m must have 2 entries, one a joint; got 3.", lambda: fb.planar("RR", m=3))
     refused(
-        "planar: I must have 2 entries, one a joint; got 'ab'.", lambda: fb.planar("RR", I="ab")
+        "planar: l must have 2 entries, one per joint; got [1].", lambda: fb.planar("RR", l=[1])
+    )
+    refused("planar: m must have 2 entries, one per joint; got 3.", lambda: fb.planar("RR", m=3))
+    refused(
+        "planar: I must have 2 entries, one per joint; got 'ab'.", lambda: fb.planar("RR", I="ab")
     )
     refused(
-        "planar: angles must have 2 entries, one a joint; got [0.1].",
+        "planar: angles must have 2 entries, one per joint; got [0.1].",
         lambda: fb.planar("RR", angles=[0.1]),
     )
     refused("planar: angles[0]: 'a' is not a number.", lambda: fb.planar("RR", angles=["a", 0]))
@@ -363,7 +365,7 @@ def test_refusals_of_tables():
     refused(
         "no convention 'craig' in dh. Conventions: standard, modified.", dh({}, convention="craig")
     )
-    refused("dh: the table has no rows; give one a joint.", dh())
+    refused("dh: the table has no rows; give one per joint.", dh())
     keys = (
         "Keys: joint, name, theta, d, a, alpha, m, com, I, rotor, gear, friction, limits, passive."
     )
@@ -416,5 +418,5 @@ def test_refusals_of_tables():
     ids=lambda rows: type(rows).__name__,
 )
 def test_what_is_no_table_of_rows_is_refused_with_what_to_write(rows):
-    with pytest.raises(fb.FreebodyError, match="expected a list of dicts, one a joint"):
+    with pytest.raises(fb.FreebodyError, match="expected a list of dicts, one per joint"):
         fb.dh(rows, convention="standard")

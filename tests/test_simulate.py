@@ -211,6 +211,6 @@ def test_a_run_that_cannot_go_on_says_when():
 
     with pytest.raises(
         FreebodyError,
-        match=r"simulate: DOP853 stopped after t = .* s \(.*\)\. The motion may run away",
+        match=r"simulate: DOP853 stopped after t = .* s \(.*\)\. The motion may diverge",
     ):
         fb.simulate(pendulum(), [0], [0], np.linspace(0, 1, 11), torque=torque)

@@ -185,8 +185,8 @@ def test_a_singular_pose_on_the_way_is_found():
     assert study.singularity.time == pytest.approx(0.5, abs=1e-9)
     assert study.singularity.rows == "position"
     assert study.singularity.text == (
-        "At t = 0.5 s the tip cannot move in some direction: the arm is singular or all but "
-        "singular."
+        "At t = 0.5 s the tip cannot move in some direction: the arm is at or very near a "
+        "singularity."
     )
 
 

@@ -130,6 +130,6 @@ def _unforeseen(problem: Exception) -> int:
     if os.environ.get("FREEBODY_TRACEBACK"):
         raise problem
     return terminal.error(
-        f"{type(problem).__name__}: {problem} (a fault of freebody, please report it; "
+        f"{type(problem).__name__}: {problem} (an error in freebody, please report it; "
         f"FREEBODY_TRACEBACK=1 shows where)"
     )

@@ -21,7 +21,8 @@ def check(
     answer: Annotated[
         str,
         typer.Argument(
-            help="A file with equations, one a line, as text or LaTeX; or an equation; - for stdin."
+            help="A file with equations, one per line, as text or LaTeX; or an equation; - for "
+            "stdin."
         ),
     ],
     names: Annotated[

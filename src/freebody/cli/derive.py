@@ -104,8 +104,8 @@ def derive(
         str | None,
         typer.Option(
             metavar="METHOD",
-            help="How the equations are derived: a name of the list above. Default: "
-            "the first that serves.",
+            help="The method: a name from the list above. Default: the first that applies to the "
+            "robot.",
         ),
     ] = None,
     compare: Annotated[
@@ -125,11 +125,14 @@ def derive(
     ] = None,
     load: Annotated[
         bool | None,
-        typer.Option("--load/--no-load", help="A force on the tip. Default: for robots at rest."),
+        typer.Option(
+            "--load/--no-load",
+            help="Include a force on the tip. Default: only in statics, for robots at rest.",
+        ),
     ] = None,
     labels: Annotated[
         options.LabelChoice | None,
-        typer.Option(help="What stands in the drawings of a page. Default: names."),
+        typer.Option(help="Labels in the drawings of a page. Default: names."),
     ] = None,
     convention: options.Convention = None,
 ) -> None:
@@ -169,7 +172,7 @@ def _text(
         return derivation.markdown(write_drawings(derivation, out, shown))
     if labels is not None:
         raise FreebodyError(
-            "--labels is about drawings, and this form has none: write a page, for example "
+            "--labels applies to drawings, and this format has none: write a page, for example "
             "--out arm.html."
         )
     return getattr(derivation, form.value)()

@@ -78,7 +78,8 @@ def export(
         list[str] | None,
         typer.Option(
             metavar="ROW",
-            help="Of operational space only vx, vy, vz, wx, wy or wz; may be repeated.",
+            help="Restrict operational-space quantities to vx, vy, vz, wx, wy or wz; may be "
+            "repeated.",
         ),
     ] = None,
     tip: options.Tip = None,

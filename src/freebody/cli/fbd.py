@@ -30,8 +30,7 @@ def fbd(
         typer.Option(
             metavar="VALUES",
             help='Positions in rad and m, or "30 deg", in the joints\' order; '
-            "loops are closed near them. Default: a "
-            "pose that is seen well.",
+            "loops are closed near them. Default: a pose in which the robot is clearly visible.",
         ),
     ] = None,
     qd: Annotated[
@@ -54,8 +53,7 @@ def fbd(
     labels: Annotated[
         options.LabelChoice | None,
         typer.Option(
-            help="What stands beside the arrows. Default: both; names where parameters have no "
-            "value."
+            help="Labels beside the arrows. Default: both; names where parameters have no value."
         ),
     ] = None,
     out: Annotated[

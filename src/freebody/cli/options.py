@@ -64,13 +64,14 @@ Tip = Annotated[
 ]
 Base = Annotated[
     BaseChoice | None,
-    typer.Option(help="Hold the root link, or let it float. Default: the file's."),
+    typer.Option(help="Fix the root link, or let it float. Default: the file's."),
 ]
 Mimic = Annotated[
-    MimicChoice, typer.Option(help="Whether mimic joints follow their leader, or move freely.")
+    MimicChoice,
+    typer.Option(help="Whether mimic joints follow the joint they mimic, or move freely."),
 ]
 Physical = Annotated[
-    PhysicalChoice, typer.Option(help="What to do about an inertia that no rigid body can have.")
+    PhysicalChoice, typer.Option(help="What to do about a physically impossible inertia.")
 ]
 
 

@@ -50,7 +50,7 @@ def study(
         typer.Option(
             metavar="HZ",
             help="Smooth a measured motion, without delay: a cutoff in Hz, "
-            "or auto for the one its noise asks for.",
+            "or auto to choose the cutoff from the noise.",
         ),
     ] = None,
     tip: options.Tip = None,
@@ -149,7 +149,7 @@ def _print_checks(found: Study) -> None:
     failed = [check for check in found.checks if not check.passed]
     out = terminal.out()
     if not failed:
-        out.print(f"Self-checks: freebody agrees with itself in all {len(found.checks)}.")
+        out.print(f"Self-checks: all {len(found.checks)} passed.")
     for check in failed:
         text = (
             f"self-check failed: {check.name}: {check.value:.3g}, allowed {check.bar:.3g}. "

@@ -17,7 +17,7 @@ from freebody.trees.public_calls import Vector
 WIDE, TALL = 440.0, 420.0
 """Size of one drawing, pixels."""
 _MOVING = ("velocities", "accelerations")
-"""Views that show rates; the last shows second rates, too."""
+"""Views that show rates; the last shows accelerations, too."""
 _DEFAULT = {2: ("geometry", "vectors"), 3: ("frames", "normals")}
 
 

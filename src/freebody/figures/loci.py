@@ -50,8 +50,8 @@ def singularity_diagram(
     seen = snapshot(model)
     structure(drawing, seen, names_of(seen.model))
     drawing.notes = [
-        "type 1, blue: the tip stands still in some direction though the drives turn",
-        "type 2, red: the tip gives way though the drives stand still",
+        "type 1, blue: the tip cannot move in some direction, whatever the drives do",
+        "type 2, red: the tip can move though the drives are locked",
     ]
     to_one_scale((drawing,), WIDE, TALL)
     return Figure(f"Singular positions of {model.name}", (drawing,), 1, WIDE, TALL)

@@ -49,12 +49,12 @@ def describe(
             file, None, f"there is no table; the first line names the columns, such as {example}."
         )
     if len(lines) > MOST_LINKS:
-        raise FileError(file, None, f"the table has more than {MOST_LINKS} rows, one a joint.")
+        raise FileError(file, None, f"the table has more than {MOST_LINKS} rows, one per joint.")
     header = _Header(file, *lines[0])
     chosen = _convention(file, lines[0][0], remarks.get("convention"), convention)
     rows = [_DhRow(header, i, number, line).as_dh() for i, (number, line) in enumerate(lines[1:])]
     if not rows:
-        raise FileError(file, lines[0][0], "the table has a header but no rows; add one a joint.")
+        raise FileError(file, lines[0][0], "the table has a header but no rows; add one per joint.")
     number, given = remarks.get("gravity", (None, "9.81"))
     gravity = in_units(given, "number")
     if gravity is None or number_text.fault(gravity):

@@ -71,13 +71,16 @@ def _told(
     empty = [name for name, inertia in filled.items() if inertia is None]
     without = f"; links without shapes have none: {', '.join(empty)}" if empty else ""
     text = (
-        f"the inertias of {len(filled) - len(empty)} links are estimated from their shapes, filled "
-        f"evenly with "
-        f"{density:.4g} kg/m³ so that all weigh {mass:g} kg{without}."
+        f"the inertias of {len(filled) - len(empty)} links are estimated from their shapes, "
+        f"assuming a uniform density of {density:.4g} kg/m³ so that their total mass is {mass:g} "
+        f"kg{without}."
     )
     yield Notice(ESTIMATED, text, description.file)
     if not LIGHTEST <= density <= DENSEST:
-        text = f"{mass:g} kg do not fit the shapes in the file, {1e3 * mass / density:.3g} litres."
+        text = (
+            f"{mass:g} kg is implausible for the shapes in the file, whose volume is "
+            f"{1e3 * mass / density:.3g} litres."
+        )
         yield Notice(DOUBTFUL, text, description.file)
 
 

@@ -168,7 +168,7 @@ def _named(name: str) -> RobotDescription:
     if Path(name).exists():
         kind = "folder" if Path(name).is_dir() else "file"
         raise FreebodyError(
-            f"load: {name!r} is no bundled model. The {kind} of that name needs a suffix that "
+            f"load: {name!r} is not a bundled model. The {kind} of that name needs a suffix that "
             f"tells its format: "
             f"{', '.join(SUFFIXES)}."
         )

@@ -77,7 +77,7 @@ def cells(file: str | Path, line: int, text: str, delimiter: str = ",") -> list[
     try:
         (row,) = csv.reader([text], delimiter=delimiter, skipinitialspace=True)
     except (csv.Error, ValueError) as error:
-        raise FileError(file, line, f"this is no line of a CSV table: {error}.") from None
+        raise FileError(file, line, f"this is not a line of a CSV table: {error}.") from None
     return [cell.strip() for cell in row]
 
 
@@ -144,5 +144,5 @@ def _missing(path: Path) -> str:
         near = likely(path.name, sorted(p.name for p in folder.iterdir()), most=3)
     except OSError:
         near = []
-    hint = f" Near it: {', '.join(near)}." if near else ""
+    hint = f" Similar names: {', '.join(near)}." if near else ""
     return f"there is no such file.{hint}"

@@ -114,7 +114,7 @@ def _shape(table: TomlTable, dim: int, mass: Quantity, com: tuple[Quantity, ...]
     elif kind in ("disc", "ring", "bar"):
         body = getattr(Inertia, kind)(mass, *(sizes.number(key) for key in _SHAPES[kind]), dim)
     elif dim == 2:
-        outer.refuse(f"a {kind} is no planar shape; use disc, ring, bar or box.")
+        outer.refuse(f"a {kind} is not a planar shape; use disc, ring, bar or box.")
     else:
         body = getattr(Inertia, kind)(mass, *(sizes.number(key) for key in _SHAPES[kind]))
     return Inertia(mass, com, body.tensor)
@@ -236,7 +236,7 @@ def placement(table: TomlTable, dim: int) -> Placement:
     """origin, then one rotation; or a list of steps."""
     if "steps" in table:
         if any(key in table for key in ("origin", *TURNS)):
-            table.refuse("steps hold the whole placement; remove origin and rotations.", "steps")
+            table.refuse("steps give the complete placement; remove origin and rotations.", "steps")
         return Placement(
             tuple(_step(t.called(f"{table.where}, steps"), dim) for t in table.tables("steps"))
         )

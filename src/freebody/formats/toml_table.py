@@ -226,7 +226,7 @@ class TomlTable:
     def parameter(self, name: str, value: float | None) -> Parameter:
         if not is_name(name):
             self.refuse(
-                f"{shown(name)} is no parameter name; use letters, digits and _, such as 'l1'."
+                f"{shown(name)} is not a parameter name; use letters, digits and _, such as 'l1'."
             )
         return Parameter(name, value)
 

@@ -85,7 +85,7 @@ def parse(file: str, data: bytes) -> Element:
         cut = error.code in _CUT_SHORT and opened
         problem = (
             f"the file ends inside <{opened[-1].tag}>, opened on line {opened[-1].line}; it seems "
-            f"cut short."
+            f"to be truncated."
             if cut
             else f"this is not well-formed XML: {expat.ErrorString(error.code)} at column "
             f"{error.offset + 1}."

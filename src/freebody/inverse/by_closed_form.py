@@ -106,14 +106,14 @@ def _notes(problem: Problem, form: ClosedFormSolver, free: np.ndarray) -> list[s
     solver, index = problem.solver, form.chain.index
     names = solver.model.position_names
     notes = [
-        f"Joint {names[index[k]]!r} may take any angle at this target, the others make up for it: "
-        f"a whole family of solutions, of which one is given for each branch, that with the angle "
-        f"of q0 (0 without q0)."
+        f"Joint {names[index[k]]!r} may take any angle at this target, the others compensate: "
+        f"infinitely many solutions, of which one is given for each branch, with the joint's angle "
+        f"in q0 (0 without q0)."
         for k in np.flatnonzero(free)
     ]
     idle = solver.moving.copy()
     idle[index] = False
     if idle.any():
         listed = ", ".join(repr(names[k]) for k in np.flatnonzero(idle))
-        notes.append(f"Left alone, as they do not move the target's point: {listed}.")
+        notes.append(f"Not changed, because they do not move the target point: {listed}.")
     return notes

@@ -69,7 +69,7 @@ def _searched(work: _Held) -> Found:
         solutions = [work.thinned(s) for s in solutions]
     notes = (
         [
-            f"The robot still moves with its tip held: {_SHOWN} at most of infinitely many "
+            f"The robot can still move with its tip fixed: at most {_SHOWN} of infinitely many "
             f"solutions, nearest first."
         ]
         if redundant

@@ -97,7 +97,7 @@ class ThreeJointOrientation(ClosedFormSolver):
     """Three turning joints and the orientation of the frame."""
 
     def name(self) -> str:
-        return "closed form: orientation by three turning joints (a spherical triangle)"
+        return "closed form: orientation by three revolute joints (a spherical triangle)"
 
     def solve(self, X: Displacement, prefer: Array) -> Candidates:
         return wrist(self.screws, X.R, prefer)

@@ -34,7 +34,7 @@ def by_search(problem: Problem) -> Found:
         for i, s in zip(lost, _sorted_out(again, q.reshape(len(lost), K, -1), False), strict=True):
             solutions[i] = s
     notes = (
-        [f"The arm is redundant: {_SHOWN} at most of infinitely many solutions, nearest first."]
+        [f"The arm is redundant: at most {_SHOWN} of infinitely many solutions, nearest first."]
         if redundant
         else [
             f"No closed form is known for this arm and task: what {K} starts found, perhaps not "

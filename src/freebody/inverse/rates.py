@@ -169,7 +169,7 @@ def _refuse_too_few(function: str, model: Model, frame: str, J: Array, rows: lis
         f"{function}: {moving} joint coordinate{'s' if moving != 1 else ''} of {model.name!r} "
         f"cannot give frame "
         f"{frame!r} any motion in {len(rows)} rows ({', '.join(names[r] for r in rows)}); "
-        f"count as many rows at most, such as {hint}."
+        f"choose at most that many rows, such as {hint}."
     )
 
 
@@ -199,11 +199,11 @@ def _refuse_singular(problem: _JacobianRows, U: Array, singular: np.ndarray) -> 
     lost = U[(*at, slice(None), -1)] * problem.scale  # lost · J = 0
     lost = lost / lost[np.argmax(np.abs(lost))]
     raise SingularError(
-        f"{problem.function}: the Jacobian is singular{where}: {problem.frame} has lost a "
-        f"direction, every motion that "
-        f"the joints can give it has {_linear(lost, problem.names)} = 0. Leave out a row (task=), "
+        f"{problem.function}: the Jacobian is singular{where}: {problem.frame} has lost a degree "
+        f"of freedom: every motion that the joints can give it satisfies "
+        f"{_linear(lost, problem.names)} = 0. Leave out a row (task=), "
         f"or give damping=0.05 "
-        "for the nearest that is possible."
+        "for the nearest possible motion."
     )
 
 

@@ -148,7 +148,7 @@ def _orthogonal(function: str, poses: Array, d: int) -> Array:
     last = np.abs(poses[..., d, :] - np.eye(d + 1)[d]).max(initial=0.0)
     if off > _ROTATION or last > _ROTATION or np.any(np.linalg.det(R) < 0):
         raise FreebodyError(
-            f"{function}: target is no pose: its rotation must satisfy R Rᵀ = 1 within 1e-6 and "
+            f"{function}: target is not a pose: its rotation must satisfy R Rᵀ = 1 within 1e-6 and "
             f"det R = 1, "
             f"its last row be {(*[0] * d, 1)}."
         )

@@ -31,7 +31,7 @@ def distances(
     orientation is wrong."""
     count = len(target)
     if not solver.task.linear:
-        return np.zeros(count), ["The frame cannot be turned so."] * count
+        return np.zeros(count), ["The frame cannot reach this orientation."] * count
     away, sentences = np.zeros(count), []
     for at in range(0, count, _AT_ONCE):
         some = slice(at, at + _AT_ONCE)

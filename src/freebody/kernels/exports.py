@@ -102,8 +102,8 @@ def _unit(
         )
     if name is not None and not is_identifier(name):
         raise FreebodyError(
-            f"{function}: name={name!r} is no word of letters a-z, digits and _ that could be a "
-            f"function's name."
+            f"{function}: name={name!r} is not a valid function name: a word of letters a-z, "
+            f"digits and _."
         )
     model = what.model if isinstance(what, InputKernel) else what
     if isinstance(model, Model) and model.family:

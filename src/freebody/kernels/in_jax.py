@@ -94,7 +94,7 @@ def _kind(dtype: str | None, way: Way) -> str | None:
     if dtype == "float64" and not jax.config.read("jax_enable_x64"):
         raise KernelError(
             "fb.to_jax: dtype='float64', but JAX makes all numbers float32 here; "
-            'jax.config.update("jax_enable_x64", True) gives it numbers of 64 bits.'
+            'jax.config.update("jax_enable_x64", True) enables 64-bit numbers.'
         )
     return dtype
 
@@ -149,7 +149,7 @@ def _array(program: Program, k: int, given: Any) -> Any:
         return jnp.asarray(given)
     except (TypeError, ValueError) as problem:
         name = program.inputs[k].name if k < len(program.inputs) else f"argument {k}"
-        raise KernelError(f"{program.name}: {name} is no array of numbers: {problem}") from None
+        raise KernelError(f"{program.name}: {name} is not an array of numbers: {problem}") from None
 
 
 def _check(program: Program, arrays: Sequence[Any]) -> None:

@@ -53,9 +53,9 @@ def to_torch(
     made = kernel(what, names, **options)
     if not isinstance(made, Kernel | InputKernel):
         raise FreebodyError(
-            f"fb.to_torch: of {what.nv} coordinates these matrices are made column by column, not "
-            f"by one program, "
-            "which alone can be differentiated; ask for vectors, such as 'inverse_dynamics'."
+            f"fb.to_torch: of {what.nv} coordinates these matrices are computed column by column, "
+            f"not by one program, and cannot be differentiated; ask for vectors, such as "
+            f"'inverse_dynamics'."
         )
     return TorchFunction(made, dtype)
 
@@ -91,9 +91,8 @@ class TorchFunction:
         own = kernel.kernel if isinstance(kernel, InputKernel) else kernel
         if not target_named(own.target).host:
             raise FreebodyError(
-                f"fb.to_torch: tensors are computed with on the CPU, not by target {own.target!r}, "
-                f"whose kernels take "
-                "PyTorch's tensors there themselves, without gradients: call what fb.kernel "
+                f"fb.to_torch: the functions run on the CPU, not on target {own.target!r}, whose "
+                "kernels accept PyTorch's tensors directly, without gradients: call what fb.kernel "
                 "returns."
             )
         self._of: dict[Any, TensorProgram] = {

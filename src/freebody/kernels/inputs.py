@@ -126,7 +126,8 @@ class NamedNumbers:
         name = found(known(self.model), key, self.model)
         if name not in self.at:
             raise FreebodyError(
-                f"fb.kernel: {name!r} is no input of this kernel; name it in inputs=. Its inputs: "
+                f"fb.kernel: {name!r} is not an input of this kernel; name it in inputs=. Its "
+                f"inputs: "
                 f"{', '.join(self.names)}."
             )
         return self.at[name]

@@ -127,9 +127,8 @@ def fetch(
         large = _large(model, names)
         if large and dtype != "float64":
             raise FreebodyError(
-                f"fb.kernel: {large[0]} of {model.nv} coordinates is made column by column, which "
-                f"is there in float64 "
-                f"only (dtype={dtype!r} up to {LARGEST} coordinates)."
+                f"fb.kernel: {large[0]} of {model.nv} coordinates is computed column by column, "
+                f"which is available in float64 only (dtype={dtype!r} up to {LARGEST} coordinates)."
             )
         if inputs or by or model.family:
             found = _with_inputs(model, names, option, target, width, dtype, inputs, by)
@@ -186,7 +185,7 @@ def _with_inputs(
     large = _large(model, names)
     if large:
         raise FreebodyError(
-            f"fb.kernel: {large[0]} of {model.nv} coordinates is made column by column, which "
+            f"fb.kernel: {large[0]} of {model.nv} coordinates is computed column by column, which "
             f"takes no inputs=, by= or "
             f"family (up to {LARGEST} coordinates they do)."
         )

@@ -103,8 +103,8 @@ def _arguments(what: str, shapes: Shapes) -> tuple[Argument, ...]:
     for name, shape in shapes.items():
         if not is_identifier(name):
             raise FreebodyError(
-                f"fb.compile: the {what} name {shown(name)} is no word of letters a-z, digits and "
-                f"_."
+                f"fb.compile: the {what} name {shown(name)} is not a word of letters a-z, digits "
+                f"and _."
             )
         try:
             sizes = (index(shape),) if not isinstance(shape, Sequence) else tuple(map(index, shape))

@@ -354,8 +354,8 @@ def _careful_torques(
             where = at_sample(tuple(map(int, np.argwhere(chosen)[at[bad[0]]])))
             raise SingularError(
                 f"{function}: the driven joints of {model.name!r} ({names}) cannot force this "
-                f"motion{where}: it moves "
-                "though they stand still (too few drives, or a singular position of the second "
+                f"motion{where}: it can move with these joints locked (too few drives, or a "
+                f"singular position of the second "
                 "type). "
                 "Drive another joint: actuated=[...]."
             )

@@ -307,7 +307,7 @@ class _Assembly:
                     self.refuse(f"{problem} Correct it, or load with mimic='free'.", leader.line)
                 if name in path:
                     self.refuse(
-                        f"joint {joint.name!r}: its mimics go round in a circle; remove one.",
+                        f"joint {joint.name!r}: its mimic relations form a cycle; remove one.",
                         joint.line,
                     )
                 leader = named[name]

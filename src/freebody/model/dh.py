@@ -69,11 +69,11 @@ def describe(
         raise UnknownNameError("convention", convention, "dh", ("standard", "modified"))
     if not isinstance(rows, Sequence) or not all(isinstance(row, Mapping) for row in rows):
         raise ModelError(
-            f"dh: the rows are {shown(rows)}, expected a list of dicts, one a joint, such as "
+            f"dh: the rows are {shown(rows)}, expected a list of dicts, one per joint, such as "
             '[{"a": 0.4, "m": 2.0}]; of a DataFrame, table.to_dict("records").'
         )
     if not len(rows):
-        raise ModelError("dh: the table has no rows; give one a joint.")
+        raise ModelError("dh: the table has no rows; give one per joint.")
     links, joints, mounts = [Link("base")], [], []
     behind = Placement()  # from the link frame to where the next joint's placement starts
     for i, row in enumerate(rows):

@@ -132,8 +132,8 @@ def common_shape(arrays: list[Members], owner: str) -> tuple[int, ...]:
     except ValueError:
         listed = ", ".join(map(str, dict.fromkeys(shapes)))
         raise ModelError(
-            f"{owner}: arrays of shapes {listed} do not broadcast to one family; give one number a "
-            f"member."
+            f"{owner}: arrays of shapes {listed} do not broadcast to one family; give one number "
+            f"per member."
         ) from None
 
 

@@ -95,7 +95,7 @@ class Model(NamedParts, Tabled, ByValue):
         shape."""
         if not self.family:
             raise MemberError(
-                f"{self.name!r} is one robot, no family: it has no member {shown(index)}."
+                f"{self.name!r} is one robot, not a family: it has no member {shown(index)}."
             )
         try:
             picked = np.empty(self.family)[index].size

@@ -222,7 +222,7 @@ def matching(
             likely(bare, usual, 3)
             or [x for x in usual if bare.strip(".") and bare.strip(".") in x][:3]
         )
-        hint = f" Near it: {', '.join(near)}." if near else ""
+        hint = f" Similar names: {', '.join(near)}." if near else ""
         left = [r.name for r in records if r.structural and fnmatchcase(r.name, pattern)]
         if left:
             hint = f" {left[0]!r} is an exact zero or right angle: write it in full."

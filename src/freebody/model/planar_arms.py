@@ -94,7 +94,8 @@ def describe(
         )
     if len(word) > MOST_LINKS:
         raise ModelError(
-            f"planar: the word has {len(word)} letters, one a link; at most {MOST_LINKS} are read."
+            f"planar: the word has {len(word)} letters, one per link; at most {MOST_LINKS} are "
+            f"read."
         )
     n = len(word)
     lengths = _entries("l", l, n, word)
@@ -154,7 +155,9 @@ def _optional(name: str, given: Sequence | None, n: int) -> list:
     if given is None:
         return [None] * n
     if isinstance(given, str) or not hasattr(given, "__len__") or len(given) != n:
-        raise ModelError(f"planar: {name} must have {n} entries, one a joint; got {shown(given)}.")
+        raise ModelError(
+            f"planar: {name} must have {n} entries, one per joint; got {shown(given)}."
+        )
     return list(given)
 
 

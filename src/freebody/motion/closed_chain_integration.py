@@ -50,8 +50,8 @@ def closed_chain_scheme(system: System, tolerance: float, max_step: float) -> Sc
     scale = np.concatenate([np.ones(system.layout.nq), rate_scale(system.model)])
     settings = {"rtol": _LEAST, "atol": tolerance * scale, "max_step": max_step}
     reason = (
-        "The motion runs away, or the mechanism reaches a position from which its loops let "
-        "it go no further."
+        "The motion diverges, or the mechanism reaches a position beyond which its loops do not "
+        "let it move."
     )
 
     def require(drive: Drive, t: float, y0: Array) -> None:

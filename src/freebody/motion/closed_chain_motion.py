@@ -109,7 +109,7 @@ def followed(model: Model, start: Array, leading: Sequence[int], way: Array) -> 
         moved = np.abs(difference(model, before, closed[0]) / rate_scale(model)).max()
         if left[0] > 1e-11 or moved > _JUMP or backward(model, closed).any():
             raise LoopError(
-                f"the loops of {model.name!r} let the driven joints go no further at sample {k}; "
+                f"the loops of {model.name!r} block the driven joints at sample {k}; "
                 f"make the motion "
                 "smaller, or its samples closer."
             )

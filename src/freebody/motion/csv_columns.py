@@ -90,7 +90,7 @@ def factor(column: str, unit: str, quantities: Mapping[str, str]) -> float | str
         ".v": "this rate",
         ".a": "this acceleration",
     }
-    return f"{shown(unit)} is no unit of {what[ending]}; units: {', '.join(known)}."
+    return f"{shown(unit)} is not a unit of {what[ending]}; units: {', '.join(known)}."
 
 
 def read_columns(model: Model, path: Path) -> CsvColumns:
@@ -102,7 +102,7 @@ def read_columns(model: Model, path: Path) -> CsvColumns:
         raise FileError(
             path,
             None,
-            "the file is empty; a motion has a header, t and joint names, and a row a time.",
+            "the file is empty; a motion has a header, t and joint names, and one row per time.",
         )
     line, first = rows[0]
     separator = next((mark for mark in (";", "\t") if mark in first), ",")
@@ -154,7 +154,7 @@ def _header(
 def _hint(cells: list[str]) -> str:
     """What may be wrong with a header without a time."""
     if cells[0].startswith(("%", "//", "!")):
-        return "; a line that is no part of the table starts with #"
+        return "; a line that is not part of the table starts with #"
     if len(cells) == 1 and cells[0].lower().startswith(("t ", "time ")):
         return "; separate the columns by commas, semicolons or tabs"
     return ""
@@ -176,7 +176,7 @@ def _numbers(
         if value is None:
             what = f"{shown(cell)} is not a number" if cell else "there is no number"
             if any(cell in units for units in _UNITS.values()):
-                what += "; a unit stands behind the name in the header, as in 'joint1 (deg)'"
+                what += "; write a unit after the name in the header, as in 'joint1 (deg)'"
             raise FileError(path, line, f"column {name!r}: {what}.")
         problem = number_text.fault(value)
         if problem:

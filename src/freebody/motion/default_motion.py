@@ -74,8 +74,8 @@ def _of_closed_chain(model: Model, t: Array) -> Motion:
     leading = leaders(model, start)
     if not leading:
         raise FreebodyError(
-            f"default_motion: the loops of {model.name!r} let nothing move; fb.mobility(model, q) "
-            f"counts its freedom."
+            f"default_motion: the loops of {model.name!r} allow no motion; fb.mobility(model, q) "
+            f"gives its degrees of freedom."
         )
     least = _CLEAR * regularity(model, start, leading)
     waves, _ = _waves(len(leading), len(t))
@@ -98,7 +98,7 @@ def _of_closed_chain(model: Model, t: Array) -> Motion:
     swing = "swings" if len(leading) == 1 else "swing"
     text = (
         f"by default {names} {swing} from rest to rest in {t[-1]:g} s, "
-        "the loops lead the other joints"
+        "the loops determine the other joints"
     )
     states = consistent_rates(model, t, q, at_rest=True)
     return rested(model, Motion(t, *states, text, layout(model), allowed.notices))

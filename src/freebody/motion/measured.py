@@ -124,7 +124,7 @@ def recognised(model: Model, motion: Motion) -> Noise | None:
     text = (
         f"The {of} carry noise (about {size:.2g} {unit}{'/s' if of == 'rates' else ''}), which "
         f"differentiated gives "
-        f"{model.velocity_names[k]} {rms[k]:.2g} {unit}/s² RMS of acceleration that is none, "
+        f"{model.velocity_names[k]} {rms[k]:.2g} {unit}/s² RMS of spurious acceleration, "
         f"{f'{100 * share:.0f} % of the largest' if share < 10.0 else 'far above any'} of the "
         f"motion."
     )

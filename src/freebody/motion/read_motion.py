@@ -134,7 +134,7 @@ def _check_names(model: Model, header: list[str], problem: Any) -> None:
                 f"the column."
             )
         unknown = str(UnknownNameError("column", name, f"a motion of {model.name!r}", known))
-        raise problem(f"{unknown[:-1]}; a column that is no part of the motion must be removed.")
+        raise problem(f"{unknown[:-1]}; a column that is not part of the motion must be removed.")
     given = set(header)
     missing = [name for name in model.position_names if name not in given]
     if model.loops:
@@ -225,7 +225,7 @@ def _in_line(model: Model, moved: Array) -> list[str]:
     k = int(np.argmax(moved.max(axis=0)))
     unit = "rad" if angular(model)[k] else "m"
     return [
-        f"The positions carry noise and were brought in line with the rates given, by at most "
+        f"The positions carry noise and were adjusted to the given rates, by at most "
         f"{moved.max():.2g} {unit} "
         f"({model.position_names[k]})."
     ]

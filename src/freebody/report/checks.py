@@ -55,8 +55,8 @@ def _with_slack(model: Model, found: Iterable[Check]) -> Iterator[Check]:
             yield each
         else:
             text = (
-                f"{each.text} The bar follows how far the robot's numbers are rounded: "
-                "mobility tells."
+                f"{each.text} The allowed value takes account of the rounding of the robot's "
+                f"numbers (see mobility)."
             )
             yield check(each.name, each.value, slack, text)
 
@@ -209,7 +209,8 @@ def _forward(model: Model, motion: Motion, data: xr.Dataset) -> Check | None:
         "forward dynamics",
         relative(back - motion.qdd, np.array([max(scale, np.abs(motion.qdd).max())])),
         max(1e-10, 1e3 * np.finfo(float).eps * condition),
-        f"Accelerations from the torques against those of the motion; the bar follows cond M = "
+        f"Accelerations from the torques against those of the motion; the allowed value depends "
+        f"on cond M = "
         f"{condition:.3g}.",
     )
 

@@ -30,7 +30,7 @@ def energies(model: Model, motion: Motion) -> dict[str, Any]:
     return {
         "kinetic_energy": (("time",), kinetic, "J", "kinetic energy, rotors included"),
         "potential_energy": (("time",), potential, "J", "potential energy of gravity and springs"),
-        "supplied_work": (("time",), work, "J", "work of the torques less what friction takes"),
+        "supplied_work": (("time",), work, "J", "work of the torques less friction losses"),
         "energy_residual": (
             ("time",),
             work - (total - total[0]),

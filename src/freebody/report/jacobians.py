@@ -106,11 +106,14 @@ def singularity(model: Model, tip: str, data: xr.Dataset) -> Singularity:
     time = float(data["time"].values[k])
     length = characteristic_length(model, tip, q)
     if (smallest <= SINGULAR * data["largest_singular_value"].values).all():
-        text = "The tip's Jacobian is short of full rank all along: some joint never moves it."
+        text = (
+            "The tip's Jacobian is rank-deficient throughout the motion: some joint never moves "
+            "the tip."
+        )
     elif low <= SINGULAR * high:
         text = (
             f"At t = {time:.3g} s the tip cannot move in some direction: "
-            "the arm is singular or all but singular."
+            "the arm is at or very near a singularity."
         )
     else:
         text = f"The motion stays clear of singularities; it is nearest to one at t = {time:.3g} s."

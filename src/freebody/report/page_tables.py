@@ -82,7 +82,10 @@ def drives(study: Study) -> ReportTable:
         Printed(title, "peak_torque", efforts, "largest in magnitude, with its sign"),
         Printed("at", "peak_torque_time", "s", "when it occurs"),
         Printed(
-            "RMS", "rms_torque", efforts, "root mean square over the motion: what heats a motor"
+            "RMS",
+            "rms_torque",
+            efforts,
+            "root mean square over the motion: the measure of motor heating",
         ),
         Printed("Peak / limit", "effort_fraction", "", _USE, share=True),
         Printed("RMS / limit", "rms_fraction", "", _USE, share=True),
@@ -92,7 +95,7 @@ def drives(study: Study) -> ReportTable:
             "Peak power", "peak_power", "W", "torque times speed; negative where the drive brakes"
         ),
     ]
-    return _by_coordinate("What each drive must give", study, names, columns)
+    return _by_coordinate("Required torque, speed and power of each drive", study, names, columns)
 
 
 def work(study: Study) -> ReportTable:
@@ -101,7 +104,10 @@ def work(study: Study) -> ReportTable:
         Printed("Work done", "work_done", "J", "where torque and speed have the same sign"),
         Printed("Work braked", "work_braked", "J", "where the drive holds the motion back"),
         Printed(
-            "Net", "net_work", "J", "work done less work braked: of a cycle what friction takes"
+            "Net",
+            "net_work",
+            "J",
+            "work done less work braked: over a full cycle, the energy lost to friction",
         ),
         Printed("Braked / done", "regenerated_share", "%", "what could be fed back", scale=100.0),
         Printed("Peak power", "peak_power", "W", "negative where the drive brakes"),
@@ -136,7 +142,9 @@ def ranges(study: Study) -> ReportTable | None:
         Printed("Speed limit", "velocity_limit", _rates(study)),
         Printed("Effort limit", "effort_limit", _units(study, "effort_unit")),
     ]
-    return _by_coordinate("How far the motion goes", study, study.model.velocity_names, columns)
+    return _by_coordinate(
+        "Range of motion of each joint", study, study.model.velocity_names, columns
+    )
 
 
 def bodies(study: Study) -> ReportTable:
@@ -156,7 +164,7 @@ def bodies(study: Study) -> ReportTable:
         for axis in _axes(study, "axis")
     ]
     columns += [p.column(book, "body", names) for p in printed]
-    return _listed("Bodies: what moves as one piece", "Body", names, columns)
+    return _listed("Bodies: links that move as one rigid body", "Body", names, columns)
 
 
 def gravity(study: Study) -> ReportTable | None:
@@ -190,14 +198,14 @@ def gravity(study: Study) -> ReportTable | None:
             )
             for k, name in enumerate(positions)
         ]
-    return _by_coordinate("What gravity alone asks", study, names, columns)
+    return _by_coordinate("Torque needed against gravity alone", study, names, columns)
 
 
 def reactions(study: Study) -> ReportTable:
     """What bearings are chosen by."""
     names = study.model.reaction_names
     loads = [
-        ("Force", "peak_force", "N", "magnitude of all that the parent exerts on the child"),
+        ("Force", "peak_force", "N", "magnitude of the total reaction of the parent on the child"),
         ("Axial", "peak_axial_force", "N", "along the axis of a turning joint, with its sign"),
         ("Radial", "peak_radial_force", "N", "across the axis"),
         ("Tilting moment", "peak_tilting_moment", "N m",
@@ -213,7 +221,7 @@ def reactions(study: Study) -> ReportTable:
                 Printed("at", f"{variable}_time", "s"),
             ):
                 columns.append(printed.column(study.summary, "joint", names))
-    return _listed("What each bearing and guide carries at most, and when", "Joint", names, columns)
+    return _listed("Peak loads on bearings and guides", "Joint", names, columns)
 
 
 def _drive_units(study: Study) -> list[str]:
@@ -244,7 +252,7 @@ def checks(study: Study) -> ReportTable:
             [WordsCell(typeset(c.text), css="wide") for c in study.checks],
         )
     )
-    return _listed("Two ways to the same quantity", "Check", names, columns)
+    return _listed("The same quantity computed in two ways", "Check", names, columns)
 
 
 def loads(study: Study, body: BodyLoads) -> ReportTable:

@@ -345,12 +345,12 @@ def _landed(edges: Array, factors: Array, misses: Array) -> str:
     """A sentence on the pieces."""
     count, run = len(misses), int((~np.isnan(misses)).sum())
     if np.isinf(misses).any():
-        return "The replay in pieces was broken off: it needs too many steps."
+        return "The replay in pieces was stopped: it needs too many steps."
     some = f"{run} of {count}" if run < count else f"{count}"
     return (
         f"Driven by its torques in {some} piece{'' if count == 1 else 's'} of at most "
         f"{np.diff(edges).max():.3g} s, "
-        f"each started anew on the motion, the model ends each piece within "
+        f"each restarted on the motion, the model ends each piece within "
         f"{np.nanmax(misses):.1g} of the joint "
         f"range. In a piece an error grows at most {factors.max():.3g}-fold."
     )
@@ -365,14 +365,14 @@ def _drifted(
     found = f"drifts by up to {drift[k, j]:.2g} {'rad' if allowed.turns[j] else 'm'}"
     if ended == _ASTRAY:
         first = model.velocity_names[int(np.argmax(share[-1]))]
-        found = f"leaves the motion after t = {t[-1]:.3g} s, first {first} by its whole range"
+        found = f"departs from the motion after t = {t[-1]:.3g} s, first {first} by its whole range"
     elif ended:
-        found += f" until t = {t[-1]:.3g} s, where the run was broken off: {ended}"
+        found += f" until t = {t[-1]:.3g} s, where the run was stopped: {ended}"
     if growth < 1:
-        cause = "errors hardly grow on the way"
+        cause = "errors hardly grow along the motion"
     else:
         cause = (
-            f"on the way any error, even of rounding, grows up to 10^{growth:.1f}-fold "
+            f"along the motion any error, even of rounding, grows up to 10^{growth:.1f}-fold "
             "(linearised dynamics)"
         )
-    return f"Over the whole motion without a new start it {found}; {cause}."
+    return f"Over the whole motion without a restart it {found}; {cause}."

@@ -287,8 +287,8 @@ def _replay(model: Model, motion: Motion) -> tuple[Replay | None, str]:
     if model.loops:
         return (
             None,
-            "There is no replay of a closed chain; a stretch of the motion is simulated among the "
-            "checks.",
+            "There is no replay of a closed chain; one of the checks simulates a section of the "
+            "motion.",
         )
     try:
         return replayed(model, motion), ""

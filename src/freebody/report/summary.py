@@ -93,7 +93,7 @@ def works(data: xr.Dataset, t: Array) -> dict[str, Any]:
             dim,
             done - braked,
             "J",
-            "work done less work braked: of a cycle what friction takes",
+            "work done less work braked: over a full cycle, the energy lost to friction",
         ),
         "regenerated_share": (
             dim,

@@ -127,8 +127,8 @@ def _too_large() -> FreebodyError:
     return FreebodyError(
         "the closed form of this robot is too large to be worked out: its terms multiply with "
         "every joint. "
-        "Derive it with fewer joints; for numbers there are fb.inverse_dynamics and its kin, of "
-        "any size."
+        "Derive it with fewer joints; for numbers use fb.inverse_dynamics and the other numerical "
+        "functions, for robots of any size."
     )
 
 
@@ -211,13 +211,14 @@ class Trig:
             != self.poly
         ):
             raise FreebodyError(
-                "a quotient of polynomials is no polynomial: this quantity has no such closed form."
+                "a quotient of polynomials is not a polynomial: this quantity has no such closed "
+                "form."
             )
         return Trig(self.ring, quotient, self.mask)
 
     def __pow__(self, exponent: int) -> Any:
         if exponent < 0:
-            raise FreebodyError(f"the power {exponent} of a polynomial is no polynomial.")
+            raise FreebodyError(f"the power {exponent} of a polynomial is not a polynomial.")
         power: Any = 1.0
         for _ in range(exponent):
             power = self * power

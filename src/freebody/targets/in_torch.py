@@ -155,7 +155,7 @@ def _run(function: TensorProgram, tensors: Sequence[Tensor]) -> tuple[Tensor, ..
         ]
     except (TypeError, RuntimeError) as problem:  # sparse ones, say
         raise KernelError(
-            f"{function.program.name}: a tensor that is no plain array: {problem}"
+            f"{function.program.name}: a tensor that is not a plain array: {problem}"
         ) from None
     made = function.kernel(*arrays)
     return tuple(

@@ -109,7 +109,7 @@ def _plain(name: str) -> str:
     """The plain spelling of a name."""
     source = AnswerText.of(name.strip())
     if not source.text or not (source.text[0] in words.STARTS or source.text[0] == "\\"):
-        raise AnswerError(f"names: {name!r} is no name")
+        raise AnswerError(f"names: {name!r} is not a name")
     word = words.spell(source, 0)
     if word.end != len(source.text):
         raise AnswerError(f"names: {name!r} is no single name")

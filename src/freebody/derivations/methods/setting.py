@@ -369,5 +369,5 @@ def require_chain_of_bodies(symbols: Symbols, what: str) -> None:
             raise FreebodyError(
                 f"{what}: body {model.bodies[i].name!r} of {model.name!r} has "
                 f"{len(symbols.tree.bodies[k].masses)} masses; "
-                "derivations are written for one a body. Combine them, or use fb.equations."
+                "derivations are written for one mass per body. Combine them, or use fb.equations."
             )

@@ -230,7 +230,7 @@ def _require_whole_ratios(model: Model) -> None:
                 f"as "
                 f"{mimic.joint!r}: closed forms need a whole number, since sines and cosines of a "
                 f"fraction of an angle "
-                'are no polynomials in its own. Load with mimic="free", '
+                'are not polynomials in its own. Load with mimic="free", '
                 "or let the slower joint lead."
             )
 

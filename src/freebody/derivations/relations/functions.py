@@ -140,7 +140,7 @@ def sampled_trajectory(t: ArrayLike, points: ArrayLike) -> SampledTrajectory:
     )
     if times.ndim != 1 or places.ndim != 2 or len(places) != len(times):
         raise ShapeError(
-            "sampled_trajectory", "points", places.shape, f"({times.size}, dim), one row a time"
+            "sampled_trajectory", "points", places.shape, f"({times.size}, dim), one row per time"
         )
     if len(times) < 6 or not np.all(np.diff(times) > 0) or not np.isfinite(places).all():
         raise FreebodyError("sampled_trajectory: give at least 6 samples, finite, at rising times.")

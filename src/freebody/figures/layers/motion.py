@@ -22,7 +22,7 @@ from freebody.outputs.numbers import significant
 LONGEST = 0.34
 """The longest velocity or acceleration, of the drawing's size."""
 _ORDERS = (("velocity", "/s", ""), ("acceleration", "/s²", "\u0307"))
-"""Of first and second rates: the role of arrows, what follows the unit, the dots on v."""
+"""Of velocities and accelerations: the role of arrows, what follows the unit, the dots on v."""
 
 
 @of_each

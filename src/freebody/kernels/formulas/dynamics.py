@@ -145,7 +145,7 @@ FORMULAS = {
         by_motion=True,
     ),
     "gravity_torque": Formula(
-        ("q",), {"g": Output(("nv",), "torques that hold against gravity (N m, N)")}, _gravity
+        ("q",), {"g": Output(("nv",), "torques that balance gravity (N m, N)")}, _gravity
     ),
     "static_torque": Formula(
         ("q", "wrenches"),

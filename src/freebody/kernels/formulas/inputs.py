@@ -18,13 +18,13 @@ class Input(NamedTuple):
 
 INPUTS = {
     "q": Input(("nq",), "positions of the joints (rad, m; unit quaternions as w, x, y, z)"),
-    "q0": Input(("nq",), "positions to begin with, as q"),
-    "q1": Input(("nq",), "positions to end with, as q"),
+    "q0": Input(("nq",), "initial positions, as q"),
+    "q1": Input(("nq",), "final positions, as q"),
     "qd": Input(
         ("nv",),
         "rates (rad/s, m/s; of free joints the velocity, then the angular velocity, body axes)",
     ),
-    "qdd": Input(("nv",), "rates of qd (rad/s^2, m/s^2)"),
+    "qdd": Input(("nv",), "accelerations, rates of qd (rad/s^2, m/s^2)"),
     "v": Input(("nv",), "a displacement along the rates (rad, m)"),
     "tau": Input(("nv",), "torques and forces of the joints (N m, N)"),
     "x": Input(("nv",), "a vector along the rates"),
@@ -40,10 +40,10 @@ INPUTS = {
         (), "position of the joint that is held: the last of seven, or the first (rad, m)"
     ),
     "h": Input((), "length of the step (s)", 1e-2),
-    "q_ref": Input(("nq",), "positions that the feedback leads to, as q"),
-    "qd_ref": Input(("nv",), "rates that the feedback leads to (rad/s, m/s)"),
-    "kp": Input(("nv",), "feedback by position (N m/rad, N/m)", 1.0),
-    "kd": Input(("nv",), "feedback by rate (N m s/rad, N s/m)", 1.0),
+    "q_ref": Input(("nq",), "reference positions of the feedback, as q"),
+    "qd_ref": Input(("nv",), "reference rates of the feedback (rad/s, m/s)"),
+    "kp": Input(("nv",), "position gains of the feedback (N m/rad, N/m)", 1.0),
+    "kd": Input(("nv",), "rate gains of the feedback (N m s/rad, N s/m)", 1.0),
 }
 """By name, all but the wrenches on frames, whose number a call says: wrench0, wrench1, …, which
 come last."""

@@ -164,7 +164,7 @@ FORMULAS = {
     ),
     "loop_velocity": Formula(
         ("q", "x"),
-        {"qd": Output(("nv",), "rates next to x that keep the loops closed (rad/s, m/s)")},
+        {"qd": Output(("nv",), "rates nearest to x that keep the loops closed (rad/s, m/s)")},
         _velocity,
         chains="closed",
         settled="loops",
@@ -173,7 +173,7 @@ FORMULAS = {
         ("q", "qd", "x"),
         {
             "qdd": Output(
-                ("nv",), "accelerations next to x that keep the loops closed (rad/s^2, m/s^2)"
+                ("nv",), "accelerations nearest to x that keep the loops closed (rad/s^2, m/s^2)"
             )
         },
         _acceleration,

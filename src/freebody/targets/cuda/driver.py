@@ -144,6 +144,6 @@ def handle_of(stream: Any) -> int:
         return int(stream) or DEFAULT_STREAM
     except (TypeError, ValueError):
         raise GpuError(
-            f"stream={stream!r} is no stream: give one of PyTorch, CuPy or cuda.core, or the "
+            f"stream={stream!r} is not a stream: give one of PyTorch, CuPy or cuda.core, or the "
             f"driver's handle."
         ) from None
