@@ -447,7 +447,7 @@ def test_refusals():
         fb.to_torch(model)
     far = fb.kernel(model, "bias", target="numpy")
     far.target = "cuda"
-    with pytest.raises(FreebodyError, match="not by target 'cuda'"):
+    with pytest.raises(FreebodyError, match="not on target 'cuda'"):
         fb.to_torch(far)
     far.target = "numpy"  # others may be given this kernel too
     assert torch.isnan(f(q, q, torch.tensor([1.0, torch.nan]))).all()

@@ -81,11 +81,11 @@ class FreebodyWarning(UserWarning):
 
 
 class PhysicalWarning(FreebodyWarning):
-    """An inertia that no rigid body can have."""
+    """A physically impossible inertia."""
 
 
 class MassWarning(FreebodyWarning):
-    """Masses of a file that cannot be those of the robot: missing, placeholders, implausible."""
+    """Masses in a file that cannot be the robot's: missing, placeholders, implausible."""
 
 
 class ShapeError(FreebodyError, ValueError):
@@ -181,7 +181,7 @@ class LoopError(FreebodyError, ValueError):
 
 
 class PassiveJointError(FreebodyError, ValueError):
-    """A torque at a joint that nothing drives; names the joint."""
+    """A torque at a passive joint; names the joint."""
 
 
 class FileError(FreebodyError, ValueError):

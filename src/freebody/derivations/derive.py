@@ -27,12 +27,12 @@ def undrawn_derivation(
 ) -> Derivation:
     """A derivation of the model's equations as an ordered list of steps.
 
-    method: a name of the list below. Default: the first there that serves the model. load: whether
+    method: a name from the list below. Default: the first that applies to the model. load: whether
     a force f, with world components fx, fy (fz), acts on the tip. Default: in a method for robots
     at rest, where the model has a tip that moves. options: the method's own. Raises FreebodyError
-    for joints with several axes or followers, for a load on a model without a tip, and for what the
-    method would not use. Source: S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg
-    University, 2019, where the method's line names no other.
+    for joints with several axes or followers, for a load on a model without a tip, and for options
+    that the method does not use. Source: S. Bai, Dynamics of robotic manipulators, lecture notes,
+    Aalborg University, 2019, where the method's line names no other.
     """
     record = default_method(model) if method is None else method_named(method)
     _require_options(record, load, options)

@@ -76,10 +76,10 @@ def free_body_diagram(
     """Free-body diagram of a body (its name, its joint's or a link's; or its index from 0), or of
     all: forces to scale.
 
-    q: (nq,) rad or m, default a pose that is seen well, and at which joints without motor rest, if
-    one is found; qd, qdd: (nv,), default at rest; wrenches
-    as for `inverse_dynamics`, acting on the arm. labels: "names", "values" or "both"; default:
-    both, or names where parameters have no value; forces are then drawn for typical values. show:
+    q: (nq,) rad or m, default a clearly visible pose, if possible one in which joints without a
+    motor stay at rest; qd, qdd: (nv,), default at rest; wrenches as for `inverse_dynamics`,
+    acting on the arm. labels: "names", "values" or "both"; default: both, or names
+    where parameters have no value; forces are then drawn for typical values. show:
     one or several of "points" (O, A, P), "centres" (C_i), "vectors" (s_i, s_ci), in the plane
     "lengths" (l_i, l_ci) and "angles" (θ_i), in space "axes" (z_i, of slides u_i). Returns a figure
     with `.svg`, `.save("fbd.svg")`, `.drawing` (the arrows as data) and `.bodies` (the loads and

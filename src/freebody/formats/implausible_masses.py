@@ -1,4 +1,4 @@
-"""Masses of a file that cannot be those of the robot: missing, placeholders, implausible.
+"""Masses in a file that cannot be the robot's: missing, placeholders, implausible.
 
 The bars are wide: they are to find what is wrong, not what is unusual. All are about bodies that
 move.

@@ -44,7 +44,9 @@ def load(
     """A model from a .urdf, .toml or .csv (DH table) file, or a bundled model by its name (see
     `models()`).
 
-    Letters R and P that are no bundled model's name are a planar arm: load("RRP") is planar("RRP").
+    Letters R and P that are not a bundled model's name are a planar arm: load("RRP") is
+    planar("RRP").
+
     A file is a regular one of at most 32 MB (TOML: 16) and 50 000 links, and no number in it but a
     limit is beyond 1e60.
 

@@ -24,7 +24,7 @@ def save(model: Model, path: str | os.PathLike[str]) -> None:
     """Write the model to a .toml file (UTF-8).
 
     Of `model.notices` those on masses that are doubtful or estimated go along, as `masses_doubtful`
-    and `masses_estimated`; the others, which speak of where it came from, stay behind.
+    and `masses_estimated`; the others, about the file it came from, are not saved.
     """
     target = Path(path)
     if target.suffix.lower() != ".toml":

@@ -68,7 +68,7 @@ class KernelInputs:
             }
             if left:
                 raise MissingValueError(
-                    f"what is no input of a kernel of {self.model.name!r}", left
+                    f"what is not an input of a kernel of {self.model.name!r}", left
                 ) from None
             raise
 

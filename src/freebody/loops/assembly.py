@@ -41,7 +41,7 @@ def assemble(model: Model, q: Vector | None = None, free: Sequence[str] | None =
 
     free: names of the coordinates (`model.velocity_names`) or joints that may move; the others keep
     the values given. None: all may. Given by name, q may leave out coordinates that may move: those
-    start from the model's home. Where the way from the guess ends in a gap, other starts are
+    start from the model's home. Where the search from the guess ends with a gap, other starts are
     tried and the nearest closed position is taken. Raises LoopError with the loop and the gap when
     none is found. Levenberg-Marquardt on Φ (5.21).
     """
@@ -80,10 +80,11 @@ def assembly_modes(
     to q first.
 
     free: as for `assemble`; the coordinates that differ from mode to mode. Planar mechanisms that
-    come apart into dyads (two unknown joints a loop) are solved in closed form, and these are all.
+    come apart into dyads (two unknown joints per loop) are solved in closed form, and these are
+    all.
     Others by Newton's method from `starts` starts spread over the free coordinates' whole range, so
     completeness is likely, not proved. Where the mechanism can move with the fixed coordinates
-    held, there are infinitely many and FreebodyError is raised.
+    locked, there are infinitely many and FreebodyError is raised.
     """
     require_loops(model, "assembly_modes")
     guess = finite_vector("assembly_modes", model, "q", q)

@@ -34,7 +34,7 @@ def loop_velocity(model: Model, q: Vector, rates: Vector) -> Array:
 
     rates: {coordinate: value} for the independent coordinates, or a whole vector (..., nv), from
     which the nearest consistent one is taken. Raises LoopError when the values given contradict the
-    loops, FreebodyError when they leave the motion open.
+    loops, FreebodyError when they do not determine the motion.
     """
     require_loops(model, "loop_velocity")
     found = _attempted("loop_velocity", model, q, rates)

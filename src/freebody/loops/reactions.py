@@ -114,8 +114,8 @@ def reactions(
 
     Give tau (..., nv), the drives' torques, and the motion follows; or qdd (..., nv), and the
     torques of the driven joints (`actuated`) follow. wrenches: as for `inverse_dynamics`. Raises
-    LoopError for a state that the loops do not allow, PassiveJointError for a torque at a joint
-    that nothing drives.
+    LoopError for a state that the loops do not allow, PassiveJointError for a torque at a passive
+    joint.
     Source: (5.23), (5.29); Newton and Euler body by body (3.1, 3.2, 6.1, 6.2).
     """
     if actuated is not None and not model.loops:

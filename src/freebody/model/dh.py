@@ -44,8 +44,8 @@ def dh(
     Row keys: joint ("R" by default, or "P"), theta, d (constants; the joint variable's one is its
     offset), a, alpha (m, rad), m (kg), com (3) and I (6: ixx, ixy, ixz, iyy, iyz, izz, or 3×3;
     about the com), both in DH frame i of the convention, rotor (kg m²) and gear, friction (viscous,
-    or (viscous, coulomb)), limits (lower, upper) or Limits, passive (True: nothing drives the
-    joint), name. A name instead of a number is a parameter. Raises ModelError naming the row.
+    or (viscous, coulomb)), limits (lower, upper) or Limits, passive (True: the joint has no drive),
+    name. A name instead of a number is a parameter. Raises ModelError naming the row.
     """
     return build_model(
         describe(rows, convention=convention, gravity=gravity, name=name), physical=physical

@@ -49,9 +49,10 @@ def planar(
     """A planar serial arm: planar("RR") is the notes' 2R, planar("PR") a cart with a pendulum.
 
     word: letters R and P from the base outward. l, lc (m), m (kg), I (kg m² about the com): one
-    entry a link, a number, a name or None; without them parameters l1, lc1, m1, I1, … that have no
-    value yet (a P link has l = 0 unless given). g: gravity along -y (m/s²), a name, or a vector.
-    angles: constant turn of each joint's frame from the frame before (rad); default 0 for R, 0 for
+    entry per link, a number, a name or None; without them parameters l1, lc1, m1, I1, … that have
+    no value yet (a P link has l = 0 unless given). g: gravity along -y (m/s²), a name, or a vector.
+    angles: constant rotation of each joint's frame relative to the previous frame (rad); default 0
+    for R, 0 for
     P after an R or at the base, +π/2 for P after a P. limits: (lower, upper) or Limits a joint.
     drives: friction, rotors and springs a joint. passive: names of the joints that nothing drives,
     such as ["joint2"] of a cart with a pendulum.

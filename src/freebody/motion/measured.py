@@ -51,8 +51,8 @@ class Noise:
 
 
 def smoothed(model: Model, motion: Motion, cutoff: float | None = None) -> Motion:
-    """The motion without what is faster than `cutoff` (Hz), without delay: for measured positions
-    or rates.
+    """The motion low-pass filtered at `cutoff` (Hz), without delay: for measured positions or
+    rates.
 
     The filter is the quintic smoothing spline: of a frequency f it passes 1 / (1 + (f / cutoff)⁶),
     the zero-phase Butterworth filter of order 3. It acts on the positions; where rates were given,

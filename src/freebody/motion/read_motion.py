@@ -37,13 +37,13 @@ _DISAGREE = (
 
 
 def read_motion(model: Model, path: str | os.PathLike[str]) -> Motion:
-    """The motion in a CSV file: a header with `t` and the model's position names, then a row a
+    """The motion in a CSV file: a header with `t` and the model's position names, then one row per
     time.
 
-    SI units and radians, or the unit that stands behind a name: `joint1 (deg)`, `t [ms]`. Separated
-    by commas, or by semicolons or tabs with decimal points or commas; what follows # is a comment.
-    Positions with noise beside rates are brought in line with these; a rate below a millionth of
-    the fastest of its kind is rest. Raises FileError with the line.
+    SI units and radians, or the unit written after a name: `joint1 (deg)`, `t [ms]`. Separated by
+    commas, or by semicolons or tabs with decimal points or commas; what follows # is a comment.
+    Noisy positions given with rates are adjusted to the rates; a rate below a millionth of the
+    fastest of its kind is rest. Raises FileError with the line.
     """
     file = Path(path)
     read = read_columns(model, file)

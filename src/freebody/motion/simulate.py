@@ -41,10 +41,10 @@ def simulate(
 ) -> xr.Dataset:
     """The motion over the times t (T,) from the state q (nq,), qd (nv,) at t[0].
 
-    torque: of the drives (N m, N): None for none; (nv,) constant; (T, nv) at the times t, straight
-    lines between them, integrated from row to row; or a function f(t, q, qd) -> (nv,). A function
-    must be smooth but at its `breakpoints` (s), where the integration is halted, so that no jump or
-    bend is stepped over; max_step (s) bounds the steps elsewhere. With sample_time (s) the function
+    torque: of the drives (N m, N): None for none; (nv,) constant; (T, nv) at the times t, linear
+    between them, integrated from row to row; or a function f(t, q, qd) -> (nv,). A function must be
+    smooth except at its `breakpoints` (s), where the integration restarts, so that no jump or kink
+    is stepped over; max_step (s) bounds the steps elsewhere. With sample_time (s) the function
     is a controller: called once at t[0], t[0] + sample_time, …, with the state there, its torque
     held until the next. wrenches: constant, as for `inverse_dynamics`. method: one of scipy's
     integrators; "auto" takes DOP853, or Radau (implicit) where friction makes the system stiff:

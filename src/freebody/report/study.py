@@ -181,12 +181,12 @@ def study(
     """The dynamic study of a robot along a motion.
 
     model: with all values. motion: a Motion, a CSV file or a dataset (see `read_motion`); default a
-    smooth one within the joint limits, run as slowly as the limits of speed and torque ask. tip:
-    frame; default the model's own, else the leaf behind the most movable joints. smooth: True, or a
-    cutoff (Hz), for a measured motion (see `smoothed`); noise that spoils the torques is told in
-    any case, with the torques with and without it. progress: called with a text and the fraction
-    done. Raises FreebodyError for a robot without movable joints, MissingValueError for one with
-    open parameters.
+    smooth one within the joint limits, slowed as far as the limits of speed and torque require.
+    tip: frame; default the model's own, else the leaf behind the most movable joints. smooth: True,
+    or a cutoff (Hz), for a measured motion (see `smoothed`); noise that spoils the torques is
+    reported in any case, with the torques with and without it. progress: called with a text and the
+    fraction done. Raises FreebodyError for a robot without movable joints, MissingValueError for
+    one with open parameters.
     """
     if model.nv == 0:
         raise FreebodyError(

@@ -16,7 +16,7 @@ def rotation(axes: str, angles: Sequence[float] | ArrayLike) -> Array:
     """R_WB (3, 3) of turns about the body's own axes: rotation("ZXZ", [a, b, c]) is Rz(a) Rx(b)
     Rz(c).
 
-    axes: letters X, Y, Z, one an angle (rad). It takes components in the turned frame to those in
+    axes: letters X, Y, Z, one per angle (rad). It takes components in the turned frame to those in
     the first (6.8).
     """
     given = as_floats("rotation", "angles", angles)

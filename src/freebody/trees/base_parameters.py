@@ -60,8 +60,8 @@ class BaseParameters(Titled, ByValue):
 
 
 def base_parameters(model: Model) -> BaseParameters:
-    """The fewest combinations of inertial parameters that tau depends on: regrouped along the tree,
-    then by rank.
+    """The minimal set of combinations of inertial parameters that tau depends on: regrouped along
+    the tree, then by rank.
 
     In symbols: `fb.equations(model).text("base")`. Raises MissingValueError where a parameter has
     no value.

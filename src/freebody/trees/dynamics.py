@@ -82,7 +82,7 @@ def forward_dynamics(
 
     Closed chains: (5.29), with dependent equations and at singular positions, where a motion keeps
     its branch. Raises SingularError naming the joint that moves no inertia, LoopError for a state
-    that the loops do not allow, PassiveJointError for a torque at a joint that nothing drives.
+    that the loops do not allow, PassiveJointError for a torque at a passive joint.
     """
     if isinstance(model, Model) and model.passive:
         refuse_passive("forward_dynamics", model, tau)
@@ -190,12 +190,12 @@ def bias(model: Model, q: Vector, qd: Vector) -> Array:
 
 
 def gravity_torque(model: Model, q: Vector) -> Array:
-    """g (..., nv): the torque that holds the arm still against gravity, springs not counted."""
+    """g (..., nv): the torque that holds the arm at rest against gravity, springs not included."""
     return evaluate("gravity_torque", model, (q,))
 
 
 def static_torque(model: Model, q: Vector, wrenches: Wrenches = None) -> Array:
-    """g + springs - Σ Jᵀ w (..., nv): the torque that holds the arm still (2.41-2.49).
+    """g + springs - Σ Jᵀ w (..., nv): the torque that holds the arm at rest (2.41-2.49).
 
     wrenches act on the arm, as for `inverse_dynamics`; the notes' (2.52) prints the torque that
     exerts f, its negative. An open chain rests where the entries of its passive joints are zero;
@@ -211,8 +211,8 @@ def tip_wrench(model: Model, q: Vector, tau: Vector, frame: str | None = None) -
 
     In the plane (..., 3). With fewer joints than rows the least-squares solution is not taken: a
     planar arm of two joints returns the force alone (moment 0). Gravity and springs are not
-    counted. Raises SingularError at a singular Jacobian, PassiveJointError for a torque at a joint
-    that nothing drives.
+    counted. Raises SingularError at a singular Jacobian, PassiveJointError for a torque at a
+    passive joint.
     """
     require_model("tip_wrench", model)
     refuse_passive("tip_wrench", model, tau)
@@ -255,10 +255,10 @@ def joint_wrenches(
     """Reaction wrench (..., nj, 6) of every joint: force (N), then moment (N m); (..., nj, 3) in
     the plane.
 
-    Row i belongs to joint_names[i]: all that the parent does to the child, at the child's joint
-    origin, world axes or the child's. Arguments as for `inverse_dynamics`. Closed chains: a row for
-    each loop follows, on the second frame's body by the first's; `reactions` also says which
-    components are determined.
+    Row i belongs to joint_names[i]: the total reaction of the parent on the child, at the child's
+    joint origin, world axes or the child's. Arguments as for `inverse_dynamics`. Closed chains: a
+    row for each loop follows, on the second frame's body by the first's; `reactions` also says
+    which components are determined.
     """
     key = "joint_wrenches", reference
     return evaluate(key, model, (q, qd, qdd), _in_axes, wrenches, _joint_wrenches)

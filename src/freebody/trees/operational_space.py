@@ -53,7 +53,7 @@ def operational_space_inertia(
 def operational_space_bias(
     model: Model, q: Vector, qd: Vector, frame: str | None = None, rows: Sequence[str] | None = None
 ) -> Array:
-    """μ (..., r) with Λ ẍ + μ = the wrench at the frame that moves the arm so: velocity, gravity,
+    """μ (..., r) with Λ ẍ + μ = the wrench at the frame that produces ẍ: velocity, gravity,
     friction, springs.
 
     qd: (..., nv); other arguments and errors as for `operational_space_inertia`.

@@ -21,7 +21,7 @@ MOST_EXPLAINED = 12
 def check(model: Model, answer: Any, names: Mapping[str, str] | None = None) -> Verdict:
     """Whether an answer is equal to the model's own equations, and if not, where and why.
 
-    answer: equations as text or LaTeX, one a line, for any of τ_i, H_ij (M_ij), c_i, G_i (g_i),
+    answer: equations as text or LaTeX, one per line, for any of τ_i, H_ij (M_ij), c_i, G_i (g_i),
     J_ij, T, V, the tip's x and y, or for whole vectors and matrices: "H12 = m2*(lc2^2 +
     l1*lc2*cos(theta2)) + I2"; a SymPy equation; or a dict {"H12": expression}. In the notes'
     symbols: theta1, θ₁, q1; θ̇₁, theta1_d, dtheta1; l1, lc1, m1, I1, g; on the right c12 is

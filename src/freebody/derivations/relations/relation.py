@@ -83,8 +83,8 @@ def relation(values: Mapping[str, Any], formula: str, *, link: int | None = None
     formula: "f12 + m2*gravity = m2*vc2_d"; see `freebody.derivations.relations.formula`. values:
     scalars, vectors and matrices of numbers or exact polynomials. Polynomials are compared exactly,
     numbers to 1e-9 of the largest. link: the number that `i` stands for in names such as omega_i,
-    and omega_h, omega_k of the links before and behind. A scalar and a vector are not equal, but a
-    vector may be compared with 0. Raises FormulaError for text that cannot be read,
+    and omega_h, omega_k of the previous and the next link. A scalar and a vector are not equal, but
+    a vector may be compared with 0. Raises FormulaError for text that cannot be read,
     UnknownNameError for a name without value.
     """
     node = parse(formula)
