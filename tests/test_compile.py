@@ -335,7 +335,7 @@ def test_results_that_do_not_fit(returned, outputs, message):
             r"input name 'x\[0\]' is not a word of letters a-z",
         ),
         ((lambda x: x, {"x": 2}, {"a\n": 2}), FreebodyError, "output name"),
-        ((lambda x: {"a-b": x}, {"x": 2}), FreebodyError, "output name 'a-b' is no word"),
+        ((lambda x: {"a-b": x}, {"x": 2}), FreebodyError, "output name 'a-b' is not a word"),
         (
             (lambda x, y: x, {"x": 2}),
             FreebodyError,

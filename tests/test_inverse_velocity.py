@@ -98,7 +98,7 @@ def test_wrist_singularity_is_named():
     give."""
     model = fb.load("puma560", physical="ignore")
     q = np.array([0.0, 0.3, 0.4, 0.0, 0.0, 0.0])
-    with pytest.raises(SingularError, match=r"has vy - 0\.178 wx - 0\.15 wz = 0\."):
+    with pytest.raises(SingularError, match=r"satisfies vy - 0\.178 wx - 0\.15 wz = 0\."):
         fb.inverse_velocity(model, q, np.ones(6))
     J = fb.jacobian(model, q)
     assert np.abs(J[1] - 0.178 * J[3] - 0.15 * J[5]).max() < 2e-3

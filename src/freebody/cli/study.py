@@ -149,7 +149,7 @@ def _print_checks(found: Study) -> None:
     failed = [check for check in found.checks if not check.passed]
     out = terminal.out()
     if not failed:
-        out.print(f"Self-checks: all {len(found.checks)} passed.")
+        out.print(f"Self-checks: freebody's results are consistent in all {len(found.checks)}.")
     for check in failed:
         text = (
             f"self-check failed: {check.name}: {check.value:.3g}, allowed {check.bar:.3g}. "
