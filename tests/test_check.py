@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 import pickle
+import re
 import time
 from pathlib import Path
 
@@ -433,3 +434,14 @@ def test_a_long_line_is_cut_at_dots_around_the_mistake():
         assert line.endswith("…")
         start = carets.index("^")
         assert line[start : start + carets.count("^")] == "l1*lc2*cos(theta2)"
+
+
+def test_how_many_more_numbers_differ_is_said():
+    """Each missing term that is added leaves one less to be told."""
+    arm, answer, told = fb.load("ur5e"), "H22 = 1", []
+    for _ in range(3):
+        text = fb.check(arm, answer).text
+        told.append(int(re.search(r"(\d+) more terms differ", text)[1]))
+        answer += " + " + re.search("‘(.*)’ is missing", text)[1]
+    assert told == [told[0], told[0] - 1, told[0] - 2]
+    assert told[2] > 1

@@ -132,7 +132,7 @@ class Judge:
         if not rounded.is_in_numbers:
             return None
         wording = Wording(self.setting, claim.source)
-        findings = [wording.of_number(row) for row in wrong[:MOST_FINDINGS]]
+        findings = _first([wording.of_number(row) for row in wrong])
         causes = [f"In numbers, with the values of {model.name!r}, to the digits given:"]
         return self._with_example(claim, rounded.target, findings, causes)
 
@@ -218,18 +218,10 @@ class _Explanation:
         several = [] if has_cause and len(self.rows) > MOST_FINDINGS else self._several()
         if several and len(several) <= len(self.rows):
             return several
-        found = [self.wording.of_difference(row) for row in self.rows]
-        return (
-            found
-            if len(found) <= MOST_FINDINGS + 1
-            else [*found[:MOST_FINDINGS], self._more(found)]
-        )
+        return _first([self.wording.of_difference(row) for row in self.rows])
 
     def _unexplained(self) -> Mistake:
         return Mistake("term", "The answers have too many terms to be compared one by one.")
-
-    def _more(self, found: list[Mistake]) -> Mistake:
-        return Mistake("term", f"{len(found) - MOST_FINDINGS} more terms differ.")
 
     # ------------------------------------------------------------ one change
     def _single(self) -> Mistake | None:
@@ -330,3 +322,11 @@ class _Explanation:
 
 def _nothing(name: str) -> None:
     """Printed answers hold no quantities by name."""
+
+
+def _first(found: list[Mistake]) -> list[Mistake]:
+    """The first of many, and how many more there are."""
+    if len(found) <= MOST_FINDINGS + 1:
+        return found
+    more = Mistake("term", f"{len(found) - MOST_FINDINGS} more terms differ.")
+    return [*found[:MOST_FINDINGS], more]
