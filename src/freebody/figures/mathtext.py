@@ -67,19 +67,18 @@ def _letters(text: str, level: int) -> Iterator[Run]:
 
 def marked(text: str) -> str:
     """SVG tspans; a subscript under a superscript starts where that started."""
-    parts, last = [], 0
-    stacked = 0.0
+    parts, last, stacked = [], 0, 0.0
     for run in runs(text):
-        shift = -0.38 * run.level if run.level > 0 else -0.24 * run.level
         dx = f' dx="{-stacked:.2f}em"' if last > 0 and run.level < 0 and stacked else ""
         size = f' font-size="{100 * _SMALL:.0f}%"' if run.level else ""
-        parts.append(_span(run, (shift - _shift(last)) * SIZE, dx, size))
+        parts.append(_span(run, (_shift(run.level) - _shift(last)) * SIZE, dx, size))
         stacked = stacked + 0.88 * run.width / _SMALL if run.level > 0 else 0.0
         last = run.level
     return "".join(parts)
 
 
 def _shift(level: int) -> float:
+    """How far a level stands below the line, in heights of a letter."""
     return -0.38 * level if level > 0 else -0.24 * level
 
 

@@ -107,10 +107,7 @@ def markdown(derivation: Derivation, images: Figures | None = None) -> str:
 def _markdown_table(derivation: Derivation) -> str:
     rows = ["| symbol | meaning | unit |", "|---|---|---|"]
     for m in derivation.glossary:
-        rows.append(
-            f"| {', '.join(f'${x.latex()}$' for x in m.symbols)} | {markdown_prose(m.words)} | "
-            f"{m.unit} |"
-        )
+        rows.append(f"| {_dollars(m)} | {markdown_prose(m.words)} | {m.unit} |")
     return "\n".join(rows)
 
 
@@ -160,8 +157,7 @@ def _boxed(formula: str) -> str:
 
 def _latex_table(derivation: Derivation) -> list[str]:
     rows = [
-        rf"{', '.join(f'${x.latex()}$' for x in m.symbols)} & {tex_prose(m.words)} & "
-        rf"{tex_prose(m.unit)} \\"
+        rf"{_dollars(m)} & {tex_prose(m.words)} & {tex_prose(m.unit)} \\"
         for m in derivation.glossary
     ]
     return [
@@ -243,6 +239,11 @@ figure{margin:1rem 0;text-align:center}figure svg{max-width:100%;height:auto}
 def _title(derivation: Derivation) -> str:
     model = derivation.equations.symbols.model
     return f"{literal(model.name)}: {derivation.title}"
+
+
+def _dollars(meaning: Meaning) -> str:
+    """Symbols between dollar signs."""
+    return ", ".join(f"${x.latex()}$" for x in meaning.symbols)
 
 
 def _numbers(step: Step, form: str) -> str:
