@@ -80,8 +80,8 @@ def _sentence(solver: NumericalSolver, distance: float, out: bool, how: str) -> 
 def beyond_the_starts(solver: NumericalSolver) -> str:
     """What to say of angles whose turns differ and have no limits, as those of screws: starts lie
     within one turn of them, so that what is not found may be there; "" without such."""
-    model, limited = solver.model, np.isfinite(solver.bounds).all(axis=0)
-    again = turning_coordinates(model)
+    model, again = solver.model, turning_coordinates(solver.model)
+    limited = np.logical_and(*map(np.isfinite, solver.bounds))
     names = [
         model.position_names[k]
         for body, at in zip(model.bodies, model.coordinates, strict=True)
