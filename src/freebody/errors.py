@@ -68,7 +68,7 @@ def _distance(a: str, b: str) -> int:
 
 
 class FreebodyError(Exception):
-    """Whatever freebody refuses. The message is one paragraph meant for a person."""
+    """The base class of freebody's errors. The message is one paragraph, written for people."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         # an exception is rebuilt from `args`, here the message, which is not what the classes below
@@ -77,7 +77,7 @@ class FreebodyError(Exception):
 
 
 class FreebodyWarning(UserWarning):
-    """Doubtful input that is used as given."""
+    """The input is doubtful, and used as given."""
 
 
 class PhysicalWarning(FreebodyWarning):
@@ -177,7 +177,8 @@ class SingularError(FreebodyError, ArithmeticError):
 
 
 class LoopError(FreebodyError, ValueError):
-    """A closed chain that does not close, or would not stay closed; names the loop and the gap."""
+    """The loops of a closed chain are open, or would not stay closed; names the loop and the
+    gap."""
 
 
 class PassiveJointError(FreebodyError, ValueError):

@@ -33,8 +33,8 @@ def singularity_diagram(
     rows: Sequence[str] | None = None,
     hold: Mapping[str, float] | None = None,
 ) -> Figure:
-    """The robot at home, and where its tip is when singular: type 1 and type 2, each curve an
-    element of its name.
+    """The robot at home, and the tip positions at which it is singular (first and second type),
+    each curve a named element.
 
     Arguments as for `singularity_loci`. `.named("type 1, curve 1")` is a polyline in world
     coordinates.

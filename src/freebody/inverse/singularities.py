@@ -136,8 +136,8 @@ class Singularities(Titled):
 def singularities(
     model: Model, frame: str | None = None, task: str | Sequence[str] | None = None
 ) -> Singularities:
-    """Where a frame cannot move in some direction: det J = 0 (2.20-2.23), factored and solved where
-    that is short.
+    """Positions at which a frame cannot move in some direction: det J = 0 (2.20-2.23), factored
+    and solved where that is short.
 
     frame: default the tip. task: the rows that count, "position", "orientation", "pose" or names
     among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy", "w"); default those that make J

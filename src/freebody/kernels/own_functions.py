@@ -38,8 +38,8 @@ def compile(  # noqa: A001  the name that users look for
     target: str | None = None,
     width: int | None = None,
 ) -> Kernel:
-    """A function of the user's own, such as a controller or a cost, compiled; called as the kernels
-    of `fb.kernel` are.
+    """Your own function, such as a controller or a cost, compiled; called like the kernels of
+    `fb.kernel`.
 
     function: called once, with traced scalars: for each input, by its name, a nested tuple of its
     core shape (a bare scalar for shape ()). It adds, multiplies, divides, raises to whole powers,

@@ -31,8 +31,8 @@ FEWEST = 4
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Motion(Tabled, ByValue):
-    """Samples of a motion, and between them the quintic through position, rate and acceleration at
-    both ends.
+    """Samples of a motion, with quintic interpolation of position, rate and acceleration between
+    them.
 
     t: (T,) increasing, s. q: (T, nq). qd, qdd: (T, nv). rad and m. The curve has continuous
     accelerations.
