@@ -193,3 +193,26 @@ def test_a_changed_number_compiles_nothing_anew(monkeypatch: pytest.MonkeyPatch)
     work(model.bind(l1=1.01 * model.parameters["l1"], m3=1.3 * model.parameters["m3"]))
     with pytest.raises(AssertionError, match="compiled anew"):
         fb.assemble(model.to_space())
+
+
+def test_accelerations_near_a_singular_pose_are_right_or_nan():
+    """A parallelogram, on its way to where it lies flat, by kernels alone: what rounding has taken
+    is not told. One equation of the loop follows from another there."""
+    model = fb.load("four_bar").bind(d=0.9, l2=0.9, l3=0.3)
+    angle = np.logspace(0.0, -12.0, 121)
+    q = np.stack([angle, -angle, angle], axis=-1)
+    # M(t) ẗ + V'(t) = τ of one bar that turns twice and one that is carried along
+    p = model.parameters
+    inertia = p["I1"] + p["m1"] * p["lc1"] ** 2 + p["I3"] + p["m3"] * p["lc3"] ** 2
+    inertia += p["m2"] * p["l1"] ** 2
+    weight = (p["m1"] * p["lc1"] + p["m2"] * p["l1"] + p["m3"] * p["lc3"]) * p["g"]
+    second = (1.0 - weight * np.cos(angle)) / inertia
+    exact = np.stack([second, -second, second], axis=-1)
+    for dtype, allowed, fewest in (("float64", 1e-5, 40), ("float32", 0.05, 20)):
+        found = fb.kernel(model, "forward_dynamics", dtype=dtype)(
+            q.astype(dtype), np.zeros(3, dtype), np.array([1.0, 0.0, 0.0], dtype)
+        )
+        told = np.isfinite(found).all(axis=-1)
+        assert fewest <= told.sum() < 80
+        off = np.abs(found[told] - exact[told]).max(axis=-1) / np.abs(exact[told]).max(axis=-1)
+        assert off.max() < allowed

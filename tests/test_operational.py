@@ -154,5 +154,5 @@ def test_springs_leave_gravity_alone_to_the_last_bit():
 def test_numpy_kernels_do_not_cut_numbers_off():
     kernel = fb.kernel(MODELS["planar"](), "bias", target="numpy")
     n = MODELS["planar"]().nv
-    with pytest.raises(TypeError, match="^bias: out holds int64 values, expected float64"):
+    with pytest.raises(TypeError, match=r"^bias: out holds int64 values, expected float64"):
         kernel(np.zeros(n), np.zeros(n), out=np.zeros(n, dtype=int))

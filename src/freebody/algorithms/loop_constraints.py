@@ -262,18 +262,27 @@ def onto_loops(
     on, _, pivots = _nearest(tree, factors, phi, qd, times(phi, qd))
     if not phi:
         return q, qd
-    # lengths over the mechanism's own, so that they compare with angles
+    gaps = tuple(s * x for s, x in zip(_as_angles(tree, rows), left, strict=True))
+    gap = dot(gaps, gaps)
+    allowed = no_finer(_OPEN, gap, _ROUNDINGS)
+    valid = one_if_positive(independence(tree, pivots, rows), allowed * allowed - gap)
+    return scale(valid, q), scale(valid, on)
+
+
+def independence(tree: Tree, pivots: Vector, rows: Sequence[int] | None = None) -> Scalar:
+    """Positive where the equations `rows`, whose pivots of S these are, do not depend on one
+    another."""
+    sizes = [s * s * pivot for s, pivot in zip(_as_angles(tree, rows), pivots, strict=True)]
+    most = reduce(maximum, sizes)
+    return reduce(minimum, sizes) - no_finer(_PIVOT, most, _ROUNDINGS) * most
+
+
+def _as_angles(tree: Tree, rows: Sequence[int] | None) -> Vector:
+    """What makes the equations comparable: 1 of angles, of lengths one over the mechanism's own."""
     per_length = 1.0 / mechanism_length(tree)
-    scales = tuple(
+    return tuple(
         per_length if of_length else 1.0 for of_length in _kept(equations_of_lengths(tree), rows)
     )
-    sizes = [s * s * pivot for s, pivot in zip(scales, pivots, strict=True)]
-    gaps = tuple(s * x for s, x in zip(scales, left, strict=True))
-    most, gap = reduce(maximum, sizes), dot(gaps, gaps)
-    independent = reduce(minimum, sizes) - no_finer(_PIVOT, most, _ROUNDINGS) * most
-    allowed = no_finer(_OPEN, gap, _ROUNDINGS)
-    valid = one_if_positive(independent, allowed * allowed - gap)
-    return scale(valid, q), scale(valid, on)
 
 
 _PIVOT = 1e-10

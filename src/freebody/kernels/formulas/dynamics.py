@@ -21,7 +21,7 @@ from freebody.algorithms.loop_checks import (
     solution_margins,
     sure,
 )
-from freebody.algorithms.loop_constraints import constrained_motion
+from freebody.algorithms.loop_constraints import constrained_motion, independence
 from freebody.algorithms.operational_space import mass_matrix_inverse
 from freebody.algorithms.rnea import External, joint_wrenches, rnea
 from freebody.kernels.formulas import by_columns
@@ -59,7 +59,7 @@ def _closed_forward(
         tree, q, qd, factors, sub(tau, bias(tree, q, qd, loads)), o.equations
     )
     if not o.checks:
-        return found.qdd
+        return sure(found.qdd, [independence(tree, found.pivots, o.equations)])
     margins = solution_margins(tree, M, factors, found, o.equations)
     margins.append(consistent_margin(tree, q, qd, found.qdd))
     return sure(found.qdd, margins + (closure_margins(tree, q, qd) if o.checks == "state" else []))
