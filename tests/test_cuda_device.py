@@ -218,7 +218,7 @@ def test_a_stream_takes_the_work_and_may_be_of_any_library(kernels):
         result = here(*given, stream=stream)
         assert result.__cuda_array_interface__["stream"] == made
         close(result, there(*arrays))
-    with pytest.raises(GpuError, match=r"stream='x' is no stream"):
+    with pytest.raises(GpuError, match=r"stream='x' is not a stream"):
         here(*given, stream="x")
 
 

@@ -260,7 +260,7 @@ BAD = {
     "infinite gravity": ("csv", "# gravity: 1e999\n" + TABLE + "R,1,0,1\n",
                          ":1: gravity is '1e999', expected"),
     "a cell of 131 073 characters": ("csv", TABLE + "R,1,0," + "9" * 131_073,
-                                     ":3: this is no line of a CSV table"),
+                                     ":3: this is not a line of a CSV table"),
     "underscores in a table": ("csv", TABLE + "R,1_0,0,1\n",
                                ":3: dh row 1: a is '1_0', expected a number or a name."),
     "1e200 in a table": ("csv", TABLE + "R,1e200,0,1\n", ":3: dh row 1: a is 1e+200, beyond 1e+60"),
@@ -274,7 +274,7 @@ def test_numbers_and_names_that_are_none_are_errors_of_the_input(tmp_path, case:
 
 
 MOTIONS = {
-    "a cell of 131 073 characters": ("0" * 131_073, ":2: this is no line of a CSV table"),
+    "a cell of 131 073 characters": ("0" * 131_073, ":2: this is not a line of a CSV table"),
     "5000 digits": (LONG, ":2: column 'joint1': '1111"),
     "full-width digits": ("１", ":2: column 'joint1': '１' is not a number."),
     "an underscore": ("1_0", ":2: column 'joint1': '1_0' is not a number."),

@@ -226,7 +226,7 @@ def test_a_path_through_samples_has_the_derivatives_of_the_curve():
         path.at([0.3, 0.71]), exact.at([0.3, 0.71]), (1e-9, 1e-8, 1e-6), strict=True
     ):
         np.testing.assert_allclose(found, right, rtol=0, atol=50 * miss)
-    with pytest.raises(ShapeError, match="one row a time"):
+    with pytest.raises(ShapeError, match="one row per time"):
         fb.sampled_trajectory(t, np.zeros((3, 2)))
     with pytest.raises(FreebodyError, match="at least 6 samples"):
         fb.sampled_trajectory(t[::-1], exact.at(t)[0])
