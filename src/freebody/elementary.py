@@ -75,7 +75,11 @@ asin: _One = _dispatch(
 acos: _One = _dispatch(
     "acos", np.arccos, "Arc cosine, 0 to pi; NaN beyond -1 and 1, where its slope is infinite."
 )
-sign: _One = _dispatch("sign", np.sign, "-1, 0 or 1; 0 at 0.")
+sign: _One = _dispatch(
+    "sign",
+    lambda x: np.sign(np.real(x)),  # complex numbers are real ones with a small step: no angles
+    "-1, 0 or 1; 0 at 0.",
+)
 absolute: _One = _dispatch("absolute", np.absolute, "|x|; its derivative at 0 is 0.")
 less: _Two = _dispatch("less", _flag(np.less), "1 where a < b, else 0.")
 less_equal: _Two = _dispatch("less_equal", _flag(np.less_equal), "1 where a <= b, else 0.")
