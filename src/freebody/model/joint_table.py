@@ -43,8 +43,11 @@ def _own(body: Body) -> list[str]:
     """The numbers that joints of its kind have of their own, such as a screw's pitch."""
     found = []
     for own, number in zip(body.kind.numbers, body.joint.numbers, strict=True):
-        value = number.value if isinstance(number, Parameter) else number
-        said = number.name if value is None else f"{_number(value)} {own.unit}"
+        if isinstance(number, Parameter) and number.value is None:
+            said = number.name
+        else:
+            value = number.value if isinstance(number, Parameter) else number
+            said = f"{_number(value)} {own.unit}"
         found.append(f"{own.name} {said}")
     return found
 
