@@ -87,7 +87,7 @@ def changed(model: fb.Model, rng: np.random.Generator) -> fb.Model:
 
 def is_edited(model: fb.Model) -> bool:
     """Whether its numbers were found before its pieces."""
-    return "edits" in model.__dict__
+    return "_edits" in model.__dict__
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -278,7 +278,7 @@ def test_a_row_of_changes_keeps_no_row_of_models():
         met.append(weakref.ref(model))
     assert sum(ref() is not None for ref in met) == 1
     assert model.bodies[2].inertias[0].inertia.mass == 30.0
-    rows = weakref.ref(model.__dict__["layout"].rows)
+    rows = weakref.ref(model.__dict__["_layout"].rows)
     assert rows() is not None
     del model
     assert rows() is None  # nothing in it refers back to it

@@ -33,6 +33,11 @@ class cached_property(Generic[T]):
 
     Two threads that ask at the same moment may both compute; both get the value that was kept
     first. The value is of a frozen instance, so it does not matter which.
+
+    The class shows a plain property in its place. By that, those who ask a class what its
+    instances have (completion in a shell, `help`) know that looking at the value may compute or
+    raise, and do not look; completion in Python's own shell would otherwise end at the first
+    property that raises, such as the mass of a robot without numbers.
     """
 
     def __init__(self, function: Callable[[Any], T]):
@@ -43,13 +48,13 @@ class cached_property(Generic[T]):
         self.name = name
 
     @overload
-    def __get__(self, instance: None, owner: type) -> cached_property[T]: ...
+    def __get__(self, instance: None, owner: type) -> property: ...
 
     @overload
     def __get__(self, instance: object, owner: type) -> T: ...
 
-    def __get__(self, instance: object | None, owner: type) -> cached_property[T] | T:
+    def __get__(self, instance: object | None, owner: type) -> property | T:
         if instance is None:
-            return self
+            return property(self.function)
         # the instance's own entry is found before this descriptor from now on
         return instance.__dict__.setdefault(self.name, self.function(instance))

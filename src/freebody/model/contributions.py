@@ -104,7 +104,7 @@ def part_of(body: Body, dim: int) -> BodyContribution:
     return body.__dict__.get(name) or kept(body, name, _body_part, body, dim)
 
 
-_NAME = {2: "part in the plane", 3: "part in space"}
+_NAME = {2: "_part_in_plane", 3: "_part_in_space"}
 
 
 def _body_part(body: Body, dim: int) -> BodyContribution:
@@ -119,7 +119,7 @@ def joint_part(body: Body, dim: int) -> JointContribution:
 def _joint_part(joint: Joint, one_axis: bool, dim: int) -> JointContribution:
     placed = pose_part(joint.placement, dim)
     drive, driven = (
-        kept(joint.drive, "part", _drive_part, joint.drive) if one_axis else (None, False)
+        kept(joint.drive, "_part", _drive_part, joint.drive) if one_axis else (None, False)
     )
     own = [as_row([VALUES.quantity(x)]) for x in joint.numbers]
     where = joined([placed.numbers, *own]) if own else placed.numbers
@@ -252,7 +252,7 @@ _NOTHING = {2: np.zeros(4), 3: np.zeros(10)}
 
 def gravity_part(model: Model) -> tuple[tuple[bool, ...], Array]:
     """Which entries of the field are zero, and the others."""
-    return kept(model, "gravity part", _field, model)
+    return kept(model, "_gravity_part", _field, model)
 
 
 def _field(model: Model) -> tuple[tuple[bool, ...], Array]:

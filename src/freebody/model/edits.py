@@ -28,7 +28,7 @@ Edits = dict[int, float]
 
 def bound(model: Model, values: Mapping[Any, Any]) -> Model:
     """See `Model.bind`."""
-    if "layout" in model.__dict__ or _are_plain(model, values):
+    if "_layout" in model.__dict__ or _are_plain(model, values):
         found = _edited(model, values)
         return _asked(model, numbers.bind(model, values)) if found is None else found
     return numbers.bind(model, values)
@@ -54,7 +54,7 @@ def _edited(model: Model, values: Mapping[Any, Any]) -> Model | None:
     layout = _layout(model)
     if layout is None:
         return None
-    edits: Edits = model.__dict__.get("edits", _NO_EDITS)
+    edits: Edits = model.__dict__.get("_edits", _NO_EDITS)
     changed: list[int] = []
     if len(values) > 1 and not layout.told.isdisjoint(values):  # which may be given twice
         return None
@@ -103,7 +103,7 @@ def _loaded(model: Model, inertia: Inertia, frame: str | None, name: str) -> Mod
     grown = layout.loaded(frame, name)
     if grown is None:
         return None
-    edits = {grown.moved[slot]: x for slot, x in model.__dict__.get("edits", _NO_EDITS).items()}
+    edits = {grown.moved[slot]: x for slot, x in model.__dict__.get("_edits", _NO_EDITS).items()}
     for slot, x in zip(grown.slots, entries, strict=True):
         if x != 0.0:
             edits[slot] = x
@@ -118,7 +118,7 @@ def _copy(layout: NumberLayout, edits: Edits, values: SlotValues) -> Model:
     copy = object.__new__(type(layout.origin))
     own = copy.__dict__
     own.update(layout.shared)
-    own["layout"], own["edits"], own["slot values"] = layout, edits, values
+    own["_layout"], own["_edits"], own["_slot_values"] = layout, edits, values
     return copy
 
 
@@ -128,8 +128,8 @@ def _layout(model: Model) -> NumberLayout | None:
     those that it is made from, have been changed before. None for families and where values are
     missing."""
     own = model.__dict__
-    if "layout" in own:
-        return own["layout"]
+    if "_layout" in own:
+        return own["_layout"]
     if _ASKED not in own:
         own[_ASKED] = True
         return None
@@ -137,10 +137,10 @@ def _layout(model: Model) -> NumberLayout | None:
         found = None if model.family else NumberLayout(model)
     except FreebodyError:  # said where the numbers are asked for
         found = None
-    return own.setdefault("layout", found)
+    return own.setdefault("_layout", found)
 
 
-_ASKED = "asked for a layout"
+_ASKED = "_asked_for_layout"
 
 
 def _asked(model: Model, copy: Model) -> Model:
@@ -174,15 +174,15 @@ class LazyPiece:
         if model is None:
             return self
         own = model.__dict__
-        if "edits" not in own:
+        if "_edits" not in own:
             raise AttributeError(f"{owner.__name__!r} object has no attribute {self.name!r}")
-        layout: NumberLayout = own["layout"]
-        values = {layout.rows.owner[slot]: x for slot, x in own["edits"].items()}
+        layout: NumberLayout = own["_layout"]
+        values = {layout.rows.owner[slot]: x for slot, x in own["_edits"].items()}
         # of two threads that look at the same moment, both take the pieces of the first
-        whole = own.setdefault("whole", numbers.written(layout.origin, values))
+        whole = own.setdefault("_whole", numbers.written(layout.origin, values))
         for field in CHANGING:
             own.setdefault(field, getattr(whole, field))
-        own.pop("whole", None)
+        own.pop("_whole", None)
         return own[self.name]
 
 

@@ -71,4 +71,4 @@ def first_member(model: Model) -> Model:
     """A robot of the model's geometry: itself, or of a family the first."""
     if not model.family:
         return model
-    return kept(model, "first member", lambda: model[(0,) * len(model.family)])
+    return kept(model, "_first_member", lambda: model[(0,) * len(model.family)])

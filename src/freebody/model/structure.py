@@ -124,13 +124,13 @@ class Structure:
 def structure_of(model: Model) -> Structure:
     """The structure of a model with all values."""
     own = model.__dict__
-    edits, numbers = own.get("edits"), None
+    edits, numbers = own.get("_edits"), None
     if edits is not None:
-        numbers = own["layout"].numbers_with(edits, own["slot values"])
+        numbers = own["_layout"].numbers_with(edits, own["_slot_values"])
     if numbers is None:
         found = _structure(model)
     else:
-        found = own["layout"].structure
+        found = own["_layout"].structure
         own.setdefault("numbers", numbers)
     if not _recent or _recent[-1] is not found:
         _recent.append(found)
