@@ -9,7 +9,7 @@ import pytest
 
 import freebody as fb
 from freebody.errors import FreebodyError
-from freebody.motion.measured import recognised
+from freebody.motion.measured_motions import recognised
 from freebody.motion.motion import Motion
 from freebody.motion.read_motion import read_motion
 from freebody.motion.smoothing import noise, smooth

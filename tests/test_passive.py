@@ -14,7 +14,7 @@ from freebody.report.page_tables import drives, work
 from freebody.report.series import series
 from freebody.report.summary import summary
 from freebody.report.verdict import verdict
-from freebody.trees.coordinates import layout
+from freebody.trees.position_rates import layout
 
 WORD = {"l": [0.0, 0.5], "lc": [0.0, 0.5], "m": [2.0, 0.3], "I": [0.0, 0.0]}
 

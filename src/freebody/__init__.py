@@ -98,7 +98,7 @@ _PLACES = {
         "vector_function",
     ),
     "freebody.motion.motion": ("Motion",),
-    "freebody.motion.measured": ("smoothed",),
+    "freebody.motion.measured_motions": ("smoothed",),
     "freebody.motion.default_motion": ("default_motion",),
     "freebody.motion.read_motion": ("read_motion",),
     "freebody.motion.simulate": ("simulate",),

@@ -51,7 +51,7 @@ from freebody.model.numbers import parameters as parameters
 from freebody.model.parameters import Parameter as Parameter
 from freebody.model.planar_arms import planar as planar
 from freebody.motion.default_motion import default_motion as default_motion
-from freebody.motion.measured import smoothed as smoothed
+from freebody.motion.measured_motions import smoothed as smoothed
 from freebody.motion.motion import Motion as Motion
 from freebody.motion.read_motion import read_motion as read_motion
 from freebody.motion.simulate import simulate as simulate

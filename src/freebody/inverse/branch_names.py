@@ -16,7 +16,7 @@ from freebody.algorithms.joint_lines import parallel, perpendicular
 from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
 from freebody.inverse import subproblems as sp
-from freebody.trees.triangles import side_of
+from freebody.trees.triangle_solutions import side_of
 
 
 def shoulder(s1: Screw, s2: Screw, wrist: Array) -> np.ndarray:

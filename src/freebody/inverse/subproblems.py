@@ -12,7 +12,7 @@ import numpy as np
 
 from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
-from freebody.trees.triangles import LOOSE, by_triangle
+from freebody.trees.triangle_solutions import LOOSE, by_triangle
 
 _ON_AXIS = 1e-11
 

@@ -11,7 +11,7 @@ import numpy as np
 from freebody.errors import MissingPackageError, ShapeError
 from freebody.kernels.differentials import Differentiable, of_quantities
 from freebody.kernels.inputs import InputKernel, NamedNumbers
-from freebody.kernels.selection import Asked, asked
+from freebody.kernels.kernel_or_quantities import Asked, asked
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
 from freebody.program import Program

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from freebody.algorithms.loop_checks import CLOSED
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, LoopError
-from freebody.loops.coordinates import free_coordinates
 from freebody.loops.dyad_decomposition import decomposed
 from freebody.loops.equations import (
     closing,
@@ -19,6 +18,7 @@ from freebody.loops.equations import (
     scaled_jacobian,
     within_tolerance,
 )
+from freebody.loops.named_coordinates import free_coordinates
 from freebody.loops.redundancy import EXACT
 from freebody.loops.scaled_equations import (
     backward,

@@ -26,7 +26,7 @@ from freebody.loops.dyads import (
     is_turning,
 )
 from freebody.model.model import Model
-from freebody.trees.triangles import side_of
+from freebody.trees.triangle_solutions import side_of
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,6 @@ from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
-from freebody.loops.coordinates import driven_coordinates
 from freebody.loops.equations import (
     blurred,
     closing,
@@ -23,6 +22,7 @@ from freebody.loops.equations import (
     telling_much,
 )
 from freebody.loops.independent_equations import independent_rows, partition
+from freebody.loops.named_coordinates import driven_coordinates
 from freebody.loops.rank_deficient import BLURRED, RANK, Idle, Jerk, solve
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled_equations import (

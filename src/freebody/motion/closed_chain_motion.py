@@ -9,9 +9,9 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import LoopError
 from freebody.loops.assembly import assemble
-from freebody.loops.coordinates import free_coordinates
 from freebody.loops.equations import closing, scaled_jacobian
 from freebody.loops.mobility import mobility
+from freebody.loops.named_coordinates import free_coordinates
 from freebody.loops.rank_deficient import RANK
 from freebody.loops.rates import loop_acceleration, loop_velocity
 from freebody.loops.redundancy import redundancy
@@ -19,7 +19,7 @@ from freebody.loops.scaled_equations import backward, length, null_space, rate_s
 from freebody.model.model import Model
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.ranges import position_columns, ranges
-from freebody.trees.coordinates import continuous, layout, state_of
+from freebody.trees.position_rates import continuous, layout, state_of
 from freebody.trees.states import difference, integrate, neutral, random_state
 
 _SEEDS = 24

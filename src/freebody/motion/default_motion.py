@@ -16,10 +16,10 @@ from freebody.motion.closed_chain_motion import (
     outside,
     regularity,
 )
-from freebody.motion.measured import rested
+from freebody.motion.measured_motions import rested
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.ranges import Ranges, ranges
-from freebody.trees.coordinates import layout, state_of
+from freebody.trees.position_rates import layout, state_of
 from freebody.trees.states import integrate, neutral
 
 DURATION = 5.0

@@ -15,9 +15,9 @@ from freebody.kernels.structural import fetch
 from freebody.loops.dynamics import accelerations
 from freebody.model.model import Model
 from freebody.motion.friction import WIDTH, SmoothFriction, smooth_friction
-from freebody.trees.coordinates import CoordinateLayout, layout, normalised, position_rate
 from freebody.trees.dynamics import mass_matrix
 from freebody.trees.massless_joints import refuse_massless
+from freebody.trees.position_rates import CoordinateLayout, layout, normalised, position_rate
 
 Drive = Callable[[Array, Array, Array], Array]
 """(t, q, qd) -> tau, all with the same leading shape."""

@@ -10,7 +10,7 @@ from freebody.algorithms.simulation_steps import FRICTION_WIDTH
 from freebody.arrays import Array
 from freebody.lazy import cached_property
 from freebody.model.model import Model
-from freebody.trees.coordinates import Index
+from freebody.trees.position_rates import Index
 
 WIDTH = FRICTION_WIDTH
 """rad/s or m/s: sticking creeps at rates below this."""

@@ -14,7 +14,7 @@ from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
-from freebody.trees.coordinates import (
+from freebody.trees.position_rates import (
     CoordinateLayout,
     continuous,
     layout,

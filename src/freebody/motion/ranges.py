@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from freebody.arrays import Array
 from freebody.errors import listed
 from freebody.model.model import Model
-from freebody.trees.coordinates import Index
+from freebody.trees.position_rates import Index
 
 Flags = NDArray[np.bool_]
 """Array of truths."""

@@ -22,10 +22,10 @@ from freebody.model.model import Model
 from freebody.motion.closed_chain_motion import completed
 from freebody.motion.csv_columns import factor, kinds, quoted, read_columns
 from freebody.motion.implausible_units import implausible_units
-from freebody.motion.measured import along_rates, rested
+from freebody.motion.measured_motions import along_rates, rested
 from freebody.motion.motion import FEWEST, Motion, derivatives, motion_of
 from freebody.motion.ranges import angular, position_columns
-from freebody.trees.coordinates import layout, state_of
+from freebody.trees.position_rates import layout, state_of
 
 if TYPE_CHECKING:
     import xarray as xr

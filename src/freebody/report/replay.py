@@ -23,8 +23,8 @@ from freebody.motion.first_order_system import System, decay_rate, suited_method
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges
 from freebody.report.results import Replay
-from freebody.trees.coordinates import Index
 from freebody.trees.dynamics import mass_matrix
+from freebody.trees.position_rates import Index
 from freebody.trees.states import difference
 
 BOUND = 1e4

@@ -8,7 +8,7 @@ from typing import Any
 from freebody.derivations.check.answer_text import AnswerError
 from freebody.derivations.check.asked_quantities import Targets
 from freebody.derivations.check.claims import claims
-from freebody.derivations.check.judge import Judge
+from freebody.derivations.check.equation_verdict import Judge
 from freebody.derivations.check.right_equations import setting
 from freebody.derivations.check.verdict import Verdict
 from freebody.derivations.equations.equations import equations

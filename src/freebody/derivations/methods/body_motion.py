@@ -5,7 +5,7 @@ from __future__ import annotations
 from freebody.derivations.derivation import Step
 from freebody.derivations.expressions.expression import eq
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.methods.wording import added_rates, coriolis
+from freebody.derivations.methods.step_reasons import added_rates, coriolis
 
 
 def motion(s: Setting) -> list[Step]:

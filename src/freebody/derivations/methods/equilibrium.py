@@ -9,7 +9,7 @@ from freebody.derivations.expressions.expression import Expression, eq
 from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.methods.wording import motorless
+from freebody.derivations.methods.step_reasons import motorless
 
 
 class Equilibrium:

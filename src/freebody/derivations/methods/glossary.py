@@ -9,7 +9,7 @@ from freebody.derivations.derivation import Meaning
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.methods.wording import joints_that
+from freebody.derivations.methods.step_reasons import joints_that
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.render.literal import literal
 from freebody.model.joints import JointWords

@@ -11,7 +11,7 @@ from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.methods.geometry import rotation_name
 from freebody.derivations.methods.reactions import drive_part
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.methods.wording import working_part
+from freebody.derivations.methods.step_reasons import working_part
 from freebody.scalars.trig import Trig
 
 

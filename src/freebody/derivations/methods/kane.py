@@ -15,7 +15,7 @@ from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.printed_names import sym, vec
-from freebody.derivations.methods import glossary, wording
+from freebody.derivations.methods import glossary, step_reasons
 from freebody.derivations.methods.body_motion import motion
 from freebody.derivations.methods.closed_form_steps import closed_form
 from freebody.derivations.methods.geometry import geometry
@@ -49,7 +49,7 @@ def _speeds(s: Setting) -> Step:
         "One generalized speed describes the motion of one degree of freedom. "
         "The rate of the joint is chosen."
     )
-    reason = (one if len(s.order) == 1 else many) + wording.motorless(s)
+    reason = (one if len(s.order) == 1 else many) + step_reasons.motorless(s)
     return Step("Choose generalized speeds", reason, (eq(vec("q_d"), rates),))
 
 

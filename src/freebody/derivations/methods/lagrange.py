@@ -11,7 +11,7 @@ from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression, eq
 from freebody.derivations.expressions.printed_names import sym
-from freebody.derivations.methods import glossary, wording
+from freebody.derivations.methods import glossary, step_reasons
 from freebody.derivations.methods.closed_form_steps import closed_form
 from freebody.derivations.methods.energies import Energies, kinetic_step, potential_step
 from freebody.derivations.methods.method import Method, Worked
@@ -80,7 +80,7 @@ def _coordinates(s: Setting) -> Step:
         "along each only its own "
         f"motor's {motor} does work."
     )
-    reason += wording.motorless(s)
+    reason += step_reasons.motorless(s)
     lines = (eq(sym("q"), names), eq(sym("Q"), forces)) if not s.load else (eq(sym("q"), names),)
     return Step("Choose independent coordinates", reason, lines)
 
@@ -118,7 +118,9 @@ def _angular_velocities(s: Setting, moving: BodyMotions) -> Step:
     numbers = {"RR": ("5.8", "5.9"), "R": ("4.1",)}.get(
         s.cited, ("4.1",) if s.planar else ("6.16", "6.24")
     )
-    return Step("Angular velocities", f"{wording.added_rates(s)}{axes}.", tuple(lines), numbers)
+    return Step(
+        "Angular velocities", f"{step_reasons.added_rates(s)}{axes}.", tuple(lines), numbers
+    )
 
 
 def _velocities(s: Setting) -> Step:

@@ -14,7 +14,7 @@ from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression, eq
 from freebody.derivations.expressions.printed_names import vec
-from freebody.derivations.methods import glossary, wording
+from freebody.derivations.methods import glossary, step_reasons
 from freebody.derivations.methods.body_motion import motion
 from freebody.derivations.methods.closed_form_steps import closed_form
 from freebody.derivations.methods.geometry import geometry
@@ -81,7 +81,7 @@ class FreeBodies:
             ("RR", 2): ("3.12", "3.13"),
         }.get((s.cited, n), ("3.1", "3.2") if s.planar else ("6.1", "6.2"))
         return Step(
-            f"Free body {n}", wording.free_body(s, i), lines, numbers, figure=f"free-body {n}"
+            f"Free body {n}", step_reasons.free_body(s, i), lines, numbers, figure=f"free-body {n}"
         )
 
     def forces(self, i: int) -> Expression:
@@ -138,7 +138,10 @@ class FreeBodies:
             (s.cited, n), ()
         )
         return Step(
-            f"Eliminate the reactions at joint {n}", wording.eliminated(s, i), tuple(lines), numbers
+            f"Eliminate the reactions at joint {n}",
+            step_reasons.eliminated(s, i),
+            tuple(lines),
+            numbers,
         )
 
     def held(self, i: int) -> Expression:
@@ -167,7 +170,9 @@ class FreeBodies:
                 lines.append(eq(s.joint_moment(i), s.angular(self.reactions.n[i])))
         lines.append(eq(s.motor(i), s.show(self.tau[i])))
         return Step(
-            f"Substitute the motion: joint {n}", wording.substituted(s, i, reactions), tuple(lines)
+            f"Substitute the motion: joint {n}",
+            step_reasons.substituted(s, i, reactions),
+            tuple(lines),
         )
 
 

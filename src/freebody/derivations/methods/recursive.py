@@ -16,7 +16,7 @@ from freebody.derivations.methods.geometry import geometry, rotation_name
 from freebody.derivations.methods.inward_recursion import Inward
 from freebody.derivations.methods.method import Method, MethodOption, Worked
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.methods.wording import coriolis
+from freebody.derivations.methods.step_reasons import coriolis
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.spatial import times, transposed
 

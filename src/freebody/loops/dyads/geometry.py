@@ -7,7 +7,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.loops.dyads.chain import Crossing
 from freebody.loops.dyads.posture import Complex, Posture
-from freebody.trees.triangles import by_triangle
+from freebody.trees.triangle_solutions import by_triangle
 
 _COINCIDE = (
     1e-6  # sides of a triangle, relative to its perimeter, below which two of its pins are one

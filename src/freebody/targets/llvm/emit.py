@@ -24,8 +24,8 @@ from freebody.targets.llvm.instructions import (
 from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.loop import gufunc_loop
 from freebody.targets.llvm.machine import Machine
+from freebody.targets.llvm.sample_transfers import check_slots
 from freebody.targets.llvm.sincos import reduction, sincos, sines
-from freebody.targets.llvm.tile import check_slots
 from freebody.targets.llvm.uniform import reading
 
 LONG = 700, 16 * 2**10
@@ -248,10 +248,10 @@ leave{k}:""")
 def _finite(every: Program, layout: SegmentedProgram, poison: int | None, lanes: Lanes) -> str:
     """Make every result NaN in the lanes whose inputs are not all finite.
 
-    What brought the inputs in left a vector for each that is finite only if they are (see `tile`).
-    Where one is not, the numbers themselves are looked at: 0 * x is NaN for NaN and infinite x, so
-    the sum of these products tells. It begins with the uniform number at `poison`, if there is one:
-    0, or NaN for all lanes.
+    What brought the inputs in left a vector for each that is finite only if they are (see
+    `sample_transfers`). Where one is not, the numbers themselves are looked at: 0 * x is NaN for
+    NaN and infinite x, so the sum of these products tells. It begins with the uniform number at
+    `poison`, if there is one: 0, or NaN for all lanes.
     """
     v, align, width, inputs = lanes.v, lanes.size, lanes.width, every.sampled_size
     lines = ["define internal void @finite(ptr noalias %tile, ptr noalias %uniform) #0 {", "entry:"]

@@ -19,7 +19,7 @@ from freebody.program.program import Argument, Program
 from freebody.program.segments import SegmentedProgram
 from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.machine import Machine
-from freebody.targets.llvm.tile import check_slots, integers, transfers
+from freebody.targets.llvm.sample_transfers import check_slots, integers, transfers
 from freebody.targets.llvm.uniform import one_by_one
 
 

@@ -11,8 +11,8 @@ from __future__ import annotations
 from freebody.program.program import Argument, Program
 from freebody.targets.llvm.lanes import Real
 from freebody.targets.xla.layout import NUMBERS, OFFSETS, SIZES
-from freebody.targets.xla.lines import TextLines
-from freebody.targets.xla.sharing import BASES, sharing, size_of
+from freebody.targets.xla.llvm_lines import TextLines
+from freebody.targets.xla.thread_sharing import BASES, sharing, size_of
 
 _DEFAULT_MODES = (
     0x1F80  # of SSE: no traps, to nearest, tiny numbers as they are, which XLA makes zero elsewhere

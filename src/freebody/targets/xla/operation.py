@@ -19,7 +19,7 @@ from freebody import locks
 from freebody.program.program import Program
 from freebody.targets.kernel import Kernel, compile_program
 from freebody.targets.xla import layout
-from freebody.targets.xla.grid import arranged
+from freebody.targets.xla.batch_axes import arranged
 
 Arrays = tuple[Any, ...]
 

@@ -16,7 +16,7 @@ from freebody.motion.closed_chain_motion import completed
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.ranges import angular
 from freebody.motion.smoothing import best_cutoff, noise, smooth
-from freebody.trees.coordinates import continuous, state_of
+from freebody.trees.position_rates import continuous, state_of
 
 REST = 1e-6
 """Of the fastest rate of its kind (turning, sliding): what is slower is at rest."""

@@ -11,7 +11,7 @@ from freebody.program.program import Argument
 from freebody.targets.llvm.lanes import Real
 from freebody.targets.threads import GRAIN
 from freebody.targets.xla.layout import OFFSETS, SIZES
-from freebody.targets.xla.lines import TextLines
+from freebody.targets.xla.llvm_lines import TextLines
 
 _NEXT, _LEFT, _HOLDERS, _PARTS, _IN_ROW, _SIZE, _INNER = range(0, 56, 8)
 """Offsets in the record of a call's work: the next part, those that are not done, who holds the

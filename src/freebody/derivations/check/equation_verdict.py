@@ -28,8 +28,8 @@ from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.rounded_numbers import MEASURED, Rounded
 from freebody.derivations.check.units import misfit, unit_text
 from freebody.derivations.check.verdict import EquationVerdict, Mistake
+from freebody.derivations.check.verdict_sentences import Wording, quoted
 from freebody.derivations.check.vocabulary import Vocabulary
-from freebody.derivations.check.wording import Wording, quoted
 from freebody.derivations.expressions.nodes import nodes
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar.lexer import tokens
