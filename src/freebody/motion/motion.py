@@ -7,12 +7,13 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import PPoly, make_interp_spline
+from scipy.interpolate import make_interp_spline
 
 from freebody.arrays import Array, as_floats
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
+from freebody.motion.piecewise import PiecewisePolynomial, hermite
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.trees.position_rates import (
     CoordinateLayout,
@@ -78,19 +79,24 @@ class Motion(Tabled, ByValue):
 
     def at(self, t: ArrayLike) -> tuple[Array, Array, Array]:
         """(q, qd, qdd) at any times t (...) within the motion: (..., nq), (..., nv), (..., nv)."""
-        curve, rate, second = self._curve
+        curve, rate, second = self._curves
         return state_of(self.layout, curve(t), rate(t), second(t))
 
     @cached_property
-    def _curve(self) -> tuple[PPoly, PPoly, PPoly]:
+    def curve(self) -> PiecewisePolynomial:
+        """The positions over time, (nq,) functions; quaternions in it are of unit length at the
+        samples."""
         x = continuous(self.layout, self.q)
-        curve = _hermite(
+        return hermite(
             self.t,
             x,
             position_rate(self.layout, x, self.qd),
             position_acceleration(self.layout, x, self.qd, self.qdd),
         )
-        return curve, curve.derivative(), curve.derivative(2)
+
+    @cached_property
+    def _curves(self) -> tuple[PiecewisePolynomial, PiecewisePolynomial, PiecewisePolynomial]:
+        return self.curve, self.curve.derivative(), self.curve.derivative(2)
 
 
 def motion_of(
@@ -153,17 +159,3 @@ def vector_of_times(t: ArrayLike) -> Array:
             f"motion: t must increase; t[{k}] = {times[k]:g} follows {times[k - 1]:g}."
         )
     return times
-
-
-def _hermite(t: Array, x: Array, xd: Array, xdd: Array) -> PPoly:
-    """The quintic in each interval with value, rate and acceleration given at its ends."""
-    h = np.diff(t)[:, None]
-    x0, v0, a0 = x[:-1], xd[:-1] * h, xdd[:-1] * h**2 / 2
-    rest = x[1:] - x0 - v0 - a0
-    slope = xd[1:] * h - v0 - 2 * a0
-    bend = xdd[1:] * h**2 / 2 - a0
-    c3 = 10 * rest - 4 * slope + bend
-    c4 = -15 * rest + 7 * slope - 2 * bend
-    c5 = 6 * rest - 3 * slope + bend
-    powers = [c5 / h**5, c4 / h**4, c3 / h**3, a0 / h**2, v0 / h, x0]
-    return PPoly(np.stack(powers), t)
