@@ -13,6 +13,7 @@ from scipy.integrate import BDF, DOP853, LSODA, RK45, OdeSolver, Radau
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.motion.first_order_system import Drive, System
+from freebody.motion.stiffness_watch import StiffnessWatch
 from freebody.motion.torques import Schedule
 
 METHODS: dict[str, type[OdeSolver]] = {
@@ -23,17 +24,15 @@ METHODS: dict[str, type[OdeSolver]] = {
     "LSODA": LSODA,
 }
 IMPLICIT = ("Radau", "BDF", "LSODA")
-# a robot's errors grow on the way, tenfold and more in a second; explicit steps are as much finer
+_DAMPING = ("Radau", "BDF")  # what they are chosen for damps their errors
+# a robot's errors grow on the way, tenfold and more in a second; other steps are as much finer
 _FEWER = 100.0
 _LEAST = 2.3e-14  # the finest tolerance that rounding leaves any meaning
 
 
 def step_tolerance(method: str, tolerance: float) -> float:
-    """Relative error of a step for a motion that is to land within about `tolerance`.
-
-    Implicit methods take it as it is: what they are chosen for damps its errors.
-    """
-    return tolerance if method in IMPLICIT else max(tolerance / _FEWER, _LEAST)
+    """Relative error of a step for a motion that is to land within about `tolerance`."""
+    return tolerance if method in _DAMPING else max(tolerance / _FEWER, _LEAST)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,11 +70,18 @@ def open_scheme(system: System, tolerance: float, max_step: float) -> Scheme:
 
 
 def integrated(
-    system: System, scheme: Scheme, schedule: Schedule, t: Array, y0: Array, method: str
+    system: System,
+    scheme: Scheme,
+    schedule: Schedule,
+    t: Array,
+    y0: Array,
+    method: str,
+    watch: StiffnessWatch,
 ) -> Array:
     """States (T, nq + nv) at the times t (T,), the first of them y0.
 
-    The solver begins anew at each edge of the schedule, with the step that it had reached.
+    The solver begins anew at each edge of the schedule, with the step that it had reached, and
+    where the watch has found another method.
     """
     states, y = [y0], y0
     first: float | None = None
@@ -83,6 +89,7 @@ def integrated(
         drive = schedule.begin(k, *system.split(y))
         if k == 0:
             scheme.require(drive, start, y)
+        method = watch.method or method
         solver = _solver(system, scheme, drive, method, start, y, end, first)
         while solver.status == "running":
             before = solver.t
@@ -99,6 +106,11 @@ def integrated(
                 states.append(scheme.settled(solver.y))
             if scheme.every_step and solver.status == "running":
                 solver.f = solver.fun(solver.t, solver.y)  # type: ignore[attr-defined]
+            if watch.steps(method):
+                watch.look(drive, before, solver.t, solver.y)
+            if solver.status == "running" and watch.method not in ("", method):
+                method, y = watch.method, solver.y
+                solver = _solver(system, scheme, drive, method, solver.t, y, end, None)
         y, first = solver.y, getattr(solver, "h_abs", solver.step_size)
     return np.array(states)
 
@@ -117,9 +129,7 @@ def _solver(
     if first is not None:
         extra["first_step"] = min(first, end - start, scheme.settings["max_step"])
     if method in IMPLICIT:
-        extra["jac"] = lambda now, y: system.jacobian(
-            np.asarray(now), y, drive(np.asarray(now), *system.split(y))
-        )
+        extra["jac"] = lambda now, y: system.jacobian_under(np.asarray(now), y, drive)
     return METHODS[method](scheme.rate(drive), start, y, end, **scheme.settings, **extra)
 
 

@@ -16,6 +16,7 @@ from freebody.motion.first_order_system import System, constant_loads, suited_me
 from freebody.motion.friction import WIDTH
 from freebody.motion.integration import METHODS, integrated, open_scheme, step_tolerance
 from freebody.motion.ranges import angular
+from freebody.motion.stiffness_watch import StiffnessWatch
 from freebody.motion.torques import Schedule, Torque, schedule
 from freebody.trees import dynamics
 from freebody.trees.public_calls import Vector, Wrenches, vector, wrenches_by_frame
@@ -47,12 +48,13 @@ def simulate(
     is stepped over; max_step (s) bounds the steps elsewhere. With sample_time (s) the function
     is a controller: called once at t[0], t[0] + sample_time, …, with the state there, its torque
     held until the next. wrenches: constant, as for `inverse_dynamics`. method: one of scipy's
-    integrators; "auto" takes DOP853, or Radau (implicit) where friction makes the system stiff:
-    where M⁻¹ times the slope of the friction has an eigenvalue above 1000 over the duration.
-    tolerance: how near the end is to be, relative to the motion: the relative error of a step is a
-    hundredth of it (of implicit methods, for what damps errors, as much), the absolute one a
-    hundredth of that. friction_width: Coulomb friction acts as c tanh(q̇ / width), rad/s or m/s, so
-    that a joint at rest creeps instead of sticking.
+    integrators; "auto" takes DOP853, or an implicit method where the motion is stiff, that is where
+    a part of it dies away a thousand times within the duration: Radau if friction does that, LSODA
+    if the torque function does, from the start or from where the steps of DOP853 show it. An
+    explicit method asked for by name warns there. tolerance: how near the end is to be, relative to
+    the motion: the relative error of a step is a hundredth of it (of Radau and BDF, which damp
+    errors, as much), the absolute one a hundredth of that. friction_width: Coulomb friction acts as
+    c tanh(q̇ / width), rad/s or m/s, so that a joint at rest creeps instead of sticking.
 
     Closed chains: the state must satisfy the loops; explicit methods only, each step projected back
     onto the loops (positions and rates), so that there is no drift; loop_gap (m) and loop_rate
@@ -81,7 +83,13 @@ def simulate(
     frames, loads = constant_loads(_wrenches(model, wrenches))
     whole = system(model, friction_width, frames, loads)
     planned = schedule(model, times, torque, breakpoints, sample_time)
-    state = np.concatenate(start)
+    state, duration = np.concatenate(start), float(times[-1] - times[0])
+
+    def decay() -> float:
+        if not planned.feedback:
+            return 0.0
+        return whole.fastest_decay(times[0], state, planned.begin(0, *start))
+
     if model.loops:
         require_closed("simulate", model, *start)
         chosen = "DOP853" if method == "auto" else method
@@ -91,10 +99,12 @@ def simulate(
     else:
         chosen = method
         if method == "auto":
-            chosen = suited_method(model, whole.friction, start[0], float(times[-1] - times[0]))
+            chosen = suited_method(whole, start[0], duration, decay)
         scheme = open_scheme(whole, step_tolerance(chosen, tolerance), max_step)
-    y = integrated(whole, scheme, planned, times, state, chosen)
-    return _dataset(whole, times, y, planned, chosen, tolerance)
+    watch = StiffnessWatch(whole, duration, switches=method == "auto", done=bool(model.loops))
+    y = integrated(whole, scheme, planned, times, state, chosen, watch)
+    used = f"{chosen}, {watch.method} from {watch.since:.6g} s" if watch.method else chosen
+    return _dataset(whole, times, y, planned, used, tolerance)
 
 
 def _times(t: ArrayLike) -> Array:

@@ -33,6 +33,8 @@ class Schedule:
     """The torque on piece k, from the state (q, qd) at its start."""
     given: Drive
     """The torque at any time of the run that is over; at a jump the one after it."""
+    feedback: bool = False
+    """Whether the torque depends on the state within a piece."""
 
 
 def schedule(
@@ -94,7 +96,7 @@ def _of_function(function: Drive, edges: Array) -> Schedule:
             return function
         return lambda now, q, qd: function(np.clip(now, first[k], last[k]), q, qd)
 
-    return Schedule(edges, begin, function)
+    return Schedule(edges, begin, function, feedback=True)
 
 
 def _sampled(function: Drive, start: float, end: float, sample_time: float) -> Schedule:
@@ -158,9 +160,11 @@ def _table(model: Model, t: Array, torque: ArrayLike) -> Array:
 
 
 def _checked(model: Model, function: Callable[[float, Array, Array], ArrayLike]) -> Drive:
-    """The function, what it returns looked at."""
+    """The function, called for one state at a time, what it returns looked at."""
 
     def drive(now: Array, q: Array, qd: Array) -> Array:
+        if q.ndim > 1:
+            return np.stack([drive(now, *state) for state in zip(q, qd, strict=True)])
         tau = function(float(now), q, qd)
         if is_labelled(tau):
             tau = vector("simulate", model, "tau", tau)

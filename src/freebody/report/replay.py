@@ -334,11 +334,7 @@ def _method(model: Model, whole: System, motion: Motion) -> str:
     """Implicit where friction is stiff at some of a few poses of the motion."""
     samples = motion.q[:: max(1, len(motion.t) // 8)]
     stiffest = max(samples, key=lambda q: decay_rate(model, whole.friction, q))
-    return (
-        "BDF"
-        if suited_method(model, whole.friction, stiffest, motion.duration) != "DOP853"
-        else "DOP853"
-    )
+    return "BDF" if suited_method(whole, stiffest, motion.duration) != "DOP853" else "DOP853"
 
 
 def _landed(edges: Array, factors: Array, misses: Array) -> str:
