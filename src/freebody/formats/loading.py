@@ -13,8 +13,9 @@ from freebody.formats.estimated_inertias import estimated
 from freebody.formats.implausible_masses import implausible_masses
 from freebody.formats.urdf_elements import xacro
 from freebody.model import planar_arms
-from freebody.model.build import BasePolicy, MimicPolicy, Policy, build_model
+from freebody.model.build import BasePolicy, MimicPolicy, build_model
 from freebody.model.description import DOUBTFUL, RobotDescription
+from freebody.model.description_checks import Policy
 from freebody.model.dh import Convention
 from freebody.model.model import Model
 from freebody.model.parameters import real

@@ -7,10 +7,11 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 from freebody.errors import FileError, ModelError, UnknownNameError
 from freebody.formats import toml_parts as parts
+from freebody.formats.toml_joint import DRIVE, drive, joint, limits_of
 from freebody.formats.toml_lines import bounded, lines
 from freebody.formats.toml_table import TomlTable
 from freebody.model import dh, planar_arms
@@ -33,6 +34,7 @@ _GENERAL = (
     *MASS_NOTICES,
 )
 _TREE = ("link", "joint")
+_BASES: tuple[Literal["fixed", "free"], ...] = ("fixed", "free")
 
 
 def describe(file: str, text: str, *, name: str) -> RobotDescription:
@@ -63,7 +65,7 @@ def describe(file: str, text: str, *, name: str) -> RobotDescription:
         mounts=tuple(frames),
         loops=tuple(parts.loop(t, described.dim) for t in top.tables("loop")),
         payloads=tuple(parts.payload(t, described.dim, names) for t in top.tables("payload")),
-        base=top.choice("base", ("fixed", "free"), "fixed"),  # type: ignore[arg-type]
+        base=top.choice("base", _BASES, "fixed"),
         loop_tolerance=parts.loop_tolerance(top),
         home=parts.home(top),
         tip=top.choice("tip", names, described.tip) if "tip" in top else described.tip,
@@ -105,7 +107,7 @@ def _tree(top: TomlTable) -> RobotDescription:
     links = tuple(parts.link(t, dim) for t in top.tables("link"))
     if not links:
         top.refuse("there are no links; write a [[link]] for each body, the base included.")
-    joints = tuple(parts.joint(t, dim) for t in top.tables("joint"))
+    joints = tuple(joint(t, dim) for t in top.tables("joint"))
     return RobotDescription("", dim, links, joints, parts.gravity(top, dim))
 
 
@@ -120,10 +122,9 @@ def _planar(top: TomlTable) -> RobotDescription:
         key: inner.quantities(key, len(word), default=None) for key in ("l", "lc", "m", "I")
     }
     limits = [
-        parts.limits_of(t, angles=word[i : i + 1] == "R")
-        for i, t in enumerate(inner.tables("limits"))
+        limits_of(t, angles=word[i : i + 1] == "R") for i, t in enumerate(inner.tables("limits"))
     ]
-    drives = [parts.drive(t.only(*parts.DRIVE)) for t in inner.tables("drives")]
+    drives = [drive(t.only(*DRIVE)) for t in inner.tables("drives")]
     described = planar_arms.describe(
         word,
         **given,

@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 from freebody.errors import FileError, UnknownNameError, shown
 from freebody.formats import number_text
@@ -22,6 +22,7 @@ UNITS: dict[str, dict[str, float]] = {
 }
 """What a number may be measured in when it is written as text, in SI units."""
 _REQUIRED = object()
+_Word = TypeVar("_Word", bound=str)
 
 
 def in_units(text: str, kind: str) -> float | None:
@@ -93,12 +94,13 @@ class TomlTable:
             self.refuse(f"{key} is {shown(value)}, expected true or false.", key)
         return value
 
-    def choice(self, key: str, allowed: Collection[str], default: Any = _REQUIRED) -> str:
+    def choice(self, key: str, allowed: Collection[_Word], default: Any = _REQUIRED) -> _Word:
         """One of some words."""
         value = self.text(key, default)
-        if value not in (tuple(allowed) if isinstance(allowed, str) else allowed):
-            self.unknown(key, value, allowed, key)
-        return value
+        for word in allowed:
+            if word == value:
+                return word
+        self.unknown(key, value, allowed, key)
 
     def number(
         self, key: str, kind: str = "number", default: Any = _REQUIRED, infinite: bool = False
