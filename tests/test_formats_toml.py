@@ -509,7 +509,7 @@ def test_a_joint_kind_of_tomorrow_says_itself_whether_it_has_an_axis(tmp_path, m
     class Sleeve(JointKind):
         name, nq, nv, needs_axis = "sleeve", 2, 2, True
         position_names = velocity_names = ("turn", "slide")
-        angular, coordinates = (True, False), ("theta", "d")
+        angular = (True, False)
 
         def primitives(self, space, axis, numbers):
             return ((TURNING, axis), (SLIDING, axis))

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody.derivations.derive import compare
 from freebody.derivations.equations.base_parameters import base_parameters
 from freebody.derivations.polynomials.symbols import symbols
 from freebody.figures.snapshot import clear_pose
@@ -299,7 +300,9 @@ def test_base_parameters_of_every_kind(kind: str):
     close(found, fb.inverse_dynamics(model, *states), 1e-9)
 
 
-@pytest.mark.parametrize("kind", [kind for kind in generate.SPATIAL if KINDS[kind].coordinates])
+@pytest.mark.parametrize(
+    "kind", [kind for kind in generate.SPATIAL if KINDS[kind].quaternion is None]
+)
 def test_equations_of_every_kind(kind: str):
     """In symbols, also by base parameters."""
     model = alone(kind)
@@ -309,9 +312,42 @@ def test_equations_of_every_kind(kind: str):
     s = symbols(model)
     base = base_parameters(s)
     values = s.evaluate([b.value for b in base], q, qd, qdd)
-    columns = fb.regressor(model, q, qd, qdd)[..., [b.column for b in base]]
+    columns = fb.regressor(s.model, q, qd, qdd)[..., [b.column for b in base]]
     torques = (columns * values[:, None, :]).sum(-1)
     close(torques, fb.inverse_dynamics(model, q, qd, qdd), 1e-9)
+
+
+@pytest.mark.parametrize("kind", [kind for kind in generate.SPATIAL if KINDS[kind].composed])
+def test_derivations_of_joints_of_several_coordinates(kind: str):
+    """A joint of several coordinates is derived as joints of one: by every method the same
+    equations, which are the model's."""
+    model = alone(kind)
+    single = symbols(model).model
+    assert [body.kind.nv for body in single.bodies] == [1] * model.nv
+    q, qd, qdd = fb.random_state(model, 0, 2)
+    torques = fb.inverse_dynamics(model, q, qd, qdd)
+    close(fb.inverse_dynamics(single, q, qd, qdd), torques, 1e-12)
+    derived = [fb.derive(model, method) for method in ("newton-euler", "recursive", "lagrange")]
+    for one in derived:
+        assert compare(derived[0], one)
+        assert f"The {kind} joint j is taken apart into joint 2" in one.given
+        assert "\u2080 × " not in str(one) and "m₂" not in str(one)
+    found = fb.equations(model, numbers=True)
+    close(found.evaluate(found.tau, q, qd, qdd), torques, 1e-9)
+
+
+def test_a_derivation_takes_a_joint_apart_under_names_of_its_own():
+    """The names of the parts are free ones, whatever the file's are called."""
+    at = (0.0, 0.0, 1.0)
+    joints = (
+        Joint("c", "cylindrical", "base", "a", axis=at),
+        Joint("c.theta", "revolute", "a", "a.theta", shift(0.3, 0.0, 0.0), at),
+        Joint("x", "planar", "a.theta", "b"),
+    )
+    single = symbols(build_model(described(*joints))).model
+    assert single.joint_names == ("c.theta′", "c.d", "c.theta", "x′", "y", "x.theta")
+    assert single.frame_names[:4] == ("base", "a", "a.theta", "b")
+    assert len(set(single.frame_names)) == 7
 
 
 def test_which_coordinates_repeat_after_a_whole_turn():

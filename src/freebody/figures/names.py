@@ -61,7 +61,7 @@ class Names:
 
     def coordinate(self, body: BodyPlace, order: int = 0) -> str:
         """The joint's coordinate or its rate; "" where it has none of its own."""
-        name = (body.kind.coordinates or ("theta",))[-1]
+        name = body.kind.coordinate or "theta"
         return self.on(GREEK.get(name, name) + _DOTS[order], body.number)
 
     def mass(self, n: int) -> str:

@@ -16,7 +16,6 @@ from freebody.derivations.expressions.evaluate import arithmetic, evaluate
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.polynomials.determinant import determinant
-from freebody.derivations.polynomials.symbols import names_by_body
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
@@ -125,31 +124,21 @@ class Targets:
         """Joints that nothing drives, from 1."""
         return tuple(k + 1 for k in self.setting.symbols.model.passive)
 
-    @cached_property
-    def _joints(self) -> list[str]:
-        """The joint of each coordinate; of one that has several, along which."""
-        own = [names for names in names_by_body(self.setting.symbols.model) if names]
-        return [
-            f"joint {k}" + (f", along {sym(name)}" if len(names) > 1 else "")
-            for k, names in enumerate(own, 1)
-            for name in names
-        ]
-
     # ------------------------------------------------------------ all of them
     def _all(self) -> Iterator[tuple[tuple[str, ...], AskedQuantity]]:
         alone = self.count == 1
-        n, joints = range(1, self.count + 1), self._joints
+        n = range(1, self.count + 1)
         for i in n:
             yield (
                 self._torque_names(i),
-                AskedQuantity("tau", (i,), self._entry("tau", i), i in self.passive, joints[i - 1]),
+                AskedQuantity("tau", (i,), self._entry("tau", i), i in self.passive, f"joint {i}"),
             )
             for family in ("c", "g"):
                 letters = _LETTERS[family]
                 names = [f"{x}{i}" for x in letters] + ([*letters] if alone else [])
                 yield (
                     tuple(names),
-                    AskedQuantity(family, (i,), self._entry(family, i), False, joints[i - 1]),
+                    AskedQuantity(family, (i,), self._entry(family, i), False, f"joint {i}"),
                 )
             for j in n:
                 for family in ("M", "C"):

@@ -156,13 +156,15 @@ def partial(of: Like, by: Like) -> Expression:
 
 
 def cross(a: Like, b: Like) -> Expression:
-    """a × b."""
-    return Cross(expr(a), expr(b))
+    """a × b; 0 where one of them is."""
+    x, y = expr(a), expr(b)
+    return ZERO if ZERO in (x, y) else Cross(x, y)
 
 
 def dot(a: Like, b: Like) -> Expression:
-    """a · b."""
-    return Dot(expr(a), expr(b))
+    """a · b; 0 where one of them is."""
+    x, y = expr(a), expr(b)
+    return ZERO if ZERO in (x, y) else Dot(x, y)
 
 
 def transposed(x: Like) -> Expression:

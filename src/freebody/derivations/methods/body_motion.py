@@ -12,8 +12,8 @@ def motion(s: Setting) -> list[Step]:
     """Angular velocities, velocities and accelerations of the centres of mass."""
     w = [eq(s.angular_name("omega", i), s.angular(s.motion.w[i])) for i in s.order]
     wd = [eq(s.angular_name("omega", i, "_d"), s.angular(s.motion.wd[i])) for i in s.order]
-    v = [eq(s.name("vc", i), s.column(s.centre_velocity(i))) for i in s.order]
-    vd = [eq(s.name("vc", i, "_d"), s.column(s.centre_acceleration(i))) for i in s.order]
+    v = [eq(s.name("vc", i), s.column(s.centre_velocity(i))) for i in s.weighted]
+    vd = [eq(s.name("vc", i, "_d"), s.column(s.centre_acceleration(i))) for i in s.weighted]
     return [
         Step(
             "Angular velocities and accelerations",

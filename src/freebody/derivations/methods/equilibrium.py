@@ -55,7 +55,7 @@ class Equilibrium:
         """Forces on body i from outside, each with the way from its joint to where it acts."""
         s = self.s
         heavy = s.weighs and i in s.weighted
-        weight = [(s.mass_times(i, vec("g")), s.name("sc", i))] if heavy else []
+        weight = [(s.mass_times(i, vec("g")), s.centre_name(i))] if heavy else []
         return [*weight, *([(vec("f"), s.tip_name())] if s.loaded(i) else [])]
 
     def about(self, i: int) -> list[Expression]:

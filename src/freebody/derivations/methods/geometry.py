@@ -42,7 +42,8 @@ def _vectors(s: Setting, i: int) -> list[Equation]:
     lines = [eq(s.reach_name(i, k), s.column(s.to_child(i, k))) for k in children]
     if s.loaded(i):
         lines.append(eq(s.tip_name(), s.column(s.to_tip(i))))
-    lines.append(eq(s.name("sc", i), s.column(s.centre(i))))
+    if i in s.weighted:
+        lines.append(eq(s.centre_name(i), s.column(s.centre(i))))
     if not s.turns(i) or not s.planar:
         lines.append(eq(s.axis_name(i), s.column(s.axis(i))))
     return lines
@@ -57,7 +58,7 @@ def _in_space(s: Setting, i: int, rotations: bool, inertias: bool) -> list[Equat
     elif s.weighs:
         field = ex.mul(rotation_name(s, -1, i), vec("g"))
         lines.append(eq(field, s.column(s.gravity(i))))
-    if inertias:
+    if inertias and i in s.weighted:
         lines.append(eq(f"I{s.numbers[i]}", _matrix(s, s.inertia(i))))
     return lines
 

@@ -45,6 +45,8 @@ class Inward:
         weight = ", less its weight," if not self.base else ""
         part = "the moment" if s.is_pin(i) else working_part(s, i)
         needed = f"Force and moment that accelerate body {n}{weight}{passed}"
+        if i not in s.weighted:
+            needed = f"Body {n} has no mass: the force and the moment that it passes on"
         letters = (
             " (The notes write M_i for the moment at joint i, and M_ci for n_ci.)"
             if self._is_first(i)
@@ -59,9 +61,10 @@ class Inward:
         return self.s.planar and i == self.s.order[-1]
 
     def _inertia(self, i: int) -> list[Equation]:
-        s, record = self.s, self.record
-        F = record.F[i][0] if record.F[i] else s.tree.space.zero
-        N = record.N[i][0] if record.N[i] else s.tree.space.zero_angular
+        s = self.s
+        if i not in s.weighted:
+            return []
+        F, N = self.record.F[i][0], self.record.N[i][0]
         spin = s.show_moved(N[0]) if s.planar else s.column(N)
         sides = (ex.ZERO,) if s.is_point(i) else (s.spin_terms(i), spin)
         return [
@@ -85,8 +88,11 @@ class Inward:
         return [f, held, eq(s.motor(i), self._motor(i), s.show(self.torque(i)))]
 
     def _needed(self, i: int) -> Expression:
-        """The inertia force, with the weight taken off where gravity is explicit."""
+        """The inertia force, with the weight taken off where gravity is explicit; 0 of a body
+        without mass."""
         s = self.s
+        if i not in s.weighted:
+            return ex.ZERO
         force = s.name("fc", i)
         return force if self.base else ex.sub(force, s.mass_times(i, vec("g")))
 
@@ -110,9 +116,9 @@ class Inward:
 
     def _moment(self, i: int) -> Expression:
         s = self.s
-        parts = [s.angular_name("nc", i)]
+        parts = [s.angular_name("nc", i)] if i in s.weighted else []
         parts += [self._outer(i, s.joint_moment(k), k) for k in s.tree.children(i)]
-        parts.append(ex.cross(s.name("sc", i), self._needed(i)))
+        parts.append(ex.cross(s.centre_name(i), self._needed(i)))
         for k in s.tree.children(i):
             parts.append(ex.cross(s.reach_name(i, k), self._outer(i, s.force_name(i, k), k)))
         if s.loaded(i):

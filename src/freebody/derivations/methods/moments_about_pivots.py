@@ -33,7 +33,7 @@ def arms_of_pivots(s: Setting) -> Iterator[Meaning]:
 def _fixed_axis(s: Setting, drive: Expression) -> Step:
     """A single body on a fixed pivot: its moment of inertia about it."""
     (i,) = s.order
-    centre = s.name("sc", i)
+    centre = s.centre_name(i)
     moments: list[Expression] = [s.motor(i), ex.neg_each(drive)]
     if s.weighs:
         moments.append(ex.cross(centre, s.mass_times(i, vec("g"))))
@@ -90,7 +90,7 @@ def _arms(s: Setting, i: int) -> list[Equation]:
     """From the pivot to the centres of mass beyond the next joint."""
     if not s.turns(i):
         return []
-    lines = [eq(_arm(s, i, k), _way(s, i, k, s.name("sc", k))) for k in _subtree(s, i) if k != i]
+    lines = [eq(_arm(s, i, k), _way(s, i, k, s.centre_name(k))) for k in _subtree(s, i) if k != i]
     if _loaded(s, i) and not s.loaded(i):
         lines.append(eq(_tip_arm(s, i), _way(s, i, s.tip, s.tip_name())))
     return lines
@@ -98,7 +98,9 @@ def _arms(s: Setting, i: int) -> list[Equation]:
 
 def _arm(s: Setting, i: int, k: int) -> Expression:
     a, b = s.numbers[i], s.numbers[k]
-    return s.name("sc", i) if k == i else ex.Symbol(f"r{a}_c{b}", "r", (str(a), f"c{b}"), bold=True)
+    return (
+        s.centre_name(i) if k == i else ex.Symbol(f"r{a}_c{b}", "r", (str(a), f"c{b}"), bold=True)
+    )
 
 
 def _tip_arm(s: Setting, i: int) -> Expression:

@@ -99,7 +99,7 @@ class FreeBodies:
     def moments(self, i: int) -> Expression:
         """Moments on body i about its centre of mass."""
         s = self.s
-        arm, children = s.name("sc", i), s.tree.children(i)
+        arm, children = s.centre_name(i), s.tree.children(i)
         terms = [s.joint_moment(i), *(ex.neg(s.joint_moment(k)) for k in children)]
         terms.append(ex.neg(ex.cross(arm, s.force_name(s.tree.bodies[i].parent, i))))
         for k in children:
@@ -150,7 +150,7 @@ class FreeBodies:
         terms = [
             *map(s.joint_moment, children),
             s.spin_terms(i),
-            ex.cross(s.name("sc", i), self.needed(i)),
+            ex.cross(s.centre_name(i), self.needed(i)),
         ]
         terms += [ex.cross(s.reach_name(i, k), self.passed(k)) for k in children]
         if s.loaded(i):

@@ -8,6 +8,7 @@ from freebody.derivations.methods.glossary import glossary
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.render.literal import literal
+from freebody.errors import listed
 from freebody.model.gravity import axis_of
 from freebody.model.parameters import Parameter
 
@@ -17,7 +18,15 @@ def overview(s: Setting, method: Method, worked: Worked) -> tuple[str, tuple[Mea
     forces = method.finds_torques
     gravity = _gravity(s) if forces else []
     axes = _axes(s) if forces or s.planar else ["Vectors have components in the world's axes."]
-    told = [_arm(s), *_loops(s), *gravity, *axes, *_load(s), worked.sought or _sought(s)]
+    told = [
+        _arm(s),
+        *_composed(s),
+        *_loops(s),
+        *gravity,
+        *axes,
+        *_load(s),
+        worked.sought or _sought(s),
+    ]
     return " ".join(told), glossary(s, worked.symbols, forces)
 
 
@@ -43,6 +52,23 @@ def _coordinate(s: Setting, i: int) -> str:
     """θ_1 or d_1, or the slide's own name."""
     name, n = s.coordinate(i), s.numbers[i]
     return f"θ_{n}" if name == f"theta{n}" else f"d_{n}" if name == f"d{n}" else name
+
+
+def _composed(s: Setting) -> list[str]:
+    """Which joints were taken apart."""
+    told, n = [], 0
+    given = s.symbols.given
+    for body in given.bodies if given else ():
+        first, n = n + 1, n + (body.kind.nv if body.kind.composed else 1)
+        if body.kind.composed:
+            joints = listed([f"joint {k}" for k in range(first, n + 1)])
+            links = [f"body {k}" for k in range(first, n)]
+            told.append(
+                f"The {body.kind.name} joint {literal(body.joint.name)} is taken apart into "
+                f"{joints}; between them {'is' if len(links) == 1 else 'are'} {listed(links)}, "
+                "without mass."
+            )
+    return told
 
 
 def _loops(s: Setting) -> list[str]:

@@ -96,7 +96,8 @@ class _Outward:
         reason = f"The motion that body {n} takes over from {before}, plus the {own} of joint {n}"
         if s.slides(i):
             reason += f"; on a turning body it brings Coriolis' acceleration {coriolis(s, (i,))}"
-        lines = (*self._angular(i), *self._linear(i), *self._centre(i))
+        centre = self._centre(i) if i in s.weighted else ()
+        lines = (*self._angular(i), *self._linear(i), *centre)
         table = _PLANAR if s.planar else _SPATIAL
         cited = (table[True] * s.turns(i)) + (table[False] * s.slides(i))
         return Step(f"Outward: body {n}", f"{reason}.", lines, tuple(dict.fromkeys(cited)))
@@ -166,18 +167,13 @@ class _Outward:
 
     def _centre(self, i: int) -> tuple[Equation, Equation]:
         s = self.s
-        w, wd, c = self._omega(i, ""), self._omega(i, "_d"), s.name("sc", i)
+        w, wd, c = self._omega(i, ""), self._omega(i, "_d"), s.centre_name(i)
         speed = ex.add(s.name("v", i), ex.cross(w, c))
         change = ex.add(s.name("v", i, "_d"), ex.cross(wd, c), ex.cross(w, ex.cross(w, c)))
         return (
             chain(s.name("vc", i), speed, s.column(s.centre_velocity(i))),
-            chain(s.name("vc", i, "_d"), change, s.column(s.axes(i, self._accelerated(i)))),
+            chain(s.name("vc", i, "_d"), change, s.column(s.axes(i, self.record.vd_com[i][0]))),
         )
-
-    def _accelerated(self, i: int) -> tuple:
-        """v̇_c of the record; of a body without mass that of its origin."""
-        centres = self.record.vd_com[i]
-        return centres[0] if centres else self.record.motion.vd[i]
 
 
 _PLANAR = {

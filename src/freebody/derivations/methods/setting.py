@@ -283,6 +283,11 @@ class Setting:
         moment = self.joint_moment(i)
         return moment in (ex.ZERO, self.naming.torque(self.numbers[i]))
 
+    def centre_name(self, i: int) -> Expression:
+        """s_ci from joint i to the centre of mass of body i; 0 of a body without mass, whose
+        moments are taken about its joint."""
+        return self.name("sc", i) if i in self.weighted else ex.ZERO
+
     def reach_name(self, i: int, k: int) -> Expression:
         """s_i from joint i to that of its child k, or s_{i,k} where body i carries several."""
         return self.naming.reach(self.numbers[i], self.numbers[k])
@@ -319,8 +324,8 @@ class Setting:
         return all(isinstance(x, float) and x == 0.0 for x in entries)
 
     def mass_times(self, i: int, x: Expression) -> Expression:
-        """m_i x."""
-        return ex.mul(self.mass_name(i), x)
+        """m_i x; 0 of a body without mass."""
+        return ex.mul(self.mass_name(i), x) if i in self.weighted else ex.ZERO
 
     def spin_terms(self, i: int) -> Expression:
         """I ω̇ (+ ω × I ω in space): what the moments about a body's centre of mass add up to; 0 of
@@ -354,11 +359,6 @@ def require_chain_of_bodies(symbols: Symbols, what: str) -> None:
                 if model.loops
                 else "fb.equations gives the closed form"
             )
-            if body.kind.nv > 1:
-                instead = (
-                    "put a joint for each coordinate in its place, with links without mass "
-                    f"between them. Without that {instead}"
-                )
             raise FreebodyError(
                 f"{what}: joint {body.joint.name!r} of {model.name!r} is {body.kind.name}"
                 f"{' and follows another' if body.joint.mimic else ''}; derivations are written "

@@ -11,7 +11,9 @@ from freebody.errors import listed
 def free_body(s: Setting, i: int) -> str:
     """What acts on body i, and which laws are written."""
     acting = f"On body {s.numbers[i]} act: {'; '.join(_acting(s, i))}."
-    if s.numbers[i] > 1:
+    if i not in s.weighted:
+        return f"{acting} It has no mass: forces, and moments about its joint, add up to zero."
+    if i != s.weighted[0]:
         return acting
     about = "the moments about it" if s.planar else "the moments about it, as vectors,"
     return (
@@ -35,7 +37,7 @@ def _acting(s: Setting, i: int) -> list[str]:
         c = s.numbers[k]
         moment = f" and -n_{n},{c}" if not s.is_pin(k) else f" and -τ_{c}" if s.driven(k) else ""
         acting.append(f"-f_{n},{c}{moment}, the opposite of its action on body {c} at joint {c}")
-    if s.weighs:
+    if s.weighs and i in s.weighted:
         acting.append("its weight")
     if s.loaded(i):
         acting.append("the load f at the tip")

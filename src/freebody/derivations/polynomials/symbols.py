@@ -17,6 +17,7 @@ from freebody.model.model import Model
 from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
 from freebody.model.placement import AxisRotation
 from freebody.model.quantity_reader import QuantityReader
+from freebody.model.single_joints import with_single_joints
 from freebody.model.tree import Tree, lower
 from freebody.scalars.rational import rational_axis, rational_rotation, rational_sin_cos
 from freebody.scalars.trig import Trig, TrigRing
@@ -163,6 +164,7 @@ def symbols(
     extra, inertial: further symbols, see `Symbols`.
     """
     given, model = model, with_parameters(model, lambda p: 0.0 if p.value == 0 else p)
+    model = with_single_joints(model)
     _require_whole_ratios(model)
     coordinates = coordinate_names(model)
     turning = [
@@ -189,10 +191,9 @@ def symbols(
 
 
 def coordinate_names(model: Model) -> tuple[str, ...]:
-    """theta_i and d_i by joint, the name itself of a slide called x, y or z; x_i, y_i, theta_i of a
-    planar joint, phi_i, psi_i of a universal one."""
+    """theta_i and d_i by joint, the name itself of a slide called x, y or z."""
     for body in model.bodies:
-        if body.kind.coordinates is None:
+        if body.kind.quaternion is not None:
             raise FreebodyError(
                 f"joint {body.joint.name!r} of {model.name!r} is {body.kind.name}: closed forms "
                 "need coordinates that are numbers; put three revolute joints (Euler angles)"
@@ -202,8 +203,7 @@ def coordinate_names(model: Model) -> tuple[str, ...]:
 
 
 def names_by_body(model: Model) -> list[tuple[str, ...]]:
-    """Those of each body's joint; none of one that follows another, and none of spherical and free
-    ones."""
+    """That of each body's joint; none of one that follows another or has several coordinates."""
     names: list[tuple[str, ...]] = []
     parameters = {p.name for p in each_parameter(model)}
     i = 0
@@ -216,7 +216,7 @@ def names_by_body(model: Model) -> list[tuple[str, ...]]:
         elif body.kind.slides and own:
             names.append((joint.name,))
         else:
-            names.append(tuple(f"{name}{i}" for name in body.kind.coordinates or ()))
+            names.append((f"{body.kind.coordinate}{i}",) if body.kind.nv == 1 else ())
     return names
 
 

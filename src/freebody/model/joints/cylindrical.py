@@ -15,7 +15,6 @@ class Cylindrical(JointKind):
     nq = nv = 2
     position_names = velocity_names = ("theta", "d")
     angular = (True, False)
-    coordinates = ("theta", "d")
     mark = "slider"
     solids = (Solid(0.5, 2.6), Solid(1.1, 1.5, moves=False))
     needs_axis = True

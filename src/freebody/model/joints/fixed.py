@@ -14,7 +14,6 @@ class Fixed(JointKind):
     nq = nv = 0
     position_names = velocity_names = ()
     angular = ()
-    coordinates = ()
     mark = ""
     solids = ()
     dimensions = (2, 3)

@@ -65,7 +65,6 @@ class Free(JointKind):
     velocity_names = ("vx", "vy", "vz", "wx", "wy", "wz")
     quaternion = 3
     angular = (False, False, False, True, True, True)
-    coordinates = None
     holds = False
     mark = ""
     solids = ()

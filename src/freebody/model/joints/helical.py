@@ -35,7 +35,7 @@ class Helical(JointKind):
     nq = nv = 1
     numbers = (Own("pitch", "m/rad", "pitch (advance for each radian)"),)
     angular = (True,)
-    coordinates = ("theta",)
+    coordinate = "theta"
     solids = (Solid(0.55, 2.6), Solid(1.3, 0.8, sides=6, moves=False))
     needs_axis = True
 

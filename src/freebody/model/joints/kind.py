@@ -118,9 +118,8 @@ class JointKind(ABC):
     """Where in q a unit quaternion w, x, y, z begins."""
     angular: ClassVar[tuple[bool, ...]]
     """For each rate whether it turns (rad, N m) or slides (m, N)."""
-    coordinates: ClassVar[tuple[str, ...] | None]
-    """What its coordinates are called in formulas, before the joint's number; None: they are no
-    plain numbers."""
+    coordinate: ClassVar[str] = ""
+    """Of one coordinate: what it is called in formulas, before the joint's number."""
     letter: ClassVar[str] = ""
     """In planar words and DH tables."""
     axis_letter: ClassVar[str] = "z"
@@ -150,6 +149,11 @@ class JointKind(ABC):
     def slides(self) -> bool:
         """Whether all that it does is slide along one axis."""
         return self.motion is not None and self.motion.slides and not self.motion.turns
+
+    @property
+    def composed(self) -> bool:
+        """Whether it is several joints of one coordinate each, without mass between."""
+        return self.nv > 1 and self.quaternion is None
 
     def frees(self, dim: int) -> bool:
         """Whether it leaves a body all its motion in a space of so many dimensions."""

@@ -17,7 +17,6 @@ class Planar(JointKind):
     nq = nv = 3
     position_names = velocity_names = ("x", "y", "theta")
     angular = (False, False, True)
-    coordinates = ("x", "y", "theta")
     holds = False
     mark = ""
     solids = ()

@@ -31,7 +31,7 @@ class Prismatic(JointKind):
     motion = Sliding
     nq = nv = 1
     angular = (False,)
-    coordinates = ("d",)
+    coordinate = "d"
     letter = "P"
     axis_letter = "u"
     mark = "slider"

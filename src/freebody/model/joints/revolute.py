@@ -30,7 +30,7 @@ class Revolute(JointKind):
     motion = Turning
     nq = nv = 1
     angular = (True,)
-    coordinates = ("theta",)
+    coordinate = "theta"
     letter = "R"
     needs_axis = True
     dimensions = (2, 3)

@@ -58,7 +58,6 @@ class Spherical(JointKind):
     velocity_names = ("wx", "wy", "wz")
     quaternion = 0
     angular = (True, True, True)
-    coordinates = None
     mark = "sphere"
     solids = ()
 

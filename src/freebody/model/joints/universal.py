@@ -15,7 +15,6 @@ class Universal(JointKind):
     nq = nv = 2
     position_names = velocity_names = ("phi", "psi")
     angular = (True, True)
-    coordinates = ("phi", "psi")
     solids = (Solid(0.5, 1.7, moves=False, along="x"), Solid(0.5, 1.7, along="y"))
 
     def primitives(
