@@ -381,7 +381,7 @@ def test_a_wrong_option_leads_to_its_commands_help(capsys):
     assert capsys.readouterr().err.rstrip().endswith("See freebody derive --help.")
 
 
-def test_derive_takes_a_universal_joint_apart_and_says_what_to_put_in_place_of_a_spherical_one(tmp_path, capsys):
+def test_derive_takes_a_universal_joint_apart_and_refuses_a_spherical_one(tmp_path, capsys):
     path, ball = tmp_path / "ball.toml", SCREW.format(pitch=1).replace("helical", "spherical")
     path.write_text(ball.replace('axis = "z"\npitch = 1\n', ""), encoding="utf-8")
     assert run(["derive", str(path), "--method", "lagrange"]) == 2
@@ -389,4 +389,4 @@ def test_derive_takes_a_universal_joint_apart_and_says_what_to_put_in_place_of_a
     text = path.read_text(encoding="utf-8").replace("spherical", "universal")
     path.write_text(text, encoding="utf-8")
     assert run(["derive", str(path), "--method", "lagrange"]) == 0
-    assert "is taken apart into joint 1 and joint 2" in capsys.readouterr().out
+    assert "is taken apart into joint 1 and joint 2" in capsys.readouterr().out.replace("\n", " ")

@@ -331,7 +331,7 @@ def test_derivations_of_joints_of_several_coordinates(kind: str):
     for one in derived:
         assert compare(derived[0], one)
         assert f"The {kind} joint j is taken apart into joint 2" in one.given
-        assert "\u2080 × " not in str(one) and "m₂" not in str(one)
+        assert "m₂" not in str(one)
     found = fb.equations(model, numbers=True)
     close(found.evaluate(found.tau, q, qd, qdd), torques, 1e-9)
 

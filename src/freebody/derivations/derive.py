@@ -30,9 +30,9 @@ def undrawn_derivation(
     method: a name from the list below. Default: the first that applies to the model. load: whether
     a force f, with world components fx, fy (fz), acts on the tip. Default: in a method for robots
     at rest, where the model has a tip that moves. options: the method's own. Raises FreebodyError
-    for joints with several axes or followers, for a load on a model without a tip, and for options
-    that the method does not use. Source: S. Bai, Dynamics of robotic manipulators, lecture notes,
-    Aalborg University, 2019, where the method's line names no other.
+    for spherical and free joints, for followers, for a load on a model without a tip, and for
+    options that the method does not use. Source: S. Bai, Dynamics of robotic manipulators,
+    lecture notes, Aalborg University, 2019, where the method's line names no other.
     """
     record = default_method(model) if method is None else method_named(method)
     _require_options(record, load, options)

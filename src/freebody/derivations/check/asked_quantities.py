@@ -14,7 +14,6 @@ from freebody.derivations.check.vocabulary import spellings
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.evaluate import arithmetic, evaluate
 from freebody.derivations.expressions.expression import Expression
-from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.polynomials.determinant import determinant
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig

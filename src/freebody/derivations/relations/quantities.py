@@ -69,7 +69,7 @@ def quantities(
 
     load: a force f = (fx, fy) acts on the tip. at_rest: nothing moves. gravity: "explicit" counts
     each body's weight among its forces; "base" accelerates the base by -g instead, which then is in
-    all accelerations. Raises FreebodyError for branched models and joints of several axes.
+    all accelerations. Raises FreebodyError for branched models, spherical and free joints.
     """
     if gravity not in GRAVITIES:
         raise UnknownNameError("gravity", gravity, "fb.quantities", GRAVITIES)
