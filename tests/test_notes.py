@@ -79,7 +79,7 @@ def changed(form: str):
 
 
 UNREADABLE = (
-    "defined nowhere",
+    "used but not defined",
     "cannot be read",
     "never equal",
     "cannot be added",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from freebody.cli import terminal
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, listed
 from freebody.outputs.files import write
 
 if TYPE_CHECKING:
@@ -42,15 +42,15 @@ def notes(
         VerdictChoice | None, typer.Option(help="Only items with this verdict.")
     ] = None,
     errata: Annotated[
-        bool, typer.Option("--errata", help="The list of errata, as Markdown.")
+        bool, typer.Option("--errata", help="Print the list of errata, as Markdown.")
     ] = False,
     html: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Write all items as one page that needs no network."),
+        typer.Option(metavar="FILE", help="Write all items as a web page that needs no network."),
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Write the item's figure (.svg), or the errata, there."),
+        typer.Option(metavar="FILE", help="Write the item's figure (.svg) or the errata to it."),
     ] = None,
 ) -> None:
     """Check the lecture notes: every equation, worked example and figure is executed, with its
@@ -87,13 +87,13 @@ def _require_used(given: Sequence[str]) -> None:
     if unused == ["--out"] and not chosen:
         raise FreebodyError(
             "notes: --out needs something to write: an item with a figure, or --errata. The table "
-            "goes to the "
-            "terminal; --html FILE writes everything as a page."
+            "is printed in the terminal; --html FILE writes everything as a page."
         )
-    allowed = " or ".join(_WITH[chosen]) or "alone"
+    allowed = " and ".join(_WITH[chosen]) or "no other option"
+    verb, them = ("is", "it") if len(unused) == 1 else ("are", "them")
     raise FreebodyError(
-        f"notes: {', '.join(unused)} is not used with {chosen or 'the table'}, which goes with "
-        f"{allowed}; leave it out."
+        f"notes: {listed(unused)} {verb} not used with {chosen or 'the table'}, which takes "
+        f"{allowed}; leave {them} out."
     )
 
 

@@ -26,17 +26,16 @@ def errata(findings: Sequence[ExecutedItem]) -> str:
         "",
         f"to: {SOURCE}.",
         "",
-        "With thanks for notes that are a pleasure to compute with.",
+        "With thanks for the notes, which were a pleasure to work through.",
         "",
         "Every numbered equation, formula, worked example and figure of chapters 1 to 6 was "
-        "executed with freebody: "
+        "checked by computation with freebody: "
         f"{len(findings)} items, of which {len(findings) - len(wrong)} hold as printed. The other "
         f"{len(wrong)} are "
         f"listed here in the order of the notes: {counts['misprint']} misprints, "
-        f"{counts['inconsistent']} places where "
-        f"the notes contradict themselves, and {counts['incomplete']} that need an addition, "
-        "exercises included. "
-        "`freebody notes ID` repeats the check of each.",
+        f"{counts['inconsistent']} places where the notes contradict themselves, and "
+        f"{counts['incomplete']} places that need an addition, exercises included. "
+        "`freebody notes ID` repeats the check of an item.",
     ]
     chapter = 0
     for number, finding in enumerate(wrong, 1):
@@ -65,7 +64,7 @@ def _entry(number: int, finding: ExecutedItem) -> list[str]:
     rows.append(f"- {markdown_prose(item.why)}")
     evidence = " ".join(finding.printed.lines[:3])
     if item.printed and not item.is_text:
-        rows.append(f"- Found by execution: {evidence}")
+        rows.append(f"- Evidence: {evidence}")
     if finding.printed.example:
         rows.append(f"- Counterexample: {finding.printed.example}")
     rows.append(

@@ -55,8 +55,8 @@ def _steps(derivation: Derivation, *remarks: str) -> str:
 def tip_acceleration() -> str:
     free = fb.quantities(fb.planar("RR"))
     steps = (
-        "Each length stands with the square of its link's rate towards the joint, "
-        "and with its second rate across."
+        "Each link contributes a centripetal term, its length times the square of its angular "
+        "velocity, and a tangential term, its length times its angular acceleration."
     )
     return _values(free, "r", "r_d", "r_dd") + _paragraph(steps)
 
@@ -73,10 +73,10 @@ def point_acceleration() -> str:
             free, "d_dt(d_dt(r_A)) = v_B_d + cross(omega_d, s) + cross(omega, cross(omega, s))"
         )
     )
-    proof = "Both are the same polynomials, term by term." if holds else "They differ."
+    proof = "Both are identical as polynomials, term by term." if holds else "They differ."
     said = (
-        "Write A by lengths and angles and differentiate twice; "
-        "then put the geometric parts together:"
+        "Write the position of A with lengths and angles, and differentiate twice; "
+        "then collect the terms into vectors:"
     )
     return (
         _paragraph(said)
@@ -86,7 +86,7 @@ def point_acceleration() -> str:
 
 
 def five_bar() -> str:
-    """Inverse and forward position, and where either fails."""
+    """Inverse and forward kinematics, and where either is singular."""
     model, q = robot()
     lengths = model.parameters
     limbs_ = {side: fb.planar("RR", l=[lengths[x] for x in l], lc=[0, 0], m=[0, 0], I=[0, 0])
@@ -106,20 +106,22 @@ def five_bar() -> str:
         eq(parse("det(J_a)/4"), symbols.form(across)),
     ]
     inverse = (
-        "Inverse: each limb is an arm of two links with its base at A or C, so "
-        "fb.inverse_kinematics gives two angles for each crank; "
-        f"in all four combinations for P = {number(q[2:], 4)}:"
+        "Inverse kinematics: each limb is a two-link arm with its base at A or C, so "
+        "fb.inverse_kinematics gives two angles for each crank. "
+        f"These are four combinations; for P = {number(q[2:], 4)}:"
     )
     forward = (
-        "Forward: with the cranks' angles B and D are known, and P lies where the circles about "
-        f"them meet. fb.assembly_modes finds {len(modes)} places for θ = {number(q[:2])}: "
+        "Forward kinematics: the crank angles determine B and D, and P lies where the circles "
+        f"about them intersect. fb.assembly_modes finds {len(modes)} positions for "
+        f"θ = {number(q[:2])}: "
         f"{' and '.join(number(x, 4) for x in modes)}."
     )
     poses = (
-        "Singular poses of the first type, where a crank's entry of J_b vanishes: AB and BP in "
-        "line (or CD and DP), and P at the edge of its workspace. Of the second type, where det "
-        "J_a vanishes: BP and DP in line, and the cranks cannot hold P. Here fb.input_output "
-        f"says: {io.kind}, {io.first:.3f} from the first type and {io.second:.3f} from the second."
+        "Singular poses of the first type, where an entry of J_b is zero: AB and BP (or CD and DP) "
+        "are collinear, and P is on the boundary of its workspace. Singular poses of the second "
+        "type, where det J_a is zero: BP and DP are collinear, and the cranks cannot hold P. At "
+        f"this pose fb.input_output says: {io.kind}; the smallest singular values are "
+        f"{io.first:.3f} for J_b (first type) and {io.second:.3f} for J_a (second type)."
     )
     listed = "<ul>" + "".join(f"<li>{escape(pair)}</li>" for pair in pairs) + "</ul>"
     return "".join(
@@ -129,7 +131,7 @@ def five_bar() -> str:
 
 def joint_forces() -> str:
     return _steps(
-        fb.derive(fb.planar("RR", g=[0, 0]), "statics"), "From link 2 first: f₂ = −f, then f₁ = f₂."
+        fb.derive(fb.planar("RR", g=[0, 0]), "statics"), "Link 2 first: f₂ = −f; then f₁ = f₂."
     )
 
 
@@ -148,7 +150,7 @@ def lagrange() -> str:
 
 
 def bar_on_a_pin() -> str:
-    """The first kind on a bar."""
+    """Lagrange's equations of the first kind for a pinned bar."""
     found = pinned_bar()
     lines = [
         eq(parse("Phi", ["Phi"]), parse("[x - r*cos(theta), y - r*sin(theta)]")),
@@ -161,22 +163,22 @@ def bar_on_a_pin() -> str:
         found["alpha"], found["alpha_hinged"]
     )
     same = (
-        " A bar on a revolute joint, which needs no multipliers, has the same acceleration and "
-        "the same force."
+        " A model of the bar with a revolute joint, which needs no multipliers, has the same "
+        "acceleration and the same force."
     )
     text = (
         "For m = 3 kg, I_c = 0.25 kg m², r = 0.5 m, τ = 4 N m at θ = 0.7, θ̇ = 1.9 rad/s the "
         f"system (5.29) gives θ̈ = {number(found['alpha'])} rad/s² and "
-        f"λ = {number(found['lam'])}; the pin's force on the bar is −λ.{same if agree else ''}"
+        f"λ = {number(found['lam'])}; the pin force on the bar is −λ.{same if agree else ''}"
     )
     first = (
-        "A free bar has the coordinates x, y of its middle and θ; "
+        "A free bar has the coordinates x, y of its centre and θ; "
         "the pin holds its end at the origin:"
     )
     how = (
         'fb.planar("PPR", …).with_loop("pin", "point", ("base", "tip")) is this bar; '
         "fb.forward_dynamics and fb.reactions solve it, and fb.simulate keeps its end on the pin. "
-        "fb.derive(fb.load('five_bar_rods'), 'lagrange-first-kind') derives the robot of section "
+        "fb.derive(fb.load('five_bar_rods'), 'lagrange-first-kind') treats the robot of section "
         "2.3 in this way, step by step."
     )
     return _paragraph(first) + page.html([lines]) + _paragraph(text) + _paragraph(how)
@@ -185,7 +187,7 @@ def bar_on_a_pin() -> str:
 def sliding_joint() -> str:
     chain = fb.dh(ROWS[1:], convention="modified", name="RP")
     return _steps(
-        fb.derive(chain, "recursive"), "A turning joint, then a sliding one, in modified frames."
+        fb.derive(chain, "recursive"), "A revolute joint, then a prismatic one, in modified frames."
     )
 
 

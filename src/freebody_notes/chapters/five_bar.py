@@ -1,4 +1,4 @@
-"""Section 2.3: the parallel robot with five bars (2.27-2.40)."""
+"""Section 2.3: the five-bar parallel robot (2.27-2.40)."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ def poses(count: int = 2000):
 
 
 def recovered(printed: str, angle: int) -> tuple[int, int]:
-    """How often a formula for one angle, at the tip of a random pose, gives back that pose's angle;
+    """How often a formula for one angle, at the tip of a random pose, returns that pose's angle;
     branches count."""
     arm, q, tip = poses()
     lengths = {"l1": arm.parameters["l1"], "l2": arm.parameters["l2"]}
@@ -67,7 +67,7 @@ def elbow(printed: str) -> Outcome:
     both = fb.inverse_kinematics(arm, tip[0])
     far = fb.inverse_kinematics(arm, [5.0, 0.0])
     lines = (
-        f"In {hits} of {count} random poses the formula gives back the θ₂ of the pose.",
+        f"In {hits} of {count} random poses the formula returns θ₂ of the pose.",
         f"fb.inverse_kinematics at the tip of q = {number(q[0])}: {_branches(both)}.",
         f"At [5, 0]: {' '.join(far.notes)}",
     )
@@ -80,7 +80,7 @@ def shoulder(printed: str) -> Outcome:
     _, q, _ = poses()
     ahead = int(np.sum(np.cos(q[:, 0]) > 0))
     line = (
-        f"In {hits} of {count} random poses the formula gives back the θ₁ of the pose; "
+        f"In {hits} of {count} random poses the formula returns θ₁ of the pose; "
         f"cos θ₁ > 0 in {ahead}."
     )
     return Outcome(hits == count, (line,))

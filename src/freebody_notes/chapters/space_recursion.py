@@ -71,9 +71,7 @@ def frames(form: str) -> Outcome:
         lines = [
             f"{c}: p = {number(T[:3, 3])}, joint axis {_axis(c, T)}." for c, T in poses.items()
         ]
-        return Outcome(
-            False, ("Two conventions go by this name, and give different frames.", *lines)
-        )
+        return Outcome(False, ("Two conventions have this name, and their frames differ.", *lines))
     T = poses["modified"]
     values = {
         "theta": theta, "alpha": 0.7, "a": 0.4, "d": 0.1, "Rh_i": T[:3, :3], "ph_i": T[:3, 3],
@@ -90,15 +88,15 @@ def direction(form: str) -> Outcome:
     if "=" in form:
         return REVOLUTE.run(form)
     readings = {
-        "components of link i−1 to i": "Ri_h",
-        "components of link i to i−1": "transpose(Ri_h)",
+        "frame i−1 to frame i": "Ri_h",
+        "frame i to frame i−1": "transpose(Ri_h)",
     }
     verdicts = {
         words: REVOLUTE.run(f"omega_i = {matrix}*omega_h + theta_i_d*z").holds
         for words, matrix in readings.items()
     }
     lines = tuple(
-        f"Read as taking {words}, (6.18) {'holds' if v else 'fails'}."
+        f"If the matrix transforms components in {words}, (6.18) {'holds' if v else 'fails'}."
         for words, v in verdicts.items()
     )
     return Outcome(all(verdicts.values()), lines)

@@ -9,6 +9,7 @@ from typing import Any
 from freebody.derivations.relations.formula import as_printed, parse
 from freebody.derivations.relations.formula_values import value
 from freebody.derivations.relations.relation import agrees, relation
+from freebody.outputs.numbers import signed
 from freebody_notes.checks.calls import source
 from freebody_notes.checks.evidence import number
 from freebody_notes.checks.relation import vectors
@@ -42,5 +43,6 @@ class Digits:
         *left, right = form.split("=")
         computed = value(parse(left[0]), values)
         same = len(left) == 1 or bool(relation(values, "=".join(left)))
-        line = f"{as_printed(left[0])}: computed {number(computed, 8)}, printed {right.strip()}."
+        shown = signed(right.strip())
+        line = f"{as_printed(left[0])}: computed {number(computed, 8)}, printed {shown}."
         return Outcome(same and agrees(computed, right), (line,))

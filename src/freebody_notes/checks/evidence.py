@@ -28,7 +28,7 @@ def told(found: Relation, values: Mapping[str, Any]) -> Outcome:
     if found.problem:
         return Outcome(False, (sentence(found.problem),))
     if found.equal:
-        how = "the same polynomials" if found.exact else "the same numbers"
+        how = "identical as polynomials" if found.exact else "numerically equal"
         return Outcome(True, (f"Both sides are {how}{_shown(found.sides[0], values)}.",))
     difference = tuple(x for x in found.differences if not _nothing(x))
     text = (

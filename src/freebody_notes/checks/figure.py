@@ -88,7 +88,9 @@ class Drawn:
         outcome = Related(lambda: self.facts(Panel(figure))).run(form)
         listed = [", ".join(names) for names in self.needs]
         return Outcome(
-            outcome.holds, (f"Drawn, with {'; '.join(listed)}.", *outcome.lines), outcome.example
+            outcome.holds,
+            (f"The drawing shows {'; '.join(listed)}.", *outcome.lines),
+            outcome.example,
         )
 
 
@@ -112,7 +114,6 @@ class Caption:
             if words in form:
                 missing = [name for name in names if name not in there]
                 holds = holds and not missing
-                lines.append(
-                    f"“{words}”: {'no ' + ', '.join(missing) if missing else 'all is there'}."
-                )
+                found = f"not in the figure: {', '.join(missing)}" if missing else "in the figure"
+                lines.append(f"“{words}”: {found}.")
         return Outcome(holds and bool(lines), tuple(lines))

@@ -14,7 +14,7 @@ from freebody.derivations.relations.relation import relation
 from freebody.errors import UnknownNameError
 from freebody.lazy import cached_property
 from freebody_notes.checks.calls import ARM, made, source
-from freebody_notes.checks.evidence import told
+from freebody_notes.checks.evidence import sentence, told
 from freebody_notes.item import Outcome, parts
 
 SHORT = 70
@@ -87,9 +87,7 @@ class Related:
         if not one_of_many or len(name) > SHORT:
             return outcome
         first, *rest = outcome.lines
-        return Outcome(
-            outcome.holds, (f"{name}: {first[0].lower()}{first[1:]}", *rest), outcome.example
-        )
+        return Outcome(outcome.holds, (f"{name}: {_inside(first)}", *rest), outcome.example)
 
     def _one(self, form: str) -> Outcome:
         values = self._values
@@ -97,9 +95,8 @@ class Related:
             try:
                 found = relation(values, form, link=n)
             except UnknownNameError as problem:
-                return Outcome(
-                    False, (str(problem).split(".")[0] + ": it is used, and defined nowhere.",)
-                )
+                missing = str(problem).split(".")[0]
+                return Outcome(False, (f"{sentence(missing)} It is used but not defined.",))
             except FormulaError as problem:
                 return Outcome(False, (f"‘{form}’ cannot be read: {problem.problem}",))
             outcome = told(found, values)
@@ -107,12 +104,12 @@ class Related:
                 return (
                     outcome
                     if not n
-                    else Outcome(False, (f"i = {n}:", *outcome.lines), outcome.example)
+                    else Outcome(
+                        False, (_for(f"{n}", outcome.lines[0]), *outcome.lines[1:]), outcome.example
+                    )
                 )
         if self.links:
-            return Outcome(
-                True, (f"{outcome.lines[0]} (for i = {_listed(self.links)})", *outcome.lines[1:])
-            )
+            return Outcome(True, (_for(_listed(self.links), outcome.lines[0]), *outcome.lines[1:]))
         return outcome
 
 
@@ -122,6 +119,15 @@ def vectors(values: Mapping[str, Any]) -> Collection[str]:
     return frozenset(
         name for name, x in made_plain.items() if rank(x[0] if isinstance(x, Each) else x)
     )
+
+
+def _for(links: str, line: str) -> str:
+    return f"For i = {links}, {_inside(line)}"
+
+
+def _inside(line: str) -> str:
+    """A sentence that goes on after a colon or a comma."""
+    return f"{line[0].lower()}{line[1:]}"
 
 
 def _listed(numbers: tuple[int, ...]) -> str:

@@ -50,7 +50,7 @@ def pinned(seen: Snapshot, note: str, answered: bool) -> Drawing:
     well."""
     body, drawing = (
         seen.pose.bodies[0],
-        Drawing(FLAT, f"A body that turns about a fixed axis: {note}"),
+        Drawing(FLAT, f"A body rotating about a fixed axis: {note}"),
     )
     drawing.add(outline(body, np.array(_OUTLINE)))
     drawing.add(Mark((0.0, 0.0), "ground", "ground", "ground", (0.0, 1.0), 9.0))
@@ -93,7 +93,7 @@ def motions() -> Figure:
     for letter, drawing in zip("abc", drawings, strict=True):
         drawing.notes = [f"({letter}) {drawing.notes[0]}"]
     to_one_scale(drawings, 330.0, 330.0)
-    return Figure("Three types of rigid-body movements", drawings, 3, 330.0, 330.0)
+    return Figure("Three types of rigid-body motion", drawings, 3, 330.0, 330.0)
 
 
 def _last(word: str, angles: list[float]) -> Model:

@@ -39,7 +39,7 @@ def five_bar(
     for drawing in (first, second):
         drawing.add(Label(point(places["P"]), "P(x, y)", "label P", direction=(0.0, 1.0)))
     to_one_scale((first, second))
-    return Figure("A planar parallel robot with five bars", (first, second))
+    return Figure("A planar five-bar parallel robot", (first, second))
 
 
 def closed(
@@ -56,7 +56,7 @@ def closed(
     if not abs(l3 - l4) <= distance <= l3 + l4 or not distance:
         raise FreebodyError(
             f"five_bar: B and D are {distance:.4g} m apart; bars of {l3:g} m and {l4:g} m meet "
-            f"only from "
+            "only if the distance is from "
             f"{abs(l3 - l4):.4g} m to {l3 + l4:.4g} m. Choose other crank angles."
         )
     along = (l3**2 - l4**2 + distance**2) / (2 * distance)
@@ -67,7 +67,7 @@ def closed(
 
 
 def _robot(places: dict[str, Array], angles: Sequence[float], note: str) -> Drawing:
-    drawing = Drawing(FLAT, f"A planar robot with five bars: {note}")
+    drawing = Drawing(FLAT, f"A planar five-bar robot: {note}")
     size = float(np.linalg.norm(places["P"] - places["A"]))
     axes(drawing, size, share=0.55)
     drawing.add(Label((0.0, 0.0), "O", "label O", direction=(0.7, -0.8)))

@@ -35,7 +35,7 @@ def gyro(
         raise ValueError("the gyro turns about two axes")
     x, z, y = roll.axis, yaw.axis, np.cross(yaw.axis, roll.axis)
     view = axonometric(-35.0, 20.0)
-    drawing = Drawing(view, "A gyro with its axes of roll and yaw")
+    drawing = Drawing(view, "A gyro with its roll and yaw axes")
     half = _ring(x, z)
     for part, points in zip(("ring, behind", "ring"), half, strict=True):
         drawing.add(Line(tuple(map(point, points)), part, "link", width=6.0, far=part != "ring"))

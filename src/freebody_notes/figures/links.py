@@ -32,9 +32,7 @@ def relative_velocity(q: Vector = (0.45, 0.6), qd: Vector = (0.8, 0.7)) -> Figur
     scale."""
     model = planar("RR", l=[1.0, 0.9], lc=[0.5, 0.45], m=[1.0, 1.0], I=[0.1, 0.1])
     seen = snapshot(model, q, qd, [0.0, 0.0])
-    return Figure(
-        "Velocity of a point from that of another", (_two_rates(seen), _construction(seen))
-    )
+    return Figure("Velocities of two points of a link", (_two_rates(seen), _construction(seen)))
 
 
 def _two_rates(seen: Snapshot) -> Drawing:

@@ -37,7 +37,7 @@ def arm_and_vectors(q: Vector | None = None) -> Figure:
     second = panel(
         seen, "(b) position vectors", (vectors.links, _to_tip, geometry.angles), faint=True
     )
-    return _together("A planar arm with two links", first, second)
+    return _together("A planar two-link arm", first, second)
 
 
 def _to_tip(drawing: Drawing, seen: Snapshot, names: Names) -> None:
@@ -51,8 +51,8 @@ def free_bodies(q: Vector | None = None, load: Vector = TIP) -> Figure:
     seen = two_links(q, wrenches=load)
     first = panel(seen, "(a) the arm", GEOMETRY, CHAPTER_1)
     second = forces.apart(seen, CHAPTER_1, ("r",), scaled=True)
-    second.notes = ["(b) its links, with all that acts on each"]
-    return Figure("Free-body diagrams of a planar arm with two links", (first, second))
+    second.notes = ["(b) free-body diagrams of the links"]
+    return Figure("Free-body diagrams of a planar two-link arm", (first, second))
 
 
 def statics(q: Vector = (0.9, 0.75), load: Vector = TIP) -> Figure:
@@ -62,7 +62,7 @@ def statics(q: Vector = (0.9, 0.75), load: Vector = TIP) -> Figure:
     seen = snapshot(seen.model.replace(gravity=0.0), seen.q, seen.qd, seen.qdd, load)
     first = panel(seen, "(a) the arm, loaded at P", (*GEOMETRY, _tip_force))
     second = forces.apart(seen, CHAPTER_2, ("s",), scaled=True)
-    second.notes = ["(b) its links in equilibrium"]
+    second.notes = ["(b) the links in equilibrium"]
     return Figure("Static forces on the arm and on each of its links", (first, second))
 
 
@@ -91,7 +91,7 @@ def pendulum(q: Vector = (0.85,), qd: Vector = (1.2,), qdd: Vector = (0.8,)) -> 
     first.position(np.zeros(2), seen.pose.bodies[0].com, "r_{c}", -vectors.BESIDE)
     first.add(*_velocity(seen))
     second = forces.apart(seen, PENDULUM, (), scaled=True)
-    second.notes = ["(b) its free body"]
+    second.notes = ["(b) free-body diagram"]
     return Figure("A pendulum", (first, second))
 
 
@@ -134,8 +134,8 @@ def dynamics(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND) 
     velocities = partial(motion.of_centres, scaled=True)
     first = panel(seen, "(a) angles, rates, velocities", (*GEOMETRY, motion.rates, velocities))
     second = forces.apart(seen, NAMES, ("s", "sc"), scaled=True)
-    second.notes = ["(b) its links, with all that acts on each"]
-    return Figure("Dynamics of a planar arm with two links", (first, second))
+    second.notes = ["(b) free-body diagrams of the links"]
+    return Figure("Dynamics of a planar two-link arm", (first, second))
 
 
 def recursion(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND) -> Figure:
@@ -144,7 +144,7 @@ def recursion(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND)
     first = panel(seen, "(a) accelerations", (*_accelerated(), vectors.to_centres))
     second = forces.apart(seen, NAMES, ("s", "sc"), scaled=True)
     second.notes = ["(b) forces"]
-    return Figure("Accelerations and forces of a planar arm with two links", (first, second))
+    return Figure("Accelerations and forces of a planar two-link arm", (first, second))
 
 
 def energies(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND) -> Figure:
@@ -177,8 +177,8 @@ def fixed_axis(q: Vector = (0.7,), force: Vector = (8.0, 30.0)) -> Figure:
     qdd = forward_dynamics(model, still.q, still.qd, [0.0], wrenches=wrench)
     seen = snapshot(model, still.q, still.qd, qdd, wrench)
     first, second = (
-        pinned(seen, "(a) what is applied", False),
-        pinned(seen, "(b) reaction and motion", True),
+        pinned(seen, "(a) applied force", False),
+        pinned(seen, "(b) reaction and accelerations", True),
     )
     return _together("Rotation about a fixed axis", first, second)
 

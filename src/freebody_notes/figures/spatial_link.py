@@ -60,7 +60,7 @@ def link_symbols() -> Figure:
     end = body.com + 0.42 * a / np.linalg.norm(a)
     drawing.arrow(body.com, end, "v\u0307_{ci}", "acceleration", a, "m/s²")
     _loads(drawing, seen, body)
-    return Figure("The symbols of the dynamics of a link in space", (drawing,), 1, 600.0, 470.0)
+    return Figure("Symbols for the dynamics of a link in space", (drawing,), 1, 600.0, 470.0)
 
 
 def _three_links() -> Model:
