@@ -30,9 +30,9 @@ from freebody.derivations.expressions.expression import (
 from freebody.derivations.expressions.nodes import nodes, replaced
 from freebody.derivations.expressions.printed_names import entry, sym, vec
 from freebody.derivations.relations.formula_values import value
-from freebody.derivations.render.lines import broken, text_lines
+from freebody.derivations.render.lines import broken
 from freebody.derivations.render.sympy import to_sympy
-from freebody.derivations.render.text import breakable
+from freebody.derivations.render.text import TEXT
 from freebody.errors import FreebodyError, UnknownNameError
 from support.extras import extra
 from support.printed_values import evaluate
@@ -215,11 +215,10 @@ def test_lines() -> None:
         "x",
         add(mul("m", add(*(f"a{i}" for i in range(1, 8)))), *(neg(f"b{i}") for i in range(1, 8))),
     )
-    string = breakable(long)
-    whole = " ".join(broken(string, 10**6))
+    whole = " ".join(broken(TEXT(long), 10**6))
     assert whole == str(long)
-    lines = text_lines(string, 40)
+    lines = TEXT.lines(long, 40)
     assert lines[0] == "x = m (a₁ + a₂ + a₃ + a₄ + a₅ + a₆ + a₇)"
-    assert all(len(line) <= 44 for line in lines)
-    assert " ".join(line.strip() for line in lines) == whole
-    assert all(line.lstrip()[0] in "−+" for line in lines[1:])
+    assert all(len(line) <= 40 for line in lines)
+    assert " ".join(lines) == whole
+    assert all(line[0] in "−+" for line in lines[1:])

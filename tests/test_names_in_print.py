@@ -112,6 +112,7 @@ def test_foreign_letters_are_declared_to_tex():
 def test_documents_of_hostile_names_are_well_formed(name: str):
     derivation = fb.derive(four_bar(name), "statics")
     document = derivation.latex()
+    assert ("{5173}" in document) == ("关" in name)
     assert balanced(document), "braces and environments close"
     assert document.count(r"\begin{") == document.count(r"\end{")
     assert not re.search(r"(?<!\\)[%#]", document)

@@ -12,7 +12,7 @@ from freebody.derivations.check.numeric_example import example
 from freebody.derivations.check.right_equations import setting
 from freebody.derivations.closed_chains.linear import product
 from freebody.derivations.expressions.printed_names import sym
-from freebody.derivations.render.latex import width
+from freebody.derivations.render.latex import width_of
 from support.printed_values import evaluate
 
 
@@ -21,7 +21,7 @@ def test_a_name_that_is_nothing_but_the_mark_of_a_rate_is_a_name():
 
 
 def test_scripts_in_a_formula_are_narrower_than_letters_and_wider_than_nothing():
-    assert width("x") < width("x_{12}") < width("x12") + width("{}")
+    assert width_of("x") < width_of("x_{12}") < width_of("x12") + width_of("{}")
 
 
 def test_there_is_no_example_that_tells_an_answer_from_itself():

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from freebody.derivations.equations.equations import Equations
 from freebody.derivations.expressions.expression import Equation, Expression
+from freebody.derivations.render import documents
 from freebody.outputs.display import Titled, counted
 from freebody.scalars.trig import Trig
 
@@ -95,22 +96,16 @@ class Derivation(Titled):
 
     def text(self, width: int = 100) -> str:
         """The derivation for a terminal."""
-        from freebody.derivations.render.documents import text
-
-        return text(self, width)
+        return documents.text(self, width)
 
     def markdown(self, images: Mapping[str, str] | None = None) -> str:
         """The derivation as Markdown, formulas between dollar signs; images: paths of drawings by
         figure."""
-        from freebody.derivations.render.documents import markdown
-
-        return markdown(self, images)
+        return documents.markdown(self, images)
 
     def latex(self) -> str:
         """A LaTeX document."""
-        from freebody.derivations.render.documents import latex
-
-        return latex(self)
+        return documents.latex(self)
 
     def html(self, labels: str = "names") -> str:
         """One HTML page with MathML that needs nothing else; labels: what stands in its drawings,
@@ -118,19 +113,17 @@ class Derivation(Titled):
 
         Raises UnknownNameError, and MissingValueError for values that the model does not have.
         """
-        from freebody.derivations.render.documents import html
-
         made = self.draw(self, labels) if self.draw else Drawings({}, "")
-        return html(self, made.svg, made.style)
+        return documents.html(self, made.svg, made.style)
 
     def __str__(self) -> str:
         return self.text()
 
     def _repr_html_(self) -> str:
-        from freebody.derivations.render.documents import body
-
         made = self.draw(self, "names") if self.draw else Drawings({}, "")
-        return (f"<style>{made.style}</style>" if made.style else "") + body(self, made.svg)
+        return (f"<style>{made.style}</style>" if made.style else "") + documents.body(
+            self, made.svg
+        )
 
 
 @dataclass(frozen=True)

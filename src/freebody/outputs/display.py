@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -41,11 +42,11 @@ class TextTable:
         return above + table + below
 
 
-class Titled:
+class Titled(ABC):
     """Shows itself in a shell as one line, instead of all that it holds."""
 
-    def _title(self) -> str:
-        raise NotImplementedError
+    @abstractmethod
+    def _title(self) -> str: ...
 
     def __repr__(self) -> str:
         title = legal(" ".join(self._title().split()))
@@ -55,8 +56,8 @@ class Titled:
 class Tabled(Titled):
     """Shows itself in a notebook as a table too."""
 
-    def _table(self) -> TextTable:
-        raise NotImplementedError
+    @abstractmethod
+    def _table(self) -> TextTable: ...
 
     def _repr_html_(self) -> str:
         return self._table().html(self._title())

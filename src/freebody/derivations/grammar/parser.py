@@ -4,9 +4,11 @@ names and functions are, and whether products may go without a sign, 2 l1 lc2 co
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
+from typing import NoReturn
 
 from freebody.derivations.expressions.nodes import (
     Expression,
@@ -30,7 +32,7 @@ _STARTS = ("name", "function", "open", "fraction")
 """Tokens that begin a factor, numbers apart."""
 
 
-class Parser:
+class Parser(ABC):
     """Reads one side of an equation."""
 
     implied_products = True
@@ -72,7 +74,7 @@ class Parser:
         """Whether one of these operators comes next."""
         return self.token.kind == "operator" and self.token.text in texts
 
-    def fail_here(self, expected: str):
+    def fail_here(self, expected: str) -> NoReturn:
         """Raise the error that something else was expected."""
         token = self.token
         found = "the line ends" if token.kind == "stop" else f"there is {self.source[token.span]!r}"
@@ -272,7 +274,6 @@ class Parser:
         if token.kind == "begin":
             self.source.fail("a matrix must be a whole side of the equation", token.span)
         self.fail_here("a term")
-        raise AssertionError
 
     def bracket(self) -> Expression:
         """( … ), the node as wide as its brackets."""
@@ -312,13 +313,13 @@ class Parser:
         return replace(self.quotient(above, below), span=(start, below.span[1]))
 
     # ------------------------------------------------------------ what a language says
+    @abstractmethod
     def name(self) -> Expression:
         """What the name that comes next stands for."""
-        raise NotImplementedError
 
+    @abstractmethod
     def call(self) -> Expression:
         """The function that comes next, with its argument."""
-        raise NotImplementedError
 
     def quotient(self, above: Expression, below: Expression) -> Expression:
         """A fraction."""

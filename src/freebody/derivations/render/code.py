@@ -6,8 +6,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import ClassVar
 
-from freebody.derivations.expressions.expression import Expression, Function, Number, Power, Symbol
-from freebody.derivations.render.typesetter import ATOM, CALL, EQUATION, PRODUCT, Typesetter
+from freebody.derivations.expressions.nodes import Expression, Function, Number, Power
+from freebody.derivations.render.typesetter import (
+    ATOM,
+    CALL,
+    EQUATION,
+    PRODUCT,
+    Notation,
+    Typesetter,
+)
 
 
 def code(
@@ -23,7 +30,6 @@ def code(
 
 
 class _Code(Typesetter):
-    plus, minus, lead = " + ", " - ", "-"
     fraction_levels = PRODUCT, EQUATION
 
     def __init__(
@@ -32,16 +38,18 @@ class _Code(Typesetter):
         functions: Mapping[str, str],
         variables: Mapping[Function, str],
     ):
-        self.name, self.functions, self.variables = name, functions, variables
-
-    def symbol(self, node: Symbol, high: str = "") -> str:
-        return self.name(node.name)
-
-    def gap(self, before: Expression, after: Expression) -> str:
-        return "*"
-
-    def fraction(self, above: str, below: str) -> str:
-        return f"{above}/({below})"
+        super().__init__(
+            Notation(
+                symbol=lambda node, high: name(node.name),
+                gap=lambda before, after: "*",
+                plus=" + ",
+                minus=" - ",
+                lead="-",
+                fraction="{}/({})",
+                bar=False,
+            )
+        )
+        self.functions, self.variables = functions, variables
 
     def _number(self, node: Number) -> str:
         return repr(node.value.numerator / node.value.denominator)

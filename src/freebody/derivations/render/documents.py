@@ -1,60 +1,119 @@
-"""A derivation as text for a terminal, Markdown, a LaTeX document and an HTML page."""
+"""A derivation as text for a terminal, Markdown, a LaTeX document and an HTML page: one walk over
+its blocks, and a record for each kind of document that says how they are written."""
 
 from __future__ import annotations
 
-import html as escape
 import re
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from freebody.derivations.expressions.nodes import Expression
 from freebody.derivations.render import page
-from freebody.derivations.render import text as plain
 from freebody.derivations.render.equation_numbers import cited
-from freebody.derivations.render.literal import literal
+from freebody.derivations.render.literal import declared, literal
 from freebody.derivations.render.mathml import mathml
-from freebody.derivations.render.prose import markdown_prose, tex_prose, text_prose, web_prose
+from freebody.derivations.render.prose import (
+    Medium,
+    markdown_prose,
+    tex_prose,
+    text_prose,
+    web_prose,
+)
 from freebody.outputs.page import policy
 from freebody.outputs.text import legal
 
 if TYPE_CHECKING:
-    from freebody.derivations.derivation import Derivation, Meaning, Step
+    from freebody.derivations.derivation import Derivation, Step
 
 Figures = Mapping[str, str]
 """SVG text by the name that a step gives its figure."""
+
+Rows = Sequence[tuple[str, str, str]]
+"""Of the table of symbols: symbols, meaning, unit or ""."""
 
 SOURCE = "S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019"
 TALLEST = 40
 """Lines that a frame around a result may hold, so that it fits on a page."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Document:
+    """How the blocks of a document are written: templates for words that `prose` has set."""
+
+    prose: Medium
+    symbol: Callable[[Expression], str]
+    equations: Callable[[Step], str]
+    wrap: Callable[[str, str], str] = lambda words, indent: words
+    rows: Callable[[_Document, Rows], str] = lambda self, rows: "".join(
+        self.row.format(*row) for row in rows
+    )
+    title: str
+    given: str = "{}"
+    row: str = ""
+    """Of the table of symbols."""
+    table: str = "{}"
+    figure: str = ""
+    heading: str
+    """Of a step: its number, what is done, and `notes` with the notes' equation numbers."""
+    notes: str
+    reason: str = "{}"
+    end: str = ""
+    """Of a step."""
+    source: str
+    between: str = "\n"
+
+    def __call__(self, derivation: Derivation, figures: Figures | None = None) -> str:
+        """The document; a figure stands where a step first asks for it."""
+        left, prose = dict(figures or {}), self.prose
+        blocks = [self.title.format(prose(_title(derivation)))]
+        if derivation.given:
+            rows = [
+                (", ".join(map(self.symbol, m.symbols)), prose(m.words), prose(m.unit))
+                for m in derivation.glossary
+            ]
+            blocks.append(self.given.format(self.wrap(prose(derivation.given), "")))
+            blocks.append(self.table.format(self.rows(self, rows)))
+        if "overview" in left:
+            blocks.append(self.figure.format(left.pop("overview")))
+        for number, step in enumerate(derivation.steps, 1):
+            notes = self.notes.format(prose(cited(step.notes))) if step.notes else ""
+            blocks.append(self.heading.format(number, prose(step.operation), notes))
+            blocks.append(self.reason.format(self.wrap(prose(step.reason), "   ")))
+            if step.figure in left:
+                blocks.append(self.figure.format(left.pop(step.figure)))
+            blocks += [self.equations(step) if step.equations else "", self.end]
+        blocks.append(self.source.format(self.wrap(prose(_source(derivation)), "")))
+        return self.between.join(filter(None, blocks))
+
+
 # ---------------------------------------------------------------- text
 def text(derivation: Derivation, width: int = 100) -> str:
     """For a terminal."""
-    title = text_prose(_title(derivation))
-    blocks = [title, "=" * _cells(title)]
-    if derivation.given:
-        blocks += [
-            "",
-            textwrap.fill(text_prose(derivation.given), width),
-            "",
-            *_text_table(derivation, width),
-        ]
-    for number, step in enumerate(derivation.steps, 1):
-        blocks += ["", f"{number}. {step.operation}{_numbers(step, '  [notes {}]')}"]
-        blocks.append(textwrap.indent(textwrap.fill(text_prose(step.reason), width - 3), "   "))
-        if step.equations:
-            blocks += ["", _text_equations(step, width)]
-    return "\n".join([*blocks, "", textwrap.fill(text_prose(_source(derivation)), width)])
+    return _Document(
+        prose=text_prose,
+        symbol=str,
+        equations=lambda step: _text_equations(step, width),
+        wrap=lambda words, indent: textwrap.fill(
+            words, width, initial_indent=indent, subsequent_indent=indent
+        ),
+        rows=lambda _, rows: _text_table(rows, width),
+        title=f"{{}}\n{'=' * _cells(text_prose(_title(derivation)))}",
+        given="\n{}\n",
+        heading="\n{}. {}{}",
+        notes="  [notes {}]",
+        source="\n{}",
+    )(derivation)
 
 
 def _text_equations(step: Step, width: int) -> str:
     lines = page.text([step.equations], width - 8).splitlines()
     if not step.result:
-        return textwrap.indent("\n".join(lines), "      ")
+        return "\n" + textwrap.indent("\n".join(lines), "      ")
     size = max(map(_cells, lines))
     inside = [f"   │ {line}{' ' * (size - _cells(line))} │" for line in lines]
-    return "\n".join([f"   ┌{'─' * (size + 2)}┐", *inside, f"   └{'─' * (size + 2)}┘"])
+    return "\n".join(["", f"   ┌{'─' * (size + 2)}┐", *inside, f"   └{'─' * (size + 2)}┘"])
 
 
 def _cells(line: str) -> int:
@@ -62,88 +121,24 @@ def _cells(line: str) -> int:
     return len(re.sub("[\u0300-\u036f]", "", line))
 
 
-def _text_table(derivation: Derivation, width: int) -> list[str]:
-    rows = [(", ".join(map(plain.text, m.symbols)), m) for m in derivation.glossary]
-    size = min(24, max((_cells(names) for names, _ in rows), default=0))
+def _text_table(rows: Rows, width: int) -> str:
+    size = min(24, max((_cells(names) for names, _, _ in rows), default=0))
     lines = []
-    for names, meaning in rows:
+    for names, words, unit in rows:
         pad = " " * max(1, size + 2 - _cells(names))
         lines += textwrap.wrap(
-            f"{names}{pad}{_meaning(meaning)}", width - 3, initial_indent="   ",
-            subsequent_indent=" " * (size + 5),
+            f"{names}{pad}{words}" + (f" [{unit}]" if unit else ""), width - 3,
+            initial_indent="   ", subsequent_indent=" " * (size + 5),
             drop_whitespace=True, break_long_words=False, break_on_hyphens=False,
         )  # fmt: skip
-    return lines
+    return "\n".join(lines)
 
 
-def _meaning(meaning: Meaning) -> str:
-    words = text_prose(meaning.words)
-    return f"{words} [{meaning.unit}]" if meaning.unit else words
-
-
-# ---------------------------------------------------------------- Markdown
-def markdown(derivation: Derivation, images: Figures | None = None) -> str:
-    """Markdown with formulas between dollar signs; images: paths of drawings by the names of
-    figures."""
-    left = dict(images or {})
-    blocks = [f"# {markdown_prose(_title(derivation))}"]
-    if derivation.given:
-        blocks += [markdown_prose(derivation.given), _markdown_table(derivation)]
-    if "overview" in left:
-        blocks.append(f"![]({left.pop('overview')})")
-    for number, step in enumerate(derivation.steps, 1):
-        blocks += [
-            f"## {number}. {step.operation}{_numbers(step, ' — notes {}')}",
-            markdown_prose(step.reason),
-        ]
-        if step.figure in left:
-            blocks.append(f"![]({left.pop(step.figure)})")
-        if step.equations:
-            formula = page.latex([step.equations])
-            blocks.append(f"$$\n{_boxed(formula) if _fits(step, formula) else formula}\n$$")
-    return legal("\n\n".join([*blocks, f"*{markdown_prose(_source(derivation))}*"]) + "\n")
-
-
-def _markdown_table(derivation: Derivation) -> str:
-    rows = ["| symbol | meaning | unit |", "|---|---|---|"]
-    for m in derivation.glossary:
-        rows.append(f"| {_dollars(m)} | {markdown_prose(m.words)} | {m.unit} |")
-    return "\n".join(rows)
-
-
-# ---------------------------------------------------------------- LaTeX
-def latex(derivation: Derivation) -> str:
-    """A LaTeX document that needs amsmath and T1 fonts only."""
-    lines = [
-        r"\documentclass[11pt,a4paper]{article}",
-        r"\usepackage[utf8]{inputenc}",
-        r"\usepackage[T1]{fontenc}",
-        r"\usepackage{amsmath,amssymb}",
-        r"\usepackage[margin=22mm]{geometry}",
-        r"\setlength{\parindent}{0pt}",
-        r"\setlength{\parskip}{4pt}",
-        r"\raggedbottom",
-        r"\allowdisplaybreaks",
-        r"\begin{document}",
-        rf"{{\LARGE\bfseries {tex_prose(_title(derivation))}\par}}\bigskip",
-    ]
-    if derivation.given:
-        lines += [tex_prose(derivation.given), *_latex_table(derivation)]
-    for step in derivation.steps:
-        notes = tex_prose(_numbers(step, "notes {}"))
-        beside = rf"\hfill{{\normalfont\small {notes}}}" if notes else ""
-        lines += [rf"\section{{{tex_prose(step.operation)}{beside}}}", tex_prose(step.reason)]
-        if step.equations:
-            lines.append(_latex_equations(step))
-    lines += [rf"\medskip\textit{{{tex_prose(_source(derivation))}}}", r"\end{document}"]
-    return legal("\n".join(lines) + "\n")
-
-
-def _latex_equations(step: Step) -> str:
+# ---------------------------------------------------------------- Markdown and LaTeX
+def _framed(step: Step) -> str:
+    """Its equations as LaTeX, with a frame around a result that fits into one."""
     formula = page.latex([step.equations])
-    if _fits(step, formula):
-        return f"\\[\n{_boxed(formula)}\n\\]"
-    return page.latex([step.equations], "align*")
+    return f"\\boxed{{\n{formula}\n}}" if _fits(step, formula) else formula
 
 
 def _fits(step: Step, formula: str) -> bool:
@@ -151,56 +146,82 @@ def _fits(step: Step, formula: str) -> bool:
     return step.result and len(formula.splitlines()) <= TALLEST
 
 
-def _boxed(formula: str) -> str:
-    return f"\\boxed{{\n{formula}\n}}"
+def _display(step: Step) -> str:
+    if _fits(step, page.latex([step.equations])):
+        return f"\\[\n{_framed(step)}\n\\]"
+    return page.latex([step.equations], "align*")
 
 
-def _latex_table(derivation: Derivation) -> list[str]:
-    rows = [
-        rf"{_dollars(m)} & {tex_prose(m.words)} & {tex_prose(m.unit)} \\"
-        for m in derivation.glossary
-    ]
-    return [
-        r"\begin{center}\small",
-        r"\begin{tabular}{lp{95mm}l}",
-        *rows,
-        r"\end{tabular}",
-        r"\end{center}",
-    ]
+_MARKDOWN = _Document(
+    prose=markdown_prose,
+    symbol=lambda symbol: f"${symbol.latex()}$",
+    equations=lambda step: f"$$\n{_framed(step)}\n$$",
+    title="# {}",
+    row="\n| {} | {} | {} |",
+    table="| symbol | meaning | unit |\n|---|---|---|{}",
+    figure="![]({})",
+    heading="## {}. {}{}",
+    notes=" — notes {}",
+    source="*{}*",
+    between="\n\n",
+)
+
+_LATEX = _Document(
+    prose=tex_prose,
+    symbol=_MARKDOWN.symbol,
+    equations=_display,
+    title=r"{{\LARGE\bfseries {}\par}}\bigskip",
+    row="\n{} & {} & {} \\\\",
+    table="\\begin{{center}}\\small\n\\begin{{tabular}}{{lp{{95mm}}l}}{}\n\\end{{tabular}}\n"
+    "\\end{{center}}",
+    heading=r"\section{{{1}{2}}}",
+    notes=r"\hfill{{\normalfont\small notes {}}}",
+    source=r"\medskip\textit{{{}}}",
+)
+
+_PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
+\usepackage[utf8]{inputenc}
+\usepackage[T1]{fontenc}
+\usepackage{amsmath,amssymb}
+\usepackage[margin=22mm]{geometry}
+\setlength{\parindent}{0pt}
+\setlength{\parskip}{4pt}
+\raggedbottom
+\allowdisplaybreaks"""
+
+
+def markdown(derivation: Derivation, images: Figures | None = None) -> str:
+    """Markdown with formulas between dollar signs; images: paths of drawings by the names of
+    figures."""
+    return legal(_MARKDOWN(derivation, images) + "\n")
+
+
+def latex(derivation: Derivation) -> str:
+    """A LaTeX document that needs amsmath and T1 fonts only."""
+    inside = _LATEX(derivation)
+    lines = [_PREAMBLE, *declared(inside), r"\begin{document}", inside, r"\end{document}"]
+    return legal("\n".join(lines) + "\n")
 
 
 # ---------------------------------------------------------------- HTML
-def body(derivation: Derivation, figures: Figures | None = None) -> str:
-    """The steps as HTML, without a page around them; a figure stands where a step first asks for
-    it."""
-    shown: set[str] = set()
-    parts = [f"<h1>{web_prose(_title(derivation))}</h1>"]
-    if derivation.given:
-        parts += [f"<p>{web_prose(derivation.given)}</p>", _html_table(derivation)]
-    if figures and "overview" in figures:
-        parts.append(f"<figure>{figures['overview']}</figure>")
-    for number, step in enumerate(derivation.steps, 1):
-        note = _numbers(step, ' <small class="notes">notes {}</small>')
-        parts.append(f"<section><h2><span>{number}</span> {web_prose(step.operation)}{note}</h2>")
-        parts.append(f"<p>{web_prose(step.reason)}</p>")
-        name = step.figure
-        if name is not None and figures and name in figures and name not in shown:
-            shown.add(name)
-            parts.append(f"<figure>{figures[name]}</figure>")
-        if step.equations:
-            kind = "equations result" if step.result else "equations"
-            parts.append(f'<div class="{kind}">{page.html([step.equations])}</div>')
-        parts.append("</section>")
-    return "\n".join([*parts, f'<p class="source">{web_prose(_source(derivation))}</p>'])
-
-
-def _html_table(derivation: Derivation) -> str:
-    rows = "".join(
-        f"<tr><td>{', '.join(mathml(x, display=False) for x in m.symbols)}</td>"
-        f"<td>{web_prose(m.words)}</td><td>{escape.escape(m.unit)}</td></tr>"
-        for m in derivation.glossary
-    )
-    return f'<table class="symbols"><tbody>{rows}</tbody></table>'
+body = _Document(
+    prose=web_prose,
+    symbol=lambda symbol: mathml(symbol, display=False),
+    equations=lambda step: (
+        f'<div class="equations{" result" * step.result}">{page.html([step.equations])}</div>'
+    ),
+    title="<h1>{}</h1>",
+    given="<p>{}</p>",
+    row="<tr><td>{}</td><td>{}</td><td>{}</td></tr>",
+    table='<table class="symbols"><tbody>{}</tbody></table>',
+    figure="<figure>{}</figure>",
+    heading="<section><h2><span>{}</span> {}{}</h2>",
+    notes=' <small class="notes">notes {}</small>',
+    reason="<p>{}</p>",
+    end="</section>",
+    source='<p class="source">{}</p>',
+)
+"""The steps as HTML, without a page around them."""
 
 
 def html(derivation: Derivation, figures: Figures | None = None, style: str = "") -> str:
@@ -239,16 +260,6 @@ figure{margin:1rem 0;text-align:center}figure svg{max-width:100%;height:auto}
 def _title(derivation: Derivation) -> str:
     model = derivation.equations.symbols.model
     return f"{literal(model.name)}: {derivation.title}"
-
-
-def _dollars(meaning: Meaning) -> str:
-    """Symbols between dollar signs."""
-    return ", ".join(f"${x.latex()}$" for x in meaning.symbols)
-
-
-def _numbers(step: Step, form: str) -> str:
-    """The notes' equation numbers in a form such as "[notes {}]", or nothing."""
-    return form.format(cited(step.notes)) if step.notes else ""
 
 
 def _source(derivation: Derivation) -> str:

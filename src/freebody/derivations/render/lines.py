@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from freebody.derivations.render.typesetter import BREAK
+BREAK = "\u2028"
+"""Stands where a line may be broken, in place of the space before a sign."""
 
 
 @dataclass
@@ -45,9 +46,3 @@ def _fitting(pieces: list[_LinePart], width: float, measure: Callable[[str], flo
     ]
     shallow = min(pieces[k].depth for k in breaks)
     return max(k for k in breaks if pieces[k].depth == shallow)
-
-
-def text_lines(string: str, width: int) -> list[str]:
-    """Lines for a terminal, those after the first indented."""
-    first, *rest = broken(string, width)
-    return [first, *("    " + line for line in rest)]

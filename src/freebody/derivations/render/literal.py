@@ -19,6 +19,11 @@ MARK = "\u2060"
 
 _PLAIN = re.compile(r"[A-Za-z0-9]*")
 
+GREEK_COMMANDS = {
+    letter: "\\lambda" if name == "lam" else f"\\{name}" for name, letter in GREEK.items()
+}
+"""LaTeX's commands for Greek letters."""
+
 TEX = {
     "\\": r"\textbackslash{}",
     "~": r"\textasciitilde{}",
@@ -28,7 +33,7 @@ TEX = {
     "|": r"\textbar{}",
     '"': r"\textquotedbl{}",
     **{c: "\\" + c for c in "&%$#_{}"},
-    **{letter: f"$\\{'lambda' if name == 'lam' else name}$" for name, letter in GREEK.items()},
+    **{letter: f"${command}$" for letter, command in GREEK_COMMANDS.items()},
 }
 """What LaTeX would read as something else, and the Greek letters, in text."""
 _KNOWN = "\u017f"  # the last letter that pdfTeX has in T1 fonts

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
-from freebody.derivations.expressions.expression import (
+from freebody.derivations.expressions.nodes import (
     Derivative,
     Equation,
     Expression,
@@ -14,12 +14,11 @@ from freebody.derivations.expressions.expression import (
     Symbol,
     Vector,
 )
-from freebody.derivations.render import latex as tex
-from freebody.derivations.render import mathml as web
-from freebody.derivations.render import text as plain
-from freebody.derivations.render.lines import broken
-from freebody.derivations.render.mathml import mathml
+from freebody.derivations.render.latex import LATEX, width_of
+from freebody.derivations.render.mathml import MATHML
 from freebody.derivations.render.rows import Row, rows
+from freebody.derivations.render.text import TEXT
+from freebody.derivations.render.typesetter import Typesetter
 
 _RIGHT = "text-align:right;text-align:-webkit-right;padding-right:0"
 _LEFT = "text-align:left;text-align:-webkit-left;padding-left:0.25em"
@@ -36,36 +35,48 @@ def text(groups: Groups, width: int = 100) -> str:
 def _text_group(group: Sequence[Equation], width: int) -> list[str]:
     lines, indent = [], 0
     for row in rows(group, width, _letters)[0]:
-        head = " " * indent if row.left is None else plain.text(row.left)
+        head = " " * indent if row.left is None else TEXT.line(row.left)
         indent = len(head)
-        first, *rest = broken(plain.breakable(row.right), width - indent - 3)
+        first, *rest = TEXT.lines(row.right, width - indent - 3)
         lines += [f"{head} = {first}", *(" " * min(indent + 3, 12) + line for line in rest)]
     return lines
 
 
 def _letters(node: Expression) -> float:
-    return len(plain.text(node))
+    return len(TEXT.line(node))
 
 
-# ---------------------------------------------------------------- LaTeX
+# ---------------------------------------------------------------- formulas
+def _lines(
+    group: Sequence[Row], room: float, setter: Typesetter
+) -> Iterator[tuple[str, str, bool]]:
+    """What stands left and right of the sign, line by line, and whether a line goes on with the one
+    before."""
+    for row in group:
+        left = "" if row.left is None else setter.line(row.left)
+        fits = span(row.right) <= room
+        parts = [setter.line(row.right)] if fits else setter.lines(row.right, room)
+        yield from ((left, part, k > 0) for k, part in enumerate(parts))
+
+
+def _set(groups: Groups, width: float, setter: Typesetter) -> list[list[tuple[str, str, bool]]]:
+    """The lines of each group; all have the same room."""
+    found = [rows(group, width, span) for group in groups]
+    room = min((room for _, room in found), default=width)
+    return [list(_lines(group, room, setter)) for group, _ in found]
+
+
 def latex(groups: Groups, environment: str = "aligned", width: int = 76) -> str:
     """An amsmath environment: "aligned" inside a formula, "align*" in a document."""
-    sizes = [rows(group, width, span) for group in groups]
-    room = min((room for _, room in sizes), default=width)
-    blocks = ["\n".join(_latex_row(row, room) for row in lines) for lines, _ in sizes]
-    body = "[1.2ex]\n".join(blocks).removesuffix(" \\\\")
+    blocks = [
+        " \\\\\n".join(
+            f"&\\quad {right}" if goes_on else f"{left} &= {right}".lstrip()
+            for left, right, goes_on in group
+        )
+        for group in _set(groups, width, LATEX)
+    ]
+    body = " \\\\[1.2ex]\n".join(blocks)
     return f"\\begin{{{environment}}}\n{body}\n\\end{{{environment}}}"
-
-
-def _latex_row(row: Row, room: float) -> str:
-    left = "" if row.left is None else tex.latex(row.left) + " "
-    fits = span(row.right) <= room
-    first, *rest = (
-        [tex.latex(row.right)] if fits else broken(tex.breakable(row.right), room, tex.width)
-    )
-    return "\n".join(
-        line + " \\\\" for line in (f"{left}&= {first}", *(f"&\\quad {x}" for x in rest))
-    )
 
 
 def span(node: Expression) -> float:
@@ -83,41 +94,25 @@ def span(node: Expression) -> float:
         return max(above, span(node.by)) + 1.2 + (0.0 if above else span(node.of) + 1.5)
     if isinstance(node, Quotient):
         return max(span(node.above), span(node.below)) + 0.5
-    return tex.width(tex.latex(node))
+    return width_of(LATEX.line(node))
 
 
-# ---------------------------------------------------------------- MathML
 def html(groups: Groups, width: int = 74) -> str:
     """One MathML table, equations aligned at their sign, long ones broken before one.
 
     The width, in letters, suits a page of 960 px in the widest of the usual mathematical fonts
     (DejaVu's).
     """
-    sizes = [rows(group, width, span) for group in groups]
-    room = min((room for _, room in sizes), default=width)
-    cells = "".join(
-        _mathml_row(row, room, k == 0 and j > 0)
-        for j, (lines, _) in enumerate(sizes)
-        for k, row in enumerate(lines)
-    )
+    cells = ""
+    for j, group in enumerate(_set(groups, width, MATHML)):
+        for k, (left, right, goes_on) in enumerate(group):
+            space = "padding-top:1em;" if j and not k else ""
+            indent = '<mspace width="1.5em"/>' if goes_on else ""
+            cells += (
+                f'<mtr><mtd style="{space}{_RIGHT}">{"" if goes_on else left + "<mo>=</mo>"}</mtd>'
+                f'<mtd style="{space}{_LEFT}">{indent}{right}</mtd></mtr>'
+            )
     return (
         '<math xmlns="http://www.w3.org/1998/Math/MathML" display="block">'
         f'<mtable displaystyle="true">{cells}</mtable></math>'
     )
-
-
-def _mathml_row(row: Row, room: float, apart: bool) -> str:
-    left = ("" if row.left is None else web.row(row.left)) + "<mo>=</mo>"
-    lines = [web.row(row.right)] if span(row.right) <= room else web.broken_rows(row.right, room)
-    cells = ""
-    for k, part in enumerate(lines):
-        space = "padding-top:1em;" if apart and k == 0 else ""
-        indent = '<mspace width="1.5em"/>' if k else ""
-        cells += (
-            f'<mtr><mtd style="{space}{_RIGHT}">{left if k == 0 else ""}</mtd>'
-            f'<mtd style="{space}{_LEFT}">{indent}{part}</mtd></mtr>'
-        )
-    return cells
-
-
-__all__ = ["Groups", "html", "latex", "mathml", "span", "text"]

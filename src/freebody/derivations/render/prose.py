@@ -8,10 +8,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from freebody.derivations.expressions.printed_names import GREEK
 from freebody.derivations.render import literal
-
-_NAMES = {letter: "lambda" if name == "lam" else name for name, letter in GREEK.items()}
 
 _SYMBOL = re.compile(r"(?<![\w.])(-?)([A-Za-zα-ωΑ-Ω])_([A-Za-z0-9]+(?:,[A-Za-z0-9]+)?)")
 """A letter with a subscript, such as f_0,1."""
@@ -62,7 +59,7 @@ def _with_minus(words: str) -> str:
 
 
 def _tex_symbol(sign: str, letter: str, low: str) -> str:
-    name = f"\\{_NAMES[letter]}" if letter in _NAMES else letter
+    name = literal.GREEK_COMMANDS.get(letter, letter)
     bold = f"\\mathbf{{{letter}}}" if letter in _VECTORS else name
     return f"${sign}{bold}_{{{low}}}$"
 

@@ -5,59 +5,25 @@ from __future__ import annotations
 from fractions import Fraction
 from unicodedata import normalize
 
-from freebody.derivations.expressions.expression import Expression, Symbol
-from freebody.derivations.render.typesetter import CALL, POWER, Typesetter
+from freebody.derivations.expressions.nodes import Symbol
+from freebody.derivations.render.typesetter import Notation, Typesetter
 from freebody.outputs.numbers import signed, superscript
 
 _LOW = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _HIGH = str.maketrans("-0123456789T", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᵀ")
 _DOTS = ("", "\u0307", "\u0308")
 _VULGAR = {
-    (1, 2): "½",
-    (1, 4): "¼",
-    (3, 4): "¾",
-    (1, 8): "⅛",
-    (3, 8): "⅜",
-    (1, 3): "⅓",
-    (2, 3): "⅔",
-}
+    (1, 2): "½", (1, 4): "¼", (3, 4): "¾", (1, 8): "⅛", (3, 8): "⅜", (1, 3): "⅓", (2, 3): "⅔",
+}  # fmt: skip
 
 
-def text(node: Expression) -> str:
-    """One line of text."""
-    return _SETTER.whole(node)
+def _ratio(value: Fraction) -> str:
+    return _VULGAR.get((value.numerator, value.denominator), signed(str(value)))
 
 
-def breakable(node: Expression) -> str:
-    """The same with `BREAK` where a line may end."""
-    return _SETTER(node)
-
-
-class _Text(Typesetter):
-    fraction_levels = CALL, POWER
-    brackets_before_factors = True
-
-    def digits(self, digits: str) -> str:
-        return signed(digits)
-
-    def ratio(self, value: Fraction) -> str:
-        return _VULGAR.get((value.numerator, value.denominator), self.digits(str(value)))
-
-    def symbol(self, node: Symbol, high: str = "") -> str:
-        letter = node.letter[0] + _DOTS[node.dots] + node.letter[1:]
-        return normalize("NFC", letter) + _low(node.low) + _raised(node.high) + high
-
-    def high(self, exponent: int) -> str:
-        return superscript(exponent)
-
-    def tight(self, argument: str) -> str:
-        return argument.replace(" ", "")
-
-    def column(self, entries: list[str]) -> str:
-        return f"[{', '.join(entries)}]ᵀ"
-
-    def array(self, rows: list[list[str]]) -> str:
-        return f"[{'; '.join(map(', '.join, rows))}]"
+def _symbol(node: Symbol, high: str) -> str:
+    letter = node.letter[0] + _DOTS[node.dots] + node.letter[1:]
+    return normalize("NFC", letter) + _low(node.low) + _raised(node.high) + high
 
 
 def _raised(high: str) -> str:
@@ -77,4 +43,16 @@ def _low(parts: tuple[str, ...]) -> str:
     return word + ("," if apart else "").join(parts).translate(_LOW)
 
 
-_SETTER = _Text()
+TEXT = Typesetter(
+    Notation(
+        digits=signed,
+        ratio=_ratio,
+        symbol=_symbol,
+        exponent=superscript,
+        tight=lambda argument: argument.replace(" ", ""),
+        bar=False,
+        brackets_before_factors=True,
+        column=("[{}]ᵀ", ", ", ""),
+    )
+)
+"""Text for a terminal."""

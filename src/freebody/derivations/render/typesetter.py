@@ -1,14 +1,15 @@
 """The walk that sets an expression in any notation: what needs brackets where, how sums take signs,
-products gaps and functions their arguments. A notation is a subclass that says how it writes the
+products gaps and functions their arguments. A notation is a record that says how it writes the
 pieces."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar
 
-from freebody.derivations.expressions.expression import (
+from freebody.derivations.expressions.nodes import (
     Arguments,
     Cross,
     Derivative,
@@ -27,7 +28,9 @@ from freebody.derivations.expressions.expression import (
     Transposed,
     Vector,
     Words,
+    nodes,
 )
+from freebody.derivations.render.lines import BREAK, broken
 from freebody.outputs.numbers import mantissa_and_exponent
 
 EQUATION, SUM, PRODUCT, CALL, POWER, ATOM = range(6)
@@ -45,9 +48,6 @@ _PRECEDENCE: dict[type, int] = {
     Function: CALL,
     Power: POWER,
 }
-
-BREAK = "\u2028"
-"""Stands where a line may be broken, in place of the space before a sign."""
 
 DIGITS = 6
 """Significant digits of a decimal in print; code gets all of them."""
@@ -69,57 +69,126 @@ def is_call(node: Expression) -> bool:
     )
 
 
-class Typesetter:
-    """Expressions as strings; `setter(node, level)` puts brackets where needed. The attributes and
-    the methods below the walk are what a notation says of itself."""
+@dataclass(frozen=True, kw_only=True)
+class Notation:
+    """What a notation says of itself: templates of what stands around the pieces, in the order in
+    which they are put in, and functions where a template does not do.
 
-    plus, minus, lead = f"{BREAK}+ ", f"{BREAK}− ", "−"
-    brackets = "(", ")"
-    cross, dot, equals, comma = " × ", " · ", " = ", ", "
-    differentials = "d", "∂"
-    transposed, inverse_transposed = "ᵀ", "⁻ᵀ"
-    space = " "
+    A matrix or column: what is around it, between its rows, and between the entries of a row.
+    """
+
+    digits: Callable[[str], str] = str
+    """A number's digits and sign."""
+    ratio: Callable[[Fraction], str] = str
+    """A fraction of two numbers."""
+    symbol: Callable[[Symbol, str], str]
+    """A symbol, with an exponent as `exponent` gives it, or ""."""
+    exponent: Callable[[int], str] = str
+    gap: Callable[[Expression, Expression], str] = lambda before, after: " "
+    """What stands between two factors."""
+    function: Callable[[str], str] = str
+    """A function's name."""
+    tight: Callable[[str], str] = str
+    """An argument without the spaces around its signs."""
+    words: Callable[[str], str] = str
+    """Upright words."""
+    plus: str = f"{BREAK}+ "
+    minus: str = f"{BREAK}− "
+    lead: str = "−"
+    brackets: str = "({})"
+    tall_brackets: str = "({})"
+    """Around what has a fraction in it."""
+    cross: str = " × "
+    dot: str = " · "
+    equals: str = " = "
+    comma: str = ", "
+    tenfold: str = "·"
+    """Between a decimal's digits and its power of ten."""
+    differentials: tuple[str, str] = ("d", "∂")
+    transposed: str = "ᵀ"
+    inverse_transposed: str = "⁻ᵀ"
+    space: str = " "
     """What is left of a `BREAK` where no line may be broken."""
-    fraction_levels = EQUATION, EQUATION
-    """How tightly numerator and denominator must bind to stand without brackets."""
-    brackets_before_factors = False
+    raised: str = "{}{}"
+    group: str = "{}"
+    """Several pieces as one; where this is an element, no line is broken in it."""
+    line: str = "{}"
+    """A whole formula."""
+    width: Callable[[str], float] = len
+    """About how wide a string is, in letters."""
+    applied: str = "{} {}"
+    bracketed: str = "{}({})"
+    """A function with its argument, and with brackets around that."""
+    norm: str = "|{}|"
+    fraction: str = "{}/{}"
+    bar: bool = True
+    """Whether a fraction has a bar as wide as both, so that nothing in it needs brackets or is
+    broken."""
+    brackets_before_factors: bool = False
     """Whether a function before a factor needs brackets, lest that is read as its argument."""
+    operand: str = " ({})"
+    """What a derivative that stands before it is taken of."""
+    matrix: tuple[str, str, str] = ("[{}]", "; ", ", ")
+    column: tuple[str, str, str] | None = None
+    """Of another form than a matrix with one column."""
+
+
+class Typesetter:
+    """Expressions as strings in a notation: `setter(node, level)` puts brackets where needed."""
+
+    fraction_levels = CALL, POWER
+    """How tightly numerator and denominator must bind to stand without brackets in a line."""
+
+    def __init__(self, notation: Notation):
+        self.notation = notation
 
     def __call__(self, node: Expression, level: int = EQUATION) -> str:
+        """The string, with `BREAK` where a line may end."""
         string = self._rules[type(node)](self, node)
-        if precedence(node) < level:
-            return self.brackets[0] + string + self.brackets[1]
-        return string
+        if precedence(node) >= level:
+            return string
+        form, tall = self.notation.brackets, self.notation.tall_brackets
+        if form != tall and any(isinstance(part, Quotient) for part in nodes(node)):
+            form = tall
+        return form.format(string)
 
     def whole(self, node: Expression, level: int = EQUATION) -> str:
         """A node that is not to be broken."""
-        return self(node, level).replace(BREAK, self.space)
+        return self(node, level).replace(BREAK, self.notation.space)
 
-    # ------------------------------------------------------------ the walk
+    def line(self, node: Expression) -> str:
+        """A whole formula in one line."""
+        return self.notation.line.format(self.whole(node))
+
+    def lines(self, node: Expression, room: float) -> list[str]:
+        """The same in lines of about so many letters, broken before signs."""
+        return [self.notation.line.format(x) for x in broken(self(node), room, self.notation.width)]
+
     def _number(self, node: Number) -> str:
-        value = node.value
+        n, value = self.notation, node.value
         if value.denominator == 1 and not (node.decimal and abs(value) >= 10**6):
-            return self.digits(str(value))
+            return n.digits(str(value))
         if not node.decimal:
-            return self.ratio(value)
+            return n.ratio(value)
         mantissa, exponent = mantissa_and_exponent(float(value), DIGITS)
         if not exponent:
-            return self.digits(mantissa)
-        power = self.raised(self.digits("10"), self.high(exponent))
-        return self.digits(mantissa) + self.tenfold + power
+            return n.digits(mantissa)
+        return (
+            n.digits(mantissa) + n.tenfold + n.raised.format(n.digits("10"), n.exponent(exponent))
+        )
 
     def _sum(self, node: Sum) -> str:
-        pieces = []
+        n, pieces = self.notation, []
         for term in node.terms:
             negative, size = _signed(term)
-            sign = (self.minus if negative else self.plus) if pieces else self.lead * negative
+            sign = (n.minus if negative else n.plus) if pieces else n.lead * negative
             pieces.append(sign + self(size, PRODUCT))
         return "".join(pieces)
 
     def _product(self, node: Product) -> str:
         before, string = node.factors[0], self._factor(node, 0)
         for k, factor in enumerate(node.factors[1:], 1):
-            string += self.gap(before, factor) + self._factor(node, k)
+            string += self.notation.gap(before, factor) + self._factor(node, k)
             before = factor
         return string
 
@@ -127,145 +196,92 @@ class Typesetter:
         factor, after = node.factors[k], node.factors[k + 1 : k + 2]
         if isinstance(factor, Number):
             return self(factor, ATOM if factor.value < 0 else EQUATION)
-        if self.brackets_before_factors and is_call(factor) and after and not is_call(after[0]):
+        before = self.notation.brackets_before_factors and after and not is_call(after[0])
+        if before and is_call(factor):
             return self._call(factor, True)
         return self(factor, CALL if isinstance(factor, Cross | Dot | Product) else PRODUCT)
 
     def _call(self, node: Expression, bracket: bool = False) -> str:
         """A function, or its power."""
-        function = node.base if isinstance(node, Power) else node
+        n, function = self.notation, node.base if isinstance(node, Power) else node
         assert isinstance(function, Function)
         argument = function.argument
         if function.name == "norm" and function is node:
-            return self.norm(self.whole(argument))
-        name = self.function(function.name)
+            return n.norm.format(self.whole(argument))
+        name = n.function(function.name)
         if isinstance(node, Power):
-            name = self.raised(name, self.high(node.exponent))
+            name = n.raised.format(name, n.exponent(node.exponent))
         if isinstance(argument, Arguments):
-            return self.applied(name, self(argument), True)
+            return n.bracketed.format(name, self(argument))
         bracket = bracket or precedence(argument) < PRODUCT or function.name == "sgn"
-        return self.applied(name, self.tight(self.whole(argument)), bracket)
+        form = n.bracketed if bracket else n.applied
+        return form.format(name, n.tight(self.whole(argument)))
 
     def _power(self, node: Power) -> str:
-        if isinstance(node.base, Function):
+        n, base = self.notation, node.base
+        if isinstance(base, Function):
             return self._call(node)
-        if isinstance(node.base, Transposed) and node.exponent == -1:
-            return self.raised(self.group(self(node.base.operand, ATOM)), self.inverse_transposed)
-        if isinstance(node.base, Symbol) and not node.base.high:
-            return self.symbol(node.base, self.high(node.exponent))
-        return self.raised(self.group(self.base(node.base)), self.high(node.exponent))
+        if isinstance(base, Transposed) and node.exponent == -1:
+            return self._raised(base.operand, n.inverse_transposed)
+        if isinstance(base, Symbol) and not base.high:
+            return n.symbol(base, n.exponent(node.exponent))
+        return self._raised(base, n.exponent(node.exponent))
+
+    def _raised(self, base: Expression, high: str) -> str:
+        n = self.notation
+        set_base = self if n.group == "{}" else self.whole
+        return n.raised.format(n.group.format(set_base(base, ATOM)), high)
 
     def _derivative(self, node: Derivative) -> str:
-        d = self.differentials[node.partial]
+        n = self.notation
+        d = n.differentials[node.partial]
         below = d + self(node.by, ATOM)
         if isinstance(node.of, Symbol):
-            return self.fraction(d + self(node.of), below)
-        return self.fraction(d.strip(), below) + self.operand(self.whole(node.of))
+            return n.fraction.format(d + self(node.of), below)
+        return n.fraction.format(d.strip(), below) + n.operand.format(self.whole(node.of))
 
-    def _pair(self, node: Cross | Dot) -> str:
-        left, right = (
+    def _pair(self, node: Cross | Dot, sign: str) -> str:
+        return sign.join(
             self(x, CALL if isinstance(x, Cross | Dot) else PRODUCT)
             for x in (node.left, node.right)
         )
-        return left + (self.cross if isinstance(node, Cross) else self.dot) + right
 
     def _quotient(self, node: Quotient) -> str:
+        form = self.notation.fraction
+        if self.notation.bar:
+            return form.format(self.whole(node.above), self.whole(node.below))
         above, below = self.fraction_levels
-        return self.fraction(self(node.above, above), self(node.below, below))
+        return form.format(self(node.above, above), self(node.below, below))
+
+    def _array(self, rows: Iterable[Iterable[Expression]], form: tuple[str, str, str]) -> str:
+        around, below, beside = form
+        return around.format(below.join(beside.join(map(self.whole, row)) for row in rows))
+
+    def _column(self, node: Vector) -> str:
+        n, rows = self.notation, [[entry] for entry in node.entries]
+        return self._array(rows, n.column or n.matrix)
 
     _rules: ClassVar[dict[type, Callable[[Any, Any], str]]] = {
         Number: _number,
-        Symbol: lambda self, node: self.symbol(node),
+        Symbol: lambda self, node: self.notation.symbol(node, ""),
         Sum: _sum,
-        Negative: lambda self, node: self.lead + self(node.operand, PRODUCT),
+        Negative: lambda self, node: self.notation.lead + self(node.operand, PRODUCT),
         Product: _product,
         Quotient: _quotient,
         Power: _power,
-        Transposed: lambda self, node: self.raised(
-            self.group(self(node.operand, ATOM)), self.transposed
-        ),
+        Transposed: lambda self, node: self._raised(node.operand, self.notation.transposed),
         Function: _call,
         Derivative: _derivative,
-        Cross: _pair,
-        Dot: _pair,
-        Arguments: lambda self, node: self.comma.join(self.whole(x, SUM) for x in node.entries),
-        Vector: lambda self, node: self.column([self.whole(x) for x in node.entries]),
-        Matrix: lambda self, node: self.array([[self.whole(x) for x in row] for row in node.rows]),
-        Equation: lambda self, node: self.equals.join(self(side, SUM) for side in node.sides),
-        Words: lambda self, node: self.words(node.text),
+        Cross: lambda self, node: self._pair(node, self.notation.cross),
+        Dot: lambda self, node: self._pair(node, self.notation.dot),
+        Arguments: lambda self, node: self.notation.comma.join(
+            self.whole(x, SUM) for x in node.entries
+        ),
+        Vector: _column,
+        Matrix: lambda self, node: self._array(node.rows, self.notation.matrix),
+        Equation: lambda self, node: self.notation.equals.join(self(x, SUM) for x in node.sides),
+        Words: lambda self, node: self.notation.words(node.text),
     }
-
-    # ------------------------------------------------------------ the pieces
-    tenfold = "·"
-    """Between a decimal's digits and its power of ten."""
-
-    def digits(self, digits: str) -> str:
-        """A number's digits and sign."""
-        raise NotImplementedError
-
-    def ratio(self, value: Fraction) -> str:
-        """A fraction of two numbers."""
-        raise NotImplementedError
-
-    def symbol(self, node: Symbol, high: str = "") -> str:
-        """A symbol, with an exponent as `high` gives it."""
-        raise NotImplementedError
-
-    def high(self, exponent: int) -> str:
-        """An exponent."""
-        raise NotImplementedError
-
-    def raised(self, base: str, high: str) -> str:
-        """Something with an exponent."""
-        return base + high
-
-    def base(self, node: Expression) -> str:
-        """What a power is of, in brackets where needed."""
-        return self(node, ATOM)
-
-    def group(self, string: str) -> str:
-        """Several pieces as one."""
-        return string
-
-    def gap(self, before: Expression, after: Expression) -> str:
-        """What stands between two factors."""
-        return " "
-
-    def function(self, name: str) -> str:
-        """A function's name."""
-        return name
-
-    def tight(self, argument: str) -> str:
-        """An argument without the spaces around its signs."""
-        return argument
-
-    def applied(self, name: str, argument: str, bracket: bool) -> str:
-        """A function with its argument."""
-        return f"{name}({argument})" if bracket else f"{name} {argument}"
-
-    def norm(self, argument: str) -> str:
-        """The length of a vector."""
-        return f"|{argument}|"
-
-    def fraction(self, above: str, below: str) -> str:
-        """A fraction of expressions."""
-        return f"{above}/{below}"
-
-    def operand(self, string: str) -> str:
-        """What a derivative that stands before it is taken of."""
-        return f" ({string})"
-
-    def column(self, entries: list[str]) -> str:
-        """A column of entries."""
-        return self.array([[entry] for entry in entries])
-
-    def array(self, rows: list[list[str]]) -> str:
-        """A matrix."""
-        raise NotImplementedError
-
-    def words(self, text: str) -> str:
-        """Upright words."""
-        return text
 
 
 def _signed(term: Expression) -> tuple[bool, Expression]:
