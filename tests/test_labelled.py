@@ -36,7 +36,7 @@ BY_NAME = {
     "tau": "rates",
     "v": "rates", "rates": "rates", "accelerations": "rates", "torque": "rates", "V": "rows",
     "A": "rows",
-    "wrenches": "wrench", "point": "point", "about": "point",
+    "waypoints": "positions", "wrenches": "wrench", "point": "point", "about": "point",
 }  # fmt: skip
 """Arguments whose entries have names, and which."""
 
@@ -52,6 +52,7 @@ BY_POSITION = {
     "simulate": {"t": [0.0, 0.01, 0.02], "breakpoints": [0.01, 0.02]},
     "inverse_kinematics": {"target": [0.3, 0.2]},
     "dh": {"gravity": [0.0, 0.0, -9.81]},
+    **{name: {"times": [0.0, 2.0]} for name in ("quintic", "trapezoid", "s_curve", "spline")},
 }
 """Functions and their arguments in which a place, not a name, tells what a number is; with values
 for them."""
@@ -61,6 +62,10 @@ OTHERS = {
     "rotation": {"axes": "XYZ"},
     "inertia_from": {"mass": 1.0, "tensor": 1.0},
     "dh": {"rows": [{"a": 1.0}], "convention": "standard"},
+    **{
+        name: {"model": fb.load("2R"), "waypoints": [[0.0, 0.0], [1.0, 1.0]]}
+        for name in ("quintic", "trapezoid", "s_curve", "spline")
+    },
 }
 
 

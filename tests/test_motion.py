@@ -16,7 +16,8 @@ from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.gravity import gravity_of
 from freebody.motion.motion import motion_of
 from freebody.motion.ranges import position_columns, ranges
-from freebody.motion.read_motion import motion_from_dataset, read_motion
+from freebody.motion.read_motion import read_motion
+from freebody.motion.tables import motion_from_table
 from support.helpers import OPEN_CHAINS
 
 pytestmark = pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
@@ -206,18 +207,16 @@ def test_a_dataset_is_a_motion_too():
         {"joint1": ("time", t**2), "joint2": ("time", t), "joint2.v": ("time", 1 + 0 * t)},
         {"time": t},
     )
-    motion = motion_from_dataset(model, data)
+    motion = motion_from_table(model, data)
     np.testing.assert_allclose(motion.qd, np.stack([2 * t, 1 + 0 * t], axis=-1), atol=1e-10)
-    with pytest.raises(
-        FreebodyError, match=r"^motion: the dataset: there is no column for 'joint2'"
-    ):
-        motion_from_dataset(model, data.drop_vars(["joint2", "joint2.v"]))
-    with pytest.raises(FreebodyError, match=r"needs a one-dimensional coordinate 'time'"):
-        motion_from_dataset(model, xr.Dataset({"joint1": 1.0}))
+    with pytest.raises(FreebodyError, match=r"^motion: the table: there is no column for 'joint2'"):
+        motion_from_table(model, data.drop_vars(["joint2", "joint2.v"]))
+    with pytest.raises(FreebodyError, match=r"needs a one-dimensional 'time'"):
+        motion_from_table(model, xr.Dataset({"joint1": 1.0}))
     with pytest.raises(
         FreebodyError, match=r"'joint1' holds a value that is not finite\. \(sample 7\)"
     ):
-        motion_from_dataset(model, data.assign(joint1=data.joint1.where(data.time < 1)))
+        motion_from_table(model, data.assign(joint1=data.joint1.where(data.time < 1)))
 
 
 def test_arrays_are_checked():

@@ -12,7 +12,8 @@ import xarray as xr
 
 import freebody as fb
 from freebody.errors import FileError, FreebodyError
-from freebody.motion.read_motion import motion_from_dataset, read_motion
+from freebody.motion.read_motion import read_motion
+from freebody.motion.tables import motion_from_table
 
 ARM = fb.planar(
     "RP", l=[0.5, 0], lc=[0.2, 0.1], m=[2, 1], I=[0.1, 0.1], limits=[(-3.2, 3.2), (0.0, 0.9)]
@@ -155,22 +156,22 @@ def test_the_units_of_a_dataset_count():
         angle = ("time", np.degrees(Q[:, 0]), {"units": unit})
         return xr.Dataset({"joint1": angle, "joint2": ("time", Q[:, 1])}, {"time": T})
 
-    np.testing.assert_allclose(motion_from_dataset(ARM, data("deg")).q, Q, rtol=1e-12)
+    np.testing.assert_allclose(motion_from_table(ARM, data("deg")).q, Q, rtol=1e-12)
     with pytest.raises(
-        FreebodyError, match=r"motion: the dataset: 'joint1': 'furlong' is not a unit of an angle"
+        FreebodyError, match=r"motion: the table: 'joint1': 'furlong' is not a unit of an angle"
     ):
-        motion_from_dataset(ARM, data("furlong"))
+        motion_from_table(ARM, data("furlong"))
 
 
 def test_what_is_advised_for_arrays_works():
     model, t = fb.load("2R"), np.linspace(0, 1, 21)
     q = np.stack([np.sin(t), np.cos(t)], axis=-1)
     with pytest.raises(
-        FreebodyError, match="expected a Motion, a CSV file or an xarray Dataset"
+        FreebodyError, match="expected a Motion, a CSV file or a table by names"
     ) as refused:
         fb.study(model, (t, q))  # type: ignore[arg-type]
     advice = str(refused.value).split("(T, nq): ")[1].rstrip(".")
-    data = eval(advice, {"xarray": xr, "model": model, "q": q, "t": t})
+    data = eval(advice, {"fb": fb, "model": model, "q": q, "t": t})
     np.testing.assert_allclose(fb.study(model, data).motion.q, q)
 
 

@@ -53,8 +53,14 @@ from freebody.model.planar_arms import planar as planar
 from freebody.motion.default_motion import default_motion as default_motion
 from freebody.motion.measured_motions import smoothed as smoothed
 from freebody.motion.motion import Motion as Motion
+from freebody.motion.planning_limits import exceeded_limits as exceeded_limits
+from freebody.motion.point_to_point import dwell as dwell
+from freebody.motion.point_to_point import quintic as quintic
+from freebody.motion.point_to_point import s_curve as s_curve
+from freebody.motion.point_to_point import trapezoid as trapezoid
 from freebody.motion.read_motion import read_motion as read_motion
 from freebody.motion.simulate import simulate as simulate
+from freebody.motion.splines import spline as spline
 from freebody.report.study import Study as Study
 from freebody.report.study import study as study
 from freebody.robots import models as models

@@ -17,7 +17,9 @@ NOT_OF_STATES = frozenset(
         "check",
         "default_motion",
         "derive",
+        "dwell",
         "equations",
+        "exceeded_limits",
         "formula",
         "inertial_parameters",
         "kernel",
@@ -25,19 +27,23 @@ NOT_OF_STATES = frozenset(
         "notes_figure",
         "parameters",
         "quantities",
+        "quintic",
         "read_motion",
         "relation",
+        "s_curve",
         "save",
         "singularities",
         "singularity_diagram",
         "singularity_loci",
         "smoothed",
         "source",
+        "spline",
         "study",
         "to_jax",
+        "trapezoid",
     }
 )
-"""Public functions of a model that take no vector of its coordinates."""
+"""Public functions of a model that take no vector of its coordinates, or several in a row."""
 
 LONG = frozenset({"assembly_modes", "simulate"})
 DRAWINGS = frozenset({"free_body_diagram", "kinematic_diagram"})

@@ -122,12 +122,7 @@ def _header(
     header: dict[str, str] = {}  # name -> its cell
     factors, told = [], set()
     for cell in cells:
-        name, unit = cell, None
-        match = _NAMED.fullmatch(cell)
-        if cell not in quantities and match:
-            name, unit = match[1], (match[2] if match[3] is None else match[3]).strip()
-        if name.lower() in TIMES and name not in quantities:
-            name = "t"
+        name, unit = named_unit(cell, quantities)
         if name in header:
             before = header[name]
             problem = (
@@ -149,6 +144,17 @@ def _header(
             f"the header has no column 't' (time in s); it has {quoted(cells)}{_hint(cells)}.",
         )
     return list(header), np.array(factors), frozenset(told)
+
+
+def named_unit(cell: str, quantities: Mapping[str, str]) -> tuple[str, str | None]:
+    """The name in a header's cell, `t` for the time, and the unit behind it."""
+    name, unit = cell, None
+    match = _NAMED.fullmatch(cell)
+    if cell not in quantities and match:
+        name, unit = match[1], (match[2] if match[3] is None else match[3]).strip()
+    if name.lower() in TIMES and name not in quantities:
+        name = "t"
+    return name, unit
 
 
 def _hint(cells: list[str]) -> str:

@@ -93,7 +93,7 @@ def smoothed(model: Model, motion: Motion, cutoff: float | None = None) -> Motio
         else:
             x = curve(motion.t), curve.derivative()(motion.t), curve.derivative(2)(motion.t)
             states = state_of(motion.layout, *x)
-        clean = replace(motion, q=states[0], qd=states[1], qdd=states[2])
+        clean = replace(motion, q=states[0], qd=states[1], qdd=states[2], pieces=None)
     clean = replace(clean, source=source, notices=motion.notices, differentiated="")
     return rested(model, clean, _STILL * _rate_noise(motion, samples, chosen))
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +12,9 @@ from scipy.interpolate import make_interp_spline
 from freebody.arrays import Array, as_floats
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
+from freebody.locks import imported
 from freebody.model.model import Model
+from freebody.motion.peaks import Peaks, peaks_of
 from freebody.motion.piecewise import PiecewisePolynomial, hermite
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.trees.position_rates import (
@@ -24,19 +26,21 @@ from freebody.trees.position_rates import (
     state_of,
 )
 from freebody.trees.public_calls import vector
-from freebody.values import ByValue
+from freebody.values import ByValue, key
 
 FEWEST = 4
 """Samples that a motion needs: fewer do not determine an acceleration."""
+_ON_CURVE = 1e-9  # rad, m: how far samples may lie from the curve that they are samples of
+_MEET = 1e-9  # of the largest position or rate: by how much motions in a row may miss each other
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Motion(Tabled, ByValue):
     """Samples of a motion, with quintic interpolation of position, rate and acceleration between
-    them.
+    them, or exactly the curve on which they lie.
 
-    t: (T,) increasing, s. q: (T, nq). qd, qdd: (T, nv). rad and m. The curve has continuous
-    accelerations.
+    t: (T,) increasing, s. q: (T, nq). qd, qdd: (T, nv). rad and m. The interpolated curve has
+    continuous accelerations; where those of an exact one jump, `qdd` has the later value.
     """
 
     t: Array
@@ -49,8 +53,40 @@ class Motion(Tabled, ByValue):
     notices: tuple[str, ...] = ()
     differentiated: Literal["", "positions", "rates"] = ""
     """What samples the accelerations are derivatives of, where they were not given."""
+    pieces: PiecewisePolynomial | None = None
+    """The positions (nq,) over time as they were planned; None: interpolated."""
     _aside = ("source", "notices")
     _copies = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.pieces is not None:
+            off = np.abs(self.pieces(self.t) - self.q).max()
+            if not off <= _ON_CURVE * (1.0 + np.abs(self.q).max()):
+                raise FreebodyError(
+                    f"Motion: its samples lie off its pieces by {off:.3g}; give pieces=None where "
+                    f"q or t are replaced."
+                )
+
+    @staticmethod
+    def of(
+        model: Model,
+        t: Any,
+        q: Any = None,
+        qd: Any = None,
+        qdd: Any = None,
+    ) -> Motion:
+        """The motion of samples: arrays t (T,) in s, q (T, nq), and if known qd, qdd (T, nv); or
+        one table by names.
+
+        A table (dict, DataFrame or Dataset) is given in the place of t: `t` or `time` and the names
+        of the model's positions, `name.v` and `name.a` for rates and accelerations, units as in
+        `read_motion`. Arrays may be by name too. At least 4 samples. What is not given is
+        differentiated: by the quintic spline through the positions, or through the rates. Raises
+        FreebodyError.
+        """
+        # above this module: tables are completed and smoothed there, which takes motions
+        return imported("freebody.motion.tables").motion_of_samples(model, t, q, qd, qdd)
 
     def _title(self) -> str:
         return (
@@ -60,10 +96,16 @@ class Motion(Tabled, ByValue):
         )
 
     def _table(self) -> TextTable:
-        rows = [(f"q[{k}]", f"{x.min():.4g} … {x.max():.4g}") for k, x in enumerate(self.q.T)]
+        found = self.peaks
+        rows = [
+            (f"q[{k}]", f"{low:.4g} … {high:.4g}")
+            for k, (low, high) in enumerate(
+                zip(found.position.low, found.position.high, strict=True)
+            )
+        ]
         rates = [
-            (f"{abs(v).max():.4g}", f"{abs(a).max():.4g}")
-            for v, a in zip(self.qd.T, self.qdd.T, strict=True)
+            (f"{v:.4g}", f"{a:.4g}")
+            for v, a in zip(found.velocity.size, found.acceleration.size, strict=True)
         ]
         if self.layout.flat:
             rows = [(*row, *rate) for row, rate in zip(rows, rates, strict=True)]
@@ -86,6 +128,8 @@ class Motion(Tabled, ByValue):
     def curve(self) -> PiecewisePolynomial:
         """The positions over time, (nq,) functions; quaternions in it are of unit length at the
         samples."""
+        if self.pieces is not None:
+            return self.pieces
         x = continuous(self.layout, self.q)
         return hermite(
             self.t,
@@ -95,8 +139,85 @@ class Motion(Tabled, ByValue):
         )
 
     @cached_property
+    def peaks(self) -> Peaks:
+        """Extremes of positions, rates and accelerations, between samples too, with their times."""
+        return peaks_of(self.curve, self.layout)
+
+    @cached_property
     def _curves(self) -> tuple[PiecewisePolynomial, PiecewisePolynomial, PiecewisePolynomial]:
         return self.curve, self.curve.derivative(), self.curve.derivative(2)
+
+    def faster(self, factor: float) -> Motion:
+        """The same path run `factor` times as fast from the same start (below 1: slower)."""
+        if not (np.isfinite(factor) and factor > 0.0):
+            raise FreebodyError(f"faster: factor is {factor:g}, expected more than 0.")
+        return replace(
+            self,
+            t=self.t[0] + (self.t - self.t[0]) / factor,
+            qd=self.qd * factor,
+            qdd=self.qdd * factor**2,
+            source=f"{self.source}; {factor:.4g} times as fast",
+            pieces=None if self.pieces is None else self.pieces.scaled(factor),
+        )
+
+    def then(self, other: Motion) -> Motion:
+        """This motion and then the other, whose time goes on from here.
+
+        The other begins where this one ends, and as fast. Accelerations may differ; the later one
+        counts at the time between. Raises FreebodyError with the entry that does not fit.
+        """
+        _refuse_gap(self, other)
+        x = continuous(self.layout, np.stack([self.curve(self.t[-1]), other.q[0]]))
+        sign = np.where(x[1] * other.curve(other.t[0]) < 0.0, -1.0, 1.0)  # of a quaternion
+        turned = replace(other.curve, coefficients=other.curve.coefficients * sign)
+        joined = {
+            name: np.concatenate([getattr(self, name)[:-1], getattr(other, name)])
+            for name in ("q", "qd", "qdd")
+        }
+        t = np.concatenate([self.t, self.t[-1] + (other.t[1:] - other.t[0])])
+        pieces = self.curve.then(turned)
+        if not self.layout.flat:
+            joined["q"] = pieces(t)
+        notices = tuple(dict.fromkeys((*self.notices, *other.notices)))
+        source = self.source if other.source == self.source else f"{self.source}; {other.source}"
+        both = (self.differentiated, other.differentiated)
+        how = "positions" if "positions" in both else max(both)
+        return Motion(
+            t, **joined, source=source, layout=self.layout, notices=notices,
+            differentiated=how, pieces=pieces,
+        )  # fmt: skip
+
+    def repeated(self, times: int) -> Motion:
+        """The motion `times` times in a row; it ends where, and as fast as, it begins."""
+        if times < 1:
+            raise FreebodyError(f"repeated: times is {times}, expected at least 1.")
+        found = self
+        for _ in range(times - 1):
+            found = found.then(self)
+        return replace(found, source=f"{self.source}; {times} times") if times > 1 else found
+
+
+def _refuse_gap(first: Motion, second: Motion) -> None:
+    """Refuse motions that cannot follow each other."""
+    if key(first.layout) != key(second.layout):
+        raise FreebodyError(
+            f"then: the motions are of different robots, with {first.layout.nq} and "
+            f"{second.layout.nq} positions; both must be of one model."
+        )
+    ends = continuous(first.layout, np.stack([first.q[-1], second.q[0]]))
+    speed = max(np.abs(first.qd).max(), np.abs(second.qd).max())
+    for what, before, after, slack in (
+        ("q", *ends, _MEET * (1.0 + np.abs(ends).max())),
+        ("qd", first.qd[-1], second.qd[0], _MEET * speed),
+    ):
+        off = np.abs(after - before)
+        k = int(np.argmax(off))
+        if off[k] > slack:
+            raise FreebodyError(
+                f"then: the first motion ends with {what}[{k}] = {before[k]:.6g}, the second "
+                f"begins with {after[k]:.6g}; plan a motion between them, such as "
+                f"fb.quintic(model, [first.q[-1], second.q[0]], acceleration=...)."
+            )
 
 
 def motion_of(

@@ -84,12 +84,12 @@ class Extremes(ByValue):
     @property
     def size(self) -> Array:
         """Largest absolute values."""
-        return np.maximum(-self.low, self.high)
+        return np.maximum(np.abs(self.low), np.abs(self.high))
 
     @property
     def size_at(self) -> Array:
         """Where these are."""
-        return np.where(-self.low > self.high, self.low_at, self.high_at)
+        return np.where(np.abs(self.low) > np.abs(self.high), self.low_at, self.high_at)
 
 
 def interpolated(

@@ -16,7 +16,8 @@ from freebody.model.model import Model
 from freebody.motion.default_motion import default_motion
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import ranges
-from freebody.motion.read_motion import motion_from_dataset, read_motion
+from freebody.motion.read_motion import read_motion
+from freebody.motion.tables import Table, motion_from_table
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.report.checks import checks
 from freebody.report.jacobians import singularity
@@ -172,7 +173,7 @@ class Study(Tabled, ByValue):
 
 def study(
     model: Model,
-    motion: Motion | xr.Dataset | str | os.PathLike[str] | None = None,
+    motion: Motion | Table | str | os.PathLike[str] | None = None,
     tip: str | None = None,
     *,
     smooth: Smooth = False,
@@ -180,13 +181,13 @@ def study(
 ) -> Study:
     """The dynamic study of a robot along a motion.
 
-    model: with all values. motion: a Motion, a CSV file or a dataset (see `read_motion`); default a
-    smooth one within the joint limits, slowed as far as the limits of speed and torque require.
-    tip: frame; default the model's own, else the leaf behind the most movable joints. smooth: True,
-    or a cutoff (Hz), for a measured motion (see `smoothed`); noise that spoils the torques is
-    reported in any case, with the torques with and without it. progress: called with a text and the
-    fraction done. Raises FreebodyError for a robot without movable joints, MissingValueError for
-    one with open parameters.
+    model: with all values. motion: a Motion, a CSV file (see `read_motion`) or a table by names
+    (see `Motion.of`: a dict, a DataFrame, a Dataset); default a smooth one within the joint limits,
+    slowed as far as the limits of speed and torque require. tip: frame; default the model's own,
+    else the leaf behind the most movable joints. smooth: True, or a cutoff (Hz), for a measured
+    motion (see `smoothed`); noise that spoils the torques is reported in any case, with the torques
+    with and without it. progress: called with a text and the fraction done. Raises FreebodyError
+    for a robot without movable joints, MissingValueError for one with open parameters.
     """
     if model.nv == 0:
         raise FreebodyError(
@@ -243,7 +244,7 @@ def _driven(model: Model) -> tuple[str, ...]:
     )
 
 
-def _motion(model: Model, motion: Motion | xr.Dataset | str | os.PathLike[str] | None) -> Motion:
+def _motion(model: Model, motion: Motion | Table | str | os.PathLike[str] | None) -> Motion:
     if motion is None:
         return _unhurried(model, default_motion(model))
     if isinstance(motion, Motion):
@@ -256,17 +257,15 @@ def _motion(model: Model, motion: Motion | xr.Dataset | str | os.PathLike[str] |
         return motion
     if isinstance(motion, str | os.PathLike):
         return read_motion(model, motion)
-    if not hasattr(motion, "variables"):
+    if not hasattr(motion, "items"):
         raise KindError(
             "study",
             "motion",
             motion,
-            "a Motion, a CSV file or an xarray Dataset",
-            'From arrays t (T,) and q (T, nq): xarray.Dataset({name: ("time", q[:, k]) for k, '
-            "name in "
-            'enumerate(model.position_names)}, {"time": t}).',
+            "a Motion, a CSV file or a table by names",
+            "From arrays t (T,) and q (T, nq): fb.Motion.of(model, t, q).",
         )
-    return motion_from_dataset(model, motion)
+    return motion_from_table(model, motion)
 
 
 def _unhurried(model: Model, motion: Motion) -> Motion:

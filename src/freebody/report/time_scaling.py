@@ -80,14 +80,7 @@ _PARTS = ("inertial", "coriolis", "rotors", "viscous", "friction", "gravity", "s
 def at_pace(motion: Motion, factor: float, words: str) -> Motion:
     """The same path run `factor` times as fast, from the same start; `words` are added to its
     source."""
-    start = motion.t[0]
-    return replace(
-        motion,
-        t=start + (motion.t - start) / factor,
-        qd=motion.qd * factor,
-        qdd=motion.qdd * factor**2,
-        source=f"{motion.source}{words}",
-    )
+    return replace(motion.faster(factor), source=f"{motion.source}{words}")
 
 
 def _broken(a: Array, b: Array, c: Array, bound: Array) -> tuple[Array, Array]:

@@ -1,0 +1,57 @@
+"""What planners share: times of waypoints, and a planned curve as a motion with samples."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from freebody.arrays import Array, as_floats
+from freebody.errors import FreebodyError, ShapeError
+from freebody.model.model import Model
+from freebody.motion.motion import Motion
+from freebody.motion.piecewise import PiecewisePolynomial
+from freebody.motion.planning_limits import PlanningLimits
+from freebody.trees.position_rates import layout
+
+SAMPLES = 401
+"""Of a motion whose step is not given."""
+_ROUNDED = 1e-12  # of the fastest rate
+
+
+def read_times(function: str, given: ArrayLike, count: int) -> Array:
+    """Times of waypoints (count,), increasing, s."""
+    times = as_floats(function, "times", given)
+    if times.shape != (count,):
+        raise ShapeError(function, "times", times.shape, f"({count},)", "one time a waypoint")
+    if not np.isfinite(times).all() or (np.diff(times) <= 0).any():
+        raise FreebodyError(f"{function}: times must be finite and increase; got {times.tolist()}.")
+    return times
+
+
+def sample_times(function: str, start: float, end: float, step: float | None) -> Array:
+    """Times from start to end, `step` apart, the last two nearer where that does not fit."""
+    if step is None:
+        return np.linspace(start, end, SAMPLES)
+    if not (np.isfinite(step) and 0.0 < step <= (end - start) / 3.0):
+        raise FreebodyError(
+            f"{function}: step is {step:g} s, expected more than 0 and at most a third of the "
+            f"motion, {(end - start) / 3.0:.4g} s."
+        )
+    count = int(np.ceil((end - start) / step - 1e-6))
+    return np.append(start + step * np.arange(count), end)
+
+
+def planned(
+    function: str,
+    model: Model,
+    curve: PiecewisePolynomial,
+    words: str,
+    limits: PlanningLimits,
+    step: float | None,
+) -> Motion:
+    """The motion along a curve of the positions over time."""
+    t = sample_times(function, float(curve.breaks[0]), float(curve.breaks[-1]), step)
+    q, qd, qdd = curve(t), curve.derivative()(t), curve.derivative(2)(t)
+    qd[np.abs(qd) <= _ROUNDED * np.abs(qd).max()] = 0.0  # else rest would feel Coulomb friction
+    notices = limits.allowed.notices
+    return Motion(t, q, qd, qdd, words, layout(model), notices, pieces=curve)

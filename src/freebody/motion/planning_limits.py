@@ -1,0 +1,199 @@
+"""The limits that a planned motion keeps, and whether a motion keeps them: between samples too."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError
+from freebody.model.model import Model
+from freebody.motion.motion import Motion
+from freebody.motion.ranges import Ranges, position_columns, ranges
+from freebody.trees.public_calls import Vector, finite_vector
+
+SLACK = 1e-9
+"""Of a limit (or rad, m): what a motion that was planned along it is off by rounding."""
+Limit = Vector | float | None
+
+
+@dataclass(frozen=True)
+class LimitExcess:
+    """A limit that a motion does not keep, where it is farthest beyond."""
+
+    name: str
+    """Of the coordinate."""
+    quantity: str
+    """ "position", "velocity" or "acceleration"."""
+    value: float
+    limit: float
+    time: float
+    """s."""
+    unit: str
+
+    @property
+    def text(self) -> str:
+        """A clause."""
+        return (
+            f"the {self.quantity} of {self.name} is {self.value:.5g} {self.unit} at "
+            f"t = {self.time:.4g} s, its limit {self.limit:.5g} {self.unit}"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class PlanningLimits:
+    """Largest rates (nv,), infinite where nothing limits them; positions keep to `allowed`."""
+
+    allowed: Ranges
+    velocity: Array
+    acceleration: Array
+    jerk: Array
+
+
+def planning_limits(
+    function: str,
+    model: Model,
+    velocity: Limit = None,
+    acceleration: Limit = None,
+    jerk: Limit = None,
+) -> PlanningLimits:
+    """The limits given, one for all coordinates or one each (nv,), and the model's own."""
+    allowed = ranges(model)
+    given = {
+        name: _read(function, model, name, value)
+        for name, value in (
+            ("velocity", velocity),
+            ("acceleration", acceleration),
+            ("jerk", jerk),
+        )
+    }
+    given["velocity"] = np.minimum(given["velocity"], allowed.velocity)
+    return PlanningLimits(allowed, **given)
+
+
+def _read(function: str, model: Model, name: str, value: Limit) -> Array:
+    if value is None:
+        return np.full(model.nv, np.inf)
+    if isinstance(value, (int, float)):
+        value = np.full(model.nv, float(value))
+    array = finite_vector(function, model, name, value)
+    if array.ndim != 1:
+        raise FreebodyError(
+            f"{function}: {name} has shape {array.shape}, expected one number for all joints or "
+            f"({model.nv},)."
+        )
+    if not (array > 0.0).all():
+        k = int(np.argmin(array))
+        raise FreebodyError(
+            f"{function}: {name} of {model.velocity_names[k]} is {array[k]:g}, expected a limit "
+            f"above 0."
+        )
+    return array
+
+
+def exceeded_limits(
+    model: Model, motion: Motion, velocity: Limit = None, acceleration: Limit = None
+) -> tuple[LimitExcess, ...]:
+    """The limits of position and speed that a motion does not keep, also between its samples; empty
+    where it keeps all.
+
+    velocity, acceleration: further limits, one number or (nv,), rad/s, m/s and rad/s², m/s². Those
+    of the model count too (zero means not given, see `Limits`). Torques are the matter of `study`.
+    """
+    limits = planning_limits("exceeded_limits", model, velocity, acceleration)
+    return tuple(excesses(model, motion, limits))
+
+
+def excesses(model: Model, motion: Motion, limits: PlanningLimits) -> Iterator[LimitExcess]:
+    """What `exceeded_limits` finds."""
+    names, found = model.velocity_names, motion.peaks
+    units = np.where(limits.allowed.turns, "rad", "m")
+    for iq, iv in zip(*position_columns(model), strict=True):
+        of = found.position
+        for beyond, value, limit, time in (
+            (-1.0, of.low[iq], limits.allowed.lower[iv], of.low_at[iq]),
+            (1.0, of.high[iq], limits.allowed.upper[iv], of.high_at[iq]),
+        ):
+            if beyond * (value - limit) > SLACK * max(1.0, abs(limit)):
+                yield LimitExcess(
+                    names[iv], "position", float(value), float(limit), float(time), str(units[iv])
+                )
+    for quantity, of, most, per in (
+        ("velocity", found.velocity, limits.velocity, "/s"),
+        ("acceleration", found.acceleration, limits.acceleration, "/s²"),
+    ):
+        for k in np.flatnonzero(of.size > most * (1.0 + SLACK)):
+            size, limit, time = float(of.size[k]), float(most[k]), float(of.size_at[k])
+            yield LimitExcess(names[k], quantity, size, limit, time, f"{units[k]}{per}")
+
+
+def quickest(
+    function: str, model: Model, velocity: Array, acceleration: Array, limits: PlanningLimits
+) -> float:
+    """How many times as fast a motion with these peaks (nv,) may be run.
+
+    Raises FreebodyError where nothing limits it.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        by_speed = np.where(velocity > 0.0, limits.velocity / velocity, np.inf)
+        by_size = np.where(acceleration > 0.0, limits.acceleration / acceleration, np.inf)
+    factor = float(min(by_speed.min(), np.sqrt(by_size.min())))
+    if not np.isfinite(factor):
+        raise unlimited(function, model, "times=, velocity= or acceleration=")
+    return factor
+
+
+def unlimited(function: str, model: Model, needed: str) -> FreebodyError:
+    """What to raise where nothing says how fast a motion may be."""
+    return FreebodyError(
+        f"{function}: nothing limits how fast {model.name!r} may move so; give {needed} (robot "
+        f"descriptions hold speeds at most)."
+    )
+
+
+def within_limits(function: str, model: Model, motion: Motion, limits: PlanningLimits) -> Motion:
+    """The motion, with the model's notices on its limits; refuses one that exceeds a limit."""
+    found = list(excesses(model, motion, limits))
+    if not found:
+        return motion
+    remedies = []
+    if any(x.quantity == "position" for x in found):
+        remedies.append("move the waypoints away from the limit")
+    rates = [x for x in found if x.quantity != "position"]
+    if rates:
+        slow = max((x.value / x.limit) ** (1.0 if x.quantity == "velocity" else 0.5) for x in rates)
+        remedies.append(f"take {np.ceil(slow * 1000) / 1000:.4g} times as long")
+    more = f" ({len(found) - 1} more limits are exceeded)" if len(found) > 1 else ""
+    raise FreebodyError(f"{function}: {found[0].text}{more}; {' and '.join(remedies)}.")
+
+
+def read_waypoints(function: str, model: Model, given: Any, limits: PlanningLimits) -> Array:
+    """Waypoints (k, nq), k > 1, within the limits; refuses robots that no such motion is planned
+    for."""
+    model.require_values("a motion")
+    model.require_tree(function, "fb.Motion.of with the positions of the driven joints")
+    if model.nq != model.nv:
+        raise FreebodyError(
+            f"{function}: {model.name!r} has joints whose positions are quaternions, for which "
+            f"this is not available; give samples to fb.Motion.of."
+        )
+    q = finite_vector(function, model, "q", given)
+    if q.ndim != 2 or len(q) < 2:
+        raise FreebodyError(
+            f"{function}: the waypoints have shape {q.shape}, expected at least two rows: "
+            f"(k, {model.nq})."
+        )
+    iq, iv = position_columns(model)
+    low, high = limits.allowed.lower[iv], limits.allowed.upper[iv]
+    x = q[:, iq]
+    beyond = np.maximum(low - x, x - high)
+    k, j = np.unravel_index(np.argmax(beyond), beyond.shape)
+    if beyond[k, j] > SLACK * max(1.0, abs(x[k, j])):
+        raise FreebodyError(
+            f"{function}: waypoint {k} has {model.velocity_names[iv[j]]} at {x[k, j]:.5g}, outside "
+            f"its range from {low[j]:.5g} to {high[j]:.5g}."
+        )
+    return q

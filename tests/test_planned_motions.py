@@ -1,0 +1,246 @@
+"""Planned motions: closed forms, limits reached and kept between samples, ruckig's durations."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import freebody as fb
+from freebody.motion.profiles import PROFILES
+from support.extras import extra
+
+ARM = fb.load("ur5e")
+WAY = np.random.default_rng(0).uniform(-1.5, 1.5, (4, 6))
+PLANNERS: dict[str, Callable[..., fb.Motion]] = {
+    "quintic": lambda way, **given: fb.quintic(ARM, way, acceleration=3.0, **given),
+    "trapezoid": lambda way, **given: fb.trapezoid(ARM, way, acceleration=3.0, **given),
+    "s_curve": lambda way, **given: fb.s_curve(ARM, way, acceleration=3.0, jerk=20.0, **given),
+    "spline": lambda way, **given: fb.spline(ARM, way, acceleration=3.0, **given),
+}
+
+
+# ---------------------------------------------------------------- one axis
+def test_the_trapezoid_and_its_triangle_are_the_closed_forms():
+    move = PROFILES["trapezoid"].quickest
+    assert move(3.0, 1.0, 2.0, np.inf).breaks == pytest.approx([0.0, 0.5, 3.0, 3.5])
+    assert move(2.0, 9.0, 2.0, np.inf).breaks == pytest.approx([0.0, 1.0, 2.0])
+    assert move(2.0, np.inf, 2.0, np.inf)(1.0) == pytest.approx(1.0)
+
+
+def test_the_s_curve_has_the_phases_of_the_book():
+    """Biagiotti and Melchiorri 2008, examples 3.9 and 3.11: way 10, limits 5, 10, 30 and so on."""
+    move = PROFILES["s-curve"].quickest
+    full = move(10.0, 5.0, 10.0, 30.0)
+    assert np.diff(full.breaks) == pytest.approx(np.array([2, 1, 2, 7, 2, 1, 2]) / 6.0)
+    short = move(10.0, 10.0, 10.0, 1e6)  # nearly a triangle of speed
+    assert short.breaks[-1] == pytest.approx(2.0, rel=1e-4)
+    assert move(2.0, np.inf, np.inf, 1.0).breaks[-1] == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_profiles_reach_a_limit_and_break_none(name: str):
+    rng = np.random.default_rng(3)
+    for _ in range(40):
+        way, *limits = (10.0 ** rng.uniform(-2, 2, 4)).tolist()
+        curve = PROFILES[name].quickest(way, *limits)
+        assert curve(curve.breaks[[0, -1]]) == pytest.approx(np.array([[0.0], [way]]), rel=1e-9)
+        assert curve.derivative()(curve.breaks[-1]) == pytest.approx(0.0, abs=1e-8 * way)
+        counted = limits[:2] if name == "trapezoid" else limits
+        used = [curve.derivative(k + 1).extremes.size[0] / most for k, most in enumerate(counted)]
+        assert max(used) == pytest.approx(1.0, rel=1e-9)
+
+
+def ruckig_duration(q: np.ndarray, v: np.ndarray, a: np.ndarray, j: np.ndarray | None) -> float:
+    """From rest to rest, all axes together."""
+    ruckig = extra("ruckig")
+    given, found = ruckig.InputParameter(6), ruckig.Trajectory(6)
+    given.current_position, given.target_position = q.tolist()
+    given.max_velocity, given.max_acceleration = v.tolist(), a.tolist()
+    given.max_jerk = [np.inf] * 6 if j is None else j.tolist()
+    assert ruckig.Ruckig(6).calculate(given, found) == ruckig.Result.Working
+    return found.duration
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_durations_are_those_of_ruckig(seed: int):
+    rng = np.random.default_rng(seed)
+    for _ in range(20):
+        q = rng.uniform(-3, 3, (2, 6))
+        v, a, j = 10.0 ** rng.uniform(-1, 2, (3, 6))
+        v = np.minimum(v, ARM.limits.velocity)
+        mine = fb.s_curve(ARM, q, velocity=v, acceleration=a, jerk=j)
+        assert mine.duration == pytest.approx(ruckig_duration(q, v, a, j), rel=1e-9)
+        mine = fb.trapezoid(ARM, q, velocity=v, acceleration=a)
+        assert mine.duration == pytest.approx(ruckig_duration(q, v, a, None), rel=1e-9)
+
+
+# ---------------------------------------------------------------- motions
+@pytest.mark.parametrize("name", PLANNERS)
+def test_planned_motions_pass_their_waypoints_at_the_quickest_within_limits(name: str):
+    motion = PLANNERS[name](WAY)
+    peaks = motion.peaks
+    used = max(
+        (peaks.velocity.size / ARM.limits.velocity).max(), peaks.acceleration.size.max() / 3.0
+    )
+    assert used == pytest.approx(1.0, rel=1e-6) or (name == "s_curve" and used < 1.0)
+    assert fb.exceeded_limits(ARM, motion, acceleration=3.0) == ()
+    assert np.abs(motion.qd[[0, -1]]).max() == 0.0
+    for q in WAY:
+        dense = motion.at(np.linspace(*motion.t[[0, -1]], 20001))[0]
+        assert np.abs(dense - q).max(axis=1).min() < 2e-3
+    for mine, curve in zip((motion.q, motion.qd, motion.qdd), motion.at(motion.t), strict=True):
+        np.testing.assert_allclose(mine, curve, atol=1e-11)
+    assert pickle.loads(pickle.dumps(motion)) == motion
+    longer = PLANNERS[name](WAY, times=np.array([1.0, 7.0, 9.5, 13.0]), step=0.01)
+    np.testing.assert_allclose(longer.at([1.0, 7.0, 9.5, 13.0])[0], WAY, atol=1e-12)
+    assert np.diff(longer.t)[:-1] == pytest.approx(0.01)
+
+
+def test_waypoints_and_limits_by_name():
+    names = list(ARM.position_names)
+    turned = pd.DataFrame(WAY, columns=names)[names[::-1]]
+    limit = dict(zip(names[::-1], np.arange(6.0, 0.0, -1.0), strict=True))
+    motion = fb.quintic(ARM, turned, acceleration=limit)
+    assert motion == fb.quintic(ARM, WAY, acceleration=np.arange(1.0, 7.0))
+    with pytest.raises(fb.FreebodyError, match="quintic: acceleration lacks"):
+        fb.quintic(ARM, WAY, acceleration={"elbow_joint": 1.0})
+
+
+def test_positions_between_waypoints_count():
+    """A spline sways beyond its waypoints, between samples too."""
+    way = np.zeros((4, 6))
+    way[:, 2] = [0.0, 3.0, 3.1, 0.0]
+    with pytest.raises(
+        fb.FreebodyError,
+        match=r"^spline: the position of elbow_joint is 3\.\d+ rad at t = .* s, its limit 3\.1416",
+    ):
+        fb.spline(ARM, way)
+    t = np.array([0.0, 1.0, 2.0, 3.0])
+    q = np.zeros((4, 6))
+    q[:, 0] = [0.0, 1.0, 1.0, 0.0]
+    motion = fb.Motion.of(ARM, t, q)
+    assert motion.peaks.position.high[0] == pytest.approx(1.125)
+    assert motion.peaks.position.high_at[0] == pytest.approx(1.5)
+
+
+def test_motions_in_a_row():
+    there = PLANNERS["trapezoid"](WAY[:2])
+    back = fb.quintic(ARM, WAY[1::-1])
+    both = there.then(fb.dwell(ARM, WAY[1], 0.5)).then(back)
+    assert both.duration == pytest.approx(there.duration + 0.5 + back.duration)
+    q, qd, qdd = both.at(there.duration + 0.2)
+    assert (q == WAY[1]).all()
+    assert not qd.any()
+    assert not qdd.any()
+    thrice = both.repeated(3)
+    assert thrice.duration == pytest.approx(3 * both.duration)
+    np.testing.assert_allclose(thrice.at(2 * both.duration + 0.3)[0], there.at(0.3)[0], atol=1e-12)
+    slow = both.faster(0.5)
+    np.testing.assert_allclose(slow.at(1.0)[1], 0.5 * both.at(0.5)[1], atol=1e-12)
+    with pytest.raises(fb.FreebodyError, match=r"^then: the first motion ends with q\[\d\] ="):
+        there.then(there)
+    with pytest.raises(fb.FreebodyError, match=r"^then: the motions are of different robots"):
+        there.then(fb.default_motion(fb.load("2R")))
+
+
+def test_motions_of_joints_with_quaternions_follow_each_other():
+    drone = fb.load("quadrotor")
+    motion = fb.default_motion(drone, 2.0)
+    turned = motion.q.copy()
+    turned[:, 3:] *= -1.0
+    again = fb.Motion(motion.t, turned, motion.qd, motion.qdd, "turned", motion.layout)
+    both = motion.then(again)
+    for t in (0.7, 2.7):
+        for mine, other in zip(both.at(t), motion.at(0.7), strict=True):
+            np.testing.assert_allclose(mine, other, atol=1e-12)
+    fastest = np.abs(motion.at(np.linspace(0, 2, 5001))[1]).max(axis=0)
+    assert motion.peaks.velocity.size == pytest.approx(fastest, rel=1e-3)
+
+
+def test_samples_lie_on_the_pieces():
+    motion = PLANNERS["quintic"](WAY)
+    with pytest.raises(fb.FreebodyError, match="its samples lie off its pieces by"):
+        fb.Motion(motion.t, motion.q + 1.0, motion.qd, motion.qdd, "", motion.layout,
+                  pieces=motion.pieces)  # fmt: skip
+
+
+# ---------------------------------------------------------------- Motion.of
+def test_a_motion_of_samples_whatever_they_come_in():
+    arm, t = fb.load("2R"), np.linspace(0.0, 1.0, 21)
+    q = np.stack([t**2, t**3], axis=-1)
+    motion = fb.Motion.of(arm, t, q)
+    np.testing.assert_allclose(motion.qdd, np.stack([2 + 0 * t, 6 * t], axis=-1), atol=1e-9)
+    assert (fb.Motion.of(arm, t, q, motion.qd, motion.qdd).qdd == motion.qdd).all()
+    names = {"joint1": q[:, 0], "joint2": q[:, 1]}
+    table = {"t": t, **names}
+    degrees = pd.DataFrame({"joint2": q[:, 1], "joint1 (deg)": np.degrees(q[:, 0])}, index=t)
+    data = xr.Dataset({name: ("time", x) for name, x in names.items()}, {"time": t})
+    for other in (
+        fb.Motion.of(arm, table),
+        fb.Motion.of(arm, pd.DataFrame(table)),
+        fb.Motion.of(arm, degrees),
+        fb.Motion.of(arm, data),
+        fb.Motion.of(arm, t, pd.DataFrame(names)),
+        fb.Motion.of(arm, t, names),
+    ):
+        for mine, given in zip((other.q, other.qd, other.qdd), (q, motion.qd, motion.qdd)):  # noqa: B905
+            np.testing.assert_allclose(mine, given, atol=1e-9)
+    rated = fb.Motion.of(arm, {**table, "joint1.v": 2 * t})
+    assert (rated.qd[:, 0] == 2 * t).all()
+
+
+def test_a_closed_chain_follows_its_drives():
+    linkage = fb.load("four_bar")
+    motion = fb.default_motion(linkage, samples=41)
+    drive = linkage.driven_names[0]
+    k = linkage.position_names.index(drive)
+    again = fb.Motion.of(linkage, {"t": motion.t, drive: motion.q[:, k]})
+    np.testing.assert_allclose(again.q, motion.q, atol=1e-9)
+    whole = fb.Motion.of(linkage, motion.t, motion.q)
+    np.testing.assert_allclose(whole.q, motion.q, atol=1e-9)
+
+
+T = np.linspace(0.0, 1.0, 5)
+REFUSED: list[tuple[Callable[[], object], str]] = [
+    (lambda: fb.Motion.of(ARM, T, np.full((5, 6), np.nan)), "Motion.of: q is nan at sample 0"),
+    (lambda: fb.Motion.of(ARM, T, np.zeros((4, 6))), r"q has shape (4, 6), expected (5, 6)"),
+    (lambda: fb.Motion.of(ARM, T[::-1], np.zeros((5, 6))), "t must increase"),
+    (lambda: fb.Motion.of(ARM, T), "Motion.of: t is ndarray"),
+    (lambda: fb.Motion.of(ARM, T, qd=np.zeros((5, 6))), "rates are given without positions"),
+    (lambda: fb.Motion.of(ARM, {"t": T, "elbow": T}), "no column 'elbow'"),
+    (lambda: fb.Motion.of(ARM, {"t": T, "elbow_joint": 1.0}), "has shape (), expected one number"),
+    (lambda: fb.Motion.of(ARM, {"elbow_joint": T}), "it needs a one-dimensional 'time' or 't'"),
+    (lambda: fb.quintic(ARM, WAY, [0.0, 0.1, 0.2, 0.3]), "needs 1.6446 s within its limits"),
+    (lambda: fb.quintic(ARM, WAY[:1]), "expected at least two rows: (k, 6)"),
+    (lambda: fb.quintic(ARM, WAY, [0.0, 1.0]), "times has shape (2,), expected (4,)"),
+    (lambda: fb.quintic(ARM, WAY, [0.0, 1.0, 1.0, 2.0]), "times must be finite and increase"),
+    (lambda: fb.quintic(ARM, WAY, velocity=0.0), "is 0, expected a limit above 0"),
+    (lambda: fb.quintic(ARM, WAY, velocity=np.ones(5)), "velocity has shape (5,)"),
+    (lambda: fb.quintic(ARM, WAY, step=9.0), "step is 9 s, expected more than 0"),
+    (lambda: fb.quintic(ARM, 9.0 * WAY), "waypoint 3 has elbow_joint at -12.735, outside"),
+    (lambda: fb.quintic(ARM, WAY[[0, 0]]), "waypoints 0 and 1 are the same; leave one out"),
+    (lambda: fb.quintic(fb.load("2R"), [[0, 0], [1, 1]]), "nothing limits how fast '2R'"),
+    (lambda: fb.quintic(fb.load("quadrotor"), np.zeros((2, 7))), "positions are quaternions"),
+    (lambda: fb.quintic(fb.load("four_bar"), np.zeros((2, 3))), "is a closed chain"),
+    (lambda: fb.trapezoid(ARM, WAY), "give acceleration="),
+    (lambda: fb.s_curve(ARM, WAY, acceleration=1.0), "give jerk="),
+    (lambda: fb.spline(ARM, WAY, ends="free"), "no choice 'free'"),  # type: ignore[arg-type]
+    (lambda: fb.spline(ARM, WAY, ends="periodic"), "the last equal to the first"),
+    (lambda: fb.spline(ARM, WAY, degree=4), "degree is 4, expected 3 or 5"),  # type: ignore[arg-type]
+    (lambda: fb.dwell(ARM, WAY[0], 0.0), "duration is 0, expected seconds above 0"),
+    (lambda: PLANNERS["quintic"](WAY).faster(-1.0), "factor is -1, expected more than 0"),
+    (lambda: PLANNERS["quintic"](WAY).repeated(0), "times is 0, expected at least 1"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("case", range(len(REFUSED)))
+def test_what_cannot_be_is_refused_with_what_to_do(case: int):
+    function, words = REFUSED[case]
+    with pytest.raises(fb.FreebodyError) as problem:
+        function()
+    assert words in str(problem.value)
