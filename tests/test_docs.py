@@ -126,15 +126,22 @@ def test_what_a_model_has_is_listed():
 
 
 def test_every_variable_of_a_study_is_listed(tmp_path: Path):
-    """With its dimensions and unit; those of a tree with a tip, a replay and no loops."""
+    """With its dimensions, unit and meaning; those of a tree with a tip, a replay and no loops."""
     page = (ROOT / "docs/study.md").read_text(encoding="utf-8")
     tables = page.partition("### The variables of study.nc")[2]
-    rows = re.findall(r"^\| `(\w+)` \| ([\w, ]*) \| ([^|]+) \|", tables, re.MULTILINE)
-    listed = {name: (dims, unit) for name, dims, unit in rows}
+    rows = re.findall(r"^\| `(\w+)` \| ([\w, ]*) \| ([^|]+) \| (.*) \|$", tables, re.MULTILINE)
+    listed = {name: (dims, unit, what) for name, dims, unit, what in rows}
+    named = "the tip, which the attribute `tip` names"
     fb.study(fb.load("2R")).save(tmp_path)
     with xarray.open_dataset(tmp_path / "study.nc") as data:
         assert listed == {
-            name: (", ".join(x.dims), x.attrs["units"].replace("|", " or "))
+            name: (
+                ", ".join(x.dims),
+                x.attrs["units"].replace("|", " or "),
+                re.sub(
+                    "^(position|velocity|angular velocity) of tip$", rf"\1 of {named}", x.long_name
+                ),
+            )
             for name, x in data.data_vars.items()
         }
     for path in tmp_path.iterdir():

@@ -7,32 +7,17 @@ friction, spring and rotor take; all else is carried by the bearing, or the guid
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from freebody.arrays import Array
 from freebody.model.bodies import Body
 from freebody.model.model import Model
 from freebody.model.quantity_reader import VALUES
+from freebody.report.variables import LOADS
 from freebody.spatial import of_dimension
 
-LOADS = {
-    "axial_force": ("N", "force along the axis of a turning joint, on the child"),
-    "radial_force": ("N", "force across the axis of the joint"),
-    "tilting_moment": ("N m", "moment across the axis of the joint, about its origin"),
-    "guide_moment": ("N m", "moment about the axis of a sliding joint, carried by its guide"),
-    "drive_load": (
-        "N m|N",
-        "moment about the axis of a turning joint (of a screw with pitch times the force along "
-        "it), "
-        "force along that of a sliding one: the drive's",
-    ),
-}
-"""Unit and meaning; of joints without one axis, and where a plane has no such load, NaN."""
 
-
-def bearing_loads(model: Model, force: Array, moment: Array) -> dict[str, Any]:
+def bearing_loads(model: Model, force: Array, moment: Array) -> dict[str, Array]:
     """Variables (time, joint) from the reactions in the child's axes, (T, joints, dim) and (T,
     joints, 3 or 1)."""
     found = {name: np.full(force.shape[:2], np.nan) for name in LOADS}
@@ -40,7 +25,7 @@ def bearing_loads(model: Model, force: Array, moment: Array) -> dict[str, Any]:
         if body.kind.needs_axis:
             for name, value in _along_axis(body, force[:, k], moment[:, k]).items():
                 found[name][:, k] = value
-    return {name: (("time", "joint"), found[name], *LOADS[name]) for name in LOADS}
+    return found
 
 
 def _along_axis(body: Body, force: Array, moment: Array) -> dict[str, Array]:

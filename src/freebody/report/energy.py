@@ -28,15 +28,10 @@ def energies(model: Model, motion: Motion) -> dict[str, Any]:
     total = kinetic + potential
     work = supplied_work(model, motion)
     return {
-        "kinetic_energy": (("time",), kinetic, "J", "kinetic energy, rotors included"),
-        "potential_energy": (("time",), potential, "J", "potential energy of gravity and springs"),
-        "supplied_work": (("time",), work, "J", "work of the torques less friction losses"),
-        "energy_residual": (
-            ("time",),
-            work - (total - total[0]),
-            "J",
-            "supplied work less the gain in energy",
-        ),
+        "kinetic_energy": kinetic,
+        "potential_energy": potential,
+        "supplied_work": work,
+        "energy_residual": work - (total - total[0]),
     }
 
 
@@ -65,13 +60,9 @@ def _integral(model: Model, motion: Motion, parts: int) -> Array:
     return np.concatenate([[0.0], np.cumsum(np.sum(0.5 * h * (power @ _WEIGHTS), axis=-1))])
 
 
-def powers(model: Model, variables: dict[str, Any], motion: Motion) -> dict[str, Any]:
-    """Mechanical power of each drive and their sum, and what friction takes; joints without a drive
-    give none."""
-    power = np.where(with_drive(model), variables["tau"][1] * motion.qd, 0.0)
-    friction = np.sum(variables["tau_friction"][1] * motion.qd, axis=-1)
-    return {
-        "power": (("time", "coordinate"), power, "W", "mechanical power of the drive"),
-        "motor_power": (("time",), power.sum(axis=-1), "W", "mechanical power of all drives"),
-        "friction_power": (("time",), friction, "W", "power taken by friction"),
-    }
+def powers(model: Model, found: dict[str, Any], motion: Motion) -> dict[str, Any]:
+    """Mechanical power of each drive and their sum, and what friction takes, by the torques found;
+    joints without a drive give none."""
+    power = np.where(with_drive(model), found["tau"] * motion.qd, 0.0)
+    friction = np.sum(found["tau_friction"] * motion.qd, axis=-1)
+    return {"power": power, "motor_power": power.sum(axis=-1), "friction_power": friction}

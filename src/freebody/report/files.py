@@ -14,6 +14,7 @@ import freebody
 from freebody.motion.ranges import position_columns
 from freebody.outputs.folder import Makers, write_folder
 from freebody.outputs.text import csv_text, encodable
+from freebody.report import variables
 from freebody.report.html import page
 from freebody.report.results_dataset import facts
 
@@ -80,27 +81,14 @@ def dataset(study: Study) -> xr.Dataset:
     whole.attrs["notices"] = "\n".join(study.notices)
     replay = study.replay
     if replay is not None:
-        whole["replay_edge"] = (
-            "edge",
-            replay.edges,
-            {"units": "s", "long_name": "where pieces of the replay meet"},
-        )
-        whole["replay_factor"] = (
-            "piece",
-            replay.factors,
-            {"units": "1", "long_name": "amplification in the piece"},
-        )
-        whole["replay_miss"] = (
-            "piece",
-            replay.misses,
-            {"units": "1", "long_name": "miss over the joint range"},
-        )
-        whole["drift"] = (
-            ("drift_time", "coordinate"),
-            replay.drift,
-            {"units": "rad|m", "long_name": "distance from the motion, open loop"},
-        )
-        whole = whole.assign_coords(drift_time=("drift_time", replay.drift_time, {"units": "s"}))
+        found = {
+            "replay_edge": replay.edges,
+            "replay_factor": replay.factors,
+            "replay_miss": replay.misses,
+            "drift": replay.drift,
+        }
+        times = {"drift_time": ("drift_time", replay.drift_time, {"units": "s"})}
+        whole.update(variables.dataset(found, times))
     return whole
 
 

@@ -88,11 +88,10 @@ def measures(model: Model, tip: str, q: Array) -> dict[str, Any]:
     manipulability)."""
     J = scaled(model, tip, q) if coordinates_before(model, tip) else np.zeros((len(q), 1, 0))
     values = np.linalg.svd(J, compute_uv=False) if J.shape[-1] else np.zeros((len(q), 1))
-    what = "singular value of the tip's Jacobian, lengths over the characteristic length"
     return {
-        "smallest_singular_value": (("time",), values[:, -1], "1", f"smallest {what}"),
-        "largest_singular_value": (("time",), values[:, 0], "1", f"largest {what}"),
-        "manipulability": (("time",), values.prod(axis=-1), "1", "product of the singular values"),
+        "smallest_singular_value": values[:, -1],
+        "largest_singular_value": values[:, 0],
+        "manipulability": values.prod(axis=-1),
     }
 
 

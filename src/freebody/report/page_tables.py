@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -24,12 +24,12 @@ from freebody.report.tables import (
     table,
     typeset,
 )
+from freebody.report.variables import VARIABLES
 
 if TYPE_CHECKING:
     from freebody.report.study import Study
 
 _EFFORTS = {"N m": "Peak torque", "N": "Peak force"}
-_USE = "share of the limit that is used; above 100 % the limit is exceeded"
 _POSE = 8  # coordinates of a pose that a table has room for
 
 Column = tuple[Head, Sequence[Cell]]
@@ -37,24 +37,30 @@ Column = tuple[Head, Sequence[Cell]]
 
 @dataclass(frozen=True)
 class Printed:
-    """A column of numbers: a variable of the data along one dimension, `at` fixed labels of its
-    others.
+    """A column of numbers: a variable of the data along one dimension, `at` a fixed label of its
+    other.
 
-    unit: of all, or one a row. A share is printed in percent with a bar.
+    A share is printed in percent, one of a limit with a bar.
     """
 
     title: str
     variable: str
-    unit: str | Sequence[str] = ""
-    tip: str = ""
-    scale: float = 1.0
-    share: bool = False
     at: tuple[tuple[str, str], ...] = ()
+    scale: float = 1.0
+    unit: str | None = None
+    """Where it is not that of the variable."""
+    tip: str | None = None
 
-    def column(self, book: xr.Dataset, dim: str, names: Sequence[str]) -> Column:
+    def column(self, study: Study, book: xr.Dataset, dim: str, names: Sequence[str]) -> Column:
         """Head and cells for the rows `names`."""
+        of = VARIABLES[self.variable]
         values = book[self.variable].sel(dict(self.at)).sel({dim: list(names)}).values
-        units = [self.unit] * len(names) if isinstance(self.unit, str) else list(self.unit)
+        limited, share = (self.variable.endswith(ending) for ending in ("_fraction", "_share"))
+        units, scale = _units(study, dim, names, of.unit), self.scale
+        if limited or share:
+            units, scale = ["%"] * len(names), 100.0
+        elif self.unit is not None:
+            units = [self.unit] * len(names)
         same = len(set(units)) == 1
         cells = [
             PrintedNumber(
@@ -62,108 +68,94 @@ class Printed:
                 self.variable,
                 {dim: name, **dict(self.at)},
                 "" if same else unit,
-                100.0 if self.share else self.scale,
-                bar=float(x) if self.share else None,
+                scale,
+                bar=float(x) if limited else None,
             )
             for x, name, unit in zip(values, names, units, strict=True)
         ]
-        return Head(self.title, "%" if self.share else units[0] if same else "", self.tip), cells
+        repeated = of.meaning == self.title.lower()
+        tip = self.tip if self.tip is not None else "" if repeated else of.meaning
+        return Head(self.title, units[0] if same else "", tip), cells
+
+
+def _units(study: Study, dim: str, names: Sequence[str], unit: str) -> list[str]:
+    """Of a variable's rows."""
+    turning, _, sliding = unit.removesuffix("|1").partition("|")
+    if not sliding:
+        return [unit if unit != "1" else ""] * len(names)
+    own = {body.joint.name: "m" if body.kind.slides else "rad" for body in study.model.bodies}
+    if dim == "coordinate":
+        own = dict(zip(study.model.velocity_names, study.summary["unit"].values, strict=True))
+    return [sliding if own.get(name) == "m" else turning for name in names]
 
 
 def drives(study: Study) -> ReportTable:
     """What motors and gears are chosen by."""
     names = study.model.driven_names
-    at = [study.model.velocity_names.index(name) for name in names]
-    efforts, rates = (
-        [units[k] for k in at] for units in (_units(study, "effort_unit"), _rates(study))
-    )
+    efforts = _units(study, "coordinate", names, VARIABLES["peak_torque"].unit)
     title = _EFFORTS.get(efforts[0], "") if len(set(efforts)) == 1 else "Peak torque, force"
-    columns = [
-        Printed(title, "peak_torque", efforts, "largest in magnitude, with its sign"),
-        Printed("at", "peak_torque_time", "s", "when it occurs"),
-        Printed(
-            "RMS",
-            "rms_torque",
-            efforts,
-            "root mean square over the motion: the measure of motor heating",
-        ),
-        Printed("Peak / limit", "effort_fraction", "", _USE, share=True),
-        Printed("RMS / limit", "rms_fraction", "", _USE, share=True),
-        Printed("Peak speed", "peak_speed", rates, "largest in magnitude"),
-        Printed("Speed / limit", "velocity_fraction", "", _USE, share=True),
-        Printed(
-            "Peak power", "peak_power", "W", "torque times speed; negative where the drive brakes"
-        ),
-    ]
+    columns = {
+        title: "peak_torque",
+        "at": "peak_torque_time",
+        "RMS": "rms_torque",
+        "Peak / limit": "effort_fraction",
+        "RMS / limit": "rms_fraction",
+        "Peak speed": "peak_speed",
+        "Speed / limit": "velocity_fraction",
+        "Peak power": "peak_power",
+    }
     return _by_coordinate("Required torque, speed and power of each drive", study, names, columns)
 
 
 def work(study: Study) -> ReportTable:
     """What each drive puts in and takes up."""
-    columns = [
-        Printed("Work done", "work_done", "J", "where torque and speed have the same sign"),
-        Printed("Work braked", "work_braked", "J", "where the drive holds the motion back"),
-        Printed(
-            "Net",
-            "net_work",
-            "J",
-            "work done less work braked: over a full cycle, the energy lost to friction",
-        ),
-        Printed("Braked / done", "regenerated_share", "%", "what could be fed back", scale=100.0),
-        Printed("Peak power", "peak_power", "W", "negative where the drive brakes"),
-        Printed("at", "peak_power_time", "s"),
-        Printed("Mean power", "mean_power", "W", "braking counted as negative"),
-        Printed(
-            "Power / limits", "power_fraction", "", "of effort limit times speed limit", share=True
-        ),
-    ]
-    return _by_coordinate(
-        "Work of each drive over the motion", study, study.model.driven_names, columns
-    )
+    columns = {
+        "Work done": "work_done",
+        "Work braked": "work_braked",
+        "Net": "net_work",
+        "Braked / done": "regenerated_share",
+        "Peak power": "peak_power",
+        "at": "peak_power_time",
+        "Mean power": "mean_power",
+        "Power / limits": "power_fraction",
+    }
+    names = study.model.driven_names
+    return _by_coordinate("Work of each drive over the motion", study, names, columns)
 
 
 def ranges(study: Study) -> ReportTable | None:
     """How far each coordinate goes, and its limits; None where no coordinate has a range."""
-    units = _units(study, "unit")
     if not np.isfinite(study.summary["lowest"].values).any():
         return None
-    columns = [
-        Printed("Lowest", "lowest", units),
-        Printed("Highest", "highest", units),
-        Printed("Lower limit", "lower_limit", units),
-        Printed("Upper limit", "upper_limit", units),
-        Printed(
-            "Range used",
-            "position_fraction",
-            "",
-            "distance from the middle; 100 % at a limit",
-            share=True,
-        ),
-        Printed("Speed limit", "velocity_limit", _rates(study)),
-        Printed("Effort limit", "effort_limit", _units(study, "effort_unit")),
-    ]
-    return _by_coordinate(
-        "Range of motion of each joint", study, study.model.velocity_names, columns
-    )
+    columns = {
+        "Lowest": "lowest",
+        "Highest": "highest",
+        "Lower limit": "lower_limit",
+        "Upper limit": "upper_limit",
+        "Range used": "position_fraction",
+        "Speed limit": "velocity_limit",
+        "Effort limit": "effort_limit",
+    }
+    names = study.model.velocity_names
+    return _by_coordinate("Range of motion of each joint", study, names, columns)
 
 
 def bodies(study: Study) -> ReportTable:
     """Masses and centres of mass, and what carries each body."""
-    model = study.model
+    model, book = study.model, facts(study)
     names = [body.name for body in model.bodies]
     parents = ["ground" if body.parent < 0 else names[body.parent] for body in model.bodies]
-    tip = "centre of mass from the joint's origin, in the body's axes at its joint"
-    columns: list[Column] = [
-        (Head("Joint", number=False), [WordsCell(body.joint.name) for body in model.bodies]),
-        (Head("Kind", number=False), [WordsCell(_kind(body.joint)) for body in model.bodies]),
-        (Head("Hangs on", number=False), [WordsCell(parent) for parent in parents]),
-    ]
-    book = facts(study)
-    printed = [Printed("Mass, estimated" if model.is_estimated else "Mass", "body_mass", "kg")] + [
-        Printed(f"c{axis}", "body_com_local", "mm", tip, scale=1e3, at=(("axis", axis),))
+    printed = [Printed("Mass, estimated" if model.is_estimated else "Mass", "body_mass", tip="")]
+    printed += [
+        Printed(f"c{axis}", "body_com_local", (("axis", axis),), 1e3, "mm")
         for axis in _axes(study, "axis")
     ]
-    columns += [p.column(book, "body", names) for p in printed]
+    columns = [
+        _words("Joint", [body.joint.name for body in model.bodies]),
+        _words("Kind", [_kind(body.joint) for body in model.bodies]),
+        _words("Hangs on", parents),
+        *(p.column(study, book, "body", names) for p in printed),
+    ]
     return _listed("Bodies: links that move as one rigid body", "Body", names, columns)
 
 
@@ -173,61 +165,43 @@ def gravity(study: Study) -> ReportTable | None:
     names = [pose.coordinate for pose in study.static]
     if not names:
         return None
-    units = [pose.unit for pose in study.static]
-    columns = [
-        Printed(
-            "During the motion", "gravity_torque_peak", units, "largest gravity part of the torque"
-        ),
-        Printed(
-            "Worst pose",
-            "worst_gravity_torque",
-            units,
-            "largest found in any pose within the limits",
-        ),
-        Printed("Worst / limit", "worst_gravity_fraction", "", _USE, share=True),
-    ]
+    columns = {
+        "During the motion": "gravity_torque_peak",
+        "Worst pose": "worst_gravity_torque",
+        "Worst / limit": "worst_gravity_fraction",
+    }
     positions = study.model.position_names
-    if len(positions) <= _POSE:
-        columns += [
-            Printed(
-                f"q{k + 1}",
-                "worst_gravity_pose",
-                "",
-                f"{name} in the worst pose, rad or m",
-                at=(("position", name),),
-            )
-            for k, name in enumerate(positions)
-        ]
-    return _by_coordinate("Torque needed against gravity alone", study, names, columns)
+    pose = [
+        Printed(
+            f"q{k}",
+            "worst_gravity_pose",
+            (("position", name),),
+            unit="",
+            tip=f"{name} in the worst pose, rad or m",
+        )
+        for k, name in enumerate(positions if len(positions) <= _POSE else (), 1)
+    ]
+    return _by_coordinate("Torque needed against gravity alone", study, names, columns, pose)
 
 
 def reactions(study: Study) -> ReportTable:
     """What bearings are chosen by."""
-    names = study.model.reaction_names
-    loads = [
-        ("Force", "peak_force", "N", "magnitude of the total reaction of the parent on the child"),
-        ("Axial", "peak_axial_force", "N", "along the axis of a turning joint, with its sign"),
-        ("Radial", "peak_radial_force", "N", "across the axis"),
-        ("Tilting moment", "peak_tilting_moment", "N m",
-         "across the axis, about the joint's origin"),
-        ("Guide moment", "peak_guide_moment", "N m", "about the axis of a sliding joint"),
-        ("Drive", "peak_drive_load", _drive_units(study), "about (along) the axis: the drive's"),
-    ]  # fmt: skip
-    columns: list[Column] = []
-    for title, variable, unit, tip in loads:
-        if np.isfinite(study.summary[variable].values).any():
-            for printed in (
-                Printed(title, variable, unit, tip),
-                Printed("at", f"{variable}_time", "s"),
-            ):
-                columns.append(printed.column(study.summary, "joint", names))
+    names, book = study.model.reaction_names, study.summary
+    loads = {
+        "Force": "peak_force",
+        "Axial": "peak_axial_force",
+        "Radial": "peak_radial_force",
+        "Tilting moment": "peak_tilting_moment",
+        "Guide moment": "peak_guide_moment",
+        "Drive": "peak_drive_load",
+    }
+    columns = [
+        Printed(*of).column(study, book, "joint", names)
+        for title, variable in loads.items()
+        if np.isfinite(book[variable].values).any()
+        for of in ((title, variable), ("at", f"{variable}_time"))
+    ]
     return _listed("Peak loads on bearings and guides", "Joint", names, columns)
-
-
-def _drive_units(study: Study) -> list[str]:
-    """Of each reaction's drive; loops have none."""
-    sliding = {body.joint.name for body in study.model.bodies if body.kind.slides}
-    return ["N" if name in sliding else "N m" for name in study.model.reaction_names]
 
 
 def checks(study: Study) -> ReportTable:
@@ -238,20 +212,10 @@ def checks(study: Study) -> ReportTable:
         for c in study.checks
     ]
     columns: list[Column] = [(Head("Result", number=False), results)]
-    for printed in (
-        Printed("Value", "check_value"),
-        Printed("Bar", "check_bar", tip="the largest value that passes"),
-    ):
-        head, cells = printed.column(book, "check", names)
-        columns.append(
-            (head, [alone(cell, 2) for cell in cells if isinstance(cell, PrintedNumber)])
-        )
-    columns.append(
-        (
-            Head("What is compared", number=False),
-            [WordsCell(typeset(c.text), css="wide") for c in study.checks],
-        )
-    )
+    for title, variable in (("Value", "check_value"), ("Bar", "check_bar")):
+        head, cells = Printed(title, variable).column(study, book, "check", names)
+        columns.append((head, [alone(x, 2) for x in cells if isinstance(x, PrintedNumber)]))
+    columns.append(_words("What is compared", [typeset(c.text) for c in study.checks], "wide"))
     return _listed("The same quantity computed in two ways", "Check", names, columns)
 
 
@@ -262,13 +226,10 @@ def loads(study: Study, body: BodyLoads) -> ReportTable:
         Markup(html(load.name) + (f", {html(load.moment_name)}" if load.moment_name else ""))
         for load in body.loads
     ]
-    columns: list[Column] = [
-        (Head("exerted by", number=False), [WordsCell(load.other) for load in body.loads])
-    ]
+    columns = [_words("exerted by", [load.other for load in body.loads])]
     for j, axis in enumerate(forces):
-        columns.append(
-            (Head(f"F{axis}", "N"), [_force(study, body, load, axis, j) for load in body.loads])
-        )
+        cells: list[Cell] = [_force(study, body, load, axis, j) for load in body.loads]
+        columns.append((Head(f"F{axis}", "N"), cells))
     for j, axis in enumerate(moments):
         head = Head(f"M{axis}", "N m", "about the place where the force acts")
         columns.append((head, [_moment(study, load, axis, j) for load in body.loads]))
@@ -308,19 +269,27 @@ def _kind(joint: Joint) -> str:
     return joint.kind if joint.mimic is None else f"{joint.kind}, follows {joint.mimic.joint}"
 
 
+def _words(title: str, texts: Iterable[str], css: str = "") -> Column:
+    return Head(title, number=False), [WordsCell(text, css=css) for text in texts]
+
+
 def _by_coordinate(
-    caption: str, study: Study, names: Sequence[str], columns: Sequence[Printed]
+    caption: str,
+    study: Study,
+    names: Sequence[str],
+    titles: Mapping[str, str],
+    more: Iterable[Printed] = (),
 ) -> ReportTable:
     """Rows are coordinates, numbered as in the drawings; columns without any finite number are left
-    out."""
+    out. titles: of the columns, with their variables."""
     book = xr.merge([study.summary, facts(study)], compat="no_conflicts", combine_attrs="drop")
     shown = [
-        p for p in columns if np.isfinite(book[p.variable].sel(coordinate=list(names)).values).any()
+        p.column(study, book, "coordinate", names)
+        for p in (*(Printed(*row) for row in titles.items()), *more)
+        if np.isfinite(book[p.variable].sel(coordinate=list(names)).values).any()
     ]
     numbers = [study.model.velocity_names.index(name) + 1 for name in names]
-    return _listed(
-        caption, "Coordinate", names, [p.column(book, "coordinate", names) for p in shown], numbers
-    )
+    return _listed(caption, "Coordinate", names, shown, numbers)
 
 
 def _listed(
@@ -336,14 +305,6 @@ def _listed(
     before: list[Cell] = [WordsCell(str(n), css="count") for n in counted]
     heads = [Head(""), Head(title, number=False), *(head for head, _ in columns)]
     return table(caption, heads, [before, first, *(cells for _, cells in columns)])
-
-
-def _units(study: Study, name: str) -> list[str]:
-    return [str(unit) for unit in study.summary[name].values]
-
-
-def _rates(study: Study) -> list[str]:
-    return [f"{unit}/s" for unit in _units(study, "unit")]
 
 
 def _axes(study: Study, name: str) -> list[str]:

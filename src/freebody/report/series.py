@@ -15,37 +15,33 @@ from freebody.motion.motion import Motion
 from freebody.motion.ranges import angular
 from freebody.report import energy, jacobians
 from freebody.report.bearings import bearing_loads
+from freebody.report.variables import dataset
 from freebody.spatial import add, scale, times
 from freebody.trees import dynamics, kinematics
 
 if TYPE_CHECKING:
     import xarray as xr
 
-_TORQUE = "N m|N"
+Values = dict[str, Any]
+"""Arrays by the names of variables."""
 
 
 def series(model: Model, tip: str, motion: Motion) -> xr.Dataset:
     """The dataset that `Study.data` describes."""
-    import xarray as xr
-
-    variables: dict[str, Any] = {}
+    found: Values = {}
     for part in (_motion, torques, _reactions, _bodies, energy.energies):
-        variables |= part(model, motion)
-    variables |= _tip(model, tip, motion) | jacobians.measures(model, tip, motion.q)
-    variables |= energy.powers(model, variables, motion)
-    return xr.Dataset(
-        _variables(variables),
-        coordinates(model, motion.t),
-        {
-            "title": f"Dynamic study of {model.name}",
-            "robot": model.name,
-            "tip": tip,
-            "motion": motion.source,
-            "conventions": "SI units; world axes unless said; reactions act on the child, "
-            "by the parent, at the "
-            "child's joint origin",
-        },
-    )
+        found |= part(model, motion)
+    found |= _tip(model, tip, motion) | jacobians.measures(model, tip, motion.q)
+    found |= energy.powers(model, found, motion)
+    about = {
+        "title": f"Dynamic study of {model.name}",
+        "robot": model.name,
+        "tip": tip,
+        "motion": motion.source,
+        "conventions": "SI units; world axes unless said; reactions act on the child, by the "
+        "parent, at the child's joint origin",
+    }
+    return dataset(found, coordinates(model, motion.t), about, tip=tip)
 
 
 def coordinates(model: Model, t: Array | None = None) -> dict[str, Any]:
@@ -69,29 +65,14 @@ def coordinates(model: Model, t: Array | None = None) -> dict[str, Any]:
 
 def torque_parts(model: Model, motion: Motion) -> xr.Dataset:
     """Of the dataset that `Study.data` describes: motion and torques with their parts."""
-    import xarray as xr
-
-    found = _motion(model, motion) | torques(model, motion)
-    return xr.Dataset(_variables(found), coordinates(model, motion.t))
+    return dataset(_motion(model, motion) | torques(model, motion), coordinates(model, motion.t))
 
 
-def _variables(found: dict[str, Any]) -> dict[str, Any]:
-    return {
-        name: (dims, value, {"units": units, "long_name": text})
-        for name, (dims, value, units, text) in found.items()
-    }
+def _motion(model: Model, motion: Motion) -> Values:
+    return {"q": motion.q, "qd": motion.qd, "qdd": motion.qdd}
 
 
-def _motion(model: Model, motion: Motion) -> dict[str, Any]:
-    at = ("time", "coordinate")
-    return {
-        "q": (("time", "position"), motion.q, "rad|m|1", "position"),
-        "qd": (at, motion.qd, "rad/s|m/s", "rate"),
-        "qdd": (at, motion.qdd, "rad/s²|m/s²", "acceleration"),
-    }
-
-
-def torques(model: Model, motion: Motion) -> dict[str, Any]:
+def torques(model: Model, motion: Motion) -> Values:
     """The drives' torque, and the parts that sum to it, each computed by a formula of its own."""
     q, qd, qdd = motion.q, motion.qd, motion.qdd
     viscous, _, rotor = drive_arrays(model)
@@ -101,28 +82,22 @@ def torques(model: Model, motion: Motion) -> dict[str, Any]:
     springs = dynamics.static_torque(model.opened, q) - gravity
     rotors = rotor * qdd
     parts = {
-        "tau": (dynamics.inverse_dynamics(model, q, qd, qdd), "torque or force of the drive"),
-        "tau_inertial": (
-            np.einsum("tij,tj->ti", M, qdd) - rotors,
-            "inertia of the bodies, M q̈ without rotors",
-        ),
-        "tau_coriolis": (np.einsum("tij,tj->ti", C, qd), "Coriolis and centrifugal part, C q̇"),
-        "tau_gravity": (gravity, "gravity part, g"),
-        "tau_friction": (viscous * qd + _coulomb(model, qd), "friction, viscous and Coulomb"),
-        "tau_viscous": (viscous * qd, "viscous friction, which tau_friction includes"),
-        "tau_springs": (springs, "springs"),
-        "tau_rotors": (rotors, "inertia of the rotors seen through their gears"),
+        "tau": dynamics.inverse_dynamics(model, q, qd, qdd),
+        "tau_inertial": np.einsum("tij,tj->ti", M, qdd) - rotors,
+        "tau_coriolis": np.einsum("tij,tj->ti", C, qd),
+        "tau_gravity": gravity,
+        "tau_friction": viscous * qd + _coulomb(model, qd),
+        "tau_viscous": viscous * qd,
+        "tau_springs": springs,
+        "tau_rotors": rotors,
     }
     if model.loops:  # what the drives feel of each part through the loops
         parts |= {
-            name: (drive_torques("study", model, q, value), text)
-            for name, (value, text) in parts.items()
+            name: drive_torques("study", model, q, value)
+            for name, value in parts.items()
             if name != "tau"
         }
-    return {
-        name: (("time", "coordinate"), value, _TORQUE, text)
-        for name, (value, text) in parts.items()
-    }
+    return parts
 
 
 def drive_arrays(model: Model) -> tuple[Array, Array, Array]:
@@ -148,24 +123,17 @@ def _coulomb(model: Model, qd: Array) -> Array:
     return drive_arrays(model)[1] * np.sign(qd)
 
 
-def _reactions(model: Model, motion: Motion) -> dict[str, Any]:
-    found: dict[str, Any] = {}
-    for reference, suffix, axes in (
-        ("world", "", "world axes"),
-        ("child", "_child", "axes of the child"),
-    ):
-        w = dynamics.joint_wrenches(model, motion.q, motion.qd, motion.qdd, reference=reference)  # type: ignore[arg-type]
-        for name, dim, part, units in (
-            ("reaction_force", "axis", w[..., : model.dim], "N"),
-            ("reaction_moment", "moment_axis", w[..., model.dim :], "N m"),
-        ):
-            what = f"{name.replace('_', ' ')} on the child at its joint, {axes}"
-            found[name + suffix] = (("time", "joint", dim), part, units, what)
-    child = (found[f"reaction_{what}_child"][1] for what in ("force", "moment"))
-    return found | bearing_loads(model, *child)
+def _reactions(model: Model, motion: Motion) -> Values:
+    at, d = (motion.q, motion.qd, motion.qdd), model.dim
+    world = dynamics.joint_wrenches(model, *at, reference="world")
+    child = dynamics.joint_wrenches(model, *at, reference="child")
+    parts = world[..., :d], world[..., d:], child[..., :d], child[..., d:]
+    names = "force", "moment", "force_child", "moment_child"
+    found = {f"reaction_{name}": part for name, part in zip(names, parts, strict=True)}
+    return found | bearing_loads(model, *parts[2:])
 
 
-def _bodies(model: Model, motion: Motion) -> dict[str, Any]:
+def _bodies(model: Model, motion: Motion) -> Values:
     tree: Tree = model.tree
     world = world_poses(tree, joint_poses(tree, tuple(motion.q.T)))
     origins, centres = [], []
@@ -179,33 +147,19 @@ def _bodies(model: Model, motion: Motion) -> dict[str, Any]:
             c = add(p, times(R, scale(1.0 / total, moment)))
         origins.append(_columns(p, len(motion.t)))
         centres.append(_columns(c, len(motion.t)))
-    at = ("time", "body", "axis")
-    return {
-        "body_origin": (at, np.stack(origins, axis=1), "m", "origin of the body's joint"),
-        "body_com": (
-            at,
-            np.stack(centres, axis=1),
-            "m",
-            "centre of mass of the body (its origin if massless)",
-        ),
-    }
+    return {"body_origin": np.stack(origins, axis=1), "body_com": np.stack(centres, axis=1)}
 
 
 def _columns(vector: tuple[Any, ...], samples: int) -> Array:
     return np.stack([np.broadcast_to(x, (samples,)) for x in vector], axis=-1)
 
 
-def _tip(model: Model, tip: str, motion: Motion) -> dict[str, Any]:
+def _tip(model: Model, tip: str, motion: Motion) -> Values:
     d = model.dim
     T = kinematics.forward_kinematics(model, motion.q, tip)
     V = kinematics.velocity(model, motion.q, motion.qd, tip)
     return {
-        "tip_position": (("time", "axis"), T[..., :d, d], "m", f"position of {tip}"),
-        "tip_velocity": (("time", "axis"), V[..., :d], "m/s", f"velocity of {tip}"),
-        "tip_angular_velocity": (
-            ("time", "moment_axis"),
-            V[..., d:],
-            "rad/s",
-            f"angular velocity of {tip}",
-        ),
+        "tip_position": T[..., :d, d],
+        "tip_velocity": V[..., :d],
+        "tip_angular_velocity": V[..., d:],
     }

@@ -11,9 +11,9 @@ from freebody.model.description import DOUBTFUL
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges, with_drive
-from freebody.report.bearings import LOADS
 from freebody.report.results import Worst, percent
 from freebody.report.series import coordinates
+from freebody.report.variables import LOADS, dataset
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,20 +24,11 @@ _CANCELLED = 1e-6  # of the work done: a difference that samples do not resolve
 
 def summary(model: Model, motion: Motion, data: xr.Dataset) -> xr.Dataset:
     """The dataset that `Study.summary` describes."""
-    import xarray as xr
-
     t = motion.t
     found = _drives(data, t) | works(data, t) | _use(model, motion, data) | _reactions(data, t)
-    variables = {
-        name: (dim, value, {"units": units, "long_name": text})
-        for name, (dim, value, units, text) in found.items()
-    }
-    named = {
-        k: v
-        for k, v in coordinates(model).items()
-        if k in ("coordinate", "joint", "unit", "effort_unit")
-    }
-    return xr.Dataset(variables, named, {"robot": model.name, "motion": motion.source})
+    wanted = ("coordinate", "joint", "unit", "effort_unit")
+    named = {name: x for name, x in coordinates(model).items() if name in wanted}
+    return dataset(found, named, {"robot": model.name, "motion": motion.source})
 
 
 def mean(t: Array, x: Array) -> Array:
@@ -49,27 +40,16 @@ def _drives(data: xr.Dataset, t: Array) -> dict[str, Any]:
     tau, qd, power = (data[name].values for name in ("tau", "qd", "power"))
     peak, peak_time = _peak(t, tau)
     most, most_time = _peak(t, power)
-    dim = "coordinate"
     return {
-        "peak_torque": (dim, peak, "N m|N", "largest torque or force, with its sign"),
-        "peak_torque_time": (dim, peak_time, "s", "when the torque is largest"),
-        "rms_torque": (dim, np.sqrt(mean(t, tau**2)), "N m|N", "root mean square of the torque"),
-        "peak_speed": (dim, np.abs(qd).max(axis=0), "rad/s|m/s", "largest speed"),
-        "peak_speed_time": (dim, _peak(t, qd)[1], "s", "when the speed is largest"),
-        "peak_power": (dim, most, "W", "largest mechanical power, with its sign"),
-        "peak_power_time": (dim, most_time, "s", "when the power is largest"),
-        "mean_power": (
-            dim,
-            mean(t, power),
-            "W",
-            "mean mechanical power, braking counted as negative",
-        ),
-        "gravity_torque_peak": (
-            dim,
-            _peak(t, data["tau_gravity"].values)[0],
-            "N m|N",
-            "largest gravity load",
-        ),
+        "peak_torque": peak,
+        "peak_torque_time": peak_time,
+        "rms_torque": np.sqrt(mean(t, tau**2)),
+        "peak_speed": np.abs(qd).max(axis=0),
+        "peak_speed_time": _peak(t, qd)[1],
+        "peak_power": most,
+        "peak_power_time": most_time,
+        "mean_power": mean(t, power),
+        "gravity_torque_peak": _peak(t, data["tau_gravity"].values)[0],
     }
 
 
@@ -84,55 +64,20 @@ def works(data: xr.Dataset, t: Array) -> dict[str, Any]:
     those that drive."""
     power = data["power"].values
     done, braked = parted(t, power)
-    shared = [x[0] for x in parted(t, power.sum(axis=1, keepdims=True))]
-    dim, none = "coordinate", ()
+    together = power.sum(axis=1, keepdims=True)
+    shared_done, shared_braked = parted(t, together)
     return {
-        "work_done": (dim, done, "J", "work that the drive does"),
-        "work_braked": (dim, braked, "J", "work that the drive takes up in braking"),
-        "net_work": (
-            dim,
-            done - braked,
-            "J",
-            "work done less work braked: over a full cycle, the energy lost to friction",
-        ),
-        "regenerated_share": (
-            dim,
-            _share(braked, done),
-            "1",
-            "work braked over work done: what could be fed back",
-        ),
-        "total_work_done": (
-            none,
-            done.sum(),
-            "J",
-            "work done, each drive with a supply of its own",
-        ),
-        "total_work_braked": (
-            none,
-            braked.sum(),
-            "J",
-            "work braked, each drive with a supply of its own",
-        ),
-        "total_net_work": (
-            none,
-            (done - braked).sum(),
-            "J",
-            "work done less work braked, all drives",
-        ),
-        "shared_work_done": (none, shared[0], "J", "work done, all drives on one supply"),
-        "shared_work_braked": (none, shared[1], "J", "work braked, all drives on one supply"),
-        "total_regenerated_share": (
-            none,
-            _share(braked.sum(), done.sum()),
-            "1",
-            "work braked over work done",
-        ),
-        "total_peak_power": (
-            none,
-            _peak(t, power.sum(axis=1, keepdims=True))[0][0],
-            "W",
-            "peak of the summed power",
-        ),
+        "work_done": done,
+        "work_braked": braked,
+        "net_work": done - braked,
+        "regenerated_share": _share(braked, done),
+        "total_work_done": done.sum(),
+        "total_work_braked": braked.sum(),
+        "total_net_work": (done - braked).sum(),
+        "shared_work_done": shared_done[0],
+        "shared_work_braked": shared_braked[0],
+        "total_regenerated_share": _share(braked.sum(), done.sum()),
+        "total_peak_power": _peak(t, together)[0][0],
     }
 
 
@@ -184,40 +129,14 @@ def _use(model: Model, motion: Motion, data: xr.Dataset) -> dict[str, Any]:
     tau, qd = np.abs(data["tau"].values), np.abs(motion.qd)
     rms = np.sqrt(mean(motion.t, tau**2))
     power = np.abs(data["power"].values).max(axis=0)
-    dim = "coordinate"
     return {
-        "lowest": (dim, lowest, "rad|m", "least position"),
-        "highest": (dim, highest, "rad|m", "greatest position"),
-        "position_fraction": (
-            dim,
-            position,
-            "1",
-            "distance from the middle of the range, 1 at a limit",
-        ),
-        "velocity_fraction": (
-            dim,
-            _fraction(qd.max(axis=0), allowed.velocity),
-            "1",
-            "peak speed over its limit",
-        ),
-        "effort_fraction": (
-            dim,
-            _fraction(tau.max(axis=0), allowed.effort),
-            "1",
-            "peak torque over its limit",
-        ),
-        "rms_fraction": (
-            dim,
-            _fraction(rms, allowed.effort),
-            "1",
-            "RMS torque over the effort limit",
-        ),
-        "power_fraction": (
-            dim,
-            _fraction(power, allowed.effort * allowed.velocity),
-            "1",
-            "peak power over effort limit times speed limit",
-        ),
+        "lowest": lowest,
+        "highest": highest,
+        "position_fraction": position,
+        "velocity_fraction": _fraction(qd.max(axis=0), allowed.velocity),
+        "effort_fraction": _fraction(tau.max(axis=0), allowed.effort),
+        "rms_fraction": _fraction(rms, allowed.effort),
+        "power_fraction": _fraction(power, allowed.effort * allowed.velocity),
     }
 
 
@@ -240,32 +159,16 @@ def _excursion(model: Model, motion: Motion, allowed: Ranges) -> tuple[Array, Ar
 
 
 def _reactions(data: xr.Dataset, t: Array) -> dict[str, Any]:
-    force, force_time = _peak(t, np.linalg.norm(data["reaction_force"].values, axis=-1))
-    moment, moment_time = _peak(t, np.linalg.norm(data["reaction_moment"].values, axis=-1))
-    bearings: dict[str, Any] = {}
+    found: dict[str, Any] = {}
     for name in LOADS:
-        attributes = data[name].attrs
-        peak, time = _peak(t, np.nan_to_num(data[name].values))
-        absent = np.isnan(data[name].values).all(axis=0)
-        what = attributes["long_name"]
-        bearings[f"peak_{name}"] = (
-            "joint",
-            np.where(absent, np.nan, peak),
-            attributes["units"],
-            f"largest {what}",
-        )
-        bearings[f"peak_{name}_time"] = (
-            "joint",
-            np.where(absent, np.nan, time),
-            "s",
-            f"when it is largest: {what}",
-        )
-    return bearings | {
-        "peak_force": ("joint", force, "N", "largest reaction force"),
-        "peak_force_time": ("joint", force_time, "s", "when the reaction force is largest"),
-        "peak_moment": ("joint", moment, "N m", "largest reaction moment at the joint's origin"),
-        "peak_moment_time": ("joint", moment_time, "s", "when the reaction moment is largest"),
-    }
+        values = data[name].values
+        absent = np.isnan(values).all(axis=0)
+        peak = (np.where(absent, np.nan, x) for x in _peak(t, np.nan_to_num(values)))
+        found[f"peak_{name}"], found[f"peak_{name}_time"] = peak
+    for name in ("force", "moment"):
+        sizes = np.linalg.norm(data[f"reaction_{name}"].values, axis=-1)
+        found[f"peak_{name}"], found[f"peak_{name}_time"] = _peak(t, sizes)
+    return found
 
 
 def worst(model: Model, data: xr.Dataset) -> Worst:
