@@ -144,7 +144,7 @@ def test_models(capsys: pytest.CaptureFixture[str]):
     assert run(["models"]) == 0
     out = capsys.readouterr().out
     for name in fb.models():
-        assert re.search(rf"^{name} +\S", out, re.MULTILINE)
+        assert re.search(rf"^{name}\n    \S", out, re.MULTILINE)
 
 
 def test_version_and_help(capsys: pytest.CaptureFixture[str]):

@@ -243,7 +243,7 @@ def test_loops():
     [
         ("name = 'a'\nnme = 'b'\n[[link]]\n",
          "arm.toml:2: no key 'nme' in the file. Did you mean 'name'? Keys: "
-         "name, dim, source, "
+         "name, dim, source, about, "
          "gravity, tip, base, parameters, frame, payload, loop, loop_tolerance, home, "
          "masses_doubtful, masses_estimated, link, joint, planar, dh."),
         ("name = 'a'\n",

@@ -10,9 +10,10 @@ import pytest
 
 import freebody as fb
 
-NAMES = ["2R", "3R", "3RRR", "bricard", "double_four_bar", "five_bar", "five_bar_rods", "four_bar",
-         "gyro", "iiwa14",
-         "panda", "pendulum", "puma560", "quadrotor", "RP", "scara", "slider_crank", "stewart",
+NAMES = ["2R", "3R", "3RRR", "acrobot", "ball_and_beam", "bricard", "cart_pole", "cylindrical_arm",
+         "double_four_bar", "elbow_arm", "five_bar", "five_bar_rods", "four_bar", "furuta",
+         "gantry_crane", "gyro", "iiwa14", "panda", "pendubot", "pendulum", "polar_arm", "puma560",
+         "quadrotor", "reaction_wheel", "RP", "scara", "slider_crank", "stanford", "stewart",
          "ur5e"]  # fmt: skip
 NOT_PHYSICAL = {"puma560": ["link1", "link3"]}
 
@@ -27,6 +28,46 @@ def test_models_lists_names_and_sources():
     assert repr(models) == str(models)
 
 
+def test_every_bundled_model_tells_what_is_worth_seeing(tmp_path, capsys):
+    from freebody.cli.app import run
+
+    assert run(["models"]) == 0
+    listed = " ".join(capsys.readouterr().out.split())
+    for name in NAMES:
+        model = fb.load(name, physical="ignore")
+        assert model.about.endswith(".")
+        assert f"{name} {' '.join(model.about.split())} source: " in listed
+    fb.save(model, tmp_path / "copy.toml")
+    assert fb.load(tmp_path / "copy.toml").about == model.about
+
+
+def test_what_is_told_of_the_classics_holds():
+    """Claims of `about` that are numbers."""
+    cart = fb.equations(fb.load("cart_pole"))
+    assert str(cart).splitlines()[1].startswith("0 = H₂₁ ẍ")
+    ball = fb.load("ball_and_beam")
+    q, b = [0.3, 0.1], ball.parameters
+    rolls = -fb.gravity_torque(ball, q)[1] / fb.mass_matrix(ball, q)[1, 1]
+    assert rolls == pytest.approx(-5 / 7 * b["g"] * np.sin(0.3), rel=1e-12)
+    furuta = fb.load("furuta")
+    f = furuta.parameters
+    least = np.sqrt(f["m2"] * f["g"] * f["lc2"] / (f["m2"] * f["lc2"] ** 2 + f["I2"]))
+    for rate, lifted in ((0.99 * least, False), (1.01 * least, True)):
+        bias = fb.bias(furuta, [0.0, np.pi - 0.01], [rate, 0.0])[1]
+        assert bool(bias > 0) is lifted  # it must be held back, away from straight down
+    crane = fb.load("gantry_crane")
+    lag = np.arctan2(1.5, crane.parameters["g"])
+    found = fb.inverse_dynamics(crane, [0, 0, 0, lag], [0] * 4, [1.5, 0, 0, 0])
+    np.testing.assert_allclose(found[2:], 0.0, atol=1e-10)
+    M = fb.mass_matrix(fb.load("polar_arm"), [0.3, 0.4, 0.5])
+    np.testing.assert_allclose(M, np.diag(np.diag(M)), atol=1e-14)
+    arm = fb.load("stanford")
+    for q in ([0.1, 0.0, 0.5, 0.3, 0.7, 0.2], [0.1, 0.9, 0.5, 0.3, 0.0, 0.2]):
+        assert abs(np.linalg.det(fb.jacobian(arm, q))) < 1e-12
+    wheel = fb.load("reaction_wheel")
+    np.testing.assert_allclose(fb.coriolis_matrix(wheel, [0.3, 0.4], [1.0, 2.0]), 0.0, atol=1e-15)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_loads_physical_unless_its_source_is_not(name: str):
     if name in NOT_PHYSICAL:
@@ -34,7 +75,7 @@ def test_loads_physical_unless_its_source_is_not(name: str):
             model = fb.load(name)
         assert [str(w.message).split("'")[1] for w in warned] == NOT_PHYSICAL[name]
         assert str(warned[0].message) == (
-            "puma560.toml:9: warning: link 'link1': principal moments 0, 0, 0.35 kg m² break the "
+            "puma560.toml:10: warning: link 'link1': principal moments 0, 0, 0.35 kg m² break the "
             "triangle "
             "inequality (0 + 0 < 0.35)."
         )

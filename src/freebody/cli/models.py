@@ -8,12 +8,16 @@ EXAMPLE = "Example: freebody models"
 
 
 def models() -> None:
-    """List the bundled models, each with the source of its numbers."""
-    from rich.table import Table
+    """List the bundled models, each with what is worth seeing in it and the source of its
+    numbers."""
+    from rich.padding import Padding
+    from rich.text import Text
 
+    from freebody.robots import abouts
     from freebody.robots import models as bundled
 
-    table = Table("model", "source", box=None, pad_edge=False, header_style="bold")
+    out, told = terminal.out(), abouts()
     for name, source in bundled().items():
-        table.add_row(name, source)
-    terminal.out().print(table, markup=False)
+        out.print(Text(name, style="bold"))
+        out.print(Padding(Text(told[name]), (0, 0, 0, 4)))
+        out.print(Padding(Text(f"source: {source}", style="dim"), (0, 0, 0, 4)))

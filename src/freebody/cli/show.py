@@ -57,6 +57,8 @@ def show(
             out.print(text, markup=False, soft_wrap=True)
         return
     out.print(Text(_heading(model)))
+    if model.about:
+        out.print(Text(model.about))
     if model.source:
         out.print(Text(f"source: {model.source}"))
     out.print()

@@ -62,6 +62,8 @@ class _TomlWriter:
         entries = {"name": _text(model.name)}
         if model.source:
             entries["source"] = _text(model.source)
+        if model.about:
+            entries["about"] = _text(model.about)
         entries["dim"] = str(model.dim)
         entries["gravity"] = _inline(
             {"size": _quantity(model.gravity_size), "direction": _vector(model.gravity_direction)}

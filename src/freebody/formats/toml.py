@@ -22,6 +22,7 @@ _GENERAL = (
     "name",
     "dim",
     "source",
+    "about",
     "gravity",
     "tip",
     "base",
@@ -70,6 +71,7 @@ def describe(file: str, text: str, *, name: str) -> RobotDescription:
         home=parts.home(top),
         tip=top.choice("tip", names, described.tip) if "tip" in top else described.tip,
         source=top.text("source", ""),
+        about=top.text("about", ""),
         notices=tuple(
             Notice(kind, text, file)
             for key, kind in MASS_NOTICES.items()

@@ -136,6 +136,7 @@ class _Assembly:
             loops=self.loops(movable),
             home=d.home,
             source=d.source,
+            about=d.about,
             notices=tuple(self.checks.notices),
             loop_tolerance=d.loop_tolerance,
         )

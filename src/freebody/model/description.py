@@ -267,6 +267,8 @@ class RobotDescription:
     home: tuple[tuple[str, float], ...] = ()
     """(position name, value): where closing the loops starts from; others are neutral."""
     source: str = ""
+    about: str = ""
+    """What it is and what is worth seeing in it."""
     notices: tuple[Notice, ...] = field(default=())
     file: str | None = None
     real: bool = False

@@ -48,11 +48,18 @@ class Model(NamedParts, Tabled, ByValue):
     """(position name, value): where closing the loops starts from; others are neutral."""
     tip: str | None = None
     source: str = ""
+    about: str = ""
+    """What it is and what is worth seeing in it."""
     notices: tuple[Notice, ...] = ()
     loop_tolerance: tuple[float, float] | None = None
     """(m, rad): by how much rounded numbers may keep loops from closing; None: the default, 1 mm or
     a thousandth of the loop's size, and 1 mrad."""
-    _aside = ("name", "source", "notices")  # a file's name, or what somebody called the robot
+    _aside = (
+        "name",
+        "source",
+        "about",
+        "notices",
+    )  # a file's name, or what somebody called the robot
 
     # ------------------------------------------------------------ numbers
     @property

@@ -8,7 +8,7 @@ from freebody.formats.read_file import bundled_names, bundled_text
 
 
 class Models(dict[str, str]):
-    """Names and sources of models, printed as a table."""
+    """Names of models and what is told of each, printed as a table."""
 
     def __str__(self) -> str:
         width = max(map(len, self), default=0)
@@ -19,4 +19,13 @@ class Models(dict[str, str]):
 
 def models() -> Models:
     """The bundled models: name -> where its numbers come from. `load` takes the names."""
-    return Models({name: tomllib.loads(bundled_text(name))["source"] for name in bundled_names()})
+    return _told("source")
+
+
+def abouts() -> Models:
+    """The same: name -> what is worth seeing in it."""
+    return _told("about")
+
+
+def _told(key: str) -> Models:
+    return Models({name: tomllib.loads(bundled_text(name))[key] for name in bundled_names()})

@@ -19,6 +19,7 @@ def overview(s: Setting, method: Method, worked: Worked) -> tuple[str, tuple[Mea
     gravity = _gravity(s) if forces else []
     axes = _axes(s) if forces or s.planar else ["Vectors have components in the world's axes."]
     told = [
+        *_about(s),
         _arm(s),
         *_composed(s),
         *_loops(s),
@@ -28,6 +29,11 @@ def overview(s: Setting, method: Method, worked: Worked) -> tuple[str, tuple[Mea
         worked.sought or _sought(s),
     ]
     return " ".join(told), glossary(s, worked.symbols, forces)
+
+
+def _about(s: Setting) -> list[str]:
+    about = s.symbols.model.about
+    return [literal(about)] if about else []
 
 
 def _arm(s: Setting) -> str:
