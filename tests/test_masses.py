@@ -97,7 +97,7 @@ def test_speeds_are_judged_without_masses():
     t = np.linspace(0, 1, 21)
     verdict = fb.study(model, motion_of(model, t, np.outer(t**2, [2.0, 0, 0]))).verdict
     assert verdict.text.startswith(
-        "Not feasible: the speed of j0 is 4 rad/s at t = 1 s, 133 % of its 3 rad/s."
+        "Not feasible: the speed of j0 is 4 rad/s at t = 1 s, 133 % of its limit of 3 rad/s."
     )
     assert "the torques cannot be trusted" in verdict.text
 

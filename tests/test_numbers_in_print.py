@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Callable
+from itertools import pairwise
 
+import numpy as np
 import pytest
 
-from freebody.outputs.numbers import fixed, shortest, significant
+import freebody as fb
+from freebody.motion.motion import vector_of_times
+from freebody.outputs.numbers import compared, fixed, shortest, significant
+from freebody.report.results import LimitUse
 
 
 @pytest.mark.parametrize(
@@ -41,3 +48,72 @@ def test_what_is_printed_is_the_number(value: float, digits: int) -> None:
         mantissa, _, power = text.replace("−", "-").partition("·10")
         read = float(f"{mantissa}e{power.translate(raised) or 0}")
         assert read == pytest.approx(value, rel=10.0 ** (1 - digits) / 2)
+
+
+PAIRS = [(0.78539, 0.78541), (1.0 + 1e-9, 1.0), (100000.2, 100000.1), (-3.0, 3.0), (0.0, 1e-9)]
+
+
+@pytest.mark.parametrize("pair", PAIRS)
+def test_numbers_that_a_message_compares_differ_in_print(pair: tuple[float, float]) -> None:
+    one, other = compared(*pair)
+    assert one != other
+    assert (float(one) < float(other)) == (pair[0] < pair[1])
+    assert compared(pair[0], pair[0])[0] == compared(pair[0], pair[0])[1]
+
+
+def test_compared_numbers_have_no_more_digits_than_it_takes() -> None:
+    assert compared(1.23456, 9.87654) == ("1.235", "9.877")
+    assert compared(0.78539, 0.78541) == ("0.78539", "0.78541")
+    assert compared(math.inf, 2.0) == ("inf", "2")
+
+
+def test_what_a_message_states_of_numbers_is_true_of_the_printed_ones() -> None:
+    printed = compared(0.1, 0.2, 0.3000004, digits=6, holds=lambda a, b, c: a + b < c)
+    assert printed == ("0.1", "0.2", "0.3000004")
+
+
+def refusals() -> dict[str, Callable[[], object]]:
+    """Inputs that miss what is allowed by less than four digits show."""
+    arm = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.1])
+    free = fb.load("quadrotor")
+    q = fb.neutral(free)
+    q[3] = 1.0 + 2e-6
+    zeros = np.zeros(free.nv)
+    times = [0.0, 1.0, 1000.0, 1000.0 - 1e-9, 1001.0, 1002.0, 1003.0, 1004.0, 1005.0]
+    inertia = [[0.1, 0, 0], [0, 0.2, 0], [0, 0, 0.3 + 1e-7]]
+    return {
+        "limits": lambda: fb.Limits(lower=1.0 + 1e-9, upper=1.0).fault() or "",
+        "quaternion": lambda: fb.inverse_dynamics(free, q, zeros, zeros),
+        "times": lambda: vector_of_times(times),
+        "inertia": lambda: fb.Inertia.of(1.0, [0, 0, 0], inertia).fault() or "",
+        "too large": lambda: arm.bind({"link1.mass": 1e60 * (1 + 1e-12)}),
+    }
+
+
+KINDS = ("limits", "quaternion", "times", "inertia", "too large")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_no_message_compares_a_number_with_its_equal(kind: str) -> None:
+    """Of two numbers that a message compares, none prints like the other."""
+    try:
+        text = str(refusals()[kind]())
+    except fb.FreebodyError as error:
+        text = str(error)
+    numbers = re.findall(r"(?<![\w.\[])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w\]])", text)
+    assert len(numbers) >= 2, text
+    assert all(one != other for one, other in pairwise(numbers)), text
+
+
+def test_a_limit_that_is_exceeded_prints_so() -> None:
+    use = LimitUse("speed", "elbow", 0.78541, 0.78539, 0.78541 / 0.78539, 1.0, "rad/s")
+    assert use.exceeded
+    assert use.text == (
+        "the speed of elbow is 0.78541 rad/s at t = 1 s, 100.003 % of its limit of 0.78539 rad/s"
+    )
+    by_rounding = LimitUse(
+        "position", "elbow", math.pi, math.nextafter(math.pi, 3), 1.0, 0.5, "rad"
+    )
+    assert by_rounding.text == (
+        "elbow goes to 3.142 rad at t = 0.5 s, its nearest limit being 3.142 rad"
+    )

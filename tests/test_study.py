@@ -210,9 +210,9 @@ def test_a_motion_beyond_the_limits_is_studied_and_said():
     study = fb.study(model, motion_of(model, t, t[:, None]))
     assert study.checked
     assert study.warnings == (
+        "the speed of joint1 is 1 rad/s at t = 2 s, 200 % of its limit of 0.5 rad/s.",
         "joint1 leaves its range: the motion spans 0 to 2 rad, the limits are -1 and 1.",
-        "joint1 is too fast: 1 rad/s, the limit is 0.5.",
-        "joint1 needs 4.905 N m at t = 0 s, the effort limit is 3.",
+        "the torque of joint1 is 4.905 N m at t = 0 s, 164 % of its limit of 3 N m.",
     )
     assert float(study.summary["position_fraction"][0]) == pytest.approx(2.0)
 

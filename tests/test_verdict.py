@@ -76,7 +76,7 @@ def test_a_motion_beyond_a_limit_exits_1_and_says_which(capsys: pytest.CaptureFi
     assert run(["study", file, "--motion", "fast.csv"]) == 1
     out = " ".join(capsys.readouterr().out.split())
     assert out.startswith(
-        "Not feasible: the speed of lift is 1.2 rad/s at t = 1.2 s, 120 % of its 1 rad/s. "
+        "Not feasible: the speed of lift is 1.2 rad/s at t = 1.2 s, 120 % of its limit of 1 rad/s. "
         "It would keep the limits of speed and torque at 0.833 times its speed (in 1.2 times the "
         "time)."
     )

@@ -13,6 +13,7 @@ from freebody.cli.options import MimicChoice, PhysicalChoice
 from freebody.errors import FreebodyError, OutputError
 from freebody.formats.number_text import number
 from freebody.outputs.folder import prepare
+from freebody.outputs.numbers import compared
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -151,10 +152,8 @@ def _print_checks(found: Study) -> None:
     if not failed:
         out.print(f"Self-checks: freebody's results are consistent in all {len(found.checks)}.")
     for check in failed:
-        text = (
-            f"self-check failed: {check.name}: {check.value:.3g}, allowed {check.bar:.3g}. "
-            f"{check.text}"
-        )
+        value, bar = compared(check.value, check.bar, digits=3)
+        text = f"self-check failed: {check.name}: {value}, allowed {bar}. {check.text}"
         out.print(text, style="bold red", markup=False)
 
 

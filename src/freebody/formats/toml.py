@@ -17,6 +17,7 @@ from freebody.formats.toml_table import TomlTable
 from freebody.model import dh, planar_arms
 from freebody.model.description import MASS_NOTICES, Link, Notice, RobotDescription
 from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
+from freebody.outputs.numbers import compared
 
 _GENERAL = (
     "name",
@@ -187,10 +188,8 @@ def _with_values(top: TomlTable, described: RobotDescription) -> RobotDescriptio
             known[parameter.name] = parameter.value
         elif parameter.value is not None and parameter.value != value:
             at = ("parameters", parameter.name) if parameter.name in values else ()
-            top.refuse(
-                f"{parameter.name!r} has two values, {value:g} and {parameter.value:g}; keep one.",
-                *at,
-            )
+            one, other = compared(value, parameter.value, digits=6)
+            top.refuse(f"{parameter.name!r} has two values, {one} and {other}; keep one.", *at)
     used = {parameter.name for parameter in each_parameter(described)}
     for name in values:
         if name not in used:

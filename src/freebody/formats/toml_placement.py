@@ -19,6 +19,7 @@ from freebody.model.placement import (
     shift,
     turn,
 )
+from freebody.outputs.numbers import compared
 
 TURNS = ("rpy", "axis_angle", "quat_wxyz", "matrix", "angle")
 PLACE = ("origin", *TURNS, "steps")
@@ -53,7 +54,8 @@ def _rotation(table: TomlTable, key: str, dim: int) -> Placement:
     if key == "quat_wxyz":
         w, x, y, z = table.vector(key, 4)
         if abs(math.sqrt(w * w + x * x + y * y + z * z) - 1.0) > 1e-6:
-            table.refuse(f"the quaternion has length {math.hypot(w, x, y, z):g}, expected 1.", key)
+            length, unit = compared(math.hypot(w, x, y, z), 1.0, digits=6)
+            table.refuse(f"the quaternion has length {length}, expected {unit}.", key)
         return rotate(
             _about((x, y, z), math.hypot(x, y, z), 2.0 * math.atan2(math.hypot(x, y, z), w))
         )

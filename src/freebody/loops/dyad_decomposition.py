@@ -26,6 +26,7 @@ from freebody.loops.dyads import (
     is_turning,
 )
 from freebody.model.model import Model
+from freebody.outputs.numbers import compared
 from freebody.trees.triangle_solutions import side_of
 
 
@@ -112,10 +113,10 @@ class Decomposition:
 def _obstacle(one: str, two: str, apart: Array, low: Array, high: Array) -> str:
     away, least, most = (float(x[0, 0]) for x in (apart, low, high))
     gap = away - most if away > most else least - away
+    distance, short, long = compared(away, least, most, digits=6)
     return (
-        f"{one} and {two} would be {away:.6g} m apart; the links between them span {least:.6g} to "
-        f"{most:.6g} m, which "
-        f"is {gap:.3g} m too {'short' if away > most else 'long'}."
+        f"{one} and {two} would be {distance} m apart; the links between them span {short} to "
+        f"{long} m, which is {gap:.3g} m too {'short' if away > most else 'long'}."
     )
 
 

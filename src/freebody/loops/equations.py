@@ -34,6 +34,7 @@ from freebody.loops.scaled_equations import (
 )
 from freebody.model.geometry import first_member
 from freebody.model.model import Model
+from freebody.outputs.numbers import compared
 
 
 def require_loops(model: Model, function: str) -> None:
@@ -156,9 +157,8 @@ def require_within_tolerance(function: str, model: Model, q: Array) -> None:
     if len(bad):
         at, row = tuple(map(int, bad[0][:-1])), int(bad[0][-1])
         gap = abs(float(every_residual(model, q)[(*at, row)]))
-        open_by, allowed = (
-            in_units(model, row, x) for x in (gap, float(scales(model).tolerance[row]))
-        )
+        sizes = (gap, float(scales(model).tolerance[row]))
+        open_by, allowed = in_units(model, row, *sizes)
         raise LoopError(
             f"{function}: loop {model.loops[loop_of_row(model)[row]].name!r} of {model.name!r} is "
             f"open by {open_by}"
@@ -169,9 +169,10 @@ def require_within_tolerance(function: str, model: Model, q: Array) -> None:
         )
 
 
-def in_units(model: Model, row: int, scaled: float) -> str:
-    """A scaled equation with its unit."""
-    return f"{scaled * length(model):.3g} m" if scales(model).metres[row] else f"{scaled:.3g} rad"
+def in_units(model: Model, row: int, *scaled: float) -> tuple[str, ...]:
+    """Values of a scaled equation with its unit, in a message that compares them."""
+    factor, unit = (length(model), "m") if scales(model).metres[row] else (1.0, "rad")
+    return tuple(f"{x} {unit}" for x in compared(*(factor * x for x in scaled), digits=3))
 
 
 def _marked(model: Model, bad: NDArray[np.bool_]) -> Iterator[tuple[tuple[int, ...], str, str]]:

@@ -16,6 +16,7 @@ from freebody.model.inertia import Inertia
 from freebody.model.parameters import Parameter, Quantity, finite, quantity, real
 from freebody.model.placement import Placement
 from freebody.model.shapes import Shape
+from freebody.outputs.numbers import compared
 
 INFINITE = float("inf")
 MOST_LINKS = 50_000
@@ -52,7 +53,8 @@ class Limits:
             if any(x != x for x in row):
                 return "a limit is not a number; correct it"
             if lower > upper:
-                return f"lower limit {lower:g} is above upper {upper:g}; swap them"
+                low, high = compared(lower, upper, digits=6)
+                return f"lower limit {low} is above upper {high}; swap them"
             if lower == INFINITE or upper == -INFINITE:
                 return "no position lies between its limits; make one finite"
             for what, most in (("velocity", velocity), ("effort", effort)):

@@ -13,6 +13,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, ModelError, shown
 from freebody.labels import refuse_masked
+from freebody.outputs.numbers import compared
 from freebody.values import ByValue
 
 
@@ -82,9 +83,8 @@ def members(value: Any, owner: str, largest: float) -> Members:
     wrong = np.argwhere(~(np.abs(array) <= largest))
     if len(wrong):
         at = tuple(map(int, wrong[0]))
-        raise ModelError(
-            f"{owner}: {array[at]:g}{of_member(at)} must be a finite number below {largest:g}."
-        )
+        given, most = compared(array[at], largest, digits=6)
+        raise ModelError(f"{owner}: {given}{of_member(at)} must be a finite number below {most}.")
     return Members(array)
 
 

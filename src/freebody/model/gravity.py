@@ -14,6 +14,7 @@ from freebody.labels import refuse_labelled
 from freebody.model.families import Members, is_nested, members, of_member
 from freebody.model.parameters import LARGEST, Parameter, Quantity, finite, quantity
 from freebody.model.quantity_reader import VALUES
+from freebody.outputs.numbers import compared
 from freebody.spatial import unit
 
 
@@ -82,7 +83,8 @@ def direction_fault(direction: tuple[Any, ...]) -> str | None:
     if not len(off):
         return None
     at = tuple(map(int, off[0]))
-    return f"gravity.direction has length {length[at]:.9g}{of_member(at)}; it must be 1"
+    size, unit = compared(length[at], 1.0, digits=6)
+    return f"gravity.direction has length {size}{of_member(at)}; it must be {unit}"
 
 
 _UNIT = 1e-9

@@ -23,6 +23,7 @@ from freebody.model.parameters import (
 )
 from freebody.model.placement import rotation_matrix
 from freebody.model.quantity_reader import VALUES, QuantityReader
+from freebody.outputs.numbers import compared
 from freebody.spatial import Vector
 
 # of the largest eigenvalue: how negative a pseudo-inertia may be before it is called not physical
@@ -211,9 +212,9 @@ class Inertia:
         a, b, c = principal
         if a < -_TOLERANCE * abs(c):
             return f"principal moment {a:g} kg m² is negative"
+        x, y, z = compared(a, b, c, digits=6, holds=lambda a, b, c: a + b < c)
         return (
-            f"principal moments {a:g}, {b:g}, {c:g} kg m² break the triangle inequality ({a:g} "
-            f"+ {b:g} < {c:g})"
+            f"principal moments {x}, {y}, {z} kg m² break the triangle inequality ({x} + {y} < {z})"
         )
 
 

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from freebody.errors import ModelError, shown
 from freebody.model.families import Members, fields_of
+from freebody.outputs.numbers import compared
 
 T = TypeVar("T")
 
@@ -66,9 +67,8 @@ def finite(value: object, owner: str) -> float:
     if not math.isfinite(number):
         raise ModelError(f"{owner}: {number} is not a finite number.")
     if abs(number) > LARGEST:
-        raise ModelError(
-            f"{owner}: {number:g} is too large; numbers of a robot stay below {LARGEST:g}."
-        )
+        given, most = compared(number, LARGEST, digits=6)
+        raise ModelError(f"{owner}: {given} is too large; numbers of a robot stay below {most}.")
     return number
 
 

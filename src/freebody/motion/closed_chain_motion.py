@@ -19,6 +19,7 @@ from freebody.loops.scaled_equations import backward, length, null_space, rate_s
 from freebody.model.model import Model
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.ranges import position_columns, ranges
+from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import continuous, layout, state_of
 from freebody.trees.states import difference, integrate, neutral, random_state
 
@@ -159,11 +160,12 @@ def completed(model: Model, t: Array, columns: Mapping[str, Array], source: str)
         off = np.abs(q[:, model.position_names.index(name)] - columns[name])
         if off.max() > _AGREE * length(model):
             k = int(np.argmax(off))
+            given_there, closed = compared(
+                columns[name][k], q[k, model.position_names.index(name)], digits=6
+            )
             raise LoopError(
-                f"{name!r} is {columns[name][k]:.6g} at t = {t[k]:.6g} s, where the loops of "
-                f"{model.name!r} and "
-                f"{', '.join(names)} put it at {q[k, model.position_names.index(name)]:.6g}; leave "
-                f"the column out."
+                f"{name!r} is {given_there} at t = {t[k]:.6g} s, where the loops of {model.name!r} "
+                f"and {', '.join(names)} put it at {closed}; leave the column out."
             )
     text = (
         f"{source}; {', '.join(names)} as given, the others by the loops, "

@@ -16,6 +16,7 @@ from freebody.motion.closed_chain_motion import completed
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.ranges import angular
 from freebody.motion.smoothing import best_cutoff, noise, smooth
+from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import continuous, state_of
 
 REST = 1e-6
@@ -74,10 +75,10 @@ def smoothed(model: Model, motion: Motion, cutoff: float | None = None) -> Motio
         chosen = best_cutoff(motion.t, samples, sigma)
     highest = 0.5 * (len(motion.t) - 1) / motion.duration
     if not 0.0 < chosen < highest:
+        given, most = compared(chosen, highest)
         raise FreebodyError(
-            f"smoothed: the cutoff is {chosen:g} Hz, expected more than 0 and less than half the "
-            f"sampling rate, "
-            f"{highest:.4g} Hz."
+            f"smoothed: the cutoff is {given} Hz, expected more than 0 and less than half the "
+            f"sampling rate, {most} Hz."
         )
     source = f"{motion.source}; smoothed: {chosen:.3g} Hz, without delay"
     curve = smooth(motion.t, samples, chosen)

@@ -17,6 +17,7 @@ from freebody.model.model import Model
 from freebody.motion.peaks import Peaks, peaks_of
 from freebody.motion.piecewise import PiecewisePolynomial, hermite
 from freebody.outputs.display import Tabled, TextTable, counted
+from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import (
     CoordinateLayout,
     continuous,
@@ -276,7 +277,6 @@ def vector_of_times(t: ArrayLike) -> Array:
     late = np.flatnonzero(np.diff(times) <= 0)
     if len(late):
         k = int(late[0]) + 1
-        raise FreebodyError(
-            f"motion: t must increase; t[{k}] = {times[k]:g} follows {times[k - 1]:g}."
-        )
+        now, before = compared(times[k], times[k - 1], digits=6)
+        raise FreebodyError(f"motion: t must increase; t[{k}] = {now} follows {before}.")
     return times

@@ -17,6 +17,7 @@ from freebody.motion.implausible_units import implausible_units
 from freebody.motion.measured_motions import along_rates, rested
 from freebody.motion.motion import FEWEST, Motion, derivatives, motion_of
 from freebody.motion.ranges import angular, position_columns
+from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import layout, state_of
 
 _UNIT = 1e-3  # how far a quaternion of a file, printed with few digits, may be off unit length
@@ -163,9 +164,10 @@ def _unit(model: Model, q: Array, problem: Any) -> Array:
         if (off > _UNIT).any():
             row = int(np.argmax(off > _UNIT))
             size = float(np.linalg.norm(q[row, iq]))
+            length, unit = compared(size, 1.0)
             raise problem(
-                f"the quaternion {quoted(model.position_names[iq])} has length {size:.4g}, "
-                f"expected 1.",
+                f"the quaternion {quoted(model.position_names[iq])} has length {length}, "
+                f"expected {unit}.",
                 row,
             )
     return state_of(where, q, np.zeros_like(q), np.zeros_like(q))[0]

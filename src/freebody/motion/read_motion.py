@@ -18,6 +18,7 @@ from freebody.model.model import Model
 from freebody.motion.csv_columns import read_columns
 from freebody.motion.motion import FEWEST, Motion
 from freebody.motion.motion_columns import check_names, doubted, motion_from_columns
+from freebody.outputs.numbers import compared
 
 
 def read_motion(model: Model, path: str | os.PathLike[str]) -> Motion:
@@ -45,7 +46,8 @@ def read_motion(model: Model, path: str | os.PathLike[str]) -> Motion:
     late = np.flatnonzero(np.diff(t) <= 0)
     if len(late):
         k = int(late[0]) + 1
-        raise problem(f"t = {t[k]:g} does not come after {t[k - 1]:g}; times must increase.", k)
+        now, before = compared(t[k], t[k - 1], digits=6)
+        raise problem(f"t = {now} does not come after {before}; times must increase.", k)
     motion = motion_from_columns(model, t, columns, f"read from {file.name}, {count} rows", problem)
     return doubted(model, motion, columns, read.told, "'{} ({})' in the header")
 

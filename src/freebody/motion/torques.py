@@ -14,6 +14,7 @@ from freebody.errors import FreebodyError
 from freebody.labels import is_labelled, row_times
 from freebody.model.model import Model
 from freebody.motion.first_order_system import Drive
+from freebody.outputs.numbers import compared
 from freebody.trees.passive_joints import refuse_passive
 from freebody.trees.public_calls import vector
 
@@ -148,11 +149,12 @@ def _table(model: Model, t: Array, torque: ArrayLike) -> Array:
             f"{model.nv}) or a function."
         )
     if table.ndim == 2 and rows is not None and np.abs(rows - t).max() > _SAME * (t[-1] - t[0]):
+        k = int(np.argmax(np.abs(rows - t)))
+        label, time = compared(rows[k], t[k], digits=6)
         raise FreebodyError(
-            f"simulate: the rows of torque are labelled {rows[0]:g} to {rows[-1]:g}, which are not "
-            f"the times t, "
-            f"{t[0]:g} to {t[-1]:g} s. Interpolate the table at t, or give its plain array if its "
-            f"rows are those at t."
+            f"simulate: the rows of torque are labelled with other times than t: row {k} with "
+            f"{label}, where t[{k}] = {time} s. Interpolate the table at t, or give its plain "
+            f"array if its rows are those at t."
         )
     refuse_not_finite("simulate", "torque", table, 1, model.velocity_names)
     refuse_passive("simulate", model, table)

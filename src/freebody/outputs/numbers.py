@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from itertools import combinations
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_ALL = 17
+"""Digits that tell any two floats apart."""
 SMALLEST, LARGEST = -3, 5
 """Powers of ten from which and below which a number has no exponent."""
 
@@ -27,6 +31,25 @@ def shortest(value: float, digits: int = 6) -> str:
     """A number with up to so many digits, without zeros at its end."""
     mantissa, exponent = mantissa_and_exponent(value, digits)
     return signed(mantissa) + (f"·10{superscript(exponent)}" if exponent else "")
+
+
+def compared(
+    *values: float, digits: int = 4, holds: Callable[..., bool] | None = None
+) -> tuple[str, ...]:
+    """The numbers that a message compares, as one types them: with up to so many digits, and with
+    more where different numbers would print equal, or print in another order.
+
+    holds: says of the printed numbers whether what the message states of them is true.
+    """
+    texts: tuple[str, ...] = ()
+    for count in range(digits, _ALL + 1):
+        texts = tuple(f"{x:.{count}g}" for x in values)
+        read = tuple(map(float, texts))
+        told = zip(combinations(values, 2), combinations(read, 2), strict=True)
+        same = all((a == b) == (x == y) for (a, b), (x, y) in told)
+        if same and (holds is None or holds(*read)):
+            break
+    return texts
 
 
 def fixed(value: float, decimals: int) -> str:

@@ -8,6 +8,7 @@ from typing import Literal
 
 from freebody.arrays import Array
 from freebody.outputs.display import Tabled, TextTable
+from freebody.outputs.numbers import compared
 
 CLOSE = 1e-9
 """Of a limit: what is beyond it by less is on it, and so within."""
@@ -40,16 +41,20 @@ class LimitUse:
     def text(self) -> str:
         """What, how much, when, where, in words."""
         when = f" at t = {self.time:.3g} s" if self.time == self.time else ""
+        value, limit = self.in_print()
         if self.quantity == "position":
             way = "beyond its limit" if self.exceeded else "its nearest limit being"
-            return (
-                f"{self.coordinate} goes to {self.value:.4g} {self.unit}{when}, "
-                f"{way} {self.limit:.4g} {self.unit}"
-            )
+            return f"{self.coordinate} goes to {value} {self.unit}{when}, {way} {limit} {self.unit}"
         return (
-            f"the {self.quantity} of {self.coordinate} is {abs(self.value):.4g} {self.unit}{when}, "
-            f"{percent(self.fraction)} of its {self.limit:.4g} {self.unit}"
+            f"the {self.quantity} of {self.coordinate} is {value.lstrip('-')} {self.unit}{when}, "
+            f"{percent(self.fraction)} of its limit of {limit} {self.unit}"
         )
+
+    def in_print(self) -> tuple[str, ...]:
+        """Value and limit in print: apart unless they differ by rounding only."""
+        if not self.exceeded and abs(abs(self.value) - abs(self.limit)) <= CLOSE * abs(self.limit):
+            return f"{self.value:.4g}", f"{self.limit:.4g}"
+        return compared(self.value, self.limit)
 
 
 @dataclass(frozen=True, repr=False)
@@ -83,8 +88,7 @@ class MotionVerdict(Tabled):
             (
                 x.quantity,
                 x.coordinate,
-                f"{x.value:.4g} {x.unit}",
-                f"{x.limit:.4g} {x.unit}",
+                *(f"{text} {x.unit}" for text in x.in_print()),
                 percent(x.fraction),
             )
             for x in self.uses
@@ -120,6 +124,8 @@ class MotionVerdict(Tabled):
 def percent(share: float) -> str:
     """A share in words that does not round across the limit: 100.4 % is not 100 %."""
     decimals = 0 if abs(share - 1.0) >= 0.01 else 2
+    while share > 1.0 + CLOSE and float(f"{100 * share:.{decimals}f}") <= 100.0:
+        decimals += 1
     return f"{100 * share:.{decimals}f} %"
 
 

@@ -208,7 +208,12 @@ def study(
         replay, skipped = _replay(model, followed)
     with clock.part("checks", 0.9):
         checked = checks(model, followed, data, replay)
-    warned = (*measured, *followed.notices, *_driven(model), *limit_notices(model, found))
+    warned = (
+        *measured,
+        *followed.notices,
+        *_driven(model),
+        *limit_notices(model, found, judged.uses),
+    )
     clock.say("done", 1.0)
     return Study(
         model=model,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +12,8 @@ from freebody.model.description import DOUBTFUL
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges, with_drive
-from freebody.report.results import Worst, percent
+from freebody.outputs.numbers import compared
+from freebody.report.results import LimitUse, Worst, percent
 from freebody.report.series import coordinates
 from freebody.report.variables import LOADS, dataset
 
@@ -200,32 +202,21 @@ def worst(model: Model, data: xr.Dataset) -> Worst:
     return Worst(k, float(t[k]), name, value, share, unit, text)
 
 
-def limit_notices(model: Model, found: xr.Dataset) -> list[str]:
-    """One sentence for each limit that the motion leaves."""
-    allowed = ranges(model)
+def limit_notices(model: Model, found: xr.Dataset, uses: Iterable[LimitUse]) -> list[str]:
+    """One sentence for each limit of a position, speed or torque that the motion exceeds."""
+    allowed, names = ranges(model), list(model.velocity_names)
     sentences = []
-    unit, effort_unit = found["unit"].values, found["effort_unit"].values
-    for k, name in enumerate(model.velocity_names):
-        value = {
-            key: float(found[key].values[k])
-            for key in found.data_vars
-            if "coordinate" in found[key].dims
-        }
-        if value["lowest"] < allowed.lower[k] or value["highest"] > allowed.upper[k]:
-            sentences.append(
-                f"{name} leaves its range: the motion spans {value['lowest']:.4g} to "
-                f"{value['highest']:.4g} {unit[k]}, "
-                f"the limits are {allowed.lower[k]:.4g} and {allowed.upper[k]:.4g}."
-            )
-        if value["velocity_fraction"] > 1:
-            sentences.append(
-                f"{name} is too fast: {value['peak_speed']:.4g} {unit[k]}/s, the limit is "
-                f"{allowed.velocity[k]:.4g}."
-            )
-        if value["effort_fraction"] > 1:
-            sentences.append(
-                f"{name} needs {abs(value['peak_torque']):.4g} {effort_unit[k]} at "
-                f"t = {value['peak_torque_time']:.3g} s, the effort limit is "
-                f"{allowed.effort[k]:.4g}."
-            )
+    for use in uses:
+        if not use.exceeded or use.quantity not in ("position", "speed", "torque", "force"):
+            continue
+        if use.quantity != "position":
+            sentences.append(f"{use.text}.")
+            continue
+        k = names.index(use.coordinate)
+        ends = (float(found[key].values[k]) for key in ("lowest", "highest"))
+        low, high, lower, upper = compared(*ends, allowed.lower[k], allowed.upper[k])
+        sentences.append(
+            f"{use.coordinate} leaves its range: the motion spans {low} to {high} {use.unit}, the "
+            f"limits are {lower} and {upper}."
+        )
     return sentences

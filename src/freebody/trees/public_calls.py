@@ -17,6 +17,7 @@ from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
 from freebody.labels import aligned, refuse_other_times
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
+from freebody.outputs.numbers import compared
 from freebody.targets.finite_check import HUGE, UNIT
 
 Vector = ArrayLike | Mapping[str, float]
@@ -298,11 +299,10 @@ def _check_quaternions(function: str, model: Model, q: Array) -> None:
             off = np.argwhere(np.abs(length - 1.0) > UNIT)
             if len(off):
                 sample = tuple(map(int, off[0]))
+                size, unit = compared(length[sample], 1.0, digits=6)
                 raise FreebodyError(
                     f"{function}: the quaternion of joint {body.joint.name!r}{at_sample(sample)} "
-                    f"has length "
-                    f"{length[sample]:.6g}; "
-                    "it must be 1 within 1e-6: divide it by its length."
+                    f"has length {size}; it must be {unit} within 1e-6: divide it by its length."
                 )
 
 

@@ -13,6 +13,7 @@ from freebody.figures.drawing import FLAT, Arc, Dimension, Drawing, Label, Line,
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.layers.plane import axes
 from freebody.formats.loading import load
+from freebody.outputs.numbers import compared
 
 
 def five_bar(
@@ -54,10 +55,10 @@ def closed(
     across = D - B
     distance = float(np.linalg.norm(across))
     if not abs(l3 - l4) <= distance <= l3 + l4 or not distance:
+        given, least, most = compared(distance, abs(l3 - l4), l3 + l4)
         raise FreebodyError(
-            f"five_bar: B and D are {distance:.4g} m apart; bars of {l3:g} m and {l4:g} m meet "
-            "only if the distance is from "
-            f"{abs(l3 - l4):.4g} m to {l3 + l4:.4g} m. Choose other crank angles."
+            f"five_bar: B and D are {given} m apart; bars of {l3:g} m and {l4:g} m meet only if "
+            f"the distance is from {least} m to {most} m. Choose other crank angles."
         )
     along = (l3**2 - l4**2 + distance**2) / (2 * distance)
     height = math.sqrt(max(l3**2 - along**2, 0.0))
