@@ -170,7 +170,7 @@ def test_a_table_whose_rows_carry_other_times_is_refused():
     for name, given in kinds(2 * t).items():
         with pytest.raises(
             FreebodyError,
-            match=r"labelled with other times than t: row 10 with 2, where t\\[10\\] = 1 s",
+            match=r"labelled with other times than t: row 10 with 2, where t\[10\] = 1 s",
         ):
             assert fb.simulate(ROD, [0], [0], t, given) is name
     rows = pd.DataFrame(
