@@ -12,6 +12,23 @@ import unicodedata
 from collections import Counter
 from collections.abc import Collection, Iterable
 
+
+def word_set(text: str) -> frozenset[str]:
+    """The words of a text."""
+    return frozenset(text.split())
+
+
+C_KEYWORDS = word_set(
+    """alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t
+    class compl const constexpr const_cast continue decltype default delete do double dynamic_cast
+    else enum explicit export extern false float for friend goto if inline int long mutable
+    namespace new noexcept not not_eq nullptr operator or or_eq private protected public register
+    reinterpret_cast restrict return short signed sizeof static static_assert static_cast struct
+    switch template this thread_local throw true try typedef typeid typename union unsigned using
+    virtual void volatile wchar_t while xor xor_eq NAN INFINITY HUGE_VAL"""
+)
+"""Words of C and C++, and macros of <math.h>."""
+
 LONGEST = 63
 """Characters that a word may have (what C99 tells apart); a longer name is cut."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -19,68 +19,12 @@ from freebody.derivations.expressions.expression import (
 )
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.render.code import code
-from freebody.identifiers import identifiers, in_words
+from freebody.identifiers import C_KEYWORDS, identifiers, in_words, word_set
 
 if TYPE_CHECKING:
     from freebody.derivations.equations.equations import Equations
 
-_C_WORDS = frozenset(
-    [
-        "auto",
-        "break",
-        "case",
-        "char",
-        "const",
-        "continue",
-        "default",
-        "do",
-        "double",
-        "else",
-        "enum",
-        "extern",
-        "float",
-        "for",
-        "goto",
-        "if",
-        "inline",
-        "int",
-        "long",
-        "register",
-        "restrict",
-        "return",
-        "short",
-        "signed",
-        "sizeof",
-        "static",
-        "struct",
-        "switch",
-        "typedef",
-        "union",
-        "unsigned",
-        "void",
-        "volatile",
-        "while",
-        "INFINITY",
-        "NAN",
-        "HUGE_VAL",
-    ]
-)
-_OWN = {
-    "q",
-    "qd",
-    "qdd",
-    "M",
-    "c",
-    "G",
-    "tau",
-    "p",
-    "math",
-    "dynamics",
-    "sin",
-    "cos",
-    "sgn",
-    "parameters",
-}
+_OWN = word_set("q qd qdd M c G tau p math dynamics sin cos sgn parameters")
 
 
 @dataclass(frozen=True)
@@ -108,33 +52,27 @@ class CodeNames:
     variables."""
 
     def __init__(
-        self, equations: Equations, words: frozenset[str], of_parameter: Callable[[str], str]
+        self, equations: Equations, rows: list[Assignment], words: Collection[str], parameter: str
     ):
         self.coordinates = equations.symbols.coordinates
-        self.values = equations.parameters
-        self.of_parameter = of_parameter
-        self.words = identifiers(self.values, words | _OWN)
+        self.parameter = parameter
+        self.words = identifiers(equations.parameters, _OWN.union(words))
         self.waves: dict[Function, str] = {}
+        """Of each sine and cosine a variable: cos_12 is cos(θ1 + θ2)."""
+        taken = {*self.words.values(), *_OWN}
+        parts = [part for row in rows for part in nodes(row.value) if isinstance(part, Function)]
+        self.sign = any(part.name == "sgn" for part in parts)
+        """Whether signs occur."""
+        for part in dict.fromkeys(part for part in parts if part.name != "sgn"):
+            wanted = f"{part.name}_{_spelt(part.argument)}"
+            self.waves[part] = identifiers([wanted], taken)[wanted]
+            taken.add(self.waves[part])
 
     def __call__(self, name: str) -> str:
         for ending, array in ((SECOND, "qdd"), (RATE, "qd"), ("", "q")):
             if name.removesuffix(ending) in self.coordinates and name.endswith(ending):
                 return f"{array}[{self.coordinates.index(name.removesuffix(ending))}]"
-        return self.of_parameter(self.parameter(name))
-
-    def parameter(self, name: str) -> str:
-        """The parameter's name in code."""
-        return self.words[name]
-
-    def collect(self, rows: list[Assignment]) -> None:
-        """Gives each sine and cosine a variable: cos_12 is cos(θ1 + θ2)."""
-        taken = {*self.words.values(), *_OWN}
-        for row in rows:
-            for part in nodes(row.value):
-                if isinstance(part, Function) and part.name != "sgn" and part not in self.waves:
-                    wanted = f"{part.name}_{_spelt(part.argument)}"
-                    self.waves[part] = identifiers([wanted], taken)[wanted]
-                    taken.add(self.waves[part])
+        return self.parameter.format(self.words[name])
 
 
 def _spelt(argument: Expression) -> str:
@@ -149,105 +87,125 @@ def _spelt(argument: Expression) -> str:
     return ("" if all(len(word) == 1 for word in words) else "_").join(words)
 
 
-def python(equations: Equations) -> str:
-    """Source of dynamics(q, qd, qdd, parameters…) -> M, c, G, tau, with nothing but `math`."""
-    names = CodeNames(equations, frozenset(), lambda name: name)
-    rows = entries(equations)
-    names.collect(rows)
-    plain = code(names, {"sin": "math.sin", "cos": "math.cos", "sgn": "sgn"})
-    spell = code(names, {"sgn": "sgn"}, names.waves)
-    n = len(equations.M)
-    arguments = [
-        "q",
-        "qd",
-        "qdd",
-        *(f"{names.parameter(x)}{'' if v is None else f'={v!r}'}" for x, v in names.values.items()),
-    ]
-    arguments.sort(key=lambda argument: "=" in argument)
-    lines = [f'"""{_title(equations)}"""', "", "import math", ""]
-    if any(
-        isinstance(part, Function) and part.name == "sgn"
-        for row in rows
-        for part in nodes(row.value)
-    ):
-        lines += ["", "def sgn(x):", "    return (x > 0) - (x < 0)", ""]
-    lines += [
-        "",
-        *_wrapped(f"def dynamics({', '.join(arguments)}):", ""),
-        f'    """{_summary(equations)}"""',
-    ]
-    lines += [f"    {name} = {plain(wave)}" for wave, name in names.waves.items()]
-    lines += [
-        f"    M = [[0.0] * {n} for _ in range({n})]",
-        f"    c, G, drive = [0.0] * {n}, [0.0] * {n}, [0.0] * {n}",
-    ]
-    for row in rows:
-        target = row.array + "".join(f"[{i}]" for i in row.indices)
-        value = spell(row.value)
-        if value == "0.0":
-            continue
-        if row.array == "M" and row.indices[0] != row.indices[1]:
-            target = f"{target} = M[{row.indices[1]}][{row.indices[0]}]"
-        line = f"    {target} = {value}"
-        lines += [line] if len(line) <= 100 else _wrapped(f"    {target} = ({value})", "        ")
-    lines += [
-        f"    tau = [sum(M[i][j] * qdd[j] for j in range({n})) + c[i] + G[i] + drive[i] for i in "
-        f"range({n})]",
-        "    return M, c, G, tau",
-    ]
-    return "\n".join(lines) + "\n"
+@dataclass(frozen=True)
+class _Language:
+    """How a language writes the function: its text, what is put into that, and one assignment."""
+
+    text: str
+    parts: Callable[[Equations, CodeNames], dict[str, str]]
+    assignment: Callable[[str, str], list[str]]
+    sign: str
+    """A function for signs, where they occur."""
+    parameter: str = "{}"
+    reserved: Collection[str] = ()
+    library: str = ""
+    """What stands before the names of its functions."""
+    constant: str = "    {} = {}"
+
+    def __call__(self, equations: Equations) -> str:
+        rows = entries(equations)
+        names = CodeNames(equations, rows, self.reserved, self.parameter)
+        functions = {name: self.library + name for name in ("sin", "cos")} | {"sgn": "sgn"}
+        plain, spell = code(names, functions), code(names, functions, names.waves)
+        lines = [self.constant.format(name, plain(wave)) for wave, name in names.waves.items()]
+        body = []
+        for row in rows:
+            target = row.array + "".join(f"[{i}]" for i in row.indices)
+            if row.array == "M" and row.indices[0] != row.indices[1]:
+                target = f"{target} = M[{row.indices[1]}][{row.indices[0]}]"
+            body += self.assignment(target, spell(row.value))
+        title = f"Equations of motion of {in_words(equations.symbols.model.name)} in closed form."
+        q = ", ".join(map(in_words, names.coordinates))
+        return self.text.format(
+            title=title,
+            summary=f"M q'' + c + G + friction and springs = tau; q = ({q}) in rad and m.",
+            sign=self.sign * names.sign,
+            constants="".join(f"{line}\n" for line in lines),
+            body="\n".join(body),
+            n=len(equations.M),
+            **self.parts(equations, names),
+        )
 
 
-def c(equations: Equations) -> str:
-    """C99 source of dynamics(parameters, q, qd, qdd, M, c, G, tau), with nothing but <math.h>."""
-    names = CodeNames(equations, _C_WORDS, lambda name: f"p->{name}")
-    rows = entries(equations)
-    names.collect(rows)
-    plain = code(names, {"sin": "sin", "cos": "cos", "sgn": "sgn"})
-    spell = code(names, {"sgn": "sgn"}, names.waves)
-    n = len(equations.M)
-    lines = [f"/* {_title(equations)} */", "#include <math.h>", ""]
-    if names.values:
-        members = ", ".join(map(names.parameter, names.values))
+# ---------------------------------------------------------------- Python
+def _python_parts(equations: Equations, names: CodeNames) -> dict[str, str]:
+    values = equations.parameters
+    open_ones = [names.words[x] for x, value in values.items() if value is None]
+    known = [f"{names.words[x]}={value!r}" for x, value in values.items() if value is not None]
+    arguments = ", ".join(["q", "qd", "qdd", *open_ones, *known])
+    return {"head": "\n".join(_wrapped(f"def dynamics({arguments}):", ""))}
+
+
+def _python_assignment(target: str, value: str) -> list[str]:
+    line = f"    {target} = {value}"
+    if value == "0.0":
+        return []
+    return [line] if len(line) <= 100 else _wrapped(f"    {target} = ({value})", "        ")
+
+
+python = _Language(
+    '''"""{title}"""
+
+import math
+
+{sign}
+{head}
+    """{summary}"""
+{constants}    M = [[0.0] * {n} for _ in range({n})]
+    c, G, drive = [0.0] * {n}, [0.0] * {n}, [0.0] * {n}
+{body}
+    tau = [sum(M[i][j] * qdd[j] for j in range({n})) + c[i] + G[i] + drive[i] for i in range({n})]
+    return M, c, G, tau
+''',
+    _python_parts,
+    _python_assignment,
+    sign="\ndef sgn(x):\n    return (x > 0) - (x < 0)\n\n",
+    library="math.",
+)
+"""Source of dynamics(q, qd, qdd, parameters…) -> M, c, G, tau, with nothing but `math`."""
+
+
+# ---------------------------------------------------------------- C
+def _c_parts(equations: Equations, names: CodeNames) -> dict[str, str]:
+    n, values, lines = len(equations.M), equations.parameters.values(), []
+    if values:
+        members = ", ".join(names.words.values())
         lines += [*_wrapped(f"typedef struct {{ double {members}; }} parameters;", "    "), ""]
-        if all(value is not None for value in names.values.values()):
-            numbers = ", ".join(repr(value) for value in names.values.values())
+        if all(value is not None for value in values):
+            numbers = ", ".join(map(repr, values))
             lines += [*_wrapped(f"static const parameters defaults = {{ {numbers} }};", "    "), ""]
-    if any(
-        isinstance(part, Function) and part.name == "sgn"
-        for row in rows
-        for part in nodes(row.value)
-    ):
-        lines += ["static double sgn(double x) { return (x > 0.0) - (x < 0.0); }", ""]
-    lines += [f"/* {_summary(equations)} */"]
-    first = "const parameters *p, " if names.values else ""
-    vectors = ", ".join(f"const double {x}[{n}]" for x in ("q", "qd", "qdd"))
-    outputs = ", ".join([f"double M[{n}][{n}]", *(f"double {x}[{n}]" for x in ("c", "G", "tau"))])
-    lines += [f"void dynamics({first}{vectors},", f"              {outputs})", "{"]
-    lines += [f"    const double {name} = {plain(wave)};" for wave, name in names.waves.items()]
-    lines += [f"    double drive[{n}];"]
-    for row in rows:
-        target = row.array + "".join(f"[{i}]" for i in row.indices)
-        if row.array == "M" and row.indices[0] != row.indices[1]:
-            target = f"{target} = M[{row.indices[1]}][{row.indices[0]}]"
-        lines += _wrapped(f"    {target} = {spell(row.value)};", "        ")
-    lines += [
-        f"    for (int i = 0; i < {n}; ++i) {{",
-        "        tau[i] = c[i] + G[i] + drive[i];",
-        f"        for (int j = 0; j < {n}; ++j) tau[i] += M[i][j] * qdd[j];",
-        "    }",
-        "}",
-    ]
-    return "\n".join(lines) + "\n"
+    return {
+        "structure": "".join(f"{line}\n" for line in lines),
+        "first": "const parameters *p, " if values else "",
+        "vectors": ", ".join(f"const double {x}[{n}]" for x in ("q", "qd", "qdd")),
+        "outputs": ", ".join(f"double {x}[{n}]" for x in ("c", "G", "tau")),
+    }
 
 
-def _title(equations: Equations) -> str:
-    return f"Equations of motion of {in_words(equations.symbols.model.name)} in closed form."
+c = _Language(
+    """/* {title} */
+#include <math.h>
 
-
-def _summary(equations: Equations) -> str:
-    meaning = ", ".join(map(in_words, equations.symbols.coordinates))
-    return f"M q'' + c + G + friction and springs = tau; q = ({meaning}) in rad and m."
+{structure}{sign}/* {summary} */
+void dynamics({first}{vectors},
+              double M[{n}][{n}], {outputs})
+{{
+{constants}    double drive[{n}];
+{body}
+    for (int i = 0; i < {n}; ++i) {{
+        tau[i] = c[i] + G[i] + drive[i];
+        for (int j = 0; j < {n}; ++j) tau[i] += M[i][j] * qdd[j];
+    }}
+}}
+""",
+    _c_parts,
+    lambda target, value: _wrapped(f"    {target} = {value};", "        "),
+    sign="static double sgn(double x) { return (x > 0.0) - (x < 0.0); }\n\n",
+    parameter="p->{}",
+    reserved=C_KEYWORDS,
+    constant="    const double {} = {};",
+)
+"""C99 source of dynamics(parameters, q, qd, qdd, M, c, G, tau), with nothing but <math.h>."""
 
 
 def _wrapped(line: str, indent: str) -> list[str]:

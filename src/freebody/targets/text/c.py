@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import partial
 
+from freebody.identifiers import C_KEYWORDS, word_set
 from freebody.program.program import Argument
 from freebody.targets.text.language import (
     Language,
@@ -20,7 +21,6 @@ from freebody.targets.text.language import (
     number_lists,
     numbered,
     single,
-    word_set,
 )
 from freebody.targets.text.pieces import Piece, cut
 from freebody.targets.text.statements import ProgramWords, Spelling, lines, statements, words_of
@@ -49,16 +49,7 @@ _HELPERS = {
     "maximum": "{before}{t} max_of({t} a, {t} b)\n{{\n    return b <= a || a != a ? a : b;\n}}\n",
 }
 
-_KEYWORDS = word_set(
-    """alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t
-    class compl const constexpr const_cast continue decltype default delete do double dynamic_cast
-    else enum explicit export extern false float for friend goto if inline int long mutable
-    namespace new noexcept not not_eq nullptr operator or or_eq private protected public register
-    reinterpret_cast restrict return short signed sizeof static static_assert static_cast struct
-    switch template this thread_local throw true try typedef typeid typename union unsigned using
-    virtual void volatile wchar_t while xor xor_eq NAN INFINITY isfinite main std w S all_finite
-    fill"""
-)
+_OWN = word_set("isfinite main std w S all_finite fill")
 _FUNCTIONS = word_set(
     """sin cos tan asin acos atan atan2 sinh cosh tanh asinh acosh atanh exp exp2 expm1 log log2
     log10 log1p logb ilogb pow sqrt cbrt fabs fmin fmax fmod fdim fma floor ceil round lround rint
@@ -73,7 +64,8 @@ _LIBRARY = word_set(
 )
 RESERVED = frozenset(
     (
-        *_KEYWORDS,
+        *C_KEYWORDS,
+        *_OWN,
         *_FUNCTIONS,
         *_LIBRARY,
         *numbered("given", "expected", "found", "worst", "d"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
+from freebody.identifiers import word_set
 from freebody.program.program import Argument, Program
 from freebody.targets.cuda.assembly import ptx
 from freebody.targets.cuda.emit import emit
@@ -17,7 +18,6 @@ from freebody.targets.text.language import (
     largest_entries,
     number_lists,
     numbered,
-    word_set,
 )
 from freebody.targets.text.statements import ProgramWords, words_of
 from freebody.targets.text.unit import Unit

@@ -3,6 +3,7 @@ file."""
 
 from __future__ import annotations
 
+from freebody.identifiers import word_set
 from freebody.targets.text.language import (
     Language,
     SelfTestSamples,
@@ -11,7 +12,6 @@ from freebody.targets.text.language import (
     largest_entries,
     number,
     number_lists,
-    word_set,
 )
 from freebody.targets.text.pieces import Piece, cut
 from freebody.targets.text.statements import ProgramWords, Spelling, lines, statements, words_of

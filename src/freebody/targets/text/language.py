@@ -46,11 +46,6 @@ class Language:
     note: str = ""
 
 
-def word_set(text: str) -> frozenset[str]:
-    """The words of a text."""
-    return frozenset(text.split())
-
-
 def numbered(*stems: str) -> frozenset[str]:
     """stem0, stem1, …: what a self-test calls its arrays, so that no function is called so."""
     return frozenset(f"{stem}{k}" for stem in stems for k in range(32))

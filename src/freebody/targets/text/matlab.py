@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from freebody.identifiers import word_set
 from freebody.program.program import Argument
 from freebody.targets.text.language import (
     Language,
@@ -14,7 +15,6 @@ from freebody.targets.text.language import (
     largest_entries,
     number,
     numbered,
-    word_set,
 )
 from freebody.targets.text.statements import ProgramWords, Spelling, lines, statements, words_of
 from freebody.targets.text.unit import Unit

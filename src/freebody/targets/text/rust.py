@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from freebody.identifiers import word_set
 from freebody.program.program import Argument
 from freebody.targets.text.language import (
     Language,
@@ -14,7 +15,6 @@ from freebody.targets.text.language import (
     number_lists,
     numbered,
     single,
-    word_set,
 )
 from freebody.targets.text.pieces import Piece, cut
 from freebody.targets.text.statements import ProgramWords, Spelling, lines, statements, words_of
