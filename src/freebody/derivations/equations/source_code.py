@@ -88,7 +88,7 @@ def _spelt(argument: Expression) -> str:
 
 
 @dataclass(frozen=True)
-class _Language:
+class _ClosedFormSource:
     """How a language writes the function: its text, what is put into that, and one assignment."""
 
     text: str
@@ -143,7 +143,7 @@ def _python_assignment(target: str, value: str) -> list[str]:
     return [line] if len(line) <= 100 else _wrapped(f"    {target} = ({value})", "        ")
 
 
-python = _Language(
+python = _ClosedFormSource(
     '''"""{title}"""
 
 import math
@@ -182,7 +182,7 @@ def _c_parts(equations: Equations, names: CodeNames) -> dict[str, str]:
     }
 
 
-c = _Language(
+c = _ClosedFormSource(
     """/* {title} */
 #include <math.h>
 
