@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from freebody.algorithms.kinematics import frame_pose, jacobian, joint_poses, world_poses
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.vocabulary import spellings
+from freebody.derivations.equations.kinematics import Kinematics
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.evaluate import arithmetic, evaluate
 from freebody.derivations.expressions.expression import Expression
@@ -114,8 +114,7 @@ class Targets:
         for letter in ("M", "H", "D", "C"):
             found[letter] = [[self.single[f"{letter}{i}{j}"] for j in n] for i in n]
         if self._tip is not None:
-            rows = range(1, len(self._jacobian) + 1)
-            found["J"] = [[self.single[f"J{i}{j}"] for j in n] for i in rows]
+            found["J"] = [[self.single[f"J{i}{j}"] for j in n] for i in self._rows]
         return found
 
     @cached_property
@@ -147,7 +146,7 @@ class Targets:
                     yield tuple(names), AskedQuantity(family, (i, j), self._entry(family, i, j))
         yield from self._energies()
         if self._tip is not None:
-            yield from self._of_tip()
+            yield from self._of_tip(self._tip)
         if self.velocity and self.setting.equations.is_short:
             yield from self._coefficients()
 
@@ -191,49 +190,38 @@ class Targets:
         return value
 
     # ------------------------------------------------------------ the tip
+    @cached_property
+    def _tip(self) -> Kinematics | None:
+        symbols = self.setting.equations.symbols
+        return None if symbols.model.tip is None else Kinematics(symbols, symbols.model.tip)
+
     @property
-    def _tip(self) -> str | None:
-        return self.setting.equations.symbols.model.tip
+    def _rows(self) -> range:
+        """Of the Jacobian, from 1."""
+        return range(1, 4 if self.setting.is_planar else 7)
 
-    @cached_property
-    def _jacobian(self) -> list[list[Trig]]:
-        s = self.setting.equations.symbols
-        rows = jacobian(s.tree, s.q, self._tip or "")
-        return [[self.setting.element(s.element(x)) for x in row] for row in rows]
-
-    @cached_property
-    def _position(self) -> list[Trig]:
-        s = self.setting.equations.symbols
-        _, p = frame_pose(s.tree, world_poses(s.tree, joint_poses(s.tree, s.q)), self._tip or "")
-        return [self.setting.element(s.element(x)) for x in p]
-
-    def _of_tip(self) -> Iterator[tuple[tuple[str, ...], AskedQuantity]]:
-        for i in range(1, (4 if self.setting.is_planar else 7)):
+    def _of_tip(self, tip: Kinematics) -> Iterator[tuple[tuple[str, ...], AskedQuantity]]:
+        for i in self._rows:
             for j in range(1, self.count + 1):
-                yield (
-                    (f"J{i}{j}",),
-                    AskedQuantity("J", (i, j), lambda i=i, j=j: self._jacobian[i - 1][j - 1]),
-                )
+                entry = self._element(lambda i=i, j=j: tip.J[i - 1][j - 1])
+                yield (f"J{i}{j}",), AskedQuantity("J", (i, j), entry)
         for k in range(self.setting.symbols.model.dim):
             names = _TIP["xyz"[k]]
-            yield names, AskedQuantity("tip", (), lambda k=k: self._position[k])
-            for dots, family in ((1, "tip_d"), (2, "tip_dd")):
-                dotted = [s for name in names[:2] for s in spellings(name, "", dots)]
-                yield tuple(dotted), AskedQuantity(family, (), self._rate_of_tip(k, dots))
+            yield names, AskedQuantity("tip", (), self._element(lambda k=k: tip.position[k]))
+            for dots, family, vector in ((1, "tip_d", "velocity"), (2, "tip_dd", "acceleration")):
+                dotted = tuple(s for name in names[:2] for s in spellings(name, "", dots))
+                value = self._element(lambda k=k, vector=vector: getattr(tip, vector)[k])
+                yield dotted, AskedQuantity(family, (), value)
         if self.setting.is_planar and self.count in (2, 3):
-            yield ("detJ",), AskedQuantity("det", (), self._determinant)
+            rows = range(self.count)
+            value = self._element(
+                lambda: determinant([tip.J[i] for i in rows], self.setting.equations.symbols)
+            )
+            yield ("detJ",), AskedQuantity("det", (), value)
 
-    def _determinant(self) -> Trig:
-        return determinant(self._jacobian[: self.count], self.setting.symbols)
-
-    def _rate_of_tip(self, k: int, dots: int) -> Callable[[], Trig]:
-        def value() -> Trig:
-            x = self._position[k]
-            for _ in range(dots):
-                x = x.along(self.setting.symbols.rates)
-            return x
-
-        return value
+    def _element(self, value: Callable[[], Trig]) -> Callable[[], Trig]:
+        """A value in the ring of answers."""
+        return lambda: self.setting.element(value())
 
     # ------------------------------------------------------------ h of (3.25)
     def _coefficients(self) -> Iterator[tuple[tuple[str, ...], AskedQuantity]]:

@@ -22,8 +22,38 @@ from freebody.scalars.trig import Trig
 Thought = tuple[str, int]
 """A sentence, and what the right answer would be."""
 
-Weight = Callable[[Mapping[str, int]], int | Fraction]
-"""A number for each term."""
+_RIGHT_BESIDES = "; everything else is right."
+_BY_PART: tuple[tuple[tuple[str, ...], int | Fraction, str], ...] = (
+    (
+        ("coriolis",),
+        Fraction(1, 2),
+        "Only a factor of 2 is missing: a product of two different rates, θ̇ᵢ θ̇ⱼ, occurs twice (as "
+        "ij and as ji), so Coriolis terms have a factor of 2.",
+    ),
+    (
+        ("coriolis",),
+        0,
+        "The Coriolis terms, with products of two different rates, are missing.",
+    ),
+    (("centrifugal",), 0, "The centrifugal terms, with squares of rates, are missing."),
+    (
+        ("coriolis", "centrifugal"),
+        0,
+        f"The Coriolis and centrifugal terms are missing{_RIGHT_BESIDES}",
+    ),
+    (
+        ("coriolis", "centrifugal"),
+        -1,
+        f"All Coriolis and centrifugal terms have the wrong sign{_RIGHT_BESIDES}",
+    ),
+    (("friction",), 0, f"Friction is missing{_RIGHT_BESIDES}"),
+    (
+        ("friction",),
+        -1,
+        f"All friction terms have the wrong sign: the drive must overcome friction{_RIGHT_BESIDES}",
+    ),
+)
+"""Parts of a torque (`_part`), what they are multiplied with under a thought, and the thought."""
 
 
 @dataclass(frozen=True)
@@ -53,12 +83,13 @@ class Misconceptions:
             yield from self._angles()
 
     # ------------------------------------------------------------ parts of the right answer
-    def _weighted(self, weight: Weight) -> int:
+    def _scaled(self, factor: int | Fraction, meant: Callable[[Mapping[str, int]], bool]) -> int:
+        """The right answer with a factor at some of its terms."""
         total = 0
         for powers, coefficient in self.right.terms():
-            factor = Fraction(weight(powers))
-            if factor:
-                total += self.point.term(powers, coefficient * factor)
+            own = factor if meant(powers) else 1
+            if own:
+                total += self.point.term(powers, coefficient * own)
         return total % PRIME
 
     def _at(
@@ -85,63 +116,25 @@ class Misconceptions:
             f"Only the sign of gravity is wrong: {energy}, and the drives must support them: "
             "g_i = + ∂V/∂q_i."
         )
-        yield opposite, self._weighted(lambda p: -1 if g in p else 1)
-        yield (
-            "Gravity is missing; everything else is right.",
-            self._weighted(lambda p: 0 if g in p else 1),
-        )
+        yield opposite, self._scaled(-1, lambda p: g in p)
+        yield f"Gravity is missing{_RIGHT_BESIDES}", self._scaled(0, lambda p: g in p)
 
     def _velocity(self) -> Iterator[Thought]:
         """Mistakes in all terms with products of rates, and friction left out."""
         if self.target.family not in ("tau", "c"):
             return
-        parts = {_part(powers) for powers, _ in self.right.terms()}
-        if parts & {"coriolis", "centrifugal"}:
-            yield from self._products_of_rates()
-        if "friction" in parts:
-            yield (
-                "Friction is missing; everything else is right.",
-                self._weighted(lambda p: 0 if _part(p) == "friction" else 1),
-            )
-            yield (
-                "All friction terms have the wrong sign: the drive must overcome friction; "
-                "everything else is right.",
-                self._weighted(lambda p: -1 if _part(p) == "friction" else 1),
-            )
-
-    def _products_of_rates(self) -> Iterator[Thought]:
-        mixed = (
-            "Only a factor of 2 is missing: a product of two different rates, θ̇ᵢ θ̇ⱼ, occurs "
-            "twice (as ij and as ji), so Coriolis terms have a factor of 2."
-        )
-        yield mixed, self._weighted(lambda p: Fraction(1, 2) if _part(p) == "coriolis" else 1)
-        yield (
-            "The Coriolis terms, with products of two different rates, are missing.",
-            self._weighted(lambda p: 0 if _part(p) == "coriolis" else 1),
-        )
-        yield (
-            "The centrifugal terms, with squares of rates, are missing.",
-            self._weighted(lambda p: 0 if _part(p) == "centrifugal" else 1),
-        )
-        both = ("coriolis", "centrifugal")
-        yield (
-            "The Coriolis and centrifugal terms are missing; everything else is right.",
-            self._weighted(lambda p: 0 if _part(p) in both else 1),
-        )
-        yield (
-            "All Coriolis and centrifugal terms have the wrong sign; everything else is right.",
-            self._weighted(lambda p: -1 if _part(p) in both else 1),
-        )
+        there = {_part(powers) for powers, _ in self.right.terms()}
+        for parts, factor, text in _BY_PART:
+            if there & set(parts):
+                yield text, self._scaled(factor, lambda p, own=parts: _part(p) in own)
 
     def _inertia(self) -> Iterator[Thought]:
         """Bodies and accelerations left out."""
         own = self.target.index[0] - 1 if self.target.family == "tau" else None
         if own is not None:
             for name in self.setting.symbols.coordinates:
-                missing = (
-                    f"The terms with {sym(name + '_dd')} are missing; everything else is right."
-                )
-                yield missing, self._weighted(lambda p, x=name + "_dd": 0 if x in p else 1)
+                missing = f"The terms with {sym(name + '_dd')} are missing{_RIGHT_BESIDES}"
+                yield missing, self._scaled(0, lambda p, x=name + "_dd": x in p)
         inertial = self.setting.order.inertial
         bodies = {body for body, _ in inertial.values()}
         for body in bodies if len(bodies) > 1 else ():
@@ -151,12 +144,12 @@ class Misconceptions:
                 f"Every term with the mass or the moment of inertia of {link} is missing; the "
                 f"rest is right."
             )
-            yield text, self._weighted(lambda p, own=names: 0 if own & set(p) else 1)
+            yield text, self._scaled(0, lambda p, own=names: bool(own & set(p)))
         moments = {name for name, (_, kind) in inertial.items() if kind == 1}
         yield (
             "The moments of inertia about the centres of mass are missing: right for point masses "
             "only.",
-            self._weighted(lambda p: 0 if moments & set(p) else 1),
+            self._scaled(0, lambda p: bool(moments & set(p))),
         )
         if self.setting.is_planar:
             yield from self._own_rates()
@@ -167,17 +160,16 @@ class Misconceptions:
             if f"I{k}" not in self.setting.ring.index:
                 continue
 
-            def weight(powers: Mapping[str, int], k: int = k) -> int:
-                if f"I{k}" not in powers:
-                    return 1
+            def left_out(powers: Mapping[str, int], k: int = k) -> bool:
                 moving = {x for x in powers if re.search(r"_dd?$", x)}
-                return int(moving <= {f"theta{k}_d", f"theta{k}_dd"} and self._is_own(k))
+                own = moving <= {f"theta{k}_d", f"theta{k}_dd"} and self._is_own(k)
+                return f"I{k}" in powers and not own
 
             text = (
                 f"This is right for ω{k} = θ̇{k}. The rate θ̇{k} is relative to the previous "
                 f"link: the angular velocity of link {k} is ω{k} = θ̇1 + … + θ̇{k}."
             )
-            yield text, self._weighted(weight)
+            yield text, self._scaled(0, left_out)
 
     def _is_own(self, k: int) -> bool:
         """Whether the quantity belongs to joint k alone."""

@@ -19,6 +19,29 @@ from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar.source import Source
 
 _LONG = 70
+_OF_REPAIR = {
+    "sign": "{written} has the wrong sign: it must be {should}.",
+    "factor": "{written} {times}: it must be {should}.",
+    "extra": "{written} should not be there{inside}.",
+    "missing": "In {written} a term is missing: it must be {should}.",
+    "missing factor": "{written} lacks the factor {factor}.",
+    "extra factor": "The factor {written} should not be there{inside}.",
+    "exponent": "{written} has the wrong power{inside}: it must be {should}.",
+}
+_OTHER_REPAIR = "{written} must be {should}{inside}{reason}."
+"""What is said of a change of the answer, by its kind."""
+
+_OF_REVERSE = {
+    "sign": "{should}{inside} has the wrong sign in your answer.",
+    "factor": "{should}{inside} {times} in your answer.",
+    "missing": "{should}{inside} is missing.",
+    "extra": "In place of {should} you have {has}: one term should not be there.",
+    "missing factor": "The factor {should}{inside} is missing in your answer.",
+    "extra factor": "{should} has an extra factor {factor} in your answer.",
+}
+_OTHER_REVERSE = "In place of {should}{inside} you have {has}{reason}."
+"""The same of a change of the right answer that makes it the user's, by what the user's has."""
+
 _OPPOSITE = {
     "extra": "missing",
     "missing": "extra",
@@ -39,40 +62,32 @@ class Wording:
         """What is wrong at one place of the answer."""
         written = self.written(repair.node.span)
         should = self.node(repair.new)
-        addend = work.addend_of(repair.node)
-        inside = (
-            ""
-            if addend is repair.node or addend is work.root
-            else f" in {self.written(addend.span)}"
-        )
         if repair.node is work.root and isinstance(repair.node, Sum):
             written = "The whole answer"
-        message = self._sentence(repair, written, _cut(should), inside)
+        message = _OF_REPAIR.get(repair.kind, _OTHER_REPAIR).format(
+            written=written,
+            should=_cut(should),
+            inside=self._around(work.addend_of(repair.node), repair, work, "in"),
+            times=_times(repair.factor),
+            factor=self._factor(repair),
+            reason=self._reason(repair.kind, repair.node, repair.new),
+        )
         line, column = self.source.place(repair.node.span[0])
         context = self.source.caret(repair.node.span)
         return Mistake(
             repair.kind, message, self.source[repair.node.span], should, line, column, context
         )
 
-    def _sentence(self, repair: Repair, written: str, should: str, inside: str) -> str:
-        match repair.kind:
-            case "sign":
-                return f"{written} has the wrong sign: it must be {should}."
-            case "factor":
-                return f"{written} {_times(repair.factor)}: it must be {should}."
-            case "extra":
-                return f"{written} should not be there{inside}."
-            case "missing":
-                return f"In {written} a term is missing: it must be {should}."
-            case "missing factor":
-                assert isinstance(repair.new, Product)
-                return f"{written} lacks the factor {self.node(repair.new.factors[-1])}."
-            case "extra factor":
-                return f"The factor {written} should not be there{inside}."
-            case "exponent":
-                return f"{written} has the wrong power{inside}: it must be {should}."
-        reason = self._reason(repair.kind, repair.node, repair.new)
-        return f"{written} must be {should}{inside}{reason}."
+    def _around(self, addend: Expression, repair: Repair, work: Workspace, word: str) -> str:
+        """The term that what is changed stands in, where it is another one and not the whole."""
+        alone = addend is repair.node or addend is work.root
+        return "" if alone else f" {word} {self.written(addend.span)}"
+
+    def _factor(self, repair: Repair) -> str:
+        """The factor that a change puts in."""
+        if repair.kind != "missing factor" or not isinstance(repair.new, Product):
+            return ""
+        return self.node(repair.new.factors[-1])
 
     def _reason(self, kind: str, old: Expression, new: Expression) -> str:
         """Why, in half a sentence."""
@@ -124,37 +139,16 @@ class Wording:
         addend = work.addend_of(repair.node)
         if addend is repair.node and addend is not work.root:
             addend = work.addend_of(work.parents[addend])
-        inside = (
-            ""
-            if addend is repair.node or addend is work.root
-            else f" of {right.written(addend.span)}"
+        message = _OF_REVERSE.get(kind, _OTHER_REVERSE).format(
+            should=should,
+            has=_cut(has),
+            inside=right._around(addend, repair, work, "of"),
+            times=_times(1 / repair.factor) if repair.factor else "",
+            factor=right._factor(repair),
+            reason=self._reason(repair.kind, repair.new, repair.node),
         )
-        reason = self._reason(repair.kind, repair.new, repair.node)
-        match kind:
-            case "sign":
-                message = f"{should}{inside} has the wrong sign in your answer."
-            case "factor":
-                message = f"{should}{inside} {_times(1 / repair.factor)} in your answer."
-            case "missing":
-                message = f"{should}{inside} is missing."
-            case "extra":
-                message = (
-                    f"In place of {should} you have {_cut(has)}: one term should not be there."
-                )
-            case "missing factor":
-                message = f"The factor {should}{inside} is missing in your answer."
-            case "extra factor":
-                assert isinstance(repair.new, Product)
-                message = (
-                    f"{should} has an extra factor {right.node(repair.new.factors[-1])} in "
-                    "your answer."
-                )
-            case _:
-                message = f"In place of {should}{inside} you have {_cut(has)}{reason}."
-        yours, right_text = has, right.source[repair.node.span]
-        if kind == "missing":
-            yours = ""
-        return Mistake(kind, message, yours, right_text)
+        yours = "" if kind == "missing" else has
+        return Mistake(kind, message, yours, right.source[repair.node.span])
 
     # ------------------------------------------------------------ differences of terms
     def of_difference(self, row: Difference) -> Mistake:
