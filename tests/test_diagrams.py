@@ -12,7 +12,7 @@ import freebody as fb
 from freebody.cli.app import run
 from freebody.derivations.methods import METHODS
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
-from freebody.figures import mathtext, svg
+from freebody.figures import svg, text
 from freebody.figures.drawing import Arc, Arrow, Dimension, Label, Line, Mark, Turn
 from freebody.figures.figure import Figure
 from freebody.figures.illustrate import illustrations
@@ -602,8 +602,15 @@ def test_derivation_in_space_is_illustrated():
 
 # ---------------------------------------------------------------- formulas
 def test_formulas_are_set_as_in_print():
-    assert mathtext.plain("−*f*_{i−1,i}") == "−fi−1,i"
-    text = mathtext.marked("*v̇*_{c1}")
-    assert ">v</tspan>" in text, "a letter without its accent"
-    assert ">.</tspan>" in text, "and the dot above it"
-    assert mathtext.width("p^{i−1}_i") < mathtext.width("p_{i−1}_i")
+    assert text.plain("−*f*_{i−1,i}") == "−fi−1,i"
+    marked = text.marked(text.runs("*v̇*_{c1}"))
+    assert ">v</tspan>" in marked, "a letter without its accent"
+    assert ">.</tspan>" in marked, "and the dot above it"
+    assert text.formula_width("p^{i−1}_i") < text.formula_width("p_{i−1}_i")
+
+
+def test_symbols_in_sentences_are_set_and_names_are_left():
+    said = list(text.sentence("|ΣM − Ḣ_1| of left_arm, −f_{1,2}"))
+    assert [run.text for run in said if run.style == "v"] == ["Ḣ", "f"]
+    assert [run.text for run in said if run.level] == ["1", "1,2"]
+    assert "".join(run.text for run in said) == "|ΣM − Ḣ1| of left_arm, −f1,2"

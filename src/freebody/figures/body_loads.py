@@ -7,7 +7,6 @@ their moment about the centre of mass the rate of angular momentum there (4.12-4
 
 from __future__ import annotations
 
-import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -19,6 +18,7 @@ from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.naming import Naming
 from freebody.figures.skeleton import BodyPlace, Skeleton, extent, skeleton
+from freebody.figures.text import label
 from freebody.model.joints import JointKind
 from freebody.model.model import Model
 from freebody.trees.dynamics import joint_wrenches
@@ -148,18 +148,6 @@ def _residuals(
     arms = ((load, load.place - body.com) for load in loads)
     turning = sum((load.moment + moment(arm, load.force) for load, arm in arms), -turning)
     return float(np.linalg.norm(force)), float(np.linalg.norm(turning))
-
-
-def label(name: Expression) -> str:
-    """A symbol as figures write it: "f_{1,2}", "−τ_2", "θ̇_1"; "" for 0."""
-    if isinstance(name, ex.Negative):
-        return "−" + label(name.operand)
-    if not isinstance(name, ex.Symbol):
-        return ""
-    low = ",".join(name.low)
-    dotted = name.letter + ("", "\u0307", "\u0308")[name.dots]
-    letter = unicodedata.normalize("NFC", dotted) + name.high
-    return f"{letter}_{{{low}}}" if len(low) > 1 else f"{letter}_{low}" if low else letter
 
 
 def _reactions(names: Naming, pose: Skeleton, body: BodyPlace, wrenches: Array) -> list[Load]:

@@ -60,12 +60,13 @@ _RULES = """
 .fig .far .edge{stroke:@link-far-edge}.fig .far .bar{stroke:@link-far}
 .fig .side{fill:@joint-side;stroke:@link-edge;stroke-width:1.2;stroke-linejoin:round}
 .fig .cap{fill:@joint;stroke:@link-edge;stroke-width:1.2;stroke-linejoin:round}
+.fig .spot{fill:@joint}
 .fig .far .side{fill:@link;stroke:@link-far-edge}.fig .far .cap{stroke:@link-far-edge}
 .fig .pin{fill:@joint;stroke:@link-edge;stroke-width:2}
 .fig .rail{fill:none;stroke:@link-edge;stroke-width:2}
 .fig .hatch{fill:none;stroke:@soft;stroke-width:1.3}
 .fig .com{fill:@paper;stroke:@ink;stroke-width:1.2}.fig .comq{fill:@ink}
-.fig .angle{fill:none;stroke:@soft;stroke-width:1.3}.fig .anglehead{fill:@soft}
+.fig .angle{fill:none;stroke:@soft;stroke-width:1.3}.fig .angle-head{fill:@soft}
 .fig .frame{fill:none;stroke:@faint;stroke-width:1}.fig .axis{fill:none;stroke:@soft;stroke-width:1}
 .fig .tick{fill:@soft;font-size:11px}.fig .unit{fill:@soft;font-size:11px}
 .fig .curve{fill:none;stroke-width:1.7;stroke-linejoin:round}

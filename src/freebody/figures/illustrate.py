@@ -16,7 +16,6 @@ from freebody.derivations.expressions.expression import Expression, Symbol, node
 from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.methods import METHODS
 from freebody.figures import colours
-from freebody.figures.body_loads import label
 from freebody.figures.drawing import Drawing, Element, canonical
 from freebody.figures.figure import save
 from freebody.figures.labelling import labels_of
@@ -26,6 +25,7 @@ from freebody.figures.layers.views import VIEWS
 from freebody.figures.names import Names, names_of
 from freebody.figures.snapshot import Snapshot, resting_pose, snapshot, with_values
 from freebody.figures.svg import picture
+from freebody.figures.text import label
 from freebody.model.model import Model
 from freebody.outputs.numbers import significant
 

@@ -13,8 +13,9 @@ from freebody.derivations.expressions.expression import Symbol
 from freebody.derivations.expressions.printed_names import GREEK, sym
 from freebody.derivations.naming import TIP, Naming
 from freebody.derivations.polynomials.symbols import RATE, SECOND
-from freebody.figures.body_loads import Load, label
+from freebody.figures.body_loads import Load
 from freebody.figures.skeleton import BodyPlace, End
+from freebody.figures.text import indexed, label
 from freebody.model.model import Model
 
 _DOTS = ("", "\u0307", "\u0308")
@@ -56,8 +57,7 @@ class Names:
 
     def on(self, symbol: str, n: int, prefix: str = "") -> str:
         """A symbol with the subscript of body n, if it has one."""
-        low = prefix + self.index(n)
-        return f"{symbol}_{{{low}}}" if len(low) > 1 else f"{symbol}_{low}" if low else symbol
+        return indexed(symbol, prefix + self.index(n))
 
     def coordinate(self, body: BodyPlace, order: int = 0) -> str:
         """The joint's coordinate or its rate; "" where it has none of its own."""

@@ -12,11 +12,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from freebody.arrays import Array
+from freebody.figures.colours import SERIES
 from freebody.figures.svg import Picture
+from freebody.figures.svg_symbols import circle, line, path, words
 from freebody.figures.text import width
 from freebody.outputs.numbers import fixed, significant, superscript
 
-_LEFT, _RIGHT, _TOP, _BOTTOM = 52.0, 12.0, 28.0, 30.0
+_LEFT, _RIGHT, _TOP, _BOTTOM, _ROW = 52.0, 12.0, 28.0, 30.0, 15.0
 _SEEN = 0.15  # pixels: a curve may leave its samples by no more than this
 
 
@@ -52,51 +54,41 @@ def plot(what: Plot) -> Picture:
         unit=f"10{superscript(power)} {what.unit}" if power else what.unit,
     )
     low, high = _range(what)
-    box = (
-        _LEFT,
-        _TOP + 15.0 * max(len(rows), 1),
-        w - _RIGHT,
-        h + 15.0 * max(len(rows) - 2, 0) - _BOTTOM,
-    )
-    ruled = _Axes(box, (float(what.t[0]), float(what.t[-1])), (low, high), what.log)
-    body = [
-        f'<text class="name" x="6" y="16">{escape(what.title)}</text>',
-        *_grid(ruled, what.unit),
-    ]
+    h += _ROW * max(len(rows) - 2, 0)
+    box = (_LEFT, _TOP + _ROW * max(len(rows), 1), w - _RIGHT, h - _BOTTOM)
+    axes = _Axes(box, (float(what.t[0]), float(what.t[-1])), (low, high), what.log)
+    body = [words("name", 6, 16, escape(what.title)), *_grid(axes, what.unit)]
     if what.now is not None:
-        x = ruled.x(what.now)
-        body.append(
-            f'<path class="now" d="M{x:.1f} {box[1]:.1f}V{box[3]:.1f}"><title>t = {what.now:.4g} '
-            "s</title></path>"
-        )
-    body += [_limit(ruled, level) for level in what.limits if low <= level <= high]
+        body.append(axes.upright("now", what.now, f"t = {what.now:.4g} s"))
+    for level in what.limits:
+        if low <= level <= high:
+            body.append(axes.level("limit", level, f"limit {significant(level)}"))
+    drawn = [(name, axes.scaled(what.curves[name]), colour) for name, colour in _coloured(what)]
+    for name, curve, colour in drawn:
+        x, y = axes.x(what.t), axes.y(curve)
+        kept = thin(x, y)
+        d = path(list(zip(x[kept], y[kept], strict=True)))
+        body.append(line(f"curve s{colour}", d, name))
+    if what.peaks and not what.log:
+        body += [_peak(axes, what, curve, colour) for _, curve, colour in drawn[:1]]
+    for k, row in enumerate(rows):
+        for name, x, colour in row:
+            y = _TOP + 4 + _ROW * k
+            body.append(line(f"curve s{colour}", f"M{x:.1f} {y - 4:.1f}h14"))
+            body.append(words("num", x + 19, y, escape(name)))
+    return Picture("".join(body), w, h, f"{what.title}, {what.unit} over time")
+
+
+def _coloured(what: Plot) -> list[tuple[str, int]]:
+    """Each curve and its colour."""
     colours = what.colours or range(len(what.curves))
-    drawn = [
-        (name, _scaled(curve, what.log), colour % 8)
-        for (name, curve), colour in zip(what.curves.items(), colours, strict=False)
-    ]
-    body += [_curve(ruled, what, name, curve, colour) for name, curve, colour in drawn]
-    if what.peaks:
-        body += [_peak(ruled, what, curve, colour) for _, curve, colour in drawn[:1]]
-    body += [
-        _entry(name, x, 32.0 + 15 * k, colours)
-        for k, row in enumerate(rows)
-        for name, x, colours in row
-    ]
-    return Picture(
-        "".join(body), w, h + 15.0 * max(len(rows) - 2, 0), f"{what.title}, {what.unit} over time"
-    )
+    return [(name, k % SERIES) for name, k in zip(what.curves, colours, strict=False)]
 
 
 def _power(what: Plot) -> int:
     """The power of ten that is taken out of values too small or large to be printed at an axis."""
-    size = max(
-        (
-            float(np.abs(curve[np.isfinite(curve)]).max(initial=0.0))
-            for curve in what.curves.values()
-        ),
-        default=0.0,
-    )
+    finite = (np.abs(curve[np.isfinite(curve)]) for curve in what.curves.values())
+    size = max((float(values.max(initial=0.0)) for values in finite), default=0.0)
     if what.log or size == 0 or 1e-2 <= size < 1e5:
         return 0
     return math.floor(math.log10(size))
@@ -149,6 +141,20 @@ class _Axes:
         low, high = self.range
         return bottom - (np.asarray(value) - low) / (high - low) * (bottom - top)
 
+    def level(self, css: str, value: float, title: str = "") -> str:
+        """A line across at a value."""
+        left, _, right, _ = self.box
+        return line(css, f"M{left:.1f} {float(self.y(value)):.1f}H{right:.1f}", title)
+
+    def upright(self, css: str, t: float, title: str) -> str:
+        """A line from top to bottom at an instant."""
+        _, top, _, bottom = self.box
+        return line(css, f"M{float(self.x(t)):.1f} {top:.1f}V{bottom:.1f}", title)
+
+    def scaled(self, curve: Array) -> Array:
+        """Values as the axis has them."""
+        return _scaled(curve, self.log)
+
 
 def _scaled(curve: Array, log: bool) -> Array:
     return np.log10(np.maximum(np.abs(curve), 1e-300)) if log else np.asarray(curve, dtype=float)
@@ -182,29 +188,19 @@ def _grid(axes: _Axes, unit: str) -> list[str]:
     out = []
     levels = ticks(*axes.range, most=4) if not axes.log else _decades(*axes.range)
     for level in levels:
-        y = float(axes.y(level))
         text = f"10{_raised(level)}" if axes.log else _tick(level, levels)
-        out.append(f'<path class="grid" d="M{left:.1f} {y:.1f}H{right:.1f}"/>')
-        out.append(
-            f'<text class="tick" x="{left - 6:.1f}" y="{y + 4:.1f}" text-anchor="end">{text}</text>'
-        )
+        out.append(axes.level("grid", level))
+        out.append(words("tick", left - 6, float(axes.y(level)) + 4, text, "end"))
     instants = ticks(*axes.time)
     for t in instants:
-        x, text = float(axes.x(t)), _tick(t, instants)
-        out.append(f'<path class="axis" d="M{x:.1f} {bottom:.1f}v4"/>')
-        out.append(
-            f'<text class="tick" x="{x:.1f}" y="{bottom + 16:.1f}" '
-            f'text-anchor="middle">{text}</text>'
-        )
+        x = float(axes.x(t))
+        out.append(line("axis", f"M{x:.1f} {bottom:.1f}v4"))
+        out.append(words("tick", x, bottom + 16, _tick(t, instants), "middle"))
     if not axes.log and axes.range[0] < 0 < axes.range[1]:
-        y = float(axes.y(0.0))
-        out.append(f'<path class="axis" d="M{left:.1f} {y:.1f}H{right:.1f}"/>')
-    out.append(f'<path class="frame" d="M{left:.1f} {top:.1f}V{bottom:.1f}H{right:.1f}"/>')
-    out.append(
-        f'<text class="unit" x="{right:.1f}" y="{bottom + 28:.1f}" text-anchor="end">t in s</text>'
-    )
-    out.append(f'<text class="unit" x="{right:.1f}" y="16" text-anchor="end">{escape(unit)}</text>')
-    return out
+        out.append(axes.level("axis", 0.0))
+    frame = line("frame", f"M{left:.1f} {top:.1f}V{bottom:.1f}H{right:.1f}")
+    time = words("unit", right, bottom + 28, "t in s", "end")
+    return [*out, frame, time, words("unit", right, 16, escape(unit), "end")]
 
 
 def _decades(low: float, high: float) -> list[float]:
@@ -230,37 +226,18 @@ def _tick(value: float, all_values: Sequence[float]) -> str:
     return fixed(value, decimals)
 
 
-def _limit(axes: _Axes, level: float) -> str:
-    left, _, right, _ = axes.box
-    y = float(axes.y(level))
-    return (
-        f'<path class="limit" d="M{left:.1f} {y:.1f}H{right:.1f}"><title>limit '
-        f"{significant(level)}</title></path>"
-    )
-
-
-def _curve(axes: _Axes, what: Plot, name: str, curve: Array, colour: int) -> str:
-    x, y = axes.x(what.t), axes.y(curve)
-    kept = thin(x, y)
-    d = "M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x[kept], y[kept], strict=True))
-    return f'<path class="curve s{colour}" d="{d}"><title>{escape(name)}</title></path>'
-
-
 def _peak(axes: _Axes, what: Plot, curve: Array, colour: int) -> str:
     """The value farthest from zero."""
     k = int(np.argmax(np.abs(curve)))
     x, y = float(axes.x(what.t[k])), float(axes.y(curve[k]))
-    if what.log or abs(curve[k]) < 1e-12:
+    if abs(curve[k]) < 1e-12:
         return ""
     text = significant(float(curve[k]))
     half = width(text, 11) / 2
     at = min(max(x, axes.box[0] + half + 4), axes.box[2] - half)
-    beside = y - 7 if curve[k] > 0 else y + 15
-    title = f"<title>{text} {escape(what.unit)} at {what.t[k]:.4g} s</title>"
-    return (
-        f'<circle class="peak f{colour}" cx="{x:.1f}" cy="{y:.1f}" r="3.4">{title}</circle>'
-        f'<text class="tick halo" x="{at:.1f}" y="{beside:.1f}" text-anchor="middle">{text}</text>'
-    )
+    title = f"{text} {what.unit} at {what.t[k]:.4g} s"
+    beside = words("tick halo", at, y - 7 if curve[k] > 0 else y + 15, text, "middle")
+    return circle(f"peak f{colour}", (x, y), 3.4, title) + beside
 
 
 def _legend_rows(what: Plot) -> list[list[tuple[str, float, int]]]:
@@ -268,19 +245,12 @@ def _legend_rows(what: Plot) -> list[list[tuple[str, float, int]]]:
     if not what.legend:
         return []
     rows: list[list[tuple[str, float, int]]] = [[]]
-    x, colours = 8.0, what.colours or range(len(what.curves))
-    for name, colour in zip(what.curves, colours, strict=False):
+    x = 8.0
+    for name, colour in _coloured(what):
         needed = width(name, 12) + 40
         if rows[-1] and x + needed > what.size[0]:
             rows.append([])
             x = 8.0
-        rows[-1].append((name, x, colour % 8))
+        rows[-1].append((name, x, colour))
         x += needed
     return rows
-
-
-def _entry(name: str, x: float, y: float, colour: int) -> str:
-    return (
-        f'<path class="curve s{colour}" d="M{x:.1f} {y - 4:.1f}h14"/>'
-        f'<text class="num" x="{x + 19:.1f}" y="{y:.1f}">{escape(name)}</text>'
-    )

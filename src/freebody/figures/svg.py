@@ -11,8 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures import colours, labelling, mathtext, svg_symbols
-from freebody.figures import text as texts
+from freebody.figures import colours, labelling, svg_symbols, text
 from freebody.figures.drawing import (
     Arc,
     Arrow,
@@ -66,8 +65,8 @@ class Page:
         """Ask for room for what stands beside an element."""
         formula, after = labelling.beside(element, self.drawing.labels)
         if formula or after:
-            wide = mathtext.width(formula) + texts.width(after, _VALUE)
-            self.wanted.append(Wanted(formula, css, anchors, mathtext.SIZE, wide, after))
+            wide = text.formula_width(formula) + text.width(after, _VALUE)
+            self.wanted.append(Wanted(formula, css, anchors, text.SIZE, wide, after))
 
     def around(
         self,
@@ -108,8 +107,7 @@ class Picture:
         title = escape(self.title, quote=True)
         return legal(
             f'<svg {place or XMLNS} class="fig" viewBox="0 0 {self.width:g} {self.height:.0f}" '
-            f"{size} "
-            f'role="img" aria-label="{title}">{style}{self.body}</svg>'
+            f'{size} role="img" aria-label="{title}">{style}{self.body}</svg>'
         )
 
     def inline(self) -> str:
@@ -123,7 +121,7 @@ def picture(drawing: Drawing, width: float = 560.0, tallest: float = 460.0) -> P
     page.body += [_label(placed) for placed in labels]
     page.body += _corners(drawing, page, height)
     page.body += [
-        _centred("n", width / 2, height + 4 + _NOTE * (k + 0.6), note)
+        _centred("n", width / 2, height + 4 + _NOTE * (k + 0.6), note, 12.0)
         for k, note in enumerate(drawing.notes)
     ]
     height += _NOTE * len(drawing.notes) + (8 if drawing.notes else 0)
@@ -172,7 +170,7 @@ def _line(page: Page, e: Line) -> None:
         bar = f'<path class="bar" stroke-width="{e.width:g}" d="{d}"/>'
         page.body.append(f'<g class="far">{edge}{bar}</g>' if e.far else edge + bar)
     else:
-        page.body.append(f'<path class="{e.role}" d="{d}"/>')
+        page.body.append(svg_symbols.line(e.role, d))
         points += points[: int(e.closed)]
     if e.role not in ("grid", "shadow", "ghost"):
         for a, b in pairwise(points):
@@ -274,39 +272,31 @@ assert set(_DRAW) == set(Element.__args__)
 
 def _tooltip(page: Page, e: Arrow | Turn) -> str:
     _, after = labelling.beside(e, page.drawing.labels)
-    return f"<title>{escape(mathtext.plain(e.label or e.name) + after)}</title>"
+    return text.plain(e.label or e.name) + after
 
 
-def _centred(css: str, x: float, y: float, text: str) -> str:
-    return (
-        f'<text class="{css}" x="{x:.1f}" y="{y:.1f}" '
-        f'text-anchor="middle">{texts.marked(text)}</text>'
-    )
+def _centred(css: str, x: float, y: float, sentence: str, size: float) -> str:
+    return svg_symbols.words(css, x, y, text.marked(text.sentence(sentence), size), "middle")
 
 
 def _label(placed: Placed) -> str:
     (left, top, right, bottom), wanted = placed.box, placed.wanted
-    x, y = (left + right) / 2, bottom - (bottom - top) * 0.27
     after = f'<tspan class="num">{escape(wanted.after)}</tspan>' if wanted.after else ""
-    return (
-        f'<text class="halo f {wanted.css}" x="{x:.1f}" y="{y:.1f}" text-anchor="middle">'
-        f"{mathtext.marked(wanted.text)}{after}</text>"
-    )
+    shown = text.marked(text.runs(wanted.text)) + after
+    x, y = (left + right) / 2, bottom - (bottom - top) * 0.27
+    return svg_symbols.words(f"halo f {wanted.css}", x, y, shown, "middle")
 
 
 def _corners(drawing: Drawing, page: Page, height: float) -> list[str]:
     """Heading above; below, scale bars to the left and the world's axes to the right."""
     width = page.crowd.width
-    out = (
-        [f'<text class="name" x="12" y="20">{escape(drawing.heading)}</text>']
-        if drawing.heading
-        else []
-    )
+    heading = escape(drawing.heading)
+    out = [svg_symbols.words("name", 12, 20, heading)] if heading else []
     x = 14.0
     for metres, label, role in drawing.rulers:
         length = metres * page.scale
         out.append(svg_symbols.ruler((x, height - 10.0), length, label, role))
-        x += max(length, texts.width(label, 11)) + 26
+        x += max(length, text.width(label, 11)) + 26
     return out + (_compass(drawing.view, (width - 34.0, height - 26.0)) if drawing.compass else [])
 
 
@@ -317,5 +307,5 @@ def _compass(view: View, at: tuple[float, float]) -> list[str]:
         u, v = 20.0 * view.rows[0][k], -20.0 * view.rows[1][k]
         out.append(svg_symbols.arrow(at, (at[0] + u, at[1] + v), name))
         far = 1.0 + 9.0 / max(math.hypot(u, v), 6.0)
-        out.append(_centred("tick", at[0] + far * u, at[1] + far * v + 4, name))
+        out.append(_centred("tick", at[0] + far * u, at[1] + far * v + 4, name, 11.0))
     return out

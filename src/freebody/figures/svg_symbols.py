@@ -1,4 +1,4 @@
-"""The symbols of textbooks as SVG text, in pixels, y down."""
+"""SVG text: lines, circles, words, and of them the symbols of textbooks; in pixels, y down."""
 
 from __future__ import annotations
 
@@ -13,6 +13,29 @@ from freebody.figures.drawing import Point, Prism, View, point
 Pixel = tuple[float, float]
 
 
+def line(css: str, d: str, title: str = "") -> str:
+    """A path from its data; title: what is told of it on the screen."""
+    told = f"><title>{escape(title)}</title></path>" if title else "/>"
+    return f'<path class="{css}" d="{d}"{told}'
+
+
+def circle(css: str, at: Pixel, r: float, title: str = "") -> str:
+    """A circle."""
+    told = f"><title>{escape(title)}</title></circle>" if title else "/>"
+    return f'<circle class="{css}" cx="{at[0]:.1f}" cy="{at[1]:.1f}" r="{r:g}"{told}'
+
+
+def words(css: str, x: float, y: float, marked: str, anchor: str = "") -> str:
+    """Text that is set already; anchor: "middle" or "end", default its start."""
+    at = f' text-anchor="{anchor}"' if anchor else ""
+    return f'<text class="{css}" x="{x:.1f}" y="{y:.1f}"{at}>{marked}</text>'
+
+
+def group(title: str, *parts: str) -> str:
+    """Parts that are told of together."""
+    return f"<g><title>{escape(title)}</title>{''.join(parts)}</g>" if title else "".join(parts)
+
+
 def path(points: Sequence[Pixel], closed: bool = False) -> str:
     """Path data of a polyline."""
     return "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points) + ("Z" if closed else "")
@@ -22,21 +45,15 @@ def head(tip: Pixel, heading: Pixel, role: str, size: float = 9.0) -> str:
     """An arrow head whose point is at `tip`."""
     (x, y), (u, v) = tip, heading
     back, side = (x - size * u, y - size * v), 0.36 * size
-    points = [
-        tip,
-        (back[0] - side * v, back[1] + side * u),
-        (back[0] + side * v, back[1] - side * u),
-    ]
-    return f'<path class="{role}-head" d="{path(points, True)}"/>'
+    wings = [(back[0] - k * side * v, back[1] + k * side * u) for k in (1, -1)]
+    return line(f"{role}-head", path([tip, *wings], True))
 
 
 def arrow(a: Pixel, b: Pixel, role: str, heads: int = 1, title: str = "") -> str:
     """An arrow from a to b; a ring with a dot where it points at the viewer."""
     length = math.dist(a, b)
     if length < 4.0:
-        x, y = b
-        ring = f'<circle class="{role}" cx="{x:.1f}" cy="{y:.1f}" r="5"/>'
-        return f'<g>{title}{ring}<circle class="{role}-head" cx="{x:.1f}" cy="{y:.1f}" r="2"/></g>'
+        return group(title, circle(role, b, 5), circle(f"{role}-head", b, 2))
     u, v = (b[0] - a[0]) / length, (b[1] - a[1]) / length
     size = min(10.0, max(5.0, 0.4 * length))
     shaft = (b[0] - 0.7 * size * u, b[1] - 0.7 * size * v)
@@ -44,7 +61,7 @@ def arrow(a: Pixel, b: Pixel, role: str, heads: int = 1, title: str = "") -> str
         head((b[0] - k * 0.8 * size * u, b[1] - k * 0.8 * size * v), (u, v), role, size)
         for k in range(heads)
     ]
-    return f'<g>{title}<path class="{role}" d="{path([a, shaft])}"/>{"".join(tips)}</g>'
+    return group(title, line(role, path([a, shaft])), *tips)
 
 
 def turn(
@@ -62,17 +79,14 @@ def turn(
     end = math.radians(facing) + sweep / 2
     d, (x, y) = _bow(at, radius, end - sweep, sweep)
     u, v = _ahead(end + math.copysign(0.18, value), value)
-    return (
-        f'<g>{title}<path class="{role}" d="{d}"/>{head((x + 5 * u, y + 5 * v), (u, v), role)}</g>'
-    )
+    return group(title, line(role, d), head((x + 5 * u, y + 5 * v), (u, v), role))
 
 
 def arc(at: Pixel, radius: float, start: float, sweep: float) -> str:
     """The arc of an angle, with a small head where it ends."""
     d, end = _bow(at, radius, start, sweep)
     bend = start + sweep - math.copysign(min(3.0 / radius, abs(sweep) / 2), sweep)
-    tip = head(end, _ahead(bend, sweep), "angle", 7).replace("angle-head", "anglehead")
-    return f'<path class="angle" d="{d}"/>{tip}'
+    return line("angle", d) + head(end, _ahead(bend, sweep), "angle", 7)
 
 
 def _bow(at: Pixel, radius: float, start: float, sweep: float) -> tuple[str, Pixel]:
@@ -90,11 +104,11 @@ def _ahead(angle: float, way: float) -> Pixel:
     return -math.sin(angle) * sign, -math.cos(angle) * sign
 
 
-def dimension(ends: tuple[Pixel, Pixel], line: tuple[Pixel, Pixel]) -> str:
+def dimension(ends: tuple[Pixel, Pixel], moved: tuple[Pixel, Pixel]) -> str:
     """A line with a head at both ends, and thin ones to it from what it measures."""
-    (a, b), length = line, math.dist(*line)
-    thin = "".join(path([p, q]) for p, q in zip(ends, line, strict=True) if math.dist(p, q) > 1)
-    out = f'<path class="dimension" d="{thin}{path([a, b])}"/>'
+    (a, b), length = moved, math.dist(*moved)
+    thin = "".join(path([p, q]) for p, q in zip(ends, moved, strict=True) if math.dist(p, q) > 1)
+    out = line("dimension", thin + path([a, b]))
     if length < 1:
         return out
     u, v = (b[0] - a[0]) / length, (b[1] - a[1]) / length
@@ -104,17 +118,13 @@ def dimension(ends: tuple[Pixel, Pixel], line: tuple[Pixel, Pixel]) -> str:
 
 def joint(at: Pixel, size: float, heading: Pixel, role: str) -> str:
     """A pin seen along its axis."""
-    return f'<circle class="pin" cx="{at[0]:.1f}" cy="{at[1]:.1f}" r="{size:g}"/>'
+    return circle("pin", at, size)
 
 
 def sphere(at: Pixel, size: float, heading: Pixel, role: str) -> str:
     """A ball joint."""
-    x, y = at
-    return (
-        f'<circle class="side" cx="{x:.1f}" cy="{y:.1f}" r="{size:g}"/>'
-        f'<circle class="cap" cx="{x - 0.3 * size:.1f}" cy="{y - 0.3 * size:.1f}" '
-        f'r="{0.3 * size:.1f}" stroke="none"/>'
-    )
+    spot = at[0] - 0.3 * size, at[1] - 0.3 * size
+    return circle("side", at, size) + circle("spot", spot, round(0.3 * size, 1))
 
 
 def com(at: Pixel, size: float, heading: Pixel, role: str) -> str:
@@ -123,10 +133,7 @@ def com(at: Pixel, size: float, heading: Pixel, role: str) -> str:
     arc = f"A{size:g} {size:g} 0 0"
     upper = f"M{x:.1f} {y:.1f}h{size:g}{arc} 0 {x:.1f} {y - size:.1f}Z"
     quarters = f"{upper}M{x:.1f} {y:.1f}h{-size:g}{arc} 0 {x:.1f} {y + size:.1f}Z"
-    return (
-        f'<circle class="com" cx="{x:.1f}" cy="{y:.1f}" r="{size:g}"/><path class="comq" '
-        f'd="{quarters}"/>'
-    )
+    return circle("com", at, size) + line("comq", quarters)
 
 
 def ground(at: Pixel, size: float, heading: Pixel, role: str) -> str:
@@ -137,10 +144,10 @@ def ground(at: Pixel, size: float, heading: Pixel, role: str) -> str:
         return x + size * (-v * right + u * up), y + size * (u * right + v * up)
 
     strokes = [path([local(k, -1.7), local(k - 0.6, -2.3)]) for k in np.linspace(-1.5, 2.1, 7)]
-    line = path([local(-2.1, -1.7), local(2.1, -1.7)])
+    floor = path([local(-2.1, -1.7), local(2.1, -1.7)])
     triangle = path([local(0, 0), local(-1.2, -1.7), local(1.2, -1.7)], True)
-    parts = {"hatch": "".join(strokes), "rail": line, "pin": triangle}
-    return "".join(f'<path class="{css}" d="{d}"/>' for css, d in parts.items())
+    parts = {"hatch": "".join(strokes), "rail": floor, "pin": triangle}
+    return "".join(line(css, d) for css, d in parts.items())
 
 
 def slider(at: Pixel, size: float, heading: Pixel, role: str) -> str:
@@ -150,12 +157,12 @@ def slider(at: Pixel, size: float, heading: Pixel, role: str) -> str:
         (x + size * (1.5 * a * u - b * v), y + size * (1.5 * a * v + b * u))
         for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))
     ]
-    return f'<path class="pin" d="{path(corners, True)}"/>'
+    return line("pin", path(corners, True))
 
 
 def dot(at: Pixel, size: float, heading: Pixel, role: str) -> str:
     """A point."""
-    return f'<circle class="{role}" cx="{at[0]:.1f}" cy="{at[1]:.1f}" r="{size:g}"/>'
+    return circle(role, at, size)
 
 
 MARKS: dict[str, Callable[[Pixel, float, Pixel, str], str]] = {
@@ -170,9 +177,8 @@ def prism_rings(prism: Prism, view: View) -> tuple[list[Point], list[Point]]:
     u = np.cross(axis, other)
     u /= np.linalg.norm(u)
     w = np.cross(axis, u)
-    angles = np.arange(prism.sides) * 2 * math.pi / prism.sides + (
-        math.pi / 4 if prism.sides == 4 else 0
-    )
+    first = math.pi / 4 if prism.sides == 4 else 0.0
+    angles = np.arange(prism.sides) * 2 * math.pi / prism.sides + first
     ring = prism.radius * (np.outer(np.cos(angles), u) + np.outer(np.sin(angles), w))
     if axis @ np.asarray(view.towards) < 0:
         axis = -axis
@@ -183,9 +189,8 @@ def prism_rings(prism: Prism, view: View) -> tuple[list[Point], list[Point]]:
 
 def prism(near: list[Pixel], far: list[Pixel], distant: bool) -> str:
     """Its outline, and the end that is seen."""
-    group = '<g class="far">' if distant else "<g>"
-    side = f'<path class="side" d="{path(hull(near + far), True)}"/>'
-    return f'{group}{side}<path class="cap" d="{path(near, True)}"/></g>'
+    parts = line("side", path(hull(near + far), True)) + line("cap", path(near, True))
+    return f'<g class="far">{parts}</g>' if distant else parts
 
 
 def hull(points: list[Pixel]) -> list[Pixel]:
@@ -210,11 +215,8 @@ def _left(a: Pixel, b: Pixel, c: Pixel) -> float:
 def ruler(at: Pixel, length: float, label: str, role: str) -> str:
     """A scale bar, its text above."""
     x, y = at
-    text = f'<text class="tick" x="{x:g}" y="{y - 6:g}">{escape(label)}</text>'
-    if role == "length":
-        bar = (
-            f"M{x:g} {y - 3:g}V{y + 3:g}M{x:g} {y:g}H{x + length:.1f}M{x + length:.1f} "
-            f"{y - 3:g}V{y + 3:g}"
-        )
-        return f'<path class="axis" d="{bar}"/>{text}'
-    return arrow((x, y), (x + length, y), role) + text
+    text = words("tick", x, y - 6, escape(label))
+    if role != "length":
+        return arrow(at, (x + length, y), role) + text
+    ends = "".join(f"M{k:.1f} {y - 3:.1f}V{y + 3:.1f}" for k in (x, x + length))
+    return line("axis", f"{ends}M{x:.1f} {y:.1f}H{x + length:.1f}") + text

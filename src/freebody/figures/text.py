@@ -1,36 +1,157 @@
-"""Text in figures: subscripts, and how wide text will be."""
+"""Text in drawings. A formula: `*f*_{0,1}` is a bold f with a subscript, `θ̈_1` an italic one,
+`p^{i−1}_i` has both. A sentence: the same symbols among upright words.
+
+Letters are italic, vectors (between stars) bold and upright, digits and signs upright, as in print.
+Dots of time derivatives are full stops set above the letter: few fonts with serifs have them as
+accents of any letter.
+"""
 
 from __future__ import annotations
 
 import re
+import unicodedata
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from html import escape
 
-_SYMBOL = re.compile(r"([^\W\d_]*)_(?:\{([^}]+)\}|(\w))")
-"""Letters and their subscript."""
-_NARROW, _WIDE = set("iljtfrI.,:;'|()[]! "), set("mwMWΣ@%")
+from freebody.derivations.expressions import expression as ex
+
+SIZE = 15.0
+"""Height of the letters of formulas, pixels."""
+
+_SMALL = 0.7
+_DOTS = {"\u0307": ".", "\u0308": ".."}
+_STOP = 0.25
+"""Width of a full stop, in heights of a letter."""
+_TALL = set("bdfhklβδθλ")
+_TOKEN = re.compile(r"\*([^*]+)\*|([_^])(?:\{([^}]*)\}|(.[\u0300-\u036f]*))|([^*_^]+)")
+_SYMBOL = re.compile(r"([^\W\d_]+)_(?:\{([^}]+)\}|(\w)(?!\w))")
+_NARROW, _WIDE = set("iljtfrI.,:;'′|()[]! "), set("mwMWΣ@%")
+_FONTS = {"serif": (0.36, 0.86, 0.56), "sans": (0.36, 0.9, 0.62)}
+"""Widths of narrow, wide and other letters, in heights."""
+_TAGS = {"v": "<i>{}</i>", "b": "<b>{}</b>", "r": "{}"}
+_LEVELS = {1: "<sup>{}</sup>", 0: "{}", -1: "<sub>{}</sub>"}
 
 
-def plain(text: str) -> str:
-    """Without subscript marks, for titles and tooltips."""
-    return _set(text, "{}{}")
+@dataclass(frozen=True)
+class Run:
+    """Letters of one style; level 1 is raised, -1 lowered."""
+
+    text: str
+    style: str
+    """v: italic, b: bold, r: upright."""
+    level: int = 0
+
+    @property
+    def width(self) -> float:
+        """About how wide, in heights of a letter."""
+        return width(self.text, 1.0, "serif") * (_SMALL if self.level else 1.0)
 
 
-def marked(text: str) -> str:
-    """SVG tspans: symbols before a subscript in italics, subscripts lowered, the rest upright."""
-    low = '<tspan dy="3.5" font-size="75%">{}</tspan><tspan dy="-3.5">\u200a</tspan>'
-    return _set(escape(text), f'<tspan class="v">{{}}</tspan>{low}')
+def label(name: ex.Expression) -> str:
+    """A symbol as a formula: "f_{1,2}", "−τ_2", "θ̇_1"; "" for 0."""
+    if isinstance(name, ex.Negative):
+        return "−" + label(name.operand)
+    if not isinstance(name, ex.Symbol):
+        return ""
+    dotted = name.letter + ("", *_DOTS)[name.dots]
+    return indexed(unicodedata.normalize("NFC", dotted) + name.high, ",".join(name.low))
 
 
-def html(text: str) -> str:
-    """The same in HTML."""
-    return _set(escape(text), "<i>{}</i><sub>{}</sub>")
+def indexed(symbol: str, low: str) -> str:
+    """A symbol with a subscript, if it has one."""
+    return f"{symbol}_{{{low}}}" if len(low) > 1 else f"{symbol}_{low}" if low else symbol
 
 
-def _set(text: str, form: str) -> str:
-    """A text, its symbols and their subscripts in a form."""
-    return _SYMBOL.sub(lambda m: form.format(m[1], m[2] or m[3]), text)
+def runs(formula: str) -> Iterator[Run]:
+    """The pieces of a formula."""
+    for bold, mark, group, single, rest in _TOKEN.findall(formula):
+        if bold:
+            yield Run(bold, "b")
+        elif mark:
+            yield from _letters(group or single, 1 if mark == "^" else -1)
+        else:
+            yield from _letters(rest, 0)
 
 
-def width(text: str, size: float) -> float:
-    """About how wide a text without subscripts is, pixels."""
-    return size * sum(0.36 if c in _NARROW else 0.9 if c in _WIDE else 0.62 for c in text)
+def sentence(text: str) -> Iterator[Run]:
+    """The pieces of a sentence: letters before a subscript are a symbol."""
+    pieces = _SYMBOL.split(text)
+    yield Run(pieces[0], "r")
+    for letters, group, single, words in zip(*(pieces[k::4] for k in (1, 2, 3, 4)), strict=True):
+        yield from (Run(letters, "v"), Run(group or single, "r", -1), Run(words, "r"))
+
+
+def _letters(text: str, level: int) -> Iterator[Run]:
+    """Letters in italics, with their dots; of what is raised or lowered only indices and axes."""
+    dotted = r"[^\W\d_][\u0307\u0308]"
+    pieces = rf"{dotted}|[^\W\d_]+(?![\u0307\u0308])|." if level == 0 else rf"{dotted}|."
+    for piece in re.findall(pieces, unicodedata.normalize("NFD", text)):
+        italic = piece[0].isalpha() and (level == 0 or piece in "inxyz")
+        yield Run(piece, "v" if italic else "r", level)
+
+
+def marked(pieces: Iterable[Run], size: float = SIZE) -> str:
+    """SVG tspans, of letters of `size` pixels; a subscript under a superscript starts where that
+    started."""
+    parts, last, stacked = [], 0, 0.0
+    for run in pieces:
+        dx = f' dx="{-stacked:.2f}em"' if last > 0 and run.level < 0 and stacked else ""
+        small = f' font-size="{100 * _SMALL:.0f}%"' if run.level else ""
+        parts.append(_span(run, (_shift(run.level) - _shift(last)) * size, dx, small, size))
+        stacked = stacked + 0.88 * run.width / _SMALL if run.level > 0 else 0.0
+        last = run.level
+    return "".join(parts)
+
+
+def _shift(level: int) -> float:
+    """How far a level stands below the line, in heights of a letter."""
+    return -0.38 * level if level > 0 else -0.24 * level
+
+
+def _span(run: Run, dy: float, dx: str, small: str, size: float) -> str:
+    move = f' dy="{dy:.1f}"' if abs(dy) > 0.01 else ""
+    dots = _DOTS.get(run.text[1:])
+    if dots is None:
+        return f'<tspan class="{run.style}"{dx}{move}{small}>{escape(run.text)}</tspan>'
+    # back to the middle of the letter, up, and forward again; italics lean to the right
+    letter = run.text[0]
+    back = (run.width + _STOP * len(dots)) / 2 - (0.06 if run.style == "v" else 0.0)
+    rise = (0.72 if letter in _TALL or letter.isupper() else 0.52) * size
+    return (
+        f'<tspan class="{run.style}"{dx}{move}{small}>{escape(letter)}</tspan>'
+        f'<tspan class="{run.style} r" dx="{-back:.2f}em" dy="{-rise:.1f}">{dots}</tspan>'
+        f'<tspan dx="{back - _STOP * len(dots):.2f}em" dy="{rise:.1f}">\u200b</tspan>'
+    )
+
+
+def html(formula: str) -> str:
+    """A formula in HTML."""
+    marks = ((run, _LEVELS[run.level].format(_TAGS[run.style])) for run in runs(formula))
+    text = "".join(mark.format(escape(run.text)) for run, mark in marks)
+    return unicodedata.normalize("NFC", text)
+
+
+def plain(formula: str) -> str:
+    """A formula without marks, for tooltips, tables of a terminal and those who cannot see it."""
+    return unicodedata.normalize("NFC", "".join(run.text for run in runs(formula)))
+
+
+def width(text: str, size: float, font: str = "sans") -> float:
+    """About how wide plain text is, pixels."""
+    narrow, wide, other = _FONTS[font]
+    letters = (c for c in unicodedata.normalize("NFD", text) if not unicodedata.combining(c))
+    return size * sum(narrow if c in _NARROW else wide if c in _WIDE else other for c in letters)
+
+
+def formula_width(formula: str) -> float:
+    """About how wide a formula is, pixels; what stands under a superscript counts once."""
+    total = high = 0.0
+    for run in runs(formula):
+        if run.level > 0:
+            high += run.width
+        elif run.level < 0 and high:
+            total, high = total + max(high, run.width), 0.0
+        else:
+            total, high = total + high + run.width, 0.0
+    return (total + high) * SIZE
