@@ -13,12 +13,14 @@ from freebody.cli.app import run
 from freebody.derivations.methods import METHODS
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.figures import svg, text
-from freebody.figures.drawing import Arc, Arrow, Dimension, Label, Line, Mark, Turn
+from freebody.figures.drawing import Arc, Arrow, Dimension, Label, Line, Mark, Prism, Turn
 from freebody.figures.figure import Figure
 from freebody.figures.illustrate import illustrations
 from freebody.figures.label_placement import _overlap
-from freebody.figures.layers.axes import common_normal
+from freebody.figures.layers.geometry import common_normal
 from freebody.figures.snapshot import clear_pose, with_values
+from freebody.model.joints import KINDS
+from freebody.model.loop_kinds import LOOP_KINDS
 from freebody_notes.figures.catalogue import FIGURES
 from freebody_notes.figures.five_bar import closed, five_bar
 from freebody_notes.figures.quadrotor import zxz
@@ -261,13 +263,12 @@ def test_common_normal_meets_both_axes_at_right_angles():
     rng = np.random.default_rng(3)
     p, q = rng.normal(size=(2, 3))
     u, v = (x / np.linalg.norm(x) for x in rng.normal(size=(2, 3)))
-    normal = common_normal(p, u, q, v)
-    along = normal.head - normal.foot
-    assert abs(along @ u) < 1e-12
-    assert abs(along @ v) < 1e-12
-    np.testing.assert_allclose(np.cross(normal.foot - p, u), 0, atol=1e-12)
-    np.testing.assert_allclose(np.cross(normal.head - q, v), 0, atol=1e-12)
-    np.testing.assert_allclose(common_normal(p, u, q, u).head, q)
+    foot, head = common_normal(p, u, q, v)
+    assert abs((head - foot) @ u) < 1e-12
+    assert abs((head - foot) @ v) < 1e-12
+    np.testing.assert_allclose(np.cross(foot - p, u), 0, atol=1e-12)
+    np.testing.assert_allclose(np.cross(head - q, v), 0, atol=1e-12)
+    np.testing.assert_allclose(common_normal(p, u, q, u)[1], q)
 
 
 def test_denavit_hartenberg_lengths_are_found_again():
@@ -391,11 +392,28 @@ def test_closed_chains_are_drawn_closed(name):
     model = fb.load(name)
     figure = fb.kinematic_diagram(model, show=["vectors"])
     for loop in model.loops:
-        pins = [
-            e.at for e in figure.drawings[0].elements if e.name == loop.name and isinstance(e, Mark)
+        symbol = KINDS[LOOP_KINDS[loop.kind].symbol(model.dim)]
+        found = [
+            e
+            for e in figure.drawings[0].elements
+            if e.name == loop.name and isinstance(e, Mark | Prism)
         ]
-        np.testing.assert_allclose(*pins, atol=1e-9)
+        T = fb.forward_kinematics(model, fb.assemble(model), loop.frames[1])
+        for e in found:
+            np.testing.assert_allclose(e.at, T[: model.dim, -1], atol=1e-9)
+        if model.dim == 3 and symbol.solids:
+            assert [e.sides for e in found] == [part.sides for part in symbol.solids]
+            assert parallel(found[0].axis, T[:3, :3] @ loop.axis)
+        else:
+            assert {e.kind for e in found} == {symbol.mark}
     ET.fromstring(figure.svg)
+
+
+@pytest.mark.parametrize("kind", LOOP_KINDS.values(), ids=LOOP_KINDS)
+def test_every_kind_of_loop_has_the_symbol_of_a_joint(kind):
+    for dim in kind.dimensions:
+        symbol = KINDS[kind.symbol(dim)]
+        assert symbol.needs_axis <= (dim in kind.axis_in) or dim == 2
 
 
 def test_pendulum_moves_across_itself(figures):

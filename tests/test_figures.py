@@ -14,7 +14,6 @@ from freebody.errors import FreebodyError, MissingValueError, ShapeError, Unknow
 from freebody.figures.drawing import Arc, Arrow, Dimension, Line, Mark, Turn
 from freebody.figures.label_placement import Crowd, Wanted, _overlap
 from freebody.figures.layers import forces
-from freebody.figures.names import Names
 from freebody.figures.plots import Plot, plot, thin, ticks
 from freebody.figures.robot import robot_drawing
 from freebody.figures.snapshot import snapshot
@@ -226,7 +225,11 @@ def test_rounding_is_no_load(q, tmp_path, capsys, monkeypatch):
     assert not [e for d in figure.drawings for e in d.elements if isinstance(e, Turn)]
     assert "τ_1" in figure.drawings[0].notes[0], "it is said to be 0"
     seen = snapshot(arm, at, [0, 0], [0, 0])
-    sketches = [forces.alone(seen, body, Names(), forces.BOOK[2]) for body in seen.pose.bodies]
+    scales = forces.scales_of(seen.loads)
+    sketches = [
+        forces.alone(seen, body, forces.BOOK[2], scale)
+        for body, scale in zip(seen.pose.bodies, scales, strict=True)
+    ]
     assert not [e for d in sketches for e in d.elements if isinstance(e, Turn)]
 
 
@@ -318,15 +321,70 @@ def test_what_a_joint_without_motor_lacks_is_said(hanging):
 
 
 def test_a_body_is_drawn_in_its_own_size(hanging):
-    """Beside a boom of 2 m a hook of 2 cm has its vector, and axes no longer than its forces; a
+    """Beside a boom of 2 m a hook of 2 cm has its vector, and axes no longer than itself; a
     trolley's forces are no dots beside its rail."""
     figure = fb.free_body_diagram(hanging, [1.5, 1, 0, 0, 0, 0], show=["vectors", "axes"])
     trolley, _, hook = figure.drawings
     length = lambda arrow: float(np.linalg.norm(np.subtract(arrow.end, arrow.start)))  # noqa: E731
     assert length(hook.named("s_3")) == pytest.approx(0.02)
-    forces_of = [a for a in hook.arrows if a.name.startswith("f")]
-    assert length(hook.named("z_3")) < max(map(length, forces_of))
+    assert length(hook.named("z_3")) < 0.02
     assert max(length(a) for a in trolley.arrows if a.name.startswith("f")) > 0.5
+
+
+def on_page(drawing, arrow) -> np.ndarray:
+    """The arrow in pixels."""
+    return drawing.scale * np.subtract(*drawing.view.project((arrow.end, arrow.start)))
+
+
+@pytest.mark.parametrize("name", ["2R", "crane", "ur5e"])
+def test_forces_of_all_bodies_are_drawn_to_one_scale(name, hanging):
+    """Also where bodies are of unlike size: action and reaction are of one length on the page, and
+    what is too small for it is said to be drawn longer."""
+    model = hanging if name == "crane" else fb.load(name)
+    figure = fb.free_body_diagram(model)
+    true = []
+    for drawing, body in zip(figure.drawings, figure.bodies, strict=True):
+        for load in body.loads:
+            if any(load.force):
+                metres = np.linalg.norm(
+                    np.subtract(drawing.named(load.name).end, drawing.named(load.name).start)
+                )
+                size = drawing.scale * metres / np.linalg.norm(load.force)
+                longer = any(
+                    "longer than to scale" in note and plain(load.name) in plain(note)
+                    for note in drawing.notes
+                )
+                true += [] if longer else [size]
+    assert len(true) > 2
+    np.testing.assert_allclose(true, true[0], rtol=1e-9)
+
+
+def test_arrows_on_one_line_are_drawn_side_by_side():
+    """On an upright link weight and reactions are on one line."""
+    drawing = fb.free_body_diagram(fb.load("2R"), [math.pi / 2, 0.0]).drawings[0]
+    asides = {a.name: a.aside for a in drawing.arrows}
+    assert asides == {"f_{0,1}": 0.0, "−f_{1,2}": 0.0, "m_1 g": asides["m_1 g"]}
+    assert abs(asides["m_1 g"]) > 5, "it goes down beside the reaction that goes up"
+    free = fb.free_body_diagram(fb.load("2R"), [0.3, 0.4]).drawings[0]
+    assert not any(a.aside for a in free.arrows)
+
+
+def test_every_body_is_seen_in_its_length():
+    """A body that the view of the whole robot shows foreshortened is seen from where it is not."""
+    figure = fb.free_body_diagram(fb.load("ur5e"))
+    for drawing in figure.drawings:
+        for e in drawing.elements:
+            if isinstance(e, Line) and e.role == "link":
+                a, b = map(np.array, (e.points[0], e.points[-1]))
+                assert drawing.view.shown(a, b) > 0.6
+
+
+def test_lengths_that_are_lost_in_rounding_are_refused():
+    arm = fb.planar("RR", l=[1e20, 1], lc=[1, 0.5], m=[1, 1], I=[1, 1])
+    with pytest.raises(FreebodyError, match=r"body 2, link2: .* lost in rounding"):
+        fb.free_body_diagram(arm).svg
+    assert fb.free_body_diagram(arm, body=0).svg
+    assert fb.free_body_diagram(fb.planar("R", l=[1e30], lc=[1e30], m=[1], I=[1])).svg
 
 
 def test_angles_and_lengths_of_a_small_link_fit_it():

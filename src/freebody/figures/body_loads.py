@@ -183,9 +183,9 @@ def _reactions(names: Naming, pose: Skeleton, body: BodyPlace, wrenches: Array) 
         index, (first, second) = len(pose.bodies) + k, loop.bodies
         pair = names.loop_force(k), names.loop_moment(k)
         if second == body.index:
-            add(index, *pair, "reaction", first, loop.places[1])
+            add(index, *pair, "reaction", first, loop.origin)
         if first == body.index:
-            add(index, *pair, "counter", second, loop.places[0 if loop.rod else 1])
+            add(index, *pair, "counter", second, loop.carrier if loop.rod else loop.origin)
     return found
 
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import UnknownNameError
+from freebody.outputs.numbers import significant
 
 Point = tuple[float, ...]
 
@@ -159,6 +160,11 @@ class View:
             return 0.0
         return float(np.mean(np.asarray(list(points), dtype=float) @ np.asarray(self.towards)))
 
+    def shown(self, a: Array, b: Array) -> float:
+        """What part of its length is seen of a segment; 1 where nothing is foreshortened."""
+        length = float(np.linalg.norm(b - a))
+        return float(np.linalg.norm(np.asarray(self.rows) @ (b - a)) / length) if length else 1.0
+
 
 FLAT = View(((1.0, 0.0), (0.0, 1.0)))
 
@@ -178,13 +184,13 @@ def best_view(
     azimuths: Sequence[float] = (-60, -30, 30, 60, 120, 150, -150, -120),
 ) -> View:
     """The axonometric view that shows the given segments least foreshortened."""
-    views = [axonometric(a) for a in azimuths]
+    ways = [b - a for a, b in segments] or [np.ones(3)]
 
     def shown(view: View) -> float:
-        lengths = [np.linalg.norm(np.asarray(view.rows) @ (b - a)) for a, b in segments]
-        return float(sum(lengths) + 2.0 * min(lengths, default=0.0))
+        lengths = [np.linalg.norm(np.asarray(view.rows) @ way) for way in ways]
+        return float(sum(lengths) + 2.0 * min(lengths))
 
-    return max(views, key=shown)
+    return max(map(axonometric, azimuths), key=shown)
 
 
 @dataclass
@@ -254,6 +260,12 @@ class Drawing:
             value = np.subtract(end, start)
             self.arrow(start, end, name, "position", value, "m", beside=0.5, aside=aside)
 
+    def ruler(self, about: float, reach: float, unit: str, role: str) -> None:
+        """A scale bar of a round size up to `about`, which is drawn `reach` metres long."""
+        size = round_down(about)
+        text = metres(size, 2) if role == "length" else f"{significant(size, 1)} {unit}"
+        self.rulers.append((size / about * reach, text, role))
+
     def named(self, name: str) -> Element:
         """The element of that name, "s_1" or "s_{1}"; UnknownNameError lists the names."""
         return named((self,), name, self.title)
@@ -304,6 +316,19 @@ def bold(name: str) -> str:
 def canonical(name: str) -> str:
     """A name without braces around a single letter, its accents composed."""
     return re.sub(r"_\{(\w)\}", r"_\1", unicodedata.normalize("NFC", name))
+
+
+def metres(length: float, digits: int = 3) -> str:
+    """A length with its unit."""
+    if length >= 0.1:
+        return f"{significant(length, digits)} m"
+    return f"{significant(1000 * length, digits)} mm"
+
+
+def round_down(value: float) -> float:
+    """1, 2 or 5 times a power of ten."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return max(k * power for k in (1, 2, 5) if k * power <= value * (1 + 1e-12))
 
 
 def point(values: Iterable[float]) -> Point:

@@ -91,11 +91,17 @@ def sheet(pictures: Sequence[Picture], title: str, columns: int = 2, level: floa
     return Picture(body, min(columns, len(pictures)) * wide, y, title)
 
 
-def to_one_scale(drawings: Sequence[Drawing], wide: float = WIDE, tall: float = TALL) -> None:
-    """Give drawings the largest scale at which each of them fits."""
-    scale = min(natural_scale(drawing, wide, tall) for drawing in drawings)
-    for drawing in drawings:
-        drawing.scale = scale
+def to_one_scale(
+    drawings: Sequence[Drawing], wide: float = WIDE, tall: float = TALL,
+    alike: Sequence[float] | None = None,
+) -> None:  # fmt: skip
+    """Give drawings the largest scale at which each of them fits. alike: of each, how many metres
+    of it are to be as long on the page as those of the others; default: 1."""
+    metres = alike or [1.0] * len(drawings)
+    pairs = list(zip(drawings, metres, strict=True))
+    length = min(natural_scale(drawing, wide, tall) * one for drawing, one in pairs)
+    for drawing, one in pairs:
+        drawing.scale = length / one
 
 
 def save(svg: str, path: str | os.PathLike[str], what: str) -> Path:

@@ -11,11 +11,8 @@ from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
 from freebody.figures.body_loads import NOISE, BodyLoads
 from freebody.figures.drawing import Drawing
 from freebody.figures.figure import Figure, to_one_scale
-from freebody.figures.labelling import chosen_of, labels_of, metres
+from freebody.figures.labelling import chosen_of, labels_of
 from freebody.figures.layers import forces
-from freebody.figures.layers.force_scale import Scale, common_or_own_scales
-from freebody.figures.layers.space import round_down
-from freebody.figures.names import Names, names_of
 from freebody.figures.snapshot import Snapshot, resting_pose, snapshot, with_values
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
@@ -94,11 +91,11 @@ def free_body_diagram(
         q = resting_pose(with_values(model), wrenches)
     qd, qdd = still if qd is None else qd, still if qdd is None else qdd
     seen = snapshot(model, q, qd, qdd, wrenches, caller)
-    drawings = diagrams(seen, names_of(seen.model), parts, how, model.missing)
     title, loads = f"Free-body diagram of {model.name}", seen.loads
     if chosen is not None:
-        loads, drawings = (loads[chosen],), (drawings[chosen],)
+        loads = (loads[chosen],)
         title += f": {loads[0].body.name}"
+    drawings = diagrams(seen, loads, parts, how, model.missing)
     made = title, drawings, 2, PANEL, TALLEST, caller, 0.0
     needs = _unheld(seen, bool(model.missing))
     lacking = tuple(text for item in loads for text in needs.get(item.body.index, ()))
@@ -107,41 +104,39 @@ def free_body_diagram(
 
 def diagrams(
     seen: Snapshot,
-    names: Names,
+    bodies: Sequence[BodyLoads],
     parts: Sequence[str] = (),
     labels: str = "both",
     missing: Sequence[str] = (),
 ) -> tuple[Drawing, ...]:
-    """Drawings of all bodies, seen from one side; lengths and forces to one scale where their sizes
-    allow it. parts: of `forces.PARTS`; missing: parameters for which values were assumed."""
-    scales = common_or_own_scales(seen.loads)
+    """Drawings of bodies, forces to one scale, so that action and reaction are seen to be equal,
+    and lengths where the sizes of the bodies allow it. parts: of `forces.PARTS`; missing:
+    parameters for which values were assumed."""
+    scales = forces.scales_of(bodies)
     drawings, unheld = [], _unheld(seen, bool(missing) or labels == "names")
-    for loads, scale in zip(seen.loads, scales, strict=True):
-        drawing = forces.alone(seen, loads.body, names, parts, scale)
-        forces.inertia(drawing, loads, scale)
+    for loads, scale in zip(bodies, scales, strict=True):
+        drawing = forces.alone(seen, loads.body, parts, scale, inertia=True)
         drawing.heading = f"Body {loads.body.number} · {loads.body.name}"
         drawing.compass, drawing.labels = True, labels
         if not missing:
-            drawing.rulers = _rulers(scale)
-        drawing.notes = [*_notes(loads, labels, missing), *unheld.get(loads.body.index, ())]
+            if scale.force:
+                drawing.ruler(scale.force / 2.5, scale.longest / 2.5, "N", "reaction")
+            drawing.ruler(scale.longest / 3.75, scale.longest / 3.75, "m", "length")
+        notes = _notes(loads, scale, labels, missing)
+        drawing.notes = [*notes, *unheld.get(loads.body.index, ())]
         drawings.append(drawing)
-    if len(set(scales)) == 1:
-        to_one_scale(drawings, PANEL, TALLEST)
+    to_one_scale(drawings, PANEL, TALLEST, [scale.longest for scale in scales])
     return tuple(drawings)
 
 
-def _rulers(scale: Scale) -> list[tuple[float, str, str]]:
-    """Bars for forces and lengths."""
-    length = round_down(scale.longest / 0.75 / 5)
-    bars = [scale.bar("reaction")] if scale.force else []
-    return [*bars, (length, metres(length, 2), "length")]
-
-
-def _notes(loads: BodyLoads, labels: str, missing: Sequence[str]) -> list[str]:
-    """What is nothing, and the balance; or what was assumed."""
+def _notes(loads: BodyLoads, scale: forces.Scale, labels: str, missing: Sequence[str]) -> list[str]:
+    """What is nothing, what is drawn longer than to scale, and the balance; or what was assumed."""
     small = [x.name for x in loads.loads if not any(x.force)]
     small += [x.moment_name for x in loads.loads if x.moment_name and not any(x.moment)]
     notes = [f"≈ 0: {', '.join(small)}"] if small else []
+    longer = [name for load in loads.loads for name in scale.lengthened(load)]
+    if longer and not missing:
+        notes.append(f"longer than to scale: {', '.join(longer)}")
     n, residuals = loads.body.number, (loads.force_residual, loads.moment_residual)
     force, moment = (significant(x, 2) for x in residuals)
     if missing:

@@ -3,6 +3,7 @@ and free bodies."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial, wraps
 from pathlib import Path
@@ -17,12 +18,11 @@ from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.methods import METHODS
 from freebody.figures import colours
 from freebody.figures.drawing import Drawing, Element, canonical
-from freebody.figures.figure import save
+from freebody.figures.figure import save, to_one_scale
+from freebody.figures.kinematic import VIEWS
 from freebody.figures.labelling import labels_of
-from freebody.figures.layers import axes, forces, geometry, motion, vectors
+from freebody.figures.layers import forces, geometry, motion
 from freebody.figures.layers.structure import Layer, drawn
-from freebody.figures.layers.views import VIEWS
-from freebody.figures.names import Names, names_of
 from freebody.figures.snapshot import Snapshot, resting_pose, snapshot, with_values
 from freebody.figures.svg import picture
 from freebody.figures.text import label
@@ -64,23 +64,29 @@ def write_drawings(derivation: Derivation, document: Path, labels: str = "names"
 def illustrations(derivation: Derivation, labels: str = "names") -> dict[str, Drawing]:
     """The same as data; labels: "names", "values" or "both"."""
     labels = labels_of("a derivation's drawings", derivation.equations.symbols.model, labels)
-    seen, spoken = _shown(derivation), _spoken(derivation)
+    moving, spoken = _shown(derivation), _spoken(derivation)
     wanted: dict[str, Step | None] = {"overview": None}
     for step in derivation.steps:
         if step.figure:
             wanted.setdefault(step.figure, step)
-    found = {}
+    found, scales = {}, forces.scales_of(moving.loads)
     for name, step in wanted.items():
-        names = names_of(seen.model, step is None or _has_weights(step))
-        drawing = _drawn(seen, names, name)
+        weights = step is None or _has_weights(step)
+        seen = replace(moving, names=replace(moving.names, weights=weights))
+        drawing = _drawn(seen, name, scales)
         if drawing is not None:
-            if _is_free_body(name) and not names.weights and np.any(seen.model.gravity):
+            if _is_free_body(name) and not weights and np.any(seen.model.gravity):
                 drawing.notes = ["No weights: gravity is in the accelerations"]
             if labels != "names" and step is None:
                 drawing.notes += _state(seen)
             drawing.labels = labels
             drawing.elements = [e for e in drawing.elements if _is_spoken_of(e, spoken)]
             found[name] = drawing
+    single = {k: found.get(f"free-body {k}") for k in range(1, len(scales) + 1)}
+    drawings = {k: drawing for k, drawing in single.items() if drawing is not None}
+    if drawings:
+        alike = [scales[k - 1].longest for k in drawings]
+        to_one_scale(list(drawings.values()), WIDE, TALL, alike)
     return found
 
 
@@ -147,79 +153,75 @@ def _tip_load(model: Model) -> list[float]:
     return [*(size * x for x in _LOAD[model.dim]), *[0.0] * (1 if model.dim == 2 else 3)]
 
 
-def _drawn(seen: Snapshot, names: Names, name: str) -> Drawing | None:
-    """The drawing that a step calls by its name; None where there is none of this robot."""
-    plane = seen.model.dim == 2
+def _drawn(seen: Snapshot, name: str, scales: Sequence[forces.Scale]) -> Drawing | None:
+    """The drawing that a step calls by its name; None where there is none of this robot. scales: of
+    each body drawn alone."""
+    dim = seen.model.dim
     kind, _, number = name.rpartition(" ")
     if kind == "free-body":
         body = seen.pose.bodies[int(number) - 1]
-        return forces.alone(seen, body, names, forces.BOOK[seen.model.dim])
-    if kind == "carried":
-        return forces.carried(seen, seen.pose.bodies[int(number) - 1], names) if plane else None
-    if kind == "partial":
-        alone = partial(motion.partial_of_centres, joint=int(number))
-        note = f"Partial velocities: only joint {number} moves, at unit rate"
-        layers = (geometry.angles, geometry.slides, geometry.centres, alone)
-        return _noted(drawn(seen, names, note.lower(), layers), note) if plane else None
-    recipe = _RECIPES[seen.model.dim].get(name)
-    if recipe is None:
+        return forces.alone(seen, body, forces.BOOK[dim], scales[body.index])
+    if kind in ("carried", "partial") and dim == 3:
         return None
-    note, layers = recipe
-    return _noted(drawn(seen, names, note.lower(), layers, faint=name == "tip"), note)
-
-
-def _noted(drawing: Drawing, note: str) -> Drawing:
+    if kind == "carried":
+        return forces.carried(seen, seen.pose.bodies[int(number) - 1])
+    if kind == "partial":
+        note = f"Partial velocities: only joint {number} moves, at unit rate"
+        alone = partial(motion.partial_of_centres, joint=int(number))
+        layers: tuple[Layer, ...] = (*_GEOMETRY, alone)
+    elif name in _RECIPES[dim]:
+        note, layers = _RECIPES[dim][name]
+    else:
+        return None
+    drawing = drawn(seen, note.lower(), layers, faint=name == "tip")
     drawing.notes = [note]
     return drawing
 
 
-def _load(drawing: Drawing, seen: Snapshot, names: Names) -> None:
+def _load(drawing: Drawing, seen: Snapshot) -> None:
     """The force on the tip, if there is one."""
     if seen.wrenches is not None:
-        body = seen.pose.bodies[seen.model.frame().body]
-        forces.act(drawing, seen, body, names, ("external",))
+        forces.act(drawing, seen, seen.pose.bodies[seen.model.frame().body], ("external",))
 
 
 def _tip(*layers: Layer) -> dict[str, tuple[str, tuple[Layer, ...]]]:
     """Position of the tip, its velocity and its acceleration, with the joints' rates, on layers."""
     r, v, a = (label(vec("r_P" + ending)) for ending in ("", "_d", "_dd"))
-    rates, velocity = motion.rates, partial(motion.of_tip, name=v)
+    rates, second = motion.rates, partial(motion.rates, second=True)
+    to_tip = partial(geometry.to_tip, name=r)
+    velocity = partial(motion.of_tip, name=v)
     acceleration = partial(motion.of_tip, name=a, second=True)
     return {
-        "tip": ("Position of the tip", (*layers, vectors.links, partial(vectors.to_tip, name=r))),
+        "tip": ("Position of the tip", (*layers, geometry.links, to_tip)),
         "tip velocity": ("The velocity of the tip", (*layers, rates, velocity)),
-        "tip acceleration": (
-            "The acceleration of the tip", (*layers, partial(rates, second=True), acceleration)
-        ),
-    }  # fmt: skip
+        "tip acceleration": ("The acceleration of the tip", (*layers, second, acceleration)),
+    }
 
 
-_RECIPES: dict[int, dict[str, tuple[str, tuple[Layer, ...]]]] = {
+_GEOMETRY: tuple[Layer, ...] = (geometry.angles, geometry.slides, geometry.centres)
+_BESIDE: tuple[Layer, ...] = (
+    geometry.centres, partial(geometry.links, aside=geometry.BESIDE),
+    geometry.to_centres, geometry.directions,
+)  # fmt: skip
+_SAID = {
     2: {
-        "overview": (
-            "Coordinates, lengths and centres of mass", (*VIEWS[2]["geometry"], _load)
-        ),
-        "vectors": (
-            "The vectors, drawn beside the bodies they lie on",
-            (
-                geometry.centres, partial(vectors.links, aside=vectors.BESIDE),
-                vectors.to_centres, vectors.directions,
-            ),
-        ),
-        "centres": ("Where the centres of mass are", VIEWS[2]["centres"]),
-        "velocities": (
-            "Joint rates and velocities of the centres of mass", VIEWS[2]["velocities"]
-        ),
-        "accelerations": (
-            "Joint accelerations and accelerations of the centres of mass",
-            VIEWS[2]["accelerations"],
-        ),
-        **_tip(geometry.angles, geometry.slides),
+        "centres": "Where the centres of mass are",
+        "velocities": "Joint rates and velocities of the centres of mass",
+        "accelerations": "Joint accelerations and accelerations of the centres of mass",
     },
-    3: {
-        "overview": ("Joint axes and joint variables", VIEWS[3]["frames"]),
-        "vectors": ("Vectors from joint to joint, and centres of mass", VIEWS[3]["vectors"]),
-        **_tip(axes.variables),
-    },
-}  # fmt: skip
+    3: {"vectors": "Vectors from joint to joint, and centres of mass"},
+}
+"""Views of `kinematic_diagram` that steps ask for, and what stands below them."""
+_RECIPES: dict[int, dict[str, tuple[str, tuple[Layer, ...]]]] = {
+    dim: {name: (words, VIEWS[dim][name]) for name, words in _SAID[dim].items()} for dim in (2, 3)
+}
 """By dimension and by the name that steps give them: a line of words, and the layers."""
+_RECIPES[2] |= {
+    "overview": ("Coordinates, lengths and centres of mass", (*VIEWS[2]["geometry"], _load)),
+    "vectors": ("The vectors, drawn beside the bodies they lie on", _BESIDE),
+    **_tip(geometry.angles, geometry.slides),
+}
+_RECIPES[3] |= {
+    "overview": ("Joint axes and joint variables", VIEWS[3]["frames"]),
+    **_tip(geometry.variables),
+}

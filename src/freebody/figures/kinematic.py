@@ -4,12 +4,13 @@ accelerations."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 from freebody.errors import FreebodyError
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.labelling import chosen_of, labels_of
-from freebody.figures.layers.views import VIEWS, view
-from freebody.figures.names import names_of
+from freebody.figures.layers import geometry, motion
+from freebody.figures.layers.structure import Layer, drawn
 from freebody.figures.snapshot import snapshot
 from freebody.model.model import Model
 from freebody.trees.public_calls import Vector
@@ -18,6 +19,25 @@ WIDE, TALL = 440.0, 420.0
 """Size of one drawing, pixels."""
 _MOVING = ("velocities", "accelerations")
 """Views that show rates; the last shows accelerations, too."""
+_BENT: tuple[Layer, ...] = (geometry.angles, geometry.slides)
+_GEOMETRY: tuple[Layer, ...] = (*_BENT, geometry.centres)
+VIEWS: dict[int, dict[str, tuple[Layer, ...]]] = {
+    2: {
+        "geometry": (*_GEOMETRY, geometry.all_lengths),
+        "vectors": (*_BENT, geometry.links, geometry.to_tip),
+        "centres": (*_GEOMETRY, geometry.of_centres),
+        "velocities": (*_GEOMETRY, motion.rates, motion.of_centres),
+        "accelerations": (
+            *_GEOMETRY, partial(motion.rates, second=True), partial(motion.of_centres, second=True)
+        ),
+    },
+    3: {
+        "frames": (geometry.axes, geometry.variables),
+        "normals": (geometry.axes, geometry.normals),
+        "vectors": (geometry.links, geometry.centres),
+    },
+}  # fmt: skip
+"""What may be shown, by dimension, and of what layers it is made."""
 _DEFAULT = {2: ("geometry", "vectors"), 3: ("frames", "normals")}
 
 
@@ -54,7 +74,7 @@ def kinematic_diagram(
             raise FreebodyError(f"{caller}: {argument} is not drawn in {shown}: {instead}.")
     how = labels_of(caller, model, labels)
     seen = snapshot(model, q, qd, qdd, None, caller)
-    drawings = tuple(view(seen, name, names_of(seen.model)) for name in chosen)
+    drawings = tuple(drawn(seen, x, known[x], faint=x == "vectors") for x in chosen)
     for drawing in drawings:
         drawing.labels = how
     to_one_scale(drawings, WIDE, TALL)

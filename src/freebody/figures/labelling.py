@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable
 import numpy as np
 
 from freebody.errors import FreebodyError, UnknownNameError, shown
-from freebody.figures.drawing import Arc, Arrow, Dimension, Element, Label, Turn
+from freebody.figures.drawing import Arc, Arrow, Dimension, Element, Label, Turn, metres
 from freebody.model.model import Model
 from freebody.outputs.numbers import significant
 
@@ -41,13 +41,6 @@ def chosen_of(caller: str, show: str | Iterable[str], known: Collection[str]) ->
         if name not in list(known):
             raise UnknownNameError("choice", name, f"{caller}: show=", known)
     return tuple(dict.fromkeys(chosen))
-
-
-def metres(length: float, digits: int = 3) -> str:
-    """A length with its unit."""
-    if length >= 0.1:
-        return f"{significant(length, digits)} m"
-    return f"{significant(1000 * length, digits)} mm"
 
 
 def quantity(element: Element) -> str:

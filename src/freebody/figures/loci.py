@@ -12,7 +12,6 @@ from freebody.errors import FreebodyError
 from freebody.figures.drawing import FLAT, Drawing
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.layers.structure import structure
-from freebody.figures.names import names_of
 from freebody.figures.snapshot import snapshot
 from freebody.loops.singularity_loci import Locus, singularity_loci
 from freebody.model.model import Model
@@ -48,7 +47,7 @@ def singularity_diagram(
         loci = singularity_loci(model, kind, frame=frame, rows=rows, hold=hold)
         _curves(drawing, model, loci, name, kind, frame)
     seen = snapshot(model)
-    structure(drawing, seen, names_of(seen.model))
+    structure(drawing, seen)
     drawing.notes = [
         "type 1, blue: the tip cannot move in some direction, whatever the drives do",
         "type 2, red: the tip can move though the drives are locked",

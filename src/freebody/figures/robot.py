@@ -8,10 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.figures.drawing import FLAT, Drawing, best_view
-from freebody.figures.labelling import metres
-from freebody.figures.layers import geometry, space
-from freebody.figures.layers.structure import structure
-from freebody.figures.names import names_of
+from freebody.figures.layers import geometry, structure
 from freebody.figures.skeleton import extent, skeleton
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.model.model import Model
@@ -29,26 +26,23 @@ def robot_drawing(
     seen = snapshot(model, q, still, still)
     poses = [seen.pose, *(skeleton(model, ghost) for ghost in ghosts)]
     track = None if path is None else np.asarray(path, dtype=float)
-    sticks = [ends for pose in poses for ends in space.sticks(pose)]
-    view = FLAT if model.dim == 2 else best_view(sticks or [(np.zeros(3), np.ones(3))])
+    view = FLAT
+    if model.dim == 3:
+        view = best_view([ends for pose in poses for ends in structure.sticks(pose)])
     drawing = Drawing(view, f"{model.name}: the robot at one position", labels="both")
     if model.dim == 3:
-        space.floor(drawing, seen, poses)
+        structure.floor(drawing, seen, poses)
     for pose in poses[1:]:
-        for ends in space.sticks(pose):
+        for ends in structure.sticks(pose):
             drawing.line(ends, "ghost", "ghost")
     if track is not None:
         drawing.line(track, "tip path", "tippath")
         drawing.mark(track[0], "dot", "path start", "tipdot", 3.0)
-    names = names_of(model)
-    structure(drawing, seen, names)
-    if model.dim == 2:
-        for layer in _GEOMETRY:
-            layer(drawing, seen, names)
-    else:
-        _numbered(drawing, seen)
-    length = space.round_down(extent(poses, track) / 5)
-    drawing.rulers.append((length, metres(length, 2), "length"))
+    structure.structure(drawing, seen)
+    for layer in _GEOMETRY if model.dim == 2 else (_numbered,):
+        layer(drawing, seen)
+    about = extent(poses, track) / 5
+    drawing.ruler(about, about, "m", "length")
     return drawing
 
 
@@ -56,8 +50,8 @@ def _numbered(drawing: Drawing, seen: Snapshot) -> None:
     """The frame of the tip, and the numbers of the joints."""
     pose = seen.pose
     if pose.tip is not None and pose.tip_rotation is not None:
-        axes = [f"tip {name}" for name in "xyz"]
-        space.triad(drawing, pose.tip, pose.tip_rotation, 0.1 * seen.size, axes, label="")
+        axes, size = [f"tip {name}" for name in "xyz"], 0.1 * seen.size
+        structure.triad(drawing, pose.tip, pose.tip_rotation, size, axes, label="")
     if len(pose.bodies) <= _CROWDED:
         for body in pose.bodies:
             drawing.write(body.origin, str(body.number), (0.0, 0.0, -1.0))

@@ -13,7 +13,9 @@ from numpy.typing import ArrayLike
 from freebody.algorithms.kinematics import joint_poses, world_poses
 from freebody.arrays import Array
 from freebody.figures.drawing import SAME
-from freebody.model.joints import JointKind
+from freebody.model.description import Loop
+from freebody.model.joints import KINDS, JointKind
+from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.model import Model
 from freebody.model.tree import Mass, Tree
 from freebody.trees.public_calls import single_vector
@@ -54,6 +56,11 @@ class BodyPlace:
         return self.index + 1
 
     @property
+    def symbol(self) -> str:
+        """What its joint's symbol is called."""
+        return f"joint {self.number}"
+
+    @property
     def outline(self) -> tuple[tuple[Array, Array], ...]:
         """Segments of its stick: from its joint to where others hang, else to its centre of
         mass."""
@@ -65,14 +72,23 @@ class BodyPlace:
 
 @dataclass(frozen=True)
 class LoopPlace:
-    """Where a loop closes."""
+    """Where a loop closes: as of a joint that carries its second frame on its first."""
 
-    name: str
+    symbol: str
+    """Its name."""
+    kind: JointKind
+    """Whose symbol it has."""
+    rod: bool
     bodies: tuple[int, int]
     """Indices of those that it ties; -1: the base."""
-    places: tuple[Array, Array]
-    """Of its frames: one place, or the ends of a rod."""
-    rod: bool
+    origin: Array
+    """Of its second frame, (dim,)."""
+    rotation: Array
+    carrier: Array
+    """Origin of its first frame: the same place, or the other end of a rod or a slide."""
+    carrier_rotation: Array
+    axis: Array | None
+    """World direction of its axis, if it has one."""
 
 
 @dataclass(frozen=True)
@@ -116,18 +132,20 @@ def skeleton(model: Model, q: ArrayLike) -> Skeleton:
     ]
     frames = {name: _pose(tree, world, *frame) for name, frame in tree.frames.items()}
     places = {name: p for name, (_, p) in frames.items()}
-    loops = [
-        LoopPlace(
-            loop.name,
-            (model.frame(loop.frames[0]).body, model.frame(loop.frames[1]).body),
-            (places[loop.frames[0]], places[loop.frames[1]]),
-            bool(made.closure.distance),
-        )
-        for loop, made in zip(model.loops, tree.loops, strict=True)
-    ]
     bodies = [_body(model, tree, world, places, i) for i in range(len(model.bodies))]
+    loops = tuple(_loop(model, frames, loop) for loop in model.loops)
     tip = (None, None) if model.tip is None else frames[model.tip]
-    return Skeleton(model.dim, tuple(bodies), places, tuple(loops), tip[1], tip[0])
+    return Skeleton(model.dim, tuple(bodies), places, loops, tip[1], tip[0])
+
+
+def _loop(model: Model, frames: dict[str, tuple[Array, Array]], loop: Loop) -> LoopPlace:
+    first, second = loop.frames
+    bodies = model.frame(first).body, model.frame(second).body
+    (carrier_R, carrier), (R, p) = frames[first], frames[second]
+    axis = carrier_R @ np.asarray(loop.axis, dtype=float) if loop.axis else None
+    kind = LOOP_KINDS[loop.kind]
+    symbol, rod = KINDS[kind.symbol(model.dim)], kind.needs_distance
+    return LoopPlace(loop.name, symbol, rod, bodies, p, R, carrier, carrier_R, axis)
 
 
 def _pose(tree: Tree, world: list, body: int, R: Any, p: Any) -> tuple[Array, Array]:

@@ -11,8 +11,10 @@ import numpy as np
 from scipy.optimize import root
 
 from freebody.arrays import Array
+from freebody.derivations.naming import Naming
 from freebody.figures.body_loads import BodyLoads, body_loads
 from freebody.figures.drawing import SAME
+from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace, End, Skeleton, extent, skeleton
 from freebody.lazy import cached_property
 from freebody.loops.assembly import assemble
@@ -39,7 +41,8 @@ class Snapshot:
     q: Array
     qd: Array
     qdd: Array
-    wrenches: Wrenches = None
+    wrenches: Wrenches
+    names: Names
 
     @cached_property
     def pose(self) -> Skeleton:
@@ -116,7 +119,7 @@ def snapshot(
     at = given("q", q, lambda: _seen_well(shown))
     rates = given("qd", qd, lambda: _consistent_rates(shown, at))
     second = given("qdd", qdd, lambda: _consistent_second(shown, at, rates, wrenches))
-    return Snapshot(shown, at, rates, second, wrenches)
+    return Snapshot(shown, at, rates, second, wrenches, Names(Naming(shown)))
 
 
 def _seen_well(model: Model) -> Array:

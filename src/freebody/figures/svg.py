@@ -11,8 +11,10 @@ from itertools import pairwise
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.errors import FreebodyError
 from freebody.figures import colours, labelling, svg_symbols, text
 from freebody.figures.drawing import (
+    SAME,
     Arc,
     Arrow,
     Dimension,
@@ -27,6 +29,7 @@ from freebody.figures.drawing import (
     places,
 )
 from freebody.figures.label_placement import Crowd, Placed, Wanted
+from freebody.outputs.numbers import significant
 from freebody.outputs.text import legal
 
 XMLNS = 'xmlns="http://www.w3.org/2000/svg"'
@@ -34,6 +37,7 @@ _NOTE = 17.0  # height of a line of notes
 _MARGIN = 46.0  # pixels around everything, for labels
 _STRIP = 14.0  # below, for scale bars
 _VALUE = 12.0  # height of the letters of values
+_LOST = 1e-12  # of the distance from the origin: what is shorter is lost in rounding
 
 
 @dataclass
@@ -145,6 +149,13 @@ def natural_scale(drawing: Drawing, width: float, tallest: float) -> float:
 def _bounds(drawing: Drawing) -> tuple[Array, Array]:
     spanned = [p for element in drawing.elements for p in places(element)]
     flat = drawing.view.project(spanned) if spanned else np.zeros((1, 2))
+    span, far = float(np.ptp(flat, axis=0).max()), float(abs(flat).max())
+    if max(span, SAME) < _LOST * far:
+        raise FreebodyError(
+            f"{drawing.title}: what is to be drawn is {significant(span, 2)} m long and "
+            f"{significant(far, 2)} m from the origin, where so short a length is lost in "
+            f"rounding. Use lengths that differ less."
+        )
     return flat.min(axis=0), np.maximum(flat.max(axis=0), flat.min(axis=0) + 1e-9)
 
 

@@ -78,6 +78,13 @@ class LoopKind:
     """What it is called in the space in which this name does not exist."""
     pins: bool = False
     """Whether it does no more than hold two points, or lines, together."""
+    symbols: tuple[str, str] = ("", "")
+    """The kinds of joint whose symbols it has in drawings of the plane and of space; default: that
+    of its own name."""
+
+    def symbol(self, dim: int) -> str:
+        """The kind of joint whose symbol it has in drawings of that dimension."""
+        return self.symbols[dim - 2] or self.name
 
     def axis_in_space(self, axis: tuple[float, ...]) -> tuple[float, ...]:
         """The axis of a planar model's loop in its twin in space, whose xy-plane the plane is."""
@@ -141,9 +148,21 @@ LOOP_KINDS: dict[str, LoopKind] = {
             elsewhere="point",
         ),
         LoopKind("spherical", lambda s, a: Closure(point=True), (3,), elsewhere="point", pins=True),
-        LoopKind("point", lambda s, a: Closure(point=True), (2,), elsewhere="spherical", pins=True),
+        LoopKind(
+            "point",
+            lambda s, a: Closure(point=True),
+            (2,),
+            elsewhere="spherical",
+            pins=True,
+            symbols=("revolute", ""),
+        ),
         LoopKind("fixed", lambda s, a: Closure(point=True, turns=_aligned(s))),
-        LoopKind("distance", lambda s, a: Closure(distance=True), needs_distance=True),
+        LoopKind(
+            "distance",
+            lambda s, a: Closure(distance=True),
+            needs_distance=True,
+            symbols=("revolute", "spherical"),
+        ),
     )
 }
 """A further kind is a line here."""

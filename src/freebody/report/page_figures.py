@@ -10,7 +10,6 @@ import numpy as np
 
 from freebody.figures.body_loads import BodyLoads
 from freebody.figures.free_body import PANEL, TALLEST, diagrams
-from freebody.figures.names import names_of
 from freebody.figures.plots import Plot, plot
 from freebody.figures.robot import robot_drawing
 from freebody.figures.snapshot import snapshot
@@ -70,7 +69,7 @@ def free_bodies(study: Study) -> tuple[list[CaptionedDrawing], tuple[BodyLoads, 
     """The diagram of each body at the worst instant, and the loads they show."""
     k, m = study.worst.index, study.motion
     seen = snapshot(study.model, m.q[k], m.qd[k], m.qdd[k])
-    drawings = diagrams(seen, names_of(study.model))
+    drawings = diagrams(seen, seen.loads)
     return [
         CaptionedDrawing(picture(d, PANEL, TALLEST).text(css=False)) for d in drawings
     ], seen.loads

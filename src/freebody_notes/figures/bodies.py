@@ -8,7 +8,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.figures.drawing import FLAT, Arrow, Drawing, Label, Line, Mark, Turn, bold, point
 from freebody.figures.figure import Figure, to_one_scale
-from freebody.figures.layers.plane import axes
+from freebody.figures.layers.structure import axes
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.model.model import Model

@@ -9,36 +9,34 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.figures.drawing import FLAT, Arc, Drawing, Label, Line, Mark, Turn, point
 from freebody.figures.figure import Figure
-from freebody.figures.joint_symbols import flat_joint
-from freebody.figures.layers import forces, geometry, plane
-from freebody.figures.layers.plane import add_body
-from freebody.figures.layers.structure import structure
-from freebody.figures.layers.vectors import BESIDE
-from freebody.figures.names import Names
+from freebody.figures.layers import forces, geometry, structure
+from freebody.figures.layers.geometry import BESIDE
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.model.planar_arms import planar
 from freebody.trees.public_calls import Vector
+from freebody_notes.figures.names import called
 
-_RELATIVE = Names(
-    index=lambda n: {1: "0"}.get(n, ""), point=lambda n: {1: "O"}.get(n, "B"), tip="A"
-)
 _INDICES = {1: "i−2", 2: "i−1", 3: "i", 4: "i+1"}
-_GENERAL = Names(index=lambda n: _INDICES[n], point=lambda n: "·ABC"[n - 1], tip="", moment="M")
 
 
 def relative_velocity(q: Vector = (0.45, 0.6), qd: Vector = (0.8, 0.7)) -> Figure:
     """Figure 4.1: links O-B and B-A with their angles and rates; v_A = v_B + ω × s, drawn to
     scale."""
     model = planar("RR", l=[1.0, 0.9], lc=[0.5, 0.45], m=[1.0, 1.0], I=[0.1, 0.1])
-    seen = snapshot(model, q, qd, [0.0, 0.0])
+    seen = called(
+        snapshot(model, q, qd, [0.0, 0.0]),
+        index=lambda n: "0" if n == 1 else "",
+        letters=lambda n: "O" if n == 1 else "B",
+        tip="A",
+    )
     return Figure("Velocities of two points of a link", (_two_rates(seen), _construction(seen)))
 
 
 def _two_rates(seen: Snapshot) -> Drawing:
     drawing = Drawing(FLAT, "Two links with their angular velocities")
-    structure(drawing, seen, _RELATIVE)
-    geometry.angles(drawing, seen, _RELATIVE)
+    structure.structure(drawing, seen)
+    geometry.angles(drawing, seen)
     first, second = seen.pose.bodies
     drawing.position(second.origin, _tip(seen), "s", -BESIDE)
     scale = _speed_scale(seen)
@@ -54,8 +52,8 @@ def _construction(seen: Snapshot) -> Drawing:
     """Link B-A alone: v_B at both ends, ω × s on top of it at A, their sum v_A."""
     drawing = Drawing(FLAT, "v_A as the sum of v_B and ω × s")
     body, tip, scale = seen.pose.bodies[1], _tip(seen), _speed_scale(seen)
-    plane.axes(drawing, seen.size)
-    add_body(drawing, body)
+    structure.axes(drawing, seen.size)
+    drawing.add(*structure.link(body))
     for place, name, way in ((body.origin, "B", (1.0, -0.6)), (tip, "A", (1.0, 0.3))):
         drawing.add(Mark(point(place), "joint", name, "joint", size=6.0))
         drawing.add(Label(point(place), name, f"label {name}", direction=way))
@@ -123,6 +121,7 @@ def one_of_many() -> Figure:
         (0.5, 0.3, 0.4, 0.3),
         (0.5, 0.9, -3.0, 0.2),
     )
+    seen = called(seen, index=lambda n: _INDICES[n], letters=lambda n: "·ABC"[n - 1], moment="M")
     drawing = Drawing(FLAT, "Link i of a planar arm with the forces on it")
     before, body, after = seen.pose.bodies[1:4]
     for link in (before, after):
@@ -133,10 +132,10 @@ def one_of_many() -> Figure:
                 for a, b in link.outline
             )
         )
-    add_body(drawing, body)
+    drawing.add(*structure.link(body))
     for link in (before, body, after):
-        drawing.add(*flat_joint(link))
-        name = _GENERAL.point(link.number)
+        drawing.add(*structure.joint(link))
+        name = seen.names.point(seen.pose, link.number)
         drawing.add(Label(point(link.origin), name, f"label {name}", direction=(0.7, -1.0)))
     drawing.add(Mark(point(body.com), "com", "C_i", "com", size=6.0))
     drawing.add(Label(point(body.com), "C_i", "label C_i", direction=(0.5, -1.0)))
@@ -151,5 +150,5 @@ def one_of_many() -> Figure:
     end = body.com + 0.2 * seen.size * a / np.linalg.norm(a)
     drawing.arrow(body.com, end, "v\u0307_{ci}", "acceleration", a, "m/s²")
     _turning(drawing, seen, body, "ω_i", 0.78)
-    forces.act(drawing, seen, body, _GENERAL, ("reaction", "counter"))
+    forces.act(drawing, seen, body, ("reaction", "counter"))
     return Figure("Forces on a single body", (drawing,), 1, 560.0, 460.0)

@@ -7,12 +7,10 @@ from collections.abc import Sequence
 from freebody.figures.drawing import FLAT, Drawing
 from freebody.figures.layers import geometry
 from freebody.figures.layers.structure import Layer, structure
-from freebody.figures.names import Names
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.formats.loading import load
 from freebody.trees.public_calls import Vector, Wrenches
 
-NAMES = Names()
 GEOMETRY: tuple[Layer, ...] = (geometry.angles, geometry.lengths, geometry.centres)
 RATES, SECOND = [0.9, 1.1], [1.5, 1.0]
 """Joint rates (rad/s) and accelerations (rad/s²) of the two-link arm in the figures that show its
@@ -31,13 +29,11 @@ def two_links(
     return snapshot(load("2R"), q, qd or [0.0, 0.0], qdd or [0.0, 0.0], wrenches)
 
 
-def panel(
-    seen: Snapshot, note: str, layers: Sequence[Layer], names: Names = NAMES, faint: bool = False
-) -> Drawing:
+def panel(seen: Snapshot, note: str, layers: Sequence[Layer], faint: bool = False) -> Drawing:
     """An arm with some layers, and a line of words below."""
     drawing = Drawing(FLAT, f"{seen.model.name}: {note}")
-    structure(drawing, seen, names, faint)
+    structure(drawing, seen, faint)
     for layer in layers:
-        layer(drawing, seen, names)
+        layer(drawing, seen)
     drawing.notes = [note]
     return drawing

@@ -8,16 +8,17 @@ from functools import partial
 
 import numpy as np
 
-from freebody.figures.drawing import Arrow, Drawing, Turn, bold, point
+from freebody.figures.drawing import Arrow, Drawing, Turn, point
 from freebody.figures.figure import Figure, to_one_scale
-from freebody.figures.layers import forces, geometry, motion, plane, vectors
-from freebody.figures.names import Names
+from freebody.figures.layers import forces, geometry, motion
+from freebody.figures.layers.structure import clear_way
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.model.planar_arms import planar
 from freebody.trees.dynamics import forward_dynamics
 from freebody.trees.public_calls import Vector
 from freebody_notes.figures.bodies import pinned
-from freebody_notes.figures.panels import GEOMETRY, NAMES, RATES, SECOND, TIP, panel, two_links
+from freebody_notes.figures.names import called
+from freebody_notes.figures.panels import GEOMETRY, RATES, SECOND, TIP, panel, two_links
 
 
 def _single(before: str, n: str) -> str:
@@ -25,32 +26,23 @@ def _single(before: str, n: str) -> str:
     return n
 
 
-CHAPTER_1 = Names(force=_single, letter="F", load="F")
-CHAPTER_2 = Names(force=_single)
-PENDULUM = Names(index=lambda n: "", point=lambda n: "A", tip="B", force=lambda before, n: "0,1")
-
-
 def arm_and_vectors(q: Vector | None = None) -> Figure:
     """Figures 1.2 and 2.1: the arm with lengths, angles, centres of mass; and s_1, s_2, r."""
     seen = two_links(q)
     first = panel(seen, "(a) lengths, angles, centres of mass", GEOMETRY)
     second = panel(
-        seen, "(b) position vectors", (vectors.links, _to_tip, geometry.angles), faint=True
+        seen, "(b) position vectors", (geometry.links, geometry.to_tip, geometry.angles), faint=True
     )
     return _together("A planar two-link arm", first, second)
-
-
-def _to_tip(drawing: Drawing, seen: Snapshot, names: Names) -> None:
-    vectors.to_tip(drawing, seen, names)
 
 
 def free_bodies(q: Vector | None = None, load: Vector = TIP) -> Figure:
     """Figure 1.4: the arm at rest under a load F at P, and its links apart: F_1, ∓F_2, F, weights,
     torques."""
     load = [10 * x for x in np.asarray(load)]  # of the size of the weights, to be seen beside them
-    seen = two_links(q, wrenches=load)
-    first = panel(seen, "(a) the arm", GEOMETRY, CHAPTER_1)
-    second = forces.apart(seen, CHAPTER_1, ("r",), scaled=True)
+    seen = called(two_links(q, wrenches=load), force=_single, letter="F", load="F")
+    first = panel(seen, "(a) the arm", GEOMETRY)
+    second = forces.apart(seen, ("r",), scaled=True)
     second.notes = ["(b) free-body diagrams of the links"]
     return Figure("Free-body diagrams of a planar two-link arm", (first, second))
 
@@ -60,13 +52,14 @@ def statics(q: Vector = (0.9, 0.75), load: Vector = TIP) -> Figure:
     τ_1, ∓τ_2."""
     seen = two_links(q, wrenches=load)
     seen = snapshot(seen.model.replace(gravity=0.0), seen.q, seen.qd, seen.qdd, load)
+    seen = called(seen, force=_single)
     first = panel(seen, "(a) the arm, loaded at P", (*GEOMETRY, _tip_force))
-    second = forces.apart(seen, CHAPTER_2, ("s",), scaled=True)
+    second = forces.apart(seen, ("s",), scaled=True)
     second.notes = ["(b) the links in equilibrium"]
     return Figure("Static forces on the arm and on each of its links", (first, second))
 
 
-def _tip_force(drawing: Drawing, seen: Snapshot, names: Names) -> None:
+def _tip_force(drawing: Drawing, seen: Snapshot) -> None:
     """The external force at the tip."""
     for load in seen.loads[-1].loads:
         if load.role == "external":
@@ -75,9 +68,9 @@ def _tip_force(drawing: Drawing, seen: Snapshot, names: Names) -> None:
             arrow = Arrow(
                 point(load.place),
                 point(end),
-                names.load,
+                "f",
                 "external",
-                bold(names.load),
+                "*f*",
                 point(load.force),
                 "N",
             )
@@ -88,9 +81,9 @@ def pendulum(q: Vector = (0.85,), qd: Vector = (1.2,), qdd: Vector = (0.8,)) -> 
     """Figure 3.1: a bar that turns about A, with r_c and v_c; its free body."""
     seen = _bar(q, qd, qdd)
     first = _bar_panel(seen, "(a) the bar and its motion")
-    first.position(np.zeros(2), seen.pose.bodies[0].com, "r_{c}", -vectors.BESIDE)
+    first.position(np.zeros(2), seen.pose.bodies[0].com, "r_{c}", -geometry.BESIDE)
     first.add(*_velocity(seen))
-    second = forces.apart(seen, PENDULUM, (), scaled=True)
+    second = forces.apart(seen, (), scaled=True)
     second.notes = ["(b) free-body diagram"]
     return Figure("A pendulum", (first, second))
 
@@ -105,11 +98,18 @@ def one_link(q: Vector = (0.85,)) -> Figure:
 def _bar(q: Vector, qd: Vector, qdd: Vector) -> Snapshot:
     """A uniform bar of 1 m and 2 kg."""
     model = planar("R", l=[1.0], lc=[0.5], m=[2.0], I=[2.0 / 12])
-    return snapshot(model.replace(name="pendulum"), q, qd, qdd)
+    seen = snapshot(model.replace(name="pendulum"), q, qd, qdd)
+    return called(
+        seen,
+        index=lambda n: "",
+        letters=lambda n: "A",
+        tip="B",
+        force=lambda before, n: "0,1",
+    )
 
 
 def _bar_panel(seen: Snapshot, note: str) -> Drawing:
-    drawing = panel(seen, note, GEOMETRY, PENDULUM)
+    drawing = panel(seen, note, GEOMETRY)
     drawing.notes = [note] if note else []
     return drawing
 
@@ -119,7 +119,7 @@ def _velocity(seen: Snapshot) -> tuple[Arrow, Turn]:
     body = seen.pose.bodies[0]
     v = seen.velocity_at(body, body.com)
     end = body.com + 0.35 * seen.size * v / np.linalg.norm(v)
-    u, w = plane.clear_way(seen, body)
+    u, w = clear_way(seen, body)
     rate = Turn(
         point(body.origin), float(seen.qd[0]), "θ\u0307", "velocity", "θ\u0307", "rad/s", 20.0,
         float(np.degrees(np.arctan2(w, u))), 150.0,
@@ -133,7 +133,7 @@ def dynamics(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND) 
     seen = two_links(q, qd, qdd)
     velocities = partial(motion.of_centres, scaled=True)
     first = panel(seen, "(a) angles, rates, velocities", (*GEOMETRY, motion.rates, velocities))
-    second = forces.apart(seen, NAMES, ("s", "sc"), scaled=True)
+    second = forces.apart(seen, ("s", "sc"), scaled=True)
     second.notes = ["(b) free-body diagrams of the links"]
     return Figure("Dynamics of a planar two-link arm", (first, second))
 
@@ -141,8 +141,8 @@ def dynamics(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND) 
 def recursion(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND) -> Figure:
     """Figure 4.3: θ_i with its rates, v̇_ci, s_ci and (m_i, I_i); below, the links apart."""
     seen = two_links(q, qd, qdd)
-    first = panel(seen, "(a) accelerations", (*_accelerated(), vectors.to_centres))
-    second = forces.apart(seen, NAMES, ("s", "sc"), scaled=True)
+    first = panel(seen, "(a) accelerations", (*_accelerated(), geometry.to_centres))
+    second = forces.apart(seen, ("s", "sc"), scaled=True)
     second.notes = ["(b) forces"]
     return Figure("Accelerations and forces of a planar two-link arm", (first, second))
 
@@ -150,7 +150,7 @@ def recursion(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND)
 def energies(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND) -> Figure:
     """Figure 5.3: as the upper part of 4.3, with r_c1 and r_c2 from the origin."""
     seen = two_links(q, qd, qdd)
-    drawing = panel(seen, "", (*_accelerated(), vectors.of_centres))
+    drawing = panel(seen, "", (*_accelerated(), geometry.of_centres))
     drawing.notes = []
     return Figure("An arm with two degrees of freedom", (drawing,), 1, 460.0, 430.0)
 

@@ -10,7 +10,7 @@ from numpy.polynomial import Polynomial
 from freebody.arrays import Array
 from freebody.figures.drawing import FLAT, Arrow, Drawing, Label, Line, Mark, bold, point
 from freebody.figures.figure import Figure, to_one_scale
-from freebody.figures.layers.plane import axes
+from freebody.figures.layers.structure import axes
 
 _X, _Y = (0.8, 2.6), (1.0, 3.4, -1.5)
 _MASSES = (2.0, 1.0, 1.5, 2.5, 1.0)

@@ -20,11 +20,9 @@ from freebody.figures.drawing import (
     point,
 )
 from freebody.figures.figure import Figure
-from freebody.figures.layers import space
-from freebody.figures.layers.space import round_down
+from freebody.figures.layers import structure
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.formats.loading import load
-from freebody.outputs.numbers import significant
 
 _EULER = (math.pi / 4, 0.1, 0.2)
 _THRUSTS = (3.2, 1.4, 2.5, 3.6)
@@ -106,15 +104,15 @@ def _vehicle(seen: Snapshot, view: View, note: str) -> Drawing:
             Prism(point(place + 0.03 * up), point(up), _RADIUS, 0.012, f"rotor {k}", "joint", 36)
         )
     parts.append(Prism(point(body.origin), point(up), 0.12, 0.05, "hull", "joint", 4))
-    drawing.add(*sorted(parts, key=lambda e: space.depth(e, view)))
+    drawing.add(*sorted(parts, key=lambda e: structure.depth(e, view)))
     drawing.notes = [note]
     return drawing
 
 
 def _frames(drawing: Drawing, seen: Snapshot) -> None:
     body = seen.pose.bodies[0]
-    space.triad(drawing, np.zeros(3), np.eye(3), 0.45, ("X", "Y", "Z"))
-    space.triad(drawing, body.origin, body.rotation, 0.85, ("x", "y", "z"))
+    structure.triad(drawing, np.zeros(3), np.eye(3), 0.45, ("X", "Y", "Z"))
+    structure.triad(drawing, body.origin, body.rotation, 0.85, ("x", "y", "z"))
     drawing.add(Label(point(body.origin), "O", "O", direction=(0.0, 0.0, -1.0)))
     for letter, place in zip("ABCD", _rotors(seen), strict=True):
         drawing.add(Mark(point(place), "dot", f"rotor {letter}", "position-head", size=2.5))
@@ -137,5 +135,5 @@ def _forces(drawing: Drawing, seen: Snapshot, thrusts: Array) -> None:
     v = seen.velocity_at(body, body.com)
     drawing.arrow(body.com, body.com + 0.55 * v / np.linalg.norm(v), "v", "velocity", v, "m/s")
     drawing.add(Mark(point(body.com), "com", "C", "com", size=5.0))
-    bar = round_down(float(thrusts.max()) / 2)
-    drawing.rulers.append((bar * scale, f"{significant(bar, 1)} N (thrust)", "external"))
+    bar = float(thrusts.max()) / 2
+    drawing.ruler(bar, bar * scale, "N (thrust)", "external")

@@ -4,8 +4,8 @@ apart at the joints."""
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -13,34 +13,92 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.figures.body_loads import BodyLoads, Load
 from freebody.figures.colours import FORCES
-from freebody.figures.drawing import SAME, Arrow, Dimension, Drawing, Element, Line, Turn, point
-from freebody.figures.joint_symbols import flat_joint, solid_joint
-from freebody.figures.layers import axes, geometry, space, vectors
-from freebody.figures.layers.force_scale import (
-    Scale,
-    common_or_own_scales,
-    extent_with_forces,
-    scale_of,
-)
-from freebody.figures.layers.plane import add_body, letter
+from freebody.figures.drawing import (
+    SAME,
+    Arrow,
+    Dimension,
+    Drawing,
+    Element,
+    Line,
+    Turn,
+    View,
+    best_view,
+    point,
+)  # fmt: skip
+from freebody.figures.layers import geometry, structure
 from freebody.figures.layers.structure import Layer, of_each, view_of
-from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot
 
 _GAP = 0.34
-_BESIDE = vectors.BESIDE + 2
+_BESIDE = geometry.BESIDE + 2
 _AXIS, _ANGLE = 0.45, 0.4  # the longest axis and arc beside the forces, of the size of the body
+_LONGEST, _SHORTEST = 0.75, 0.12  # the longest arrow, of the size of the body; the shortest, of it
+_ALIKE = 3.0  # bodies whose sizes differ by less than this factor are drawn to one scale
+_LANE = 9.0  # pixels between arrows that would lie on each other
+_SEEN = 0.7  # of its length: what a view has to show of a body
+
+
+# ---------------------------------------------------------------- how long arrows are
+@dataclass(frozen=True)
+class Scale:
+    """The largest force (N) and moment (N m) on some bodies, and how long they are drawn,
+    metres."""
+
+    force: float
+    moment: float
+    longest: float
+
+    def end(self, place: Array, value: Array, turning: bool = False) -> Array:
+        """Where the arrow of a force or moment at a place ends."""
+        size, largest = float(np.linalg.norm(value)), self.moment if turning else self.force
+        share = max(size / largest, _SHORTEST) * (0.75 if turning else 1.0)
+        return place + share * self.longest * value / size
+
+    def lengthened(self, load: Load) -> list[str]:
+        """Names of the arrows that are drawn longer than to scale, lest they be too short to be
+        seen; moments in the plane are no arrows."""
+        arrows = [(load.name, load.force, self.force)]
+        if len(load.moment) == 3:
+            arrows.append((load.moment_name, load.moment, self.moment))
+        sizes = [(name, float(np.linalg.norm(value)), most) for name, value, most in arrows]
+        return [name for name, size, most in sizes if name and 0 < size < _SHORTEST * most]
+
+
+def scale_of(bodies: Iterable[BodyLoads], longest: float) -> Scale:
+    """One scale for some bodies."""
+    loads = [load for body in bodies for load in body.loads]
+    force = max((float(np.linalg.norm(load.force)) for load in loads), default=0.0)
+    moment = max((float(np.linalg.norm(load.moment)) for load in loads), default=0.0)
+    return Scale(force, moment, longest)
+
+
+def scales_of(bodies: Sequence[BodyLoads]) -> tuple[Scale, ...]:
+    """Of bodies each drawn alone: forces to one scale on the page, lengths where the sizes of the
+    bodies allow it. `longest` is what is to be of equal length on the page."""
+    sizes, whole = [size_of(body) for body in bodies], scale_of(bodies, 1.0)
+    if max(sizes) <= _ALIKE * min(sizes):
+        sizes = [max(sizes)] * len(sizes)
+    return tuple(replace(whole, longest=_LONGEST * size) for size in sizes)
+
+
+def size_of(loads: BodyLoads) -> float:
+    """Of a body as it is drawn and of where forces act on it, metres."""
+    drawn = structure.bars(loads.body, rod=len(loads.body.origin) == 3)
+    ends = [place for _, segment in drawn for place in segment]
+    places = np.array([*(load.place for load in loads.loads), *ends])
+    size = float(np.linalg.norm(places.max(axis=0) - places.min(axis=0)))
+    return size if size > 1e-3 else 0.1
 
 
 # ---------------------------------------------------------------- one body
 @of_each
-def _points(drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace) -> None:
+def _points(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
     """Names of a body's joints and of the tip."""
-    along = seen.heading(body)
-    drawing.write(body.origin, letter(seen, names, body.number), -along)
+    along, names = seen.heading(body), seen.names
+    drawing.write(body.origin, names.point(seen.pose, body.number), -along)
     for child in _children(seen, body):
-        drawing.write(child.origin, letter(seen, names, child.number), along)
+        drawing.write(child.origin, names.point(seen.pose, child.number), along)
     for end in body.ends:
         if end.child is None and end.name == seen.model.tip and names.tip:
             drawing.mark(end.place, "dot", names.tip, "position-head", 3.5)
@@ -48,17 +106,16 @@ def _points(drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace) -> 
 
 
 @of_each
-def _axes(drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace) -> None:
+def _axes(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
     """The axes of a body's joints."""
-    longest = _AXIS * extent_with_forces(seen.loads[body.index])
-    axes.joint_axes(drawing, seen, names, (body, *_children(seen, body)), longest=longest)
+    longest = _AXIS * size_of(seen.loads[body.index])
+    geometry.axes(drawing, seen, (body, *_children(seen, body)), longest=longest)
 
 
 @of_each
-def _angles(drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace) -> None:
+def _angles(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
     """The angle of a body's joint."""
-    longest = _ANGLE * extent_with_forces(seen.loads[body.index])
-    geometry.angles(drawing, seen, names, (body,), longest=longest)
+    geometry.angles(drawing, seen, (body,), longest=_ANGLE * size_of(seen.loads[body.index]))
 
 
 PARTS: dict[str, Layer] = {
@@ -66,9 +123,9 @@ PARTS: dict[str, Layer] = {
     "centres": geometry.centres,
     "angles": _angles,
     "lengths": partial(geometry.all_lengths, least=0.0),
-    "s": partial(vectors.links, aside=_BESIDE, least=0.0),
-    "r": partial(vectors.links, aside=_BESIDE, letter="r", least=0.0),
-    "sc": partial(vectors.to_centres, aside=-_BESIDE),
+    "s": partial(geometry.links, aside=_BESIDE, least=0.0),
+    "r": partial(geometry.links, aside=_BESIDE, letter="r", least=0.0),
+    "sc": partial(geometry.to_centres, aside=-_BESIDE),
     "axes": _axes,
 }
 """What may be shown of a free body beside the forces: its geometry, and the vectors s_i (or r_i)
@@ -78,39 +135,53 @@ BOOK = {2: ("points", "centres", "s", "sc"), 3: ("axes", "centres", "s", "sc")}
 
 
 def alone(
-    seen: Snapshot,
-    body: BodyPlace,
-    names: Names,
-    show: Sequence[str],
-    scale: Scale | None = None,
+    seen: Snapshot, body: BodyPlace, show: Sequence[str], scale: Scale, inertia: bool = False
 ) -> Drawing:
-    """One body where it is; show: of `PARTS`. Default scale: that of `common_or_own_scales`."""
-    drawing = Drawing(view_of(seen), f"Free-body diagram of body {body.number}, {body.name}")
-    scale = common_or_own_scales(seen.loads)[body.index] if scale is None else scale
+    """One body where it is, with what acts on it; show: of `PARTS`. inertia: with m a_c, what the
+    forces add up to."""
+    title = f"Free-body diagram of body {body.number}, {body.name}"
+    drawing, loads = Drawing(_view(seen, body), title), seen.loads[body.index]
     _stick(drawing, seen, body)
     for part in show:
-        PARTS[part](drawing, seen, names, (body,))
+        PARTS[part](drawing, seen, (body,))
     if body.mass > 0 and "centres" not in show:
-        drawing.mark(body.com, "com", names.on("C", body.number), "com", 6.0)
-    for load in seen.loads[body.index].loads:
+        drawing.mark(body.com, "com", seen.names.on("C", body.number), "com", 6.0)
+    for load in loads.loads:
         _reach(drawing, body, load)
-    act(drawing, seen, body, names, scale=scale)
+    first = len(drawing.elements)
+    act(drawing, seen, body, scale=scale)
+    value = loads.inertial_force
+    if inertia and np.linalg.norm(value) > 0.01 * scale.force:
+        mass, end = loads.mass_name, scale.end(body.com, value)
+        label = f"{mass} *a*_{body.number}"
+        drawing.arrow(body.com, end, f"{mass} a_{body.number}", "inertia", value, "N", label=label)
+    drawing.elements[first:] = _side_by_side(drawing.elements[first:], drawing.view, scale.longest)
     return drawing
+
+
+def _view(seen: Snapshot, body: BodyPlace) -> View:
+    """That of the whole robot, if it shows the body in its length; else the body's own."""
+    view, loads = view_of(seen), seen.loads[body.index].loads
+    places = [body.origin, *(end.place for end in body.ends), *(load.place for load in loads)]
+    ways = [(a, b) for k, a in enumerate(places) for b in places[:k]]
+    if seen.model.dim == 2 or not ways:
+        return view
+    longest = max(ways, key=lambda way: float(np.linalg.norm(way[1] - way[0])))
+    return view if view.shown(*longest) >= _SEEN else best_view([longest])
 
 
 def _stick(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
     """A body and the joints that it is cut at."""
     if seen.model.dim == 2:
-        add_body(drawing, body)
-        drawing.add(*flat_joint(body))
+        drawing.add(*structure.link(body), *structure.joint(body))
         for child in _children(seen, body):
             drawing.mark(child.origin, "joint", f"joint {child.number}", "joint", 5.0)
         return
-    radius = 0.05 * extent_with_forces(seen.loads[body.index])
-    parts = [*space.solids_of(body, radius)]
+    radius = 0.05 * size_of(seen.loads[body.index])
+    parts = structure.solids_of(body, radius)
     for child in _children(seen, body):
-        parts += solid_joint(child, radius)
-    drawing.add(*sorted(parts, key=lambda e: space.depth(e, drawing.view)))
+        parts += structure.joint(child, radius)
+    drawing.add(*sorted(parts, key=lambda e: structure.depth(e, drawing.view)))
 
 
 def _children(seen: Snapshot, body: BodyPlace) -> list[BodyPlace]:
@@ -128,57 +199,75 @@ def _reach(drawing: Drawing, body: BodyPlace, load: Load) -> None:
         drawing.line((nearest, load.place), f"reach {load.name}", "guide")
 
 
+def _side_by_side(elements: Sequence[Element], view: View, longest: float) -> list[Element]:
+    """Arrows that would lie on each other on the page moved apart, across their common line."""
+    lanes: list[tuple[Array, Array, int]] = []
+
+    def moved_aside(arrow: Element) -> Element:
+        if not isinstance(arrow, Arrow):
+            return arrow
+        a, b = view.project((arrow.start, arrow.end))
+        way = b - a
+        length = float(np.hypot(*way))
+        if length < SAME * longest:
+            return arrow
+        u, left = way / length, np.array([-way[1], way[0]]) / length
+
+        def on(c: Array, d: Array) -> bool:
+            across = max(abs(left @ (c - a)), abs(left @ (d - a)))
+            low, high = sorted((float(u @ (c - a)), float(u @ (d - a))))
+            overlap = min(high, length) - max(low, 0.0)
+            return across < 0.04 * longest and overlap > 0.06 * longest
+
+        taken = {lane for c, d, lane in lanes if on(c, d)}
+        outwards = sorted(range(-len(lanes), len(lanes) + 1), key=abs)
+        lane = next(k for k in outwards if k not in taken)
+        lanes.append((a, b, lane))
+        ahead = 1.0 if tuple(u.round(6)) > (0.0, 0.0) else -1.0
+        return replace(arrow, aside=ahead * lane * _LANE + 0.0)
+
+    return [moved_aside(element) for element in elements]
+
+
 # ---------------------------------------------------------------- what acts
 def act(
-    drawing: Drawing,
-    seen: Snapshot,
-    body: BodyPlace,
-    names: Names,
-    roles: Sequence[str] = tuple(FORCES),
+    drawing: Drawing, seen: Snapshot, body: BodyPlace, roles: Sequence[str] = tuple(FORCES),
     scale: Scale | None = None,
-) -> None:
+) -> None:  # fmt: skip
     """The forces and moments on a body: of its parent, its children, its weight, from outside;
     default scale: one for all bodies of a robot."""
     scale = scale_of(seen.loads, 0.38 * seen.size) if scale is None else scale
     for load in seen.loads[body.index].loads:
-        if load.role not in roles or (load.role == "weight" and not names.weights):
+        if load.role not in roles or (load.role == "weight" and not seen.names.weights):
             continue
-        name, moment_name = names.acting(load, body)
+        name, moment_name = seen.names.acting(load, body)
         if any(load.force):
             label = f"{name.removesuffix('g')}*g*" if load.role == "weight" else None
-            end = scale.arrow(load.place, load.force, scale.force)
-            role = FORCES[load.role]
+            end, role = scale.end(load.place, load.force), FORCES[load.role]
             drawing.arrow(load.place, end, name, role, load.force, "N", label=label)
         if moment_name and any(load.moment):
+            role, unit = FORCES["moment"], "N m"
             if seen.model.dim == 2:
-                _turn(drawing, seen, body, load, moment_name)
+                facing = _facing(seen, body, load)
+                value = float(load.moment[0])
+                turn = Turn(point(load.place), value, moment_name, role, moment_name, unit, *facing)
+                drawing.add(turn)
             else:
-                end = scale.arrow(load.place, load.moment, scale.moment, 0.75)
-                role, unit = FORCES["moment"], "N m"
+                end = scale.end(load.place, load.moment, turning=True)
                 drawing.arrow(load.place, end, moment_name, role, load.moment, unit, heads=2)
 
 
-def _turn(drawing: Drawing, seen: Snapshot, body: BodyPlace, load: Load, name: str) -> None:
-    """A moment in the plane, on the outer side of the body's end."""
+def _facing(seen: Snapshot, body: BodyPlace, load: Load) -> tuple[float, float]:
+    """Radius, and the direction of the middle, of a moment in the plane: on the outer side of the
+    body's end."""
     at_joint = np.linalg.norm(load.place - body.origin) < SAME
     outward = seen.heading(body) * (-1.0 if at_joint and load.role != "counter" else 1.0)
-    facing = math.degrees(math.atan2(outward[1], outward[0]))
     radius = 27.0 if at_joint and load.role == "counter" else 19.0
-    value = float(load.moment[0])
-    turn = Turn(point(load.place), value, name, FORCES["moment"], name, "N m", radius, facing)
-    drawing.add(turn)
-
-
-def inertia(drawing: Drawing, loads: BodyLoads, scale: Scale) -> None:
-    """m a_c, dashed: what the forces add up to."""
-    value, com, n = loads.inertial_force, loads.body.com, loads.body.number
-    if np.linalg.norm(value) > 0.01 * scale.force:
-        end, label = scale.arrow(com, value, scale.force), f"{loads.mass_name} *a*_{n}"
-        drawing.arrow(com, end, f"{loads.mass_name} a_{n}", "inertia", value, "N", label=label)
+    return radius, math.degrees(math.atan2(outward[1], outward[0]))
 
 
 # ---------------------------------------------------------------- several bodies
-def carried(seen: Snapshot, first: BodyPlace, names: Names) -> Drawing:
+def carried(seen: Snapshot, first: BodyPlace) -> Drawing:
     """A body of a planar robot with all that hangs on it as one system: the reaction at its joint,
     all weights, what acts on the tip."""
     drawing = Drawing(view_of(seen), f"All that joint {first.number} of {seen.model.name} carries")
@@ -188,14 +277,13 @@ def carried(seen: Snapshot, first: BodyPlace, names: Names) -> Drawing:
             drawing.line((body.carrier, body.origin), f"rod {body.number}", "rail")
         _stick(drawing, seen, body)
     for body in system:
-        _points(drawing, seen, names, (body,))
-        geometry.centres(drawing, seen, names, (body,))
+        _points(drawing, seen, (body,))
+        geometry.centres(drawing, seen, (body,))
         reactions = ("reaction",) if body is first else ()
-        act(drawing, seen, body, names, (*reactions, "weight", "external"))
+        act(drawing, seen, body, (*reactions, "weight", "external"))
         if body is not first and body.mass > 0:
-            name = f"r_{{{names.index(first.number)},c{names.index(body.number)}}}"
-            drawing.position(first.origin, body.com, name)
-    vectors.to_centres(drawing, seen, names, (first,), aside=-_BESIDE)
+            drawing.position(first.origin, body.com, f"r_{{{first.number},c{body.number}}}")
+    geometry.to_centres(drawing, seen, (first,), aside=-_BESIDE)
     return drawing
 
 
@@ -205,9 +293,7 @@ def _subtree(seen: Snapshot, first: BodyPlace) -> list[BodyPlace]:
     return [first, *(b for child in below for b in _subtree(seen, child))]
 
 
-def apart(
-    seen: Snapshot, names: Names, show: Sequence[str] = ("s", "sc"), scaled: bool = False
-) -> Drawing:
+def apart(seen: Snapshot, show: Sequence[str] = ("s", "sc"), scaled: bool = False) -> Drawing:
     """All bodies of a planar robot, drawn apart by a gap at each joint; `drawing.moved` says how
     far each is moved.
 
@@ -219,11 +305,11 @@ def apart(
     for body in seen.pose.bodies:
         gap = np.zeros(2) if body.parent < 0 else _gap(seen, body)
         shift[body.index] = shift[body.parent] + gap
-        part = alone(seen, body, names, ("points", "centres", *show), scale)
+        part = alone(seen, body, ("points", "centres", *show), scale)
         drawing.add(*(moved(element, shift[body.index]) for element in part.elements))
         drawing.moved[body.number] = point(shift[body.index])
     if scaled:
-        drawing.rulers.append(scale.bar("reaction"))
+        drawing.ruler(scale.force / 2.5, scale.longest / 2.5, "N", "reaction")
     return drawing
 
 

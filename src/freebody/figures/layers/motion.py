@@ -11,13 +11,9 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures.drawing import Drawing, Turn, point
-from freebody.figures.layers.plane import clear_way
-from freebody.figures.layers.space import round_down
-from freebody.figures.layers.structure import of_each
-from freebody.figures.names import Names
+from freebody.figures.layers.structure import clear_way, of_each
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot
-from freebody.outputs.numbers import significant
 
 LONGEST = 0.34
 """The longest velocity or acceleration, of the drawing's size."""
@@ -26,22 +22,18 @@ _ORDERS = (("velocity", "/s", ""), ("acceleration", "/s²", "\u0307"))
 
 
 @of_each
-def rates(
-    drawing: Drawing, seen: Snapshot, names: Names, body: BodyPlace, second: bool = False
-) -> None:
+def rates(drawing: Drawing, seen: Snapshot, body: BodyPlace, second: bool = False) -> None:
     """θ̇_i around the joints, ḋ_i along the slides; and θ̈_i, d̈_i."""
     at = seen.model.coordinates[body.index].v
     for k, values in enumerate((seen.qd, seen.qdd)[: 2 if second else 1]):
-        (role, per, _), name = _ORDERS[k], names.coordinate(body, k + 1)
+        (role, per, _), name = _ORDERS[k], seen.names.coordinate(body, k + 1)
         if len(at) != 1 or not name:
             continue
         value = float(values[at[0]])
         slides = body.kind.slides
         unit = ("m" if slides else "rad") + per
         if body.axis is not None:  # of a turn in space a vector with two heads, beyond that of z_i
-            start = (
-                body.origin if slides else body.origin + (0.2 + 0.12 * k) * seen.size * body.axis
-            )
+            start = body.origin + (0.0 if slides else 0.2 + 0.12 * k) * seen.size * body.axis
             end = start + math.copysign(0.16 if slides else 0.1, value) * seen.size * body.axis
             how = {"aside": -16.0 - 14.0 * k} if slides else {"heads": 2}
             drawing.arrow(start, end, name, role, (value,), unit, label=name, **how)
@@ -51,7 +43,7 @@ def rates(
             drawing.add(Turn(point(body.origin), value, name, role, name, unit, *shape))
 
 
-def of_tip(drawing: Drawing, seen: Snapshot, names: Names, name: str, second: bool = False) -> None:
+def of_tip(drawing: Drawing, seen: Snapshot, name: str, second: bool = False) -> None:
     """The velocity of the tip, or its acceleration."""
     if seen.pose.tip is None or seen.model.frame().body < 0:
         return
@@ -60,17 +52,17 @@ def of_tip(drawing: Drawing, seen: Snapshot, names: Names, name: str, second: bo
 
 
 def of_centres(
-    drawing: Drawing, seen: Snapshot, names: Names, scaled: bool = False, second: bool = False
+    drawing: Drawing, seen: Snapshot, scaled: bool = False, second: bool = False
 ) -> None:
     """v_ci at the centres of mass, all to one scale, or v̇_ci; scaled: with a bar that says how
     long."""
     letter = "v" + _ORDERS[second][2]
     bodies = [body for body in seen.pose.bodies if body.mass > 0]
-    places = [(body, body.com, names.on(letter, body.number, "c")) for body in bodies]
+    places = [(body, body.com, seen.names.on(letter, body.number, "c")) for body in bodies]
     _arrows(drawing, seen, places, second, scaled)
 
 
-def partial_of_centres(drawing: Drawing, seen: Snapshot, names: Names, joint: int) -> None:
+def partial_of_centres(drawing: Drawing, seen: Snapshot, joint: int) -> None:
     """v_ci,r: velocities of the centres of mass when joint r alone moves, at the rate 1; joints
     count from 1."""
     alone = replace(seen, qd=np.eye(seen.model.nv)[seen.model.coordinates[joint - 1].v[0]])
@@ -96,5 +88,4 @@ def _arrows(
         if np.linalg.norm(value) > 1e-6 * longest:
             drawing.arrow(place, place + scale * value, name, role, value, "m" + per)
     if scaled:
-        bar = round_down(longest / 2.0)
-        drawing.rulers.append((bar * scale, f"{significant(bar, 1)} m{per}", role))
+        drawing.ruler(longest / 2.0, longest / 2.0 * scale, "m" + per, role)
