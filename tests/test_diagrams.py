@@ -121,9 +121,7 @@ def test_unknown_figures_and_elements_are_named():
         fb.notes_figure("3.9")
     figure = fb.notes_figure("fig-1.2")
     assert figure.named("s_{1}") is figure.named("s_1")
-    with pytest.raises(
-        UnknownNameError, match=r"no element 's_9' in 'A planar arm with two links'"
-    ):
+    with pytest.raises(UnknownNameError, match=r"no element 's_9' in 'A planar two-link arm'"):
         figure.named("s_9")
 
 
