@@ -380,7 +380,7 @@ def test_five_bar_closes(figures):
         1.5
     )
     with pytest.raises(
-        FreebodyError, match=r"B and D are .* m apart; bars of 0.3 m and 0.3 m meet only from"
+        FreebodyError, match=r"B and D are .* m apart; bars of 0.3 m and 0.3 m meet only if"
     ):
         five_bar((1.0, 1.0, 0.3, 0.3))
 
