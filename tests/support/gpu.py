@@ -75,7 +75,7 @@ class Emulated:
 
     def __init__(self, text: str, names: list[str]):
         packed = [f"{name}.packed" for name in names]
-        self._code, self.addresses = load(object_code(on_host(text), 1), ["place", *packed], {})
+        self._code, self.addresses = load([object_code(on_host(text), 1)], ["place", *packed], {})
         self._place = ctypes.CFUNCTYPE(None, *[ctypes.c_int32] * 3)(self.addresses["place"])
 
     def launch(self, name: str, values: list[int], blocks: int, threads: int = THREADS) -> None:

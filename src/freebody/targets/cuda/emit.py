@@ -20,7 +20,6 @@ from freebody.scalars.operations import OPERATIONS
 from freebody.targets.cuda.constants import loop
 from freebody.targets.cuda.part import Part
 from freebody.targets.cuda.sine import sincos
-from freebody.targets.llvm.emit import declared_once
 from freebody.targets.llvm.instructions import (
     CHOICE,
     COMPARISONS,
@@ -29,6 +28,7 @@ from freebody.targets.llvm.instructions import (
     instructions,
 )
 from freebody.targets.llvm.lanes import REALS, Lanes, One
+from freebody.targets.llvm.shared_functions import declared_once
 from freebody.targets.llvm.sincos import reduction
 from freebody.targets.llvm.vector import function
 

@@ -15,12 +15,16 @@ from freebody.program.program import Program
 from freebody.targets.kernel import BatchLoop, Kernel
 from freebody.targets.llvm import cache as disk
 from freebody.targets.llvm import fastcall, fastcode
-from freebody.targets.llvm.emit import emit
+from freebody.targets.llvm.emit import emit, emit_own
 from freebody.targets.llvm.gufunc import make_gufunc
 from freebody.targets.llvm.lanes import REALS
 from freebody.targets.llvm.loader import LoadedCode, load
-from freebody.targets.llvm.machine import LONGEST_VECTOR, WIDTHS, host, object_code
+from freebody.targets.llvm.machine import LONGEST_VECTOR, WIDTHS, Machine, host, object_code
+from freebody.targets.llvm.shared_functions import declarations, declared_once, object_beside
 from freebody.targets.target import Target
+
+_LENGTH = 8
+"""Bytes of a length."""
 
 
 class _QuickKernel(Kernel):
@@ -56,11 +60,10 @@ def _build(program: Program, width: int | None, dtype: str) -> Kernel:
     key = disk.key(program.digest, here, machine, _compiler_version(), fast)
     code = disk.load(key)
     if code is None:
-        text = emit(optimise(program), machine)
-        code = object_code(text + fastcode.text(program, real) if fast else text)
+        code = _compiled(program, machine, fast)
         disk.store(key, code)
     symbols = ("kernel", *fastcode.EXPORTS) if fast else ("kernel",)
-    loaded, addresses = load(code, symbols, fastcall.symbols(real) if fast else {})
+    loaded, addresses = load(_apart(code), symbols, fastcall.symbols(real) if fast else {})
     ufunc = make_gufunc(
         addresses["kernel"], program.name, program.inputs, program.outputs, loaded, real
     )
@@ -68,6 +71,20 @@ def _build(program: Program, width: int | None, dtype: str) -> Kernel:
     kernel = _QuickKernel(kernel, addresses, loaded) if fast else kernel
     kernel.loop = BatchLoop(addresses["kernel"], key, loaded)
     return kernel
+
+
+def _compiled(program: Program, machine: Machine, fast: bool) -> bytes:
+    """The kernel's own object and the one that is loaded beside it, the length of the first in
+    front: all that a process needs which finds it on disk."""
+    text = emit_own(optimise(program), machine)
+    text += fastcode.text(program, machine.real) if fast else ""
+    own = object_code(declared_once(text + declarations(text, machine)))
+    return len(own).to_bytes(_LENGTH, "little") + own + object_beside(machine)
+
+
+def _apart(code: bytes) -> tuple[bytes, bytes]:
+    end = _LENGTH + int.from_bytes(code[:_LENGTH], "little")
+    return code[_LENGTH:end], code[end:]
 
 
 def _source(program: Program, width: int, dtype: str) -> str:

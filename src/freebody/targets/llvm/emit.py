@@ -25,8 +25,9 @@ from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.loop import gufunc_loop
 from freebody.targets.llvm.machine import Machine
 from freebody.targets.llvm.sample_transfers import check_slots
-from freebody.targets.llvm.sincos import reduction, sincos, sines
-from freebody.targets.llvm.uniform import reading
+from freebody.targets.llvm.shared_functions import attributes, declared_once, definitions
+from freebody.targets.llvm.sincos import sines
+from freebody.targets.llvm.uniform import finite
 
 LONG = 700, 16 * 2**10
 """Nodes from which a program gains by two groups a round, 5 %, and bytes that their tiles may
@@ -53,13 +54,17 @@ def emit(program: Program, machine: Machine) -> str:
         program: a verified program with at least one input and one output scalar.
         machine: what it is compiled for, as far as the text depends on it.
     """
+    own = emit_own(program, machine)
+    return declared_once(f"{own}\n{definitions(own, machine)}")
+
+
+def emit_own(program: Program, machine: Machine) -> str:
+    """The same without the functions that all kernels of a machine share."""
     lanes, parts, shared, every = machine.lanes, [f"; {program}"], None, program
-    if "sin" in program.operations or "cos" in program.operations:
-        parts.append(reduction())
     if any(argument.uniform for argument in program.inputs):
         once, every = map(schedule, hoist(program))
         shared = segment(once)
-        parts += [*_once(once, shared, machine), reading(once.input_size, shared.slots, lanes)]
+        parts += [*_once(once, shared, machine), finite(once.input_size, shared.slots, lanes)]
     layout = segment(every)
     room = lanes.size * (layout.slots + len(check_slots(every, layout)))
     tiles = _tiles(len(every), room)
@@ -68,8 +73,8 @@ def emit(program: Program, machine: Machine) -> str:
     parts += [*made, _finite(every, layout, poison, lanes)]
     parts.append(_compute([*pieces, "@finite"], room, tiles))
     parts.append(gufunc_loop(program, every, machine, layout, tiles, shared))
-    parts.append(_attributes(lanes))
-    return declared_once("\n".join(parts))
+    parts.append(attributes(lanes))
+    return "\n".join(parts)
 
 
 def _tiles(nodes: int, room: int) -> int:
@@ -78,26 +83,6 @@ def _tiles(nodes: int, room: int) -> int:
     if nodes >= LONGER[0]:
         return 1 if 2 * room <= LONGER[1] and 4 * room > LONGER[2] else 2
     return 2 if nodes >= LONG[0] and 4 * room <= LONG[1] else 1
-
-
-def declared_once(text: str) -> str:
-    """Each piece declares what it calls; LLVM refuses to be told twice."""
-    lines = text.split("\n")
-    declared = dict.fromkeys(line for line in lines if line.startswith("declare "))
-    return "\n".join([*(line for line in lines if line not in declared), *declared, ""])
-
-
-def _attributes(lanes: Lanes) -> str:
-    """Of all functions, of those that keep many vectors on the stack (with a frame, these are
-    aligned there), and of the short ones that operations call."""
-    vectors = (
-        f'"min-legal-vector-width"="{8 * lanes.size}" "prefer-vector-width"="{8 * lanes.size}"'
-    )
-    return (
-        f"attributes #0 = {{ nounwind {vectors} }}\n"
-        f'attributes #1 = {{ nounwind "frame-pointer"="all" {vectors} }}\n'
-        f"attributes #2 = {{ nounwind {vectors} }}\n"
-    )
 
 
 def _once(program: Program, layout: SegmentedProgram, machine: Machine) -> list[str]:
@@ -114,7 +99,7 @@ def _pieces(
     need."""
     pieces: list[str] = []
     table = instructions(lanes)
-    parts = [sincos(lanes, fma)] if any(isinstance(step, SinCos) for step in layout.steps) else []
+    parts = []
     for number, those in enumerate(_joined(layout.steps)):
         if isinstance(those, Segment):
             pieces.append(f"@{before}segment{number}")

@@ -45,8 +45,6 @@ def text(program: Program, real: Real) -> str:
         "declare i32 @PyTuple_SetItem(ptr, i64, ptr)",
         "declare void @Py_IncRef(ptr)",
         "declare void @Py_DecRef(ptr)",
-        fastchecks.finite(real),
-        fastchecks.are_unit(real),
         _numbers("fast.dims", [1, *(n for a in arguments for n in a.shape)]),
         _numbers(
             "fast.steps",

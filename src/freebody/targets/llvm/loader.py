@@ -38,9 +38,10 @@ _numbers = itertools.count()
 
 
 def load(
-    code: bytes, exports: Sequence[str], imports: Mapping[str, int]
+    objects: Sequence[bytes], exports: Sequence[str], imports: Mapping[str, int]
 ) -> tuple[LoadedCode, dict[str, int]]:
-    """Load an object: what keeps it, and the addresses of its exported functions.
+    """Load objects that may refer to each other: what keeps them, and the addresses of the exported
+    functions.
 
     imports: addresses of the symbols that it refers to, besides the C functions that every kernel
     may call.
@@ -61,7 +62,8 @@ def load(
         engine.remove_module(module)  # it would be compiled, although there is nothing in it
         module.close()
         try:
-            engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+            for code in objects:
+                engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         except RuntimeError as problem:
             raise CompileError(
                 f"LLVM {host().llvm} refused the object of a kernel: {problem}"

@@ -4,7 +4,7 @@ Results of one round go out after the inputs of the next one have come in, from 
 the processor computes while its stores wait for the memory.
 
 A tile holds one vector of lanes for each slot: lane l of slot j is scalar j of sample l. How an
-argument gets there and back is chosen when the loop begins, see `llvm_tile`.
+argument gets there and back is chosen when the loop begins, see `sample_transfers`.
 
 The last group may be short. Its surplus lanes take the addresses of its last sample, on the way in
 and on the way out: the same code runs, the same bits come out, and the last row is written more
@@ -116,11 +116,13 @@ def _loop(
     if shared:
         lines.append("  call void @uniform.finite(ptr %uniform)\n  call void @once(ptr %uniform)")
     lines.append(f"""\
+  br label %begin
+begin:
   br label %head
 head:
-  %i = phi i64 [ 0, %entry ], [ %i.next, %tail ]
-  %tile = phi ptr [ %tile.a, %entry ], [ %before.tile, %tail ]
-  %before.tile = phi ptr [ %tile.b, %entry ], [ %tile, %tail ]
+  %i = phi i64 [ 0, %begin ], [ %i.next, %tail ]
+  %tile = phi ptr [ %tile.a, %begin ], [ %before.tile, %tail ]
+  %before.tile = phi ptr [ %tile.b, %begin ], [ %tile, %tail ]
   %before = sub i64 %i, {width * tiles}
   %more = icmp slt i64 %before, %n
   br i1 %more, label %choose, label %end""")
@@ -304,28 +306,44 @@ def _prepare(k: int, argument: Argument, first: int, lanes: Lanes) -> list[str]:
         *_lanes(k, lanes.width, None),
         f"  %blocks{k} = xor i1 %rows{k}, true",
         f"  %addressed{k} = or i1 %blocks{k}, %columns{k}",
-        f"  %count{k} = select i1 %addressed{k}, i64 {argument.size}, i64 0",
         f"  %offset{k} = getelementptr i64, ptr %offsets, i64 {first}",
-        f"  call void @offsets(ptr %strides{k}, ptr @shape{k}, i64 {len(argument.shape)}, i64 "
-        f"%count{k}, "
-        f"ptr %offset{k})",
+        f"  br i1 %addressed{k}, label %address{k}, label %prepared{k}",
+        f"address{k}:",
+        f"  call void @offsets(ptr %strides{k}, ptr @shape{k}, i64 {len(argument.shape)}, "
+        f"i64 {argument.size}, ptr %offset{k})",
+        f"  br label %prepared{k}",
+        f"prepared{k}:",
     ]
 
 
 def _lanes(k: int, width: int, last: str | None) -> list[str]:
     """Fill the table of lane addresses of argument k; of a short group, lanes beyond the `last`
     sample repeat it."""
-    lines, tag, table = [], f"{k}.{'s' if last else 'f'}", "%lanes.short" if last else "%lanes"
-    for lane in range(width):
-        number = str(lane)
-        if last:
-            number = f"%n{tag}{lane}"
-            lines.append(f"  %b{tag}{lane} = icmp slt i64 {lane}, {last}")
-            lines.append(f"  {number} = select i1 %b{tag}{lane}, i64 {lane}, i64 {last}")
-        lines.append(f"  %l{tag}{lane} = mul i64 %step{k}, {number}")
-        lines.append(f"  %pl{tag}{lane} = getelementptr i64, ptr {table}, i64 {k * width + lane}")
-        lines.append(f"  store i64 %l{tag}{lane}, ptr %pl{tag}{lane}, align 8")
-    return lines
+    tag, table = f"{k}.{'s' if last else 'f'}", "%lanes.short" if last else "%lanes"
+    v, numbers = f"<{width} x i64>", "<" + ", ".join(f"i64 {n}" for n in range(width)) + ">"
+    lines = _equal(f"step{tag}", f"%step{k}", width)
+    if last:
+        lines += [
+            *_equal(f"last{tag}", last, width),
+            f"  %before{tag} = icmp slt {v} {numbers}, %last{tag}",
+            f"  %number{tag} = select <{width} x i1> %before{tag}, {v} {numbers}, {v} %last{tag}",
+        ]
+        numbers = f"%number{tag}"
+    return [
+        *lines,
+        f"  %lane{tag} = mul {v} {numbers}, %step{tag}",
+        f"  %lane.at{tag} = getelementptr i64, ptr {table}, i64 {k * width}",
+        f"  store {v} %lane{tag}, ptr %lane.at{tag}, align 8",
+    ]
+
+
+def _equal(name: str, number: str, width: int) -> list[str]:
+    """%name: the number in all lanes."""
+    return [
+        f"  %{name}.0 = insertelement <{width} x i64> poison, i64 {number}, i64 0",
+        f"  %{name} = shufflevector <{width} x i64> %{name}.0, <{width} x i64> poison, "
+        f"<{width} x i32> zeroinitializer",
+    ]
 
 
 def _transfer(

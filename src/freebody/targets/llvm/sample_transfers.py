@@ -26,8 +26,7 @@ from freebody.targets.llvm.rows import masked_loads, rows_in, rows_out
 
 
 def transfers(program: Program, every: Program, layout: SegmentedProgram, lanes: Lanes) -> str:
-    """`@places0`, `@rows0`, … for each argument that is not uniform, `@columns_in`, `@strided_out`,
-    … and `@offsets`.
+    """`@places0`, `@rows0`, … for each argument that is not uniform.
 
     program: whose arguments are numbered. every: what is computed on a tile of `layout`.
     """
@@ -46,8 +45,7 @@ def transfers(program: Program, every: Program, layout: SegmentedProgram, lanes:
         parts.append(
             rows_in(k, those, checks[k], lanes) if k in checks else rows_out(k, those, lanes)
         )
-    parts += [write(way, lanes) for write in (_columns, _strided) for way in ("in", "out")]
-    return "\n".join([*parts, _OFFSETS, masked_loads(lanes)])
+    return "\n".join([*parts, masked_loads(lanes)])
 
 
 def check_slots(program: Program, layout: SegmentedProgram) -> dict[int, int]:
@@ -60,6 +58,13 @@ def check_slots(program: Program, layout: SegmentedProgram) -> dict[int, int]:
 def integers(numbers: Sequence[int]) -> str:
     """A constant array."""
     return f"[{len(numbers)} x i64] [{', '.join(f'i64 {n}' for n in numbers)}]"
+
+
+def transfer_functions(lanes: Lanes) -> dict[str, str]:
+    """`@columns_in`, `@strided_out`, … and `@offsets`, which serve every argument."""
+    moves = {"columns": _columns, "strided": _strided}
+    texts = {f"{name}_{way}": moves[name](way, lanes) for name in moves for way in ("in", "out")}
+    return texts | {"offsets": _OFFSETS}
 
 
 _MOVED = "ptr %at, ptr %lanes, ptr %tile, ptr %check, ptr %places, ptr %offsets, i64 %n"

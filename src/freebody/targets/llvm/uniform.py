@@ -12,20 +12,9 @@ from freebody.program.program import Program
 from freebody.targets.llvm.lanes import Lanes
 
 
-def reading(inputs: int, poison: int, lanes: Lanes) -> str:
-    """`@gather`, which copies one array, and `@uniform.finite`, which looks at all of them.
-
-    Args:
-        inputs: how many numbers there are.
-        poison: place of the further one.
-        lanes: vectors in which they are moved.
-    """
-    return f"{_gather(lanes)}\n{_finite(inputs, poison, lanes)}"
-
-
-def _gather(lanes: Lanes) -> str:
-    """Rows as they stand by vectors, the last of which may overlap the one before it, anything else
-    by its offsets, number by number."""
+def gather(lanes: Lanes) -> str:
+    """`@gather`, which copies one array: rows as they stand by vectors, the last of which may
+    overlap the one before it, anything else by its offsets, number by number."""
     kind, v, size, width = lanes.real.name, lanes.v, lanes.real.size, lanes.width
     given = "ptr %at, i1 %rows, ptr %strides, ptr %shape, i64 %d, i64 %n"
     return f"""\
@@ -86,8 +75,15 @@ done:
 """
 
 
-def _finite(inputs: int, poison: int, lanes: Lanes) -> str:
-    """0 times each number, added up: NaN if one of them is not finite."""
+def finite(inputs: int, poison: int, lanes: Lanes) -> str:
+    """`@uniform.finite`, which looks at all of them: 0 times each number, added up, is NaN if one
+    is not finite.
+
+    Args:
+        inputs: how many numbers there are.
+        poison: place of the further one.
+        lanes: vectors in which they are read.
+    """
     kind, size, width = lanes.real.name, lanes.real.size, lanes.width
     vectors = inputs >= width  # the last of which may overlap the one before it
     v, zero = (lanes.v, "zeroinitializer") if vectors else (kind, "0.0")

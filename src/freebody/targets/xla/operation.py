@@ -148,7 +148,7 @@ def _name(kernel: Kernel, version: tuple[int, int]) -> str:
         if name not in _given:
             real, each = REALS[kernel.dtype.name], kernel.samples_of_a_thread
             words = text(kernel.program, real, kernel.loop.address, host().x86, version, each)
-            code, addresses = load(object_code(words), ("xla",), {})
+            code, addresses = load([object_code(words)], ("xla",), {})
             capsule = jax.ffi.pycapsule(ctypes.c_void_p(addresses["xla"]))
             jax.ffi.register_ffi_target(name, capsule, platform="cpu")
             _given[name] = code, kernel.loop
