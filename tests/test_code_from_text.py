@@ -80,6 +80,7 @@ KNOWN = {
         "trimesh",
     ): "bytes of four formats of shapes, only where estimate_inertia asks for it",
     ("targets/llvm/gufunc.py", "PYFUNCTYPE"): "functions of NumPy's table",
+    ("targets/llvm/repeat.py", "CFUNCTYPE"): "a constant text that was compiled",
     (
         "freebody_notes/checks/calls.py",
         "eval",

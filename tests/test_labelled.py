@@ -66,6 +66,7 @@ OTHERS = {
         name: {"model": fb.load("2R"), "waypoints": [[0.0, 0.0], [1.0, 1.0]]}
         for name in ("quintic", "trapezoid", "s_curve", "spline")
     },
+    "time_optimal": {"model": fb.load("2R"), "path": [[0.0, 0.0], [1.0, 1.0]]},
 }
 
 

@@ -105,6 +105,7 @@ _PLACES = {
     "freebody.motion.splines": ("spline",),
     "freebody.motion.planning_limits": ("exceeded_limits",),
     "freebody.motion.simulate": ("simulate",),
+    "freebody.motion.time_optimal": ("time_optimal",),
     "freebody.figures.free_body": ("free_body_diagram",),
     "freebody.figures.loci": ("singularity_diagram",),
     "freebody.figures.kinematic": ("kinematic_diagram",),

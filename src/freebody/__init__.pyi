@@ -61,6 +61,7 @@ from freebody.motion.point_to_point import trapezoid as trapezoid
 from freebody.motion.read_motion import read_motion as read_motion
 from freebody.motion.simulate import simulate as simulate
 from freebody.motion.splines import spline as spline
+from freebody.motion.time_optimal import time_optimal as time_optimal
 from freebody.report.study import Study as Study
 from freebody.report.study import study as study
 from freebody.robots import models as models

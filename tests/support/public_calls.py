@@ -39,6 +39,7 @@ NOT_OF_STATES = frozenset(
         "source",
         "spline",
         "study",
+        "time_optimal",
         "to_jax",
         "trapezoid",
     }

@@ -67,7 +67,7 @@ class Model(NamedParts, Tabled, ByValue):
         """Names and values of the parameters."""
         return {parameter.name: parameter.value for parameter in each_parameter(self)}
 
-    @property
+    @cached_property
     def missing(self) -> tuple[str, ...]:
         """Names of the parameters without value."""
         return tuple(sorted(name for name, value in self.parameters.items() if value is None))

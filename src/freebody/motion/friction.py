@@ -75,3 +75,21 @@ def smooth_friction(model: Model, width: float = WIDTH) -> tuple[Model, SmoothFr
         for body in model.bodies
     )
     return replace(model, bodies=bodies), friction
+
+
+def drive_arrays(model: Model) -> tuple[Array, Array, Array]:
+    """Viscous and Coulomb friction and rotor inertia of each coordinate (nv,); what followers add
+    is included.
+
+    The Coulomb entry is the largest that the coordinate can feel.
+    """
+    arrays = np.zeros((3, model.nv))
+    for body in model.tree.bodies:
+        if body.drive is not None:
+            at, d = body.coordinates, body.drive
+            arrays[:, at.v[0]] += (
+                d.viscous * at.ratio**2,
+                d.coulomb * abs(at.ratio),
+                d.rotor * at.ratio**2,
+            )
+    return arrays[0], arrays[1], arrays[2]

@@ -45,12 +45,14 @@ class LimitExcess:
 
 @dataclass(frozen=True, eq=False)
 class PlanningLimits:
-    """Largest rates (nv,), infinite where nothing limits them; positions keep to `allowed`."""
+    """Largest rates and torques (nv,), infinite where nothing limits them; positions keep to
+    `allowed`."""
 
     allowed: Ranges
     velocity: Array
     acceleration: Array
     jerk: Array
+    torque: Array
 
 
 def planning_limits(
@@ -59,6 +61,7 @@ def planning_limits(
     velocity: Limit = None,
     acceleration: Limit = None,
     jerk: Limit = None,
+    torque: Limit = None,
 ) -> PlanningLimits:
     """The limits given, one for all coordinates or one each (nv,), and the model's own."""
     allowed = ranges(model)
@@ -68,9 +71,11 @@ def planning_limits(
             ("velocity", velocity),
             ("acceleration", acceleration),
             ("jerk", jerk),
+            ("torque", torque),
         )
     }
     given["velocity"] = np.minimum(given["velocity"], allowed.velocity)
+    given["torque"] = np.minimum(given["torque"], allowed.effort)
     return PlanningLimits(allowed, **given)
 
 

@@ -11,6 +11,7 @@ from freebody.arrays import Array
 from freebody.loops.dynamics import drive_torques
 from freebody.model.model import Model
 from freebody.model.tree import Tree
+from freebody.motion.friction import drive_arrays
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import angular
 from freebody.report import energy, jacobians
@@ -98,24 +99,6 @@ def torques(model: Model, motion: Motion) -> Values:
             if name != "tau"
         }
     return parts
-
-
-def drive_arrays(model: Model) -> tuple[Array, Array, Array]:
-    """Viscous and Coulomb friction and rotor inertia of each coordinate (nv,); what followers add
-    is included.
-
-    The Coulomb entry is the largest that the coordinate can feel.
-    """
-    arrays = np.zeros((3, model.nv))
-    for body in model.tree.bodies:
-        if body.drive is not None:
-            at, d = body.coordinates, body.drive
-            arrays[:, at.v[0]] += (
-                d.viscous * at.ratio**2,
-                d.coulomb * abs(at.ratio),
-                d.rotor * at.ratio**2,
-            )
-    return arrays[0], arrays[1], arrays[2]
 
 
 def _coulomb(model: Model, qd: Array) -> Array:

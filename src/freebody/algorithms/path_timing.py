@@ -1,0 +1,157 @@
+"""The steps of time-optimal motion along a path as straight-line arithmetic: what limits the speed
+in one interval of the path, and how the speeds at its two ends depend on each other.
+
+Bobrow, Dubowsky and Gibson 1985: along a path q(s), with x = ṡ² and u = s̈, every limit on torque
+or acceleration is linear, lo <= a u + b x <= hi. Over an interval of length Δ with constant u, x
+is linear in s and u = (y - x) / (2 Δ), where y is x at the interval's end. With limits at both
+ends (Pham and Pham 2018, "interpolation scheme"), what is allowed is a polygon of pairs (x, y).
+The pass backward finds the range of x at the interval's start from which the range of y at its
+end can be reached, and the pass forward the largest y from a given x. Both take one evaluation of
+lines, because the corners of the polygon with the largest and smallest x are found beforehand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from freebody.elementary import Scalar, absolute, less, less_equal, maximum, minimum, where
+
+Vector = Sequence[Scalar]
+
+ROUNDS = 6
+"""Steps of Newton's method that one call makes; it ends after finitely many, seldom more."""
+
+FAR = 1e100
+"""In place of an infinite bound."""
+_NEGLIGIBLE = 1e-12
+"""A coefficient beside the other one of its row, whose line is then parallel to an axis."""
+
+
+class Rows(NamedTuple):
+    """lo <= a u + b x <= hi at one end of an interval, vectors of one entry a limit."""
+
+    a: Vector
+    b: Vector
+    lo: Vector
+    hi: Vector
+
+
+class Lines(NamedTuple):
+    """One coordinate between low + slope * other and high + slope * other, for each of some
+    rows."""
+
+    low: Vector
+    high: Vector
+    slope: Vector
+
+
+def polygon(
+    start: Rows,
+    end: Rows,
+    least: Scalar,
+    most: Scalar,
+    most_between: Scalar,
+    most_next: Scalar,
+    h: Scalar,
+) -> tuple[Scalar, ...]:
+    """What is allowed in one interval: (lines of x over y, lines of y over x, corners).
+
+    least, most: between which the largest and the smallest x are looked for. most_between: largest
+    (x + y) / 2. most_next: largest y. h: twice the interval's length in s. Corners: (largest x, a y
+    that goes with it, last step of the search for it; the same of the smallest x), where the
+    largest is below the smallest if nothing is allowed.
+    """
+    scale = 1.0 / maximum(most, most_next)
+    halfway = -FAR, 2.0 * most_between, -1.0
+    over_y, over_x = [halfway], [halfway]
+    rows = [
+        *((h * b - a, a, h * lo, h * hi) for a, b, lo, hi in zip(*start, strict=True)),
+        *((-a, h * b + a, h * lo, h * hi) for a, b, lo, hi in zip(*end, strict=True)),
+    ]
+    for alpha, beta, lo, hi in rows:
+        none = _NEGLIGIBLE * _NEGLIGIBLE * scale * (hi - lo)
+        x_line = _line(alpha, beta, lo, hi, none)
+        y_line = _line(beta, alpha, lo, hi, none)
+        over_y.append(x_line)
+        over_x.append(y_line)
+        only_x = less_equal(absolute(beta), _NEGLIGIBLE * absolute(alpha) + none)
+        most = minimum(most, where(only_x, x_line[1], FAR))
+        least = maximum(least, where(only_x, x_line[0], -FAR))
+        idle = less_equal(absolute(alpha) + absolute(beta), none)
+        broken = maximum(less(hi, 0.0), less(0.0, lo))
+        most = where(maximum(idle * broken, less(hi, lo)), -FAR, most)  # whatever the speed
+    of_x, of_y = (Lines(*zip(*lines, strict=True)) for lines in (over_y, over_x))
+    largest = _corner(of_y, most, most_next, 1.0)
+    smallest = _corner(of_y, least, most_next, -1.0)
+    return (*of_x, *of_y, (*largest, *smallest))
+
+
+def _line(
+    own: Scalar, other: Scalar, lo: Scalar, hi: Scalar, none: Scalar
+) -> tuple[Scalar, Scalar, Scalar]:
+    """(low, high, slope) of the coordinate whose coefficient is `own`; no bound where it does not
+    appear in the row."""
+    absent = less_equal(absolute(own), _NEGLIGIBLE * absolute(other) + none)
+    inverse = 1.0 / where(absent, 1.0, own)
+    one, two = lo * inverse, hi * inverse
+    return (
+        where(absent, -FAR, minimum(one, two)),
+        where(absent, FAR, maximum(one, two)),
+        where(absent, 0.0, -other * inverse),
+    )
+
+
+def _corner(lines: Lines, x: Scalar, most_y: Scalar, way: float) -> tuple[Scalar, Scalar, Scalar]:
+    """(x, y, last step): the largest x (way 1), or the smallest (way -1), at which some y is
+    allowed, by Newton's method from the outside; the room for y is concave in x."""
+    step: Scalar = 0.0
+    for _ in range(ROUNDS):
+        high, high_slope, low, low_slope = _room(lines, x, most_y)
+        shut = less(high, low)
+        slope = high_slope - low_slope
+        opens = less(way * slope, 0.0)  # else there is no room at all
+        found = (low - high) / where(opens, slope, -1.0)
+        step = where(shut, where(opens, found, -way * FAR), 0.0)
+        x = x + step
+    high, _, low, _ = _room(lines, x, most_y)
+    return x, 0.5 * (high + low), step
+
+
+def _room(lines: Lines, x: Scalar, most_y: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+    """(highest y, its slope, lowest y, its slope) that the lines allow at x."""
+    high, low = most_y, 0.0 * x
+    high_slope = low_slope = 0.0 * x
+    for least, most, slope in zip(*lines, strict=True):
+        top, bottom = most + slope * x, least + slope * x
+        high_slope = where(less(top, high), slope, high_slope)
+        high = minimum(top, high)
+        low_slope = where(less(low, bottom), slope, low_slope)
+        low = maximum(bottom, low)
+    return high, high_slope, low, low_slope
+
+
+def backward(
+    after: Vector, lines: Lines, corners: Vector, tolerance: Scalar
+) -> tuple[Scalar, Scalar]:
+    """(smallest, largest) x at the interval's start from which the range `after` of y can be
+    reached; NaN if none."""
+    top, y_top, _, bottom, y_bottom, _ = corners
+    y_top, y_bottom = (minimum(maximum(y, after[0]), after[1]) for y in (y_top, y_bottom))
+    for least, most, slope in zip(*lines, strict=True):
+        top = minimum(top, most + slope * y_top)
+        bottom = maximum(bottom, least + slope * y_bottom)
+    nothing = less(top + tolerance, bottom)
+    gap = 0.0 * top / where(nothing, 0.0, 1.0)  # NaN where nothing
+    return minimum(bottom, maximum(top, 0.0)) + gap, maximum(top, 0.0) + gap
+
+
+def forward(before: Vector, lines: Lines, allowed: Vector) -> tuple[Scalar, Scalar]:
+    """(largest y from x, by how much it is too small for some limit): `before` is what the interval
+    before gave, `allowed` the range of y."""
+    x = before[0]
+    y, least_y = allowed[1], allowed[0]
+    for least, most, slope in zip(*lines, strict=True):
+        y = minimum(y, most + slope * x)
+        least_y = maximum(least_y, least + slope * x)
+    return maximum(y, 0.0), maximum(least_y - y, 0.0)

@@ -1,0 +1,151 @@
+"""Paths without a timing: curves q(s) through positions, grids over them, and the motion along one
+whose speed is known."""
+
+from __future__ import annotations
+
+from math import comb, factorial
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import PPoly
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError
+from freebody.model.model import Model
+from freebody.motion.motion import Motion
+from freebody.motion.path_limits import PathSamples
+from freebody.motion.piecewise import PiecewisePolynomial, interpolated
+from freebody.motion.planning_limits import SLACK, PlanningLimits, read_waypoints
+from freebody.motion.ranges import position_columns
+from freebody.trees.position_rates import layout
+
+_SAME = 1e-9  # of the length of a path: positions nearer to each other are one
+
+
+def path_curve(
+    function: str, model: Model, given: Any, limits: PlanningLimits
+) -> PiecewisePolynomial:
+    """The curve of one path: a polynomial in pieces as it is; of waypoints (k, nq) or a motion's
+    positions the natural cubic spline, s being the distance along the chords, 1 in all."""
+    if isinstance(given, PPoly):
+        return _of_scipy(function, model, given)
+    q = read_waypoints(function, model, given.q if isinstance(given, Motion) else given, limits)
+    length = np.linalg.norm(np.diff(q, axis=0), axis=1)
+    moves = length > _SAME * length.sum()
+    if not moves.any():
+        raise FreebodyError(
+            f"{function}: the path has {len(q)} positions, all the same; give at least two."
+        )
+    points = q[np.concatenate([[True], moves])]
+    s = np.concatenate([[0.0], np.cumsum(length[moves])]) / length[moves].sum()
+    s[-1] = 1.0
+    return interpolated(s, points, 3, "natural")
+
+
+def _of_scipy(function: str, model: Model, given: PPoly) -> PiecewisePolynomial:
+    if given.c.shape[2:] != (model.nq,):
+        raise FreebodyError(
+            f"{function}: the path has values of shape {given.c.shape[2:]}, expected "
+            f"({model.nq},): model {model.name!r} has nq = {model.nq}."
+        )
+    if not (np.isfinite(given.c).all() and np.isfinite(given.x).all()):
+        raise FreebodyError(f"{function}: the path has a coefficient that is not finite.")
+    if not (np.diff(given.x) > 0.0).all():
+        raise FreebodyError(f"{function}: the breaks of the path must increase.")
+    curve = PiecewisePolynomial(np.array(given.x), np.array(given.c))
+    for order, what in ((0, "itself"), (1, "its first derivative")):
+        _refuse_jump(function, model, curve.derivative(order) if order else curve, what)
+    return curve
+
+
+def _refuse_jump(function: str, model: Model, curve: PiecewisePolynomial, what: str) -> None:
+    """A path that is not smooth enough to be moved along."""
+    h, c = np.diff(curve.breaks)[:-1, None], curve.coefficients
+    degree = len(c) - 1
+    ends = sum(c[degree - j, :-1] * h**j for j in range(degree + 1))
+    gap = np.abs(c[-1, 1:] - ends)
+    if gap.size and gap.max() > 1e-6 * (1e-6 + np.abs(c[-1]).max()):
+        k, j = np.unravel_index(np.argmax(gap), gap.shape)
+        raise FreebodyError(
+            f"{function}: the path jumps at s = {curve.breaks[k + 1]:.6g}: {what} of "
+            f"{model.position_names[j]} by {gap[k, j]:.3g}; it must be continuous, and its first "
+            f"derivative too."
+        )
+
+
+def refuse_out_of_range(
+    function: str,
+    model: Model,
+    curve: PiecewisePolynomial,
+    samples: PathSamples,
+    path: int,
+    limits: PlanningLimits,
+) -> None:
+    """Refuse a path that leaves the range of a joint, between its waypoints and samples too."""
+    iq, iv = position_columns(model)
+    low, high = limits.allowed.lower[iv], limits.allowed.upper[iv]
+    q, step = samples.q[:, path, iq], np.diff(samples.s[:, path]).max()
+    beyond = 0.25 * step**2 * np.abs(samples.second[:, path]).max()  # what lies between samples
+    if (q.min(axis=0) - beyond >= low).all() and (q.max(axis=0) + beyond <= high).all():
+        return
+    of = curve.extremes
+    for way, value, limit, s in (
+        (-1.0, of.low[iq], low, of.low_at[iq]),
+        (1.0, of.high[iq], high, of.high_at[iq]),
+    ):
+        for k in np.flatnonzero(way * (value - limit) > SLACK * np.maximum(1.0, np.abs(value))):
+            raise FreebodyError(
+                f"{function}: at s = {s[k]:.4g} of the path {model.velocity_names[iv[k]]} is at "
+                f"{value[k]:.5g}, outside its range from {low[k]:.5g} to {high[k]:.5g}; move the "
+                f"path, or give more waypoints."
+            )
+
+
+def grid(curve: PiecewisePolynomial, intervals: int) -> Array:
+    """(intervals + 1,) points of s, all breaks among them, evenly in each piece: no fewer intervals
+    than pieces."""
+    breaks = curve.breaks
+    count = len(breaks) - 1
+    place = (breaks - breaks[0]) / (breaks[-1] - breaks[0]) * intervals
+    index = np.arange(count + 1)
+    at = np.maximum.accumulate(np.rint(place) - index) + index  # one interval each at least
+    at = np.minimum(at, intervals - count + index)
+    return np.interp(np.arange(intervals + 1), at, breaks)
+
+
+def motion_along(
+    model: Model,
+    curve: PiecewisePolynomial,
+    at: PathSamples,
+    path: int,
+    x: Array,
+    source: str,
+    notices: tuple[str, ...] = (),
+) -> Motion:
+    """The exact motion of a path with ṡ² = x (N + 1,) at the grid, s̈ constant between: q(t) are
+    polynomials of twice the curve's degree."""
+    s, v = at.s[:, path], np.sqrt(x)
+    h = 2.0 * np.diff(s)
+    u = np.diff(x) / h
+    duration = h / (v[:-1] + v[1:])
+    t = np.concatenate([[0.0], np.cumsum(duration)])
+    degree = len(curve.coefficients) - 1
+    known = [at.q[:-1, path], at.first[:-1, path], at.second[:-1, path]]
+    taylor = [*known, *(curve.derivative(j)(s[:-1]) for j in range(3, degree + 1))][: degree + 1]
+    # q = Σ taylor_j w^j / j!, w = v t + u t² / 2
+    weights = np.zeros((len(u), 2 * degree + 1, degree + 1))
+    for j in range(degree + 1):
+        for k in range(j + 1):
+            weights[:, 2 * degree - j - k, j] = (
+                comb(j, k) / factorial(j) * v[:-1] ** (j - k) * (0.5 * u) ** k
+            )
+    pieces = PiecewisePolynomial(
+        t, np.ascontiguousarray((weights @ np.stack(taylor, axis=1)).swapaxes(0, 1))
+    )
+    qd, qdd = (
+        rate[:, 0]
+        for rate in PathSamples(
+            at.s, at.q, at.first[:, path, None], at.second[:, path, None]
+        ).rates(x[:, None], np.append(u, u[-1])[:, None])
+    )
+    return Motion(t, at.q[:, path], qd, qdd, source, layout(model), notices, pieces=pieces)

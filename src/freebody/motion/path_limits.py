@@ -1,0 +1,203 @@
+"""What limits the speed along a path: velocities, accelerations and torques of a robot as rows over
+a grid.
+
+Along q(s) with q̇ = q' ṡ and q̈ = q' s̈ + q'' ṡ²,
+
+    τ = (M q') s̈ + (M q'' + C q') ṡ² + viscous q' ṡ + Coulomb sign(q') + g - Σ Jᵀ w,
+
+three inverse dynamics at each point (Bobrow, Dubowsky and Gibson 1985). The viscous term is not
+linear in x = ṡ²: it is taken along its tangent at the speeds found before. Between the points
+torques bulge: what they exceed a limit by, halfway, is taken off that limit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.model.model import Model
+from freebody.motion.friction import drive_arrays
+from freebody.motion.piecewise import PiecewisePolynomial
+from freebody.motion.ranges import Flags
+from freebody.motion.speed_profile import Rows
+from freebody.trees.dynamics import inverse_dynamics
+
+_INSTANT = 1e-6
+"""s: no path takes less time; what would be quicker has no limit."""
+
+
+@dataclass(frozen=True, eq=False)
+class RobotLimits:
+    """A robot with its largest rates, accelerations and torques (nv,), infinite where there is
+    none, under constant wrenches on frames."""
+
+    model: Model
+    velocity: Array
+    acceleration: Array
+    torque: Array
+    wrenches: Mapping[str, Array]
+
+    @property
+    def size(self) -> Array:
+        """(m,) the limit of each row: finite torques, then finite accelerations."""
+        return np.concatenate([x[np.isfinite(x)] for x in (self.torque, self.acceleration)])
+
+    def dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
+        """Torques (..., nv), friction and wrenches included."""
+        return inverse_dynamics(self.model, q, qd, qdd, dict(self.wrenches) or None)
+
+    def row(self, torque: Array, acceleration: Array) -> Array:
+        """(..., m) of torques and accelerations (..., nv) those that have a limit."""
+        pick, other = np.isfinite(self.torque), np.isfinite(self.acceleration)
+        if pick.all() and not other.any():
+            return torque
+        return np.concatenate([torque[..., pick], acceleration[..., other]], axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class PathSamples:
+    """Positions and derivatives by s (T, P, nv) of paths at points s (T, P)."""
+
+    s: Array
+    q: Array
+    first: Array
+    second: Array
+
+    def every_second(self, start: int) -> PathSamples:
+        """From the sample `start` on."""
+        return PathSamples(*(x[start::2] for x in (self.s, self.q, self.first, self.second)))
+
+    def rates(self, x: Array, u: Array) -> tuple[Array, Array]:
+        """(q̇, q̈) where ṡ² = x and s̈ = u, arrays (T, P)."""
+        x, u = x[..., None], u[..., None]
+        return self.first * np.sqrt(x), self.second * x + self.first * u
+
+
+def sampled(curves: Sequence[PiecewisePolynomial], s: Array) -> PathSamples:
+    """Each path at its own points s (T, P)."""
+    found: list[Array] = []
+    for order in range(3):
+        each = [
+            (curve.derivative(order) if order else curve)(column)
+            for curve, column in zip(curves, s.T, strict=True)
+        ]
+        found.append(each[0][:, None] if len(each) == 1 else np.stack(each, axis=1))
+    return PathSamples(s, *found)
+
+
+@dataclass(frozen=True, eq=False)
+class PathProblem:
+    """Limits of a robot along paths: `rows` without viscous friction, whose coefficients by ṡ are
+    `viscous` (N + 1, P, m), or None."""
+
+    limits: RobotLimits
+    at: PathSamples
+    between: PathSamples
+    """Halfway in each interval."""
+    rows: Rows
+    viscous: Array | None
+
+    def with_friction(self, x: Array) -> Rows:
+        """The rows with the viscous torque's tangent at x (N + 1, P)."""
+        if self.viscous is None:
+            return self.rows
+        speed = np.sqrt(x)[..., None]
+        half = 0.5 * self.viscous
+        slope = half / np.where(speed > 0.0, speed, np.inf)
+        rest = half * speed
+        (lo, lo_end), (hi, hi_end) = self.rows.lo, self.rows.hi
+        return self.rows._replace(
+            b=self.rows.b + slope,
+            lo=(lo - rest[:-1], lo_end - rest[1:]),
+            hi=(hi - rest[:-1], hi_end - rest[1:]),
+        )
+
+    def tangent_error(self, x: Array, before: Array) -> Array:
+        """(P,) the largest error of the tangents at `before`, at x, as a fraction of the limits."""
+        if self.viscous is None:
+            return np.zeros(x.shape[1])
+        was, speed = np.sqrt(before), np.sqrt(x)
+        error = 0.5 * (speed - was) ** 2 / np.where(was > 0.0, was, 1.0)
+        share = np.abs(self.viscous) * error[..., None] / self.limits.size
+        return share.max(axis=(0, 2), initial=0.0)
+
+    def excess(self, x: Array) -> Array:
+        """(N, P, m) by how much a motion with x (N + 1, P) exceeds limits halfway in the intervals:
+        above the upper one, or negative below the lower one."""
+        middle, u = 0.5 * (x[:-1] + x[1:]), np.diff(x, axis=0) / self.rows.h
+        qd, qdd = self.between.rates(middle, u)
+        values = self.limits.row(self.limits.dynamics(self.between.q, qd, qdd), qdd)
+        return np.maximum(np.abs(values) - self.limits.size, 0.0) * np.sign(values)
+
+    def tightened(self, by: Array, paths: Flags) -> PathProblem:
+        """With limits that are smaller by what they are exceeded by (N, P, m), of those paths."""
+        most = 0.25 * self.limits.size  # a grid so coarse is told, not mended
+        rows = np.clip(np.where(paths[:, None], by, 0.0), -most, most)
+        above, below = np.maximum(rows, 0.0), np.minimum(rows, 0.0)
+        (lo, lo_end), (hi, hi_end) = self.rows.lo, self.rows.hi
+        ends = {"lo": (lo - below, lo_end - below), "hi": (hi - above, hi_end - above)}
+        return replace(self, rows=self.rows._replace(**ends))
+
+    def only(self, paths: Flags) -> PathProblem:
+        """Of some paths."""
+        if paths.all():
+            return self
+        h, most, most_between, a, b, lo, hi = self.rows
+        lo, hi = ((start[:, paths], end[:, paths]) for start, end in (lo, hi))
+        grid = (x[:, paths] for x in (h, most, most_between, a, b))
+        rows = Rows(*grid, lo=lo, hi=hi)
+        at, between = (
+            PathSamples(*(x[:, paths] for x in (of.s, of.q, of.first, of.second)))
+            for of in (self.at, self.between)
+        )
+        drag = None if self.viscous is None else self.viscous[:, paths]
+        return PathProblem(self.limits, at, between, rows, drag)
+
+    def coarse(self, every: int) -> PathProblem:
+        """On a grid of each `every`-th point; their number less 1 is a multiple of it."""
+        rows, cut = self.rows, slice(None, None, every)
+        starts, ends = cut, slice(every - 1, None, every)
+        h = rows.h.reshape(-1, every, rows.h.shape[1]).sum(axis=1)
+        lo, hi = ((x[0][starts], x[1][ends]) for x in (rows.lo, rows.hi))
+        middle = rows.most[every // 2 :: every][: len(h)]
+        fewer = Rows(h, rows.most[cut], middle, rows.a[cut], rows.b[cut], lo, hi)
+        drag = None if self.viscous is None else self.viscous[cut]
+        return replace(self, rows=fewer, viscous=drag)
+
+
+def path_problem(
+    limits: RobotLimits, curves: Sequence[PiecewisePolynomial], s: Array
+) -> PathProblem:
+    """The limits along paths at a grid s (N + 1, P)."""
+    every = np.empty((2 * len(s) - 1, s.shape[1]))
+    every[::2], every[1::2] = s, 0.5 * (s[:-1] + s[1:])
+    samples = sampled(curves, every)
+    at, between = samples.every_second(0), samples.every_second(1)
+    still = np.zeros_like(at.first)
+    viscous, coulomb, _ = drive_arrays(limits.model)
+    rest = limits.dynamics(at.q, still, still)
+    with_rates = limits.dynamics(at.q, at.first, at.second) - rest
+    if viscous.any() or coulomb.any():
+        with_rates -= viscous * at.first + coulomb * np.sign(at.first)
+    a = limits.row(limits.dynamics(at.q, still, at.first) - rest, at.first)
+    b = limits.row(with_rates, at.second)
+    held, size = limits.row(rest, still), limits.size
+    lo, hi = -size - held, size - held
+    ends = [(lo[:-1], hi[:-1]), (lo[1:], hi[1:])]
+    if coulomb.any():
+        signs = np.stack([np.sign(x) for x in (at.first[:-1], between.first, at.first[1:])])
+        drag = [limits.row(coulomb * f(signs, axis=0), still[:-1]) for f in (np.min, np.max)]
+        ends = [(lo - drag[0], hi - drag[1]) for lo, hi in ends]
+    fastest = np.max(np.abs(samples.first) / limits.velocity, axis=-1, initial=0.0)
+    most = 1.0 / np.maximum(fastest**2, 1.0 / unlimited(s))
+    rows = Rows(2.0 * np.diff(s, axis=0), most[::2], most[1::2], a, b, *zip(*ends, strict=True))
+    drag = limits.row(viscous * at.first, still) if viscous.any() else None
+    return PathProblem(limits, at, between, rows, drag)
+
+
+def unlimited(s: Array) -> Array:
+    """(P,) the ṡ² above which a path counts as without a limit."""
+    return ((s[-1] - s[0]) / _INSTANT) ** 2

@@ -1,0 +1,327 @@
+"""Time-optimal motions along paths: closed forms of one joint, limits held between the points, and
+toppra's durations."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+from scipy.interpolate import CubicSpline, PPoly
+from scipy.optimize import brentq
+
+import freebody as fb
+from freebody.targets import recurrence as recurrences
+from support.extras import extra
+
+WAY = [[0.0, 0.0], [1.0, -0.5], [0.4, 1.0], [-0.8, 0.3]]
+
+
+@cache
+def arm() -> fb.Model:
+    """Two joints with limits of speed and torque."""
+    model = with_limits(fb.load("2R"), velocity=2.0, effort=150.0)
+    return model.bind({"joint2.limits.effort": 40.0})
+
+
+def with_limits(model: fb.Model, **limits: float) -> fb.Model:
+    names = model.joint_names
+    return model.bind({f"{j}.limits.{name}": x for j in names for name, x in limits.items()})
+
+
+def slider(mass: float = 2.0, **drive: float) -> fb.Model:
+    """A mass on a rail."""
+    model = fb.planar("P").bind(lc1=0.0, m1=mass, I1=0.0).replace(gravity=0.0)
+    return model.with_drive("joint1", **drive) if drive else model
+
+
+def pendulum(**drive: float) -> fb.Model:
+    model = fb.planar("R").bind(l1=1.0, lc1=0.5, m1=2.0, I1=0.1)
+    return model.with_drive("joint1", **drive) if drive else model
+
+
+def fine(motion: fb.Motion, times: int = 10) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """States between the samples."""
+    fractions = (np.arange(times) + 0.5) / times
+    return motion.at((motion.t[:-1, None] + fractions * np.diff(motion.t)[:, None]).ravel())
+
+
+# ---------------------------------------------------------------- one joint
+@pytest.mark.parametrize(("way", "speed"), [(1.0, np.inf), (3.0, 1.2)])
+def test_a_mass_on_a_rail_is_pushed_and_braked_with_all_force(way: float, speed: float):
+    a = 5.0 / 2.0
+    top = min(speed, np.sqrt(way * a))
+    exact = 2 * top / a + (way - top**2 / a) / top
+    limits = {} if np.isinf(speed) else {"velocity": speed}
+    motion = fb.time_optimal(slider(), [[0.0], [way]], torque=5.0, **limits)
+    assert motion.duration == pytest.approx(exact, rel=1e-6)
+    assert motion.q[[0, -1], 0] == pytest.approx([0.0, way])
+    assert np.abs(motion.qd[[0, -1]]).max() == 0.0
+    assert motion.at(0.1 * exact)[2] == pytest.approx(a)
+    assert motion.at(0.9 * exact)[2] == pytest.approx(-a)
+
+
+def pendulum_duration(start: float, end: float, torque: float, viscous: float, dry: float) -> float:
+    """By the two differential equations of all torque forwards and backwards."""
+    inertia = 2.0 * 0.5**2 + 0.1
+
+    def rate(sign: float) -> Callable[[float, np.ndarray], list[float]]:
+        def right(q: float, x: np.ndarray) -> list[float]:  # x = q̇²
+            speed = np.sqrt(max(x[0], 0.0))
+            weight = 2.0 * 9.81 * 0.5 * np.cos(q)
+            return [2.0 * (sign * torque - weight - dry - viscous * speed) / inertia]
+
+        return right
+
+    given = {"dense_output": True, "rtol": 1e-10, "atol": 1e-12}
+    up = solve_ivp(rate(1.0), (start, end), [0.0], **given).sol
+    down = solve_ivp(rate(-1.0), (end, start), [0.0], **given).sol
+    switch = brentq(lambda q: up(q)[0] - down(q)[0], start, end)
+
+    def time(of: Callable[[float], np.ndarray], rest: float, other: float) -> float:
+        # q - rest = ± r², so that 1 / q̇ has no pole
+        sign = np.sign(other - rest)
+        root = np.sqrt(abs(other - rest))
+        return quad(lambda r: 2 * r / np.sqrt(of(rest + sign * r * r)[0]), 1e-7, root)[0]
+
+    return time(up, start, switch) + time(down, end, switch)
+
+
+@pytest.mark.parametrize(("viscous", "dry"), [(0.0, 0.0), (0.0, 1.5), (3.0, 0.0), (3.0, 1.5)])
+def test_a_pendulum_with_friction_is_as_quick_as_its_equation_says(viscous: float, dry: float):
+    model = pendulum(viscous=viscous, coulomb=dry)
+    exact = pendulum_duration(-1.2, 1.7, 15.0, viscous, dry)
+    motion = fb.time_optimal(model, [[-1.2], [1.7]], torque=15.0, points=4001)
+    assert exact < motion.duration < exact * (1.001 if viscous else 1.0002)  # on the safe side
+    torque = fb.inverse_dynamics(model, *fine(motion))
+    assert np.abs(torque).max() < 15.0 * (1 + 5e-4)
+    assert np.mean(np.abs(torque) > 14.9) > 0.97
+
+
+def test_a_weak_motor_lifts_where_the_load_is_light():
+    """Held nowhere near the horizontal: with a swing it would pass, from rest on the path not."""
+    model = pendulum()  # 9.81 N m when horizontal
+    fb.time_optimal(model, [[-1.4], [-0.9]], torque=8.0)
+    told = (
+        r"^time_optimal: the path cannot be followed: at s = 0\.5\d* \(q = \S+\) joint1 "
+        r"needs 9\.81 N m to move slowly, and its largest torque is 8 N m\."
+    )
+    with pytest.raises(fb.FreebodyError, match=told):
+        fb.time_optimal(model, [[-1.0], [0.9]], torque=8.0)
+
+
+def test_a_stretch_that_cannot_be_held_is_passed_with_a_swing():
+    """Falling through the horizontal: the motor is too weak to stop there, and need not."""
+    motion = fb.time_optimal(pendulum(), [[0.6], [-1.5]], torque=9.5)
+    torque = fb.inverse_dynamics(pendulum(), *fine(motion))
+    assert np.abs(torque).max() < 9.5 * 1.001
+    assert np.abs(fine(motion)[1][fine(motion)[0][:, 0] < 0.2]).min() >= 0.0
+
+
+# ---------------------------------------------------------------- several joints
+@pytest.mark.parametrize("points", [101, 1001])
+def test_limits_are_held_between_the_points_and_reached_at_nearly_all(points: int):
+    model = arm().with_drive("joint1", viscous=2.0, coulomb=1.0).with_payload(1.0)
+    motion = fb.time_optimal(model, WAY, acceleration=[30.0, 40.0], points=points)
+    assert motion.notices == ()
+    q, qd, qdd = fine(motion)
+    used = np.stack(
+        [
+            np.abs(fb.inverse_dynamics(model, q, qd, qdd)) / model.limits.effort,
+            np.abs(qd) / 2.0,
+            np.abs(qdd) / [30.0, 40.0],
+        ]
+    )
+    assert used.max() < (1.005 if points == 101 else 1.0005)
+    assert np.mean(used.max(axis=(0, 2)) > 0.99) > (0.8 if points == 101 else 0.97)
+    slower = fb.time_optimal(model, WAY, acceleration=[30.0, 40.0], torque=[120.0, 30.0])
+    assert slower.duration > motion.duration or points == 101
+
+
+def test_the_path_is_followed_and_the_motion_is_its_own_derivative():
+    motion = fb.time_optimal(arm(), WAY, points=301)
+    chords = np.linalg.norm(np.diff(WAY, axis=0), axis=1)
+    s = np.concatenate([[0.0], np.cumsum(chords)]) / chords.sum()
+    path = CubicSpline(s, WAY, bc_type="natural")
+    places = np.array([np.abs(motion.q - point).max(axis=1).min() for point in WAY])
+    assert places.max() < 1e-12  # waypoints are points of the grid
+    q = fine(motion, 4)[0]
+    near = path(np.linspace(0, 1, 20001))
+    assert np.abs(q[:, None, :] - near[None, ::10]).max(axis=2).min(axis=1).max() < 2e-3
+    t = 0.5 * (motion.t[:-1] + motion.t[1:])
+    step = 1e-5
+    before, after = motion.at(t - step), motion.at(t + step)
+    assert (after[0] - before[0]) / (2 * step) == pytest.approx(motion.at(t)[1], abs=1e-6)
+    assert (after[1] - before[1]) / (2 * step) == pytest.approx(motion.at(t)[2], rel=1e-4, abs=1e-4)
+    for given, found in zip((motion.q, motion.qd, motion.qdd), motion.at(motion.t), strict=True):
+        assert found == pytest.approx(given, abs=1e-9)
+
+
+def test_a_wrench_and_a_payload_count():
+    free = fb.time_optimal(arm(), WAY, points=201)
+    loaded = fb.time_optimal(arm().with_payload(2.0), WAY, points=201)
+    pulled = fb.time_optimal(arm(), WAY, wrenches=[0.0, -30.0, 0.0], points=201)
+    assert min(loaded.duration, pulled.duration) > 1.01 * free.duration
+    torque = fb.inverse_dynamics(arm(), *fine(pulled), wrenches=[0.0, -30.0, 0.0])
+    assert (np.abs(torque) / arm().limits.effort).max() < 1.001
+
+
+def test_many_paths_are_what_each_is_alone():
+    rng = np.random.default_rng(2)
+    ways = rng.uniform(-1.2, 1.2, (19, 5, 2))
+    model = arm().with_drive("joint2", viscous=1.5)
+    together = fb.time_optimal(model, ways, points=151)
+    assert isinstance(together, tuple)
+    assert len(together) == 19
+    for k in (0, 7, 16, 18):
+        assert together[k] == fb.time_optimal(model, ways[k], points=151)
+    curve = CubicSpline([0.0, 0.3, 0.7, 1.0], WAY)
+    both = fb.time_optimal(arm(), [fb.spline(arm(), WAY), curve], points=201)
+    assert both[1] == fb.time_optimal(arm(), curve, points=201)
+    assert both[0].duration == pytest.approx(both[1].duration, rel=0.2)
+
+
+def test_a_finer_path_is_as_quick_as_its_spline():
+    """The positions of a motion along it are the path, whatever its timing."""
+    slow = fb.spline(arm(), WAY, ends="natural", degree=3)
+    reference = fb.time_optimal(arm(), slow.curve._pieces, points=2001)
+    assert fb.time_optimal(arm(), slow).duration == pytest.approx(reference.duration, rel=2e-3)
+    rest = fb.quintic(arm(), WAY[:2])
+    assert fb.time_optimal(arm(), rest).duration == pytest.approx(
+        fb.time_optimal(arm(), WAY[:2]).duration, rel=1e-3
+    )
+
+
+def test_without_compiled_code_the_same_comes_out(monkeypatch: pytest.MonkeyPatch):
+    quick = fb.time_optimal(arm(), WAY, points=41)
+
+    def one_by_one(kernel, states, *sequences):
+        recurrences._one_by_one(kernel, states, sequences)
+
+    monkeypatch.setattr(recurrences, "_stepper", lambda kernel: lambda *x: one_by_one(kernel, *x))
+    assert fb.time_optimal(arm(), WAY, points=41) == quick
+
+
+# ---------------------------------------------------------------- beside toppra
+def toppra_duration(model: fb.Model, path: CubicSpline, points: int, effort: np.ndarray) -> float:
+    """With limits at both ends of each interval, on the same grid."""
+    toppra = extra("toppra")
+    algorithm, limits = extra("toppra.algorithm"), extra("toppra.constraint")
+    toppra.setup_logging("ERROR")
+    scheme = {"discretization_scheme": limits.DiscretizationType.Interpolation}
+    speed, torque = (np.stack([-x, x], axis=-1) for x in (model.limits.velocity, effort))
+    friction = np.zeros(model.nv)
+    problem = algorithm.TOPPRA(
+        [
+            limits.JointVelocityConstraint(speed),
+            limits.JointTorqueConstraint(
+                lambda q, v, a: fb.inverse_dynamics(model, q, v, a), torque, friction, **scheme
+            ),
+        ],
+        toppra.SplineInterpolator(path.x, path(path.x), bc_type="natural"),
+        gridpoints=np.linspace(0.0, 1.0, points),
+    )
+    _, speeds, _ = problem.compute_parameterization(0, 0)
+    return float(np.sum(2.0 / (points - 1) / (speeds[1:] + speeds[:-1])))
+
+
+def compared(model: fb.Model, count: int, points: int, seed: int) -> np.ndarray:
+    """(count, 2): durations relative to toppra's, and torques on a ten times finer check."""
+    rng = np.random.default_rng(seed)
+    low, high = np.maximum(model.limits.lower, -2.5), np.minimum(model.limits.upper, 2.5)
+    knots = np.linspace(0.0, 1.0, 6)
+    rows = []
+    while len(rows) < count:
+        way = 0.5 * (low + high) + 0.3 * (high - low) * rng.uniform(-1, 1, (6, model.nq))
+        path = CubicSpline(knots, way, bc_type="natural")
+        if (np.abs(path(np.linspace(0, 1, 200)) - 0.5 * (low + high)) > 0.5 * (high - low)).any():
+            continue
+        motion = fb.time_optimal(model, path, points=points)
+        torque = np.abs(fb.inverse_dynamics(model, *fine(motion))) / model.limits.effort
+        other = toppra_duration(model, path, points, model.limits.effort)
+        rows.append([motion.duration / other, torque.max()])
+    return np.array(rows)
+
+
+def test_durations_are_those_of_toppra():
+    found = compared(arm(), 6, 501, 3)
+    assert found[:, 0] == pytest.approx(1.0, abs=1e-3)
+    assert found[:, 1].max() < 1.001
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["ur5e", "panda", "puma560"])
+def test_durations_and_torques_of_large_arms(name: str):
+    model = fb.load(name).without("friction")
+    if name == "puma560":
+        effort = [100.0, 150.0, 80.0, 20.0, 20.0, 20.0]
+        model = with_limits(model, lower=-2.8, upper=2.8, velocity=2.5)
+        most = zip(model.joint_names, effort, strict=True)
+        model = model.bind({f"{joint}.limits.effort": value for joint, value in most})
+    found = compared(model, 200, 1001, 7)
+    assert found[:, 0] == pytest.approx(1.0, abs=1e-3)
+    assert found[:, 1].max() < 1.001
+    coarse = [fine(fb.time_optimal(model, path, points=101)) for path in paths(model, 200)]
+    torque = [(np.abs(fb.inverse_dynamics(model, *x)) / model.limits.effort).max() for x in coarse]
+    assert np.quantile(torque, 0.99) < 1.005
+
+
+def paths(model: fb.Model, count: int) -> list[CubicSpline]:
+    rng = np.random.default_rng(11)
+    low, high = np.maximum(model.limits.lower, -2.5), np.minimum(model.limits.upper, 2.5)
+    way = 0.5 * (low + high) + 0.2 * (high - low) * rng.uniform(-1, 1, (count, 6, model.nq))
+    return [CubicSpline(np.linspace(0.0, 1.0, 6), one, bc_type="natural") for one in way]
+
+
+# ---------------------------------------------------------------- refused
+STEP = PPoly([[[0.0, 0.0], [0.0, 0.0]], [[1.0, 0.0], [1.0, 1.0]]], [0.0, 1.0, 2.0])
+REFUSED: list[tuple[Callable[[], object], str]] = [
+    (lambda: fb.time_optimal(arm(), WAY[:1]), "expected at least two rows: (k, 2)"),
+    (lambda: fb.time_optimal(arm(), [[0.3, 0.3]] * 3), "3 positions, all the same"),
+    (lambda: fb.time_optimal(arm(), [[0.0, np.nan], [1, 1]]), "q is nan at sample 0 for 'joint2'"),
+    (lambda: fb.time_optimal(arm(), np.zeros((3, 5))), "time_optimal: q has shape (3, 5)"),
+    (lambda: fb.time_optimal(arm(), []), "time_optimal: q has shape (0,), expected (..., 2)"),
+    (lambda: fb.time_optimal(arm(), WAY, points=1), "points is 1, expected a whole number from 2"),
+    (lambda: fb.time_optimal(arm(), WAY, points=9.5), "points is 9.5, expected a whole number"),  # type: ignore[arg-type]
+    (lambda: fb.time_optimal(arm(), WAY, torque=-1.0), "torque of joint1 is -1, expected a limit"),
+    (lambda: fb.time_optimal(arm(), WAY, torque=np.ones(3)), "torque has shape (3,)"),
+    (lambda: fb.time_optimal(arm(), WAY, acceleration={"joint1": 1.0}), "acceleration lacks"),
+    (lambda: fb.time_optimal(fb.load("2R"), WAY), "has no quickest motion: at s = 0"),
+    (lambda: fb.time_optimal(arm(), STEP), "the path jumps at s = 1: itself of joint2 by 1"),
+    (
+        lambda: fb.time_optimal(arm(), PPoly([[[1.0]], [[0.0]]], [0.0, 1.0])),
+        "the path has values of shape (1,), expected (2,)",
+    ),
+    (
+        lambda: fb.time_optimal(arm(), WAY, wrenches=np.zeros((5, 3))),
+        "wrenches['tip'] has shape (5, 3), expected (3,): one wrench",
+    ),
+    (lambda: fb.time_optimal(arm(), WAY, wrenches=[0, np.inf, 0]), "wrenches['tip'] is inf"),
+    (lambda: fb.time_optimal(fb.load("four_bar"), np.zeros((2, 3))), "is a closed chain"),
+    (lambda: fb.time_optimal(fb.load("quadrotor"), np.zeros((2, 7))), "positions are quaternions"),
+    (
+        lambda: fb.time_optimal(arm().replace(actuated=["joint1"]), WAY),
+        "nothing drives joint2 of '2R'",
+    ),
+    (
+        lambda: fb.time_optimal(with_limits(arm(), lower=-1.005, upper=1.005), WAY),
+        "is at 1.0",
+    ),
+    (
+        lambda: fb.time_optimal(arm(), WAY, torque=[3.0, 25.0]),
+        "joint1 needs",
+    ),
+    (
+        lambda: fb.time_optimal(arm().with_drive("joint1", coulomb=90.0), WAY),
+        "joint1 needs",
+    ),
+]
+
+
+@pytest.mark.parametrize(("call", "told"), REFUSED, ids=[told for _, told in REFUSED])
+def test_what_cannot_be_is_refused_with_what_to_do(call: Callable[[], object], told: str):
+    with pytest.raises(fb.FreebodyError, match=re.escape(told)):
+        call()
