@@ -75,7 +75,7 @@ def _integers(values: Sequence[int]) -> Any:
 @cache
 def _repeat() -> tuple[Any, Any]:
     """(what keeps the code, the C function)."""
-    code, addresses = load(object_code(_TEXT), ("repeat",), {})
+    code, addresses = load([object_code(_TEXT)], ("repeat",), {})
     pointer, number = ctypes.c_void_p, ctypes.c_int64
     prototype = ctypes.CFUNCTYPE(None, pointer, pointer, pointer, pointer, number, number, pointer)
     return code, prototype(addresses["repeat"])
