@@ -3,14 +3,16 @@ harmless text."""
 
 from __future__ import annotations
 
+import dataclasses
 import re
 
 import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.outputs.display import MOST, TextTable, counted
+from freebody.outputs.display import MOST, TextTable, Titled, counted
 from support.hostile import hostile
+from support.public_results import result_classes
 
 
 def results(model):
@@ -35,6 +37,11 @@ def results(model):
         "figure": fb.kinematic_diagram(model),
     }
     return made
+
+
+def shown(value):
+    """Its table in a notebook, without the alignment of words."""
+    return value._repr_html_().replace(' style="text-align:left"', "")
 
 
 @pytest.fixture(scope="module")
@@ -70,7 +77,7 @@ def test_a_table_in_a_notebook(arm):
     peak = arm["study"].summary.peak_torque.values[0]
     assert f"{peak:.4g} N m" in text
     assert str(arm["study"].verdict) in text
-    assert "<td>joint2</td><td>revolute</td>" in arm["model"]._repr_html_()
+    assert "<td>joint2</td><td>revolute</td>" in shown(arm["model"])
     rows = re.findall("<tr>", arm["solutions"]._repr_html_())
     assert len(rows) == 1 + min(len(arm["solutions"]), MOST)
     assert f"{abs(arm['motion'].qd[:, 1]).max():.4g}" in arm["motion"]._repr_html_()
@@ -79,7 +86,7 @@ def test_a_table_in_a_notebook(arm):
     assert "loop tip_pin: " in fb.load("five_bar")._repr_html_()
     closed = fb.load("five_bar")
     forces = fb.reactions(closed, fb.assemble(closed), np.zeros(4), qdd=np.zeros(4))
-    assert f"<td>tip_pin</td><td>{forces['tip_pin'][0]:.4g}</td>" in forces._repr_html_()
+    assert f"<td>tip_pin</td><td>{forces['tip_pin'][0]:.4g}</td>" in shown(forces)
     quadrotor = fb.load("quadrotor")
     assert "q[6]" in fb.default_motion(quadrotor)._repr_html_()
 
@@ -88,7 +95,7 @@ def test_names_of_strangers_stay_text(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for kind, value in results(hostile()).items():
         assert "\u202e" not in repr(value), kind
-        text = value._repr_html_() if hasattr(value, "_repr_html_") else ""
+        text = shown(value) if hasattr(value, "_repr_html_") else ""
         assert not re.search(r"<(?!/?(p|b|table|thead|tbody|tr|th|td)>)", text), kind
         assert "\u202e" not in text
 
@@ -98,6 +105,75 @@ def test_long_tables_say_what_is_left_out():
     assert table.html(most=3).count("<tr>") == 4
     assert "<p>… and 97 more</p><p>a &amp; b</p>" in table.html(most=3)
     assert TextTable((), ()).html("nothing <here>") == "<p><b>nothing &lt;here&gt;</b></p>"
+
+
+DISPLAYS = ("_repr_html_", "_repr_svg_", "_repr_latex_", "_repr_pretty_")
+PLAIN = {
+    "Limits", "Drive", "Inertia", "Parameter", "ModelParameter", "Frame", "Coordinates",  # records
+    "Mistake", "LimitExcess",  # records with a sentence in them
+    "Label", "Prism", "Mark", "Arc", "Turn", "Dimension", "Arrow", "Line",  # elements of a drawing
+    "Drawing", "Picture", "BodyLoads", "Layout", "Order", "Tree", "Structure", "Geometry",  # inner
+}  # fmt: skip
+"""Results that show what Python makes of them."""
+
+
+def test_no_public_result_forgets_how_to_show_itself():
+    """In a line of its own making, or in a notebook; a dataclass of arrays does neither."""
+    classes = result_classes()
+    forgetful = {
+        kind.__name__: origin
+        for kind, origin in classes.items()
+        if not issubclass(kind, (Titled, Exception))
+        and not any(hasattr(kind, name) for name in DISPLAYS)
+        and (kind.__repr__ is object.__repr__ or dataclasses.is_dataclass(kind))
+    }
+    assert set(forgetful) <= PLAIN, forgetful
+    assert {"Study", "Solutions", "Motion", "Derivation"} <= {kind.__name__ for kind in classes}
+
+
+def test_results_made_of_formulas_show_them():
+    path = fb.trajectory("3*t^2", "sin(t)")
+    assert repr(path) == "<Trajectory: r = [3 t², sin t]>"
+    assert repr(path.velocity) == "<Function of t: [6 t, cos t]>"
+    assert repr(path.velocity.rows) == "(6*t, 1*cos(1*t))"
+    free = fb.quantities(fb.planar("RR"))
+    holds = fb.relation(free, "omega2 = theta1_d + theta2_d")
+    assert repr(holds) == (
+        "<Relation omega2 = theta1_d + theta2_d: both sides are equal, as polynomials>"
+    )
+    assert repr(fb.relation(free, "omega2 = theta1_d")).endswith("the sides differ>")
+    condition = fb.singularities(fb.planar("RR")).conditions[0]
+    assert repr(condition) == "<Condition: θ₂ = 0 or π>"
+    assert condition._repr_latex_().startswith("$\\displaystyle ")
+
+
+def test_a_notebook_shows_words_where_words_say_it():
+    said: list[str] = []
+    printer = type("Printer", (), {"text": staticmethod(said.append)})()
+    closed = fb.load("five_bar")
+    for value in (
+        fb.mobility(closed, fb.assemble(closed)),
+        fb.check(fb.load("2R"), "M11 = 1"),
+        fb.base_parameters(fb.load("2R")),
+        fb.loop_equations(closed),
+    ):
+        value._repr_pretty_(printer, False)
+        assert said.pop() == str(value)
+
+
+def test_columns_of_a_table():
+    table = TextTable(("name", "value", "empty"), [("a", "-1.5 N", ""), ("b", "", "")])
+    assert table.html() == (
+        '<table><thead><tr><th style="text-align:left">name</th><th>value</th></tr></thead><tbody>'
+        '<tr><td style="text-align:left">a</td><td>-1.5 N</td></tr>'
+        '<tr><td style="text-align:left">b</td><td></td></tr></tbody></table>'
+    )
+
+
+def test_figures_bring_their_own_paper():
+    """A notebook's theme and the system's need not agree."""
+    svg = fb.kinematic_diagram(fb.load("2R"))._repr_svg_()
+    assert svg.count(".fig{background:#") == 2
 
 
 def test_counted():

@@ -46,6 +46,7 @@ _DARK = {
 _RULES = """
 .fig{font-family:system-ui,-apple-system,"Segoe UI",Roboto,"Helvetica Neue",Arial,sans-serif}
 .fig text{fill:@ink;font-size:13px}
+.fig{background:@paper}
 .fig .halo{stroke:@paper;stroke-width:4px;stroke-linejoin:round;paint-order:stroke}
 .fig .v{font-style:italic}.fig .n{fill:@soft;font-size:12px}.fig .num{font-size:12px}
 .fig .guide{fill:none;stroke:@soft;stroke-width:1;stroke-dasharray:5 4}

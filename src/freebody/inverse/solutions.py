@@ -57,10 +57,9 @@ class Solutions(Tabled, ByValue):
 
     def _found(self) -> str:
         if self.q.ndim > 2:
-            least = int(self.count.min()) if self.count.size else 0
-            return (
-                f"{self.q.shape[:-2]} targets, {least} to {len(self)} solutions each; {self.method}"
-            )
+            least, most = int(self.count.min()) if self.count.size else 0, len(self)
+            span = f"{most}" if least == most else f"{least} to {most}"
+            return f"{self.q.shape[:-2]} targets, {span} solutions each; {self.method}"
         return f"{counted(len(self), 'solution')}; {self.method}"
 
     def _title(self) -> str:

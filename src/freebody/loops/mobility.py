@@ -12,7 +12,7 @@ from freebody.loops.equations import closing, require_closed, scaled_jacobian
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled_equations import null_space, rate_scale, row_names
 from freebody.model.model import Model
-from freebody.outputs.display import Titled, counted
+from freebody.outputs.display import InWords, counted
 from freebody.trees.public_calls import Vector, finite_vector
 from freebody.trees.states import difference, integrate
 from freebody.values import ByValue
@@ -23,7 +23,7 @@ _STEPS = (0.05, 0.13, 0.31)  # rad: lengths of the ways along which the neighbou
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Mobility(Titled, ByValue):
+class Mobility(InWords, ByValue):
     """Degrees of freedom of a closed chain, and where its equations depend on one another."""
 
     model: str
@@ -49,7 +49,7 @@ class Mobility(Titled, ByValue):
     def _title(self) -> str:
         return (
             f"Mobility of {self.model!r}: {counted(self.generic, 'degree')} of freedom, "
-            f"{self.instantaneous} here"
+            f"{self.instantaneous} instantaneous at this position"
         )
 
     @property

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from freebody.arrays import Array
 from freebody.lazy import Keeps
 from freebody.model.description import Joint
 from freebody.model.joints import KINDS, JointKind
 from freebody.model.placement import Placement
 from freebody.model.tree import Attached
+from freebody.outputs.display import Tabled, TextTable
 from freebody.values import ByValue
 
 
@@ -50,7 +53,7 @@ class Body(Keeps):
 
 
 @dataclass(frozen=True, eq=False)
-class JointLimits(ByValue):
+class JointLimits(Tabled, ByValue):
     """For each entry of q̇ its joint's limits, infinite for joints of several axes: arrays (nv,);
     rad or m, N m or N."""
 
@@ -58,3 +61,21 @@ class JointLimits(ByValue):
     upper: Array
     velocity: Array
     effort: Array
+
+    def _title(self) -> str:
+        return "Joint limits (rad or m, per s, N m or N)"
+
+    def _table(self) -> TextTable:
+        head = ("coordinate", "lower", "upper", "velocity", "effort")
+        columns = (
+            np.moveaxis(x, -1, 0) for x in (self.lower, self.upper, self.velocity, self.effort)
+        )
+        rows = [
+            (str(k), *(_spread(x) for x in row)) for k, row in enumerate(zip(*columns, strict=True))
+        ]
+        return TextTable(head, rows)
+
+
+def _spread(x: Array) -> str:
+    """A number, or those of a family."""
+    return f"{x:.4g}" if not x.ndim else f"{x.min():.4g} … {x.max():.4g}"

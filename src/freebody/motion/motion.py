@@ -111,9 +111,16 @@ class Motion(Tabled, ByValue):
         if self.layout.flat:
             rows = [(*row, *rate) for row, rate in zip(rows, rates, strict=True)]
             return TextTable(
-                ("position", "range", "largest rate", "largest acceleration"), rows, self.notices
+                (
+                    "position",
+                    "range (rad, m)",
+                    "largest rate (rad/s, m/s)",
+                    "largest acceleration (rad/s², m/s²)",
+                ),
+                rows,
+                self.notices,
             )
-        return TextTable(("position", "range"), rows, self.notices)
+        return TextTable(("position", "range (rad, m; quaternions 1)"), rows, self.notices)
 
     @property
     def duration(self) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.motion.piecewise import Extremes, PiecewisePolynomial
+from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.trees.position_rates import CoordinateLayout, state_of
 from freebody.values import ByValue
 
@@ -16,8 +17,8 @@ _BETWEEN = 16
 looked at."""
 
 
-@dataclass(frozen=True, eq=False)
-class Peaks(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class Peaks(Tabled, ByValue):
     """Extremes of a motion's positions (nq,), rates and accelerations (nv,), with their times (s).
 
     Exact for coordinates that are numbers of their own; of joints with quaternions the extremes of
@@ -27,6 +28,18 @@ class Peaks(ByValue):
     position: Extremes
     velocity: Extremes
     acceleration: Extremes
+
+    def _title(self) -> str:
+        return f"Peaks of {counted(len(self.position.low), 'position')}"
+
+    def _table(self) -> TextTable:
+        named = {"q": self.position, "qd": self.velocity, "qdd": self.acceleration}
+        rows = [
+            (f"{name}[{k}]", *entries)
+            for name, found in named.items()
+            for k, *entries in found._table().rows
+        ]
+        return TextTable(("", "lowest", "at t (s)", "highest", "at t (s)"), rows)
 
 
 def peaks_of(curve: PiecewisePolynomial, where: CoordinateLayout) -> Peaks:

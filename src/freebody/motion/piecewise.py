@@ -12,6 +12,7 @@ from scipy.interpolate import PPoly, make_interp_spline
 
 from freebody.arrays import Array
 from freebody.lazy import cached_property
+from freebody.outputs.display import Tabled, TextTable, Titled, counted
 from freebody.values import ByValue
 
 Ends = Literal["rest", "natural", "periodic"]
@@ -20,8 +21,8 @@ _NEAR = 1e-12
 """Of the duration: breaks nearer to each other are one."""
 
 
-@dataclass(frozen=True, eq=False)
-class PiecewisePolynomial(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class PiecewisePolynomial(Titled, ByValue):
     """n functions of one variable t, polynomials between breaks.
 
     breaks: (m + 1,) increasing. coefficients: (degree + 1, m, n), of powers of t - breaks[i],
@@ -31,6 +32,13 @@ class PiecewisePolynomial(ByValue):
 
     breaks: Array
     coefficients: Array
+
+    def _title(self) -> str:
+        count, pieces, functions = self.coefficients.shape
+        return (
+            f"PiecewisePolynomial: {counted(functions, 'function')} of degree {count - 1}, "
+            f"{counted(pieces, 'piece')} from {self.breaks[0]:.4g} to {self.breaks[-1]:.4g}"
+        )
 
     @cached_property
     def _pieces(self) -> PPoly:
@@ -72,14 +80,22 @@ class PiecewisePolynomial(ByValue):
         return Extremes(low, low_at, -high, high_at)
 
 
-@dataclass(frozen=True, eq=False)
-class Extremes(ByValue):
+@dataclass(frozen=True, eq=False, repr=False)
+class Extremes(Tabled, ByValue):
     """Lowest and highest values of n functions, and the first places where they are; (n,) each."""
 
     low: Array
     low_at: Array
     high: Array
     high_at: Array
+
+    def _title(self) -> str:
+        return f"Extremes of {counted(len(self.low), 'function')}"
+
+    def _table(self) -> TextTable:
+        entries = zip(self.low, self.low_at, self.high, self.high_at, strict=True)
+        rows = [(str(k), *(f"{x:.4g}" for x in entry)) for k, entry in enumerate(entries)]
+        return TextTable(("", "lowest", "at", "highest", "at"), rows)
 
     @property
     def size(self) -> Array:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import html
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from freebody.outputs.text import legal
 
@@ -25,11 +27,16 @@ class TextTable:
     notes: Iterable[str] = ()
 
     def html(self, title: str = "", most: int = MOST) -> str:
-        """As elements of HTML without a style; names in it stay text."""
+        """As elements of HTML; names in it stay text. Columns of words are aligned on the left,
+        which notebooks do for none; columns that are empty throughout are left out."""
         above = f"<p><b>{_text(title)}</b></p>" if title else ""
-        head = "".join(f"<th>{_text(x)}</th>" for x in self.head)
+        shown = self.rows[:most]
+        filled = [k for k in range(len(self.head)) if any(row[k] for row in shown)]
+        align = {k: "" if _is_numeric(row[k] for row in shown) else _LEFT for k in filled}
+        head = "".join(f"<th{align[k]}>{_text(self.head[k])}</th>" for k in filled)
         rows = "".join(
-            f"<tr>{''.join(f'<td>{_text(x)}</td>' for x in row)}</tr>" for row in self.rows[:most]
+            f"<tr>{''.join(f'<td{align[k]}>{_text(row[k])}</td>' for k in filled)}</tr>"
+            for row in shown
         )
         left = len(self.rows) - most
         notes = [*([f"… and {left} more"] if left > 0 else []), *self.notes]
@@ -53,6 +60,13 @@ class Titled(ABC):
         return f"<{title if len(title) <= _LONGEST else title[: _LONGEST - 1] + '…'}>"
 
 
+class InWords(Titled):
+    """Shows itself in IPython and in a notebook in the words of its `str`."""
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        printer.text(legal(str(self)))
+
+
 class Tabled(Titled):
     """Shows itself in a notebook as a table too."""
 
@@ -67,6 +81,15 @@ def counted(count: int, what: str) -> str:
     """ "1 body", "2 bodies"."""
     plural = f"{what[:-1]}ies" if what.endswith("y") else f"{what}s"
     return f"{count} {what if count == 1 else plural}"
+
+
+_LEFT = ' style="text-align:left"'
+_NUMBER = re.compile(r"[-−+]?(\d|\.\d|∞|inf|nan|–)")
+
+
+def _is_numeric(cells: Iterable[str]) -> bool:
+    """Whether a column holds numbers, some of which may be missing."""
+    return all(_NUMBER.match(cell) for cell in cells if cell and cell != "?")
 
 
 def _text(text: str) -> str:

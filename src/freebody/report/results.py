@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from freebody.arrays import Array
-from freebody.outputs.display import Tabled, TextTable
+from freebody.outputs.display import Tabled, TextTable, Titled, counted
 from freebody.outputs.numbers import compared
 
 CLOSE = 1e-9
@@ -94,7 +94,7 @@ class MotionVerdict(Tabled):
             for x in self.uses
         ]
         notes = [f"Not given: {x}." for x in self.missing] + list(self.masses)
-        return TextTable(("of", "joint", "needed", "limit", "used"), rows, notes)
+        return TextTable(("quantity", "joint", "value", "limit", "share"), rows, notes)
 
     @property
     def heading(self) -> str:
@@ -189,8 +189,8 @@ class Singularity:
     text: str
 
 
-@dataclass(frozen=True)
-class Replay:
+@dataclass(frozen=True, repr=False)
+class Replay(Titled):
     """The torques of the motion drive the model; does it follow?
 
     In pieces, each restarted on the reference and short enough that the linearised dynamics amplify
@@ -219,6 +219,10 @@ class Replay:
     model; 0: none."""
     text: str
     """What happened, and what the drift comes from."""
+
+    def _title(self) -> str:
+        pieces = counted(len(self.factors), "piece")
+        return f"Replay in {pieces}, the longest {self.longest:.3g} s; {self.text}"
 
     @property
     def longest(self) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import tomllib
 
 from freebody.formats.read_file import bundled_names, bundled_text
+from freebody.outputs.display import TextTable
 
 
 class Models(dict[str, str]):
@@ -15,6 +16,9 @@ class Models(dict[str, str]):
         return "\n".join(f"{name:<{width}}  {source}" for name, source in self.items())
 
     __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        return TextTable(("name", "description"), list(self.items())).html(most=len(self))
 
 
 def models() -> Models:

@@ -46,6 +46,13 @@ class Factor(NamedTuple):
 Monomial = tuple[tuple[Factor, int], ...]
 
 
+def _written(power: tuple[Factor, int]) -> str:
+    """A power of a factor as one types it."""
+    (function, of), exponent = power
+    factor = of if not function else f"({of})" if function == "sum" else f"{function}({of})"
+    return factor if exponent == 1 else f"{factor}^{exponent}"
+
+
 class Composed:
     """A function of variables; a scalar for formulas and algorithms."""
 
@@ -77,6 +84,11 @@ class Composed:
 
     def __hash__(self) -> int:
         return hash(self.key)
+
+    def __repr__(self) -> str:
+        return (
+            " + ".join("*".join([str(c), *map(_written, m)]) for m, c in self.terms.items()) or "0"
+        )
 
     @property
     def is_zero(self) -> bool:

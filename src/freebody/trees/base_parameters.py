@@ -14,7 +14,7 @@ from freebody.arrays import Array
 from freebody.model.inertial_parameters import DRIVE, body_parameters
 from freebody.model.model import Model
 from freebody.model.tree import Tree
-from freebody.outputs.display import Titled
+from freebody.outputs.display import InWords, counted
 from freebody.trees.operational_space import inertial_parameters
 from freebody.trees.states import generic_state
 from freebody.values import ByValue
@@ -25,7 +25,7 @@ it."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BaseParameters(Titled, ByValue):
+class BaseParameters(InWords, ByValue):
     """The combinations of inertial parameters that inverse dynamics depends on: tau = Y[...,
     columns] values.
 
@@ -41,7 +41,7 @@ class BaseParameters(Titled, ByValue):
     parameters: tuple[str, ...]
 
     def _title(self) -> str:
-        return f"BaseParameters: {', '.join(self.names)}"
+        return f"{counted(len(self), 'base parameter')}: {', '.join(self.names)}"
 
     def __len__(self) -> int:
         return len(self.names)

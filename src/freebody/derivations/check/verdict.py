@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from freebody.outputs.display import Titled, counted
+from freebody.outputs.display import InWords, counted
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class EquationVerdict:
 
 
 @dataclass(frozen=True, repr=False)
-class Verdict(Titled):
+class Verdict(InWords):
     """True when every equation of the answer is equal to the right one; `print` it to read why
     not."""
 
@@ -98,6 +98,3 @@ class Verdict(Titled):
 
     def __str__(self) -> str:
         return self.text
-
-    def _repr_pretty_(self, printer, cycle: bool) -> None:
-        printer.text(self.text)

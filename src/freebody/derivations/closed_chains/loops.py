@@ -22,7 +22,7 @@ from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.model.tree import Tree, TreeLoop
-from freebody.outputs.display import Titled
+from freebody.outputs.display import InWords
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, dot, sub
 from freebody.values import ByValue
@@ -33,7 +33,7 @@ _HALF = 0.5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LoopEquations(Titled, InTextbookForm, ByValue):
+class LoopEquations(InWords, InTextbookForm, ByValue):
     """The loop equations of a model, exact polynomials in normal form: equal means identical."""
 
     symbols: Symbols

@@ -16,11 +16,12 @@ from freebody.derivations.polynomials.angle_sums import Monomial, gathered, raw
 from freebody.derivations.polynomials.determinant import shortest_determinant
 from freebody.derivations.polynomials.factors import factored
 from freebody.lazy import cached_property
+from freebody.outputs.display import Titled
 from freebody.scalars.trig import Trig
 
 
-@dataclass(frozen=True)
-class Condition:
+@dataclass(frozen=True, repr=False)
+class Condition(Titled):
     """A factor of the determinant that vanishes where the arm is singular."""
 
     factor: Trig
@@ -28,6 +29,12 @@ class Condition:
     """factor = 0."""
     solutions: tuple[Equation, ...]
     """The same solved for a joint or a sum of joints; empty where it has no short solution."""
+
+    def _title(self) -> str:
+        return f"Condition: {self}"
+
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {self.latex()}$"
 
     def __str__(self) -> str:
         return _joined([str(e) for e in self.solutions or (self.equation,)])

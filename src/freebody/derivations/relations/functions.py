@@ -24,8 +24,8 @@ from freebody.outputs.display import Titled
 from freebody.scalars.composed import Composed, Factor, Monomial
 
 
-@dataclass(frozen=True)
-class VectorFunction:
+@dataclass(frozen=True, repr=False)
+class VectorFunction(Titled):
     """y = f(x) of several variables (2.1); call it with numbers (..., n) for the values (...,
     m)."""
 
@@ -34,6 +34,12 @@ class VectorFunction:
     names: tuple[str, ...]
     decimal: bool = False
     """Whether numbers print as decimals."""
+
+    def _title(self) -> str:
+        return f"Function of {', '.join(self.names)}: {self._entries()}"
+
+    def _entries(self) -> str:
+        return f"[{', '.join(map(str, self.expressions))}]"
 
     @property
     def expressions(self) -> tuple[Expression, ...]:
@@ -72,11 +78,14 @@ class VectorFunction:
         return np.stack(columns, axis=-1)
 
 
-@dataclass(frozen=True)
-class Trajectory:
+@dataclass(frozen=True, repr=False)
+class Trajectory(Titled):
     """The path of a point as a function of the time t, and its derivatives (1.1-1.3)."""
 
     position: VectorFunction
+
+    def _title(self) -> str:
+        return f"Trajectory: r = {self.position._entries()}"
 
     @cached_property
     def velocity(self) -> VectorFunction:

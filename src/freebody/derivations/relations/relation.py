@@ -24,6 +24,7 @@ from freebody.derivations.relations.formula_values import (
     value,
 )
 from freebody.derivations.relations.quantities import of_link
+from freebody.outputs.display import Titled
 from freebody.scalars.composed import Composed
 from freebody.scalars.trig import Trig
 
@@ -33,8 +34,8 @@ PLACES = 16
 """Where functions are compared by numbers."""
 
 
-@dataclass(frozen=True)
-class Relation:
+@dataclass(frozen=True, repr=False)
+class Relation(Titled):
     """True when both sides are equal."""
 
     formula: str
@@ -48,6 +49,11 @@ class Relation:
 
     def __bool__(self) -> bool:
         return self.equal
+
+    def _title(self) -> str:
+        exactly = "as polynomials" if self.exact else "numerically"
+        found = f"both sides are equal, {exactly}" if self.equal else "the sides differ"
+        return f"Relation {self.formula}: {self.problem or found}"
 
     @property
     def differences(self) -> list[Value]:

@@ -250,7 +250,7 @@ p{max-width:44rem}.equations{overflow-x:auto;padding:.3rem 0}
 math{font-size:1.08rem}p math,td math{font-size:1em}
 figure{margin:1rem 0;text-align:center}figure svg{max-width:100%;height:auto}
 .source{color:#5a6675;font-size:.9rem;margin-top:3rem}
-@media (prefers-color-scheme:dark){body{color:#e4e9f0;background:#12161c}
+@media (prefers-color-scheme:dark){body{color:#e4e9f0;background:#14181e}
 .source,h2 .notes{color:#9aa6b5}}
 @media print{main{max-width:none;padding:0}section{break-inside:avoid-page}}
 """
