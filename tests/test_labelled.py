@@ -52,6 +52,9 @@ BY_POSITION = {
     "simulate": {"t": [0.0, 0.01, 0.02], "breakpoints": [0.01, 0.02]},
     "inverse_kinematics": {"target": [0.3, 0.2]},
     "dh": {"gravity": [0.0, 0.0, -9.81]},
+    "line": {"target": [0.3, 0.2]},
+    "arc": {"via": [0.3, 0.2], "target": [0.1, 0.2]},
+    "blend": {"targets": [[0.3, 0.2], [0.1, 0.2]]},
     **{name: {"times": [0.0, 2.0]} for name in ("quintic", "trapezoid", "s_curve", "spline")},
 }
 """Functions and their arguments in which a place, not a name, tells what a number is; with values
@@ -67,6 +70,8 @@ OTHERS = {
         for name in ("quintic", "trapezoid", "s_curve", "spline")
     },
     "time_optimal": {"model": fb.load("2R"), "path": [[0.0, 0.0], [1.0, 1.0]]},
+    **{name: {"model": fb.load("2R"), "q0": [0.3, 1.0]} for name in ("line", "arc")},
+    "blend": {"model": fb.load("2R"), "q0": [0.3, 1.0], "radius": 0.1},
 }
 
 

@@ -103,6 +103,7 @@ _PLACES = {
     "freebody.motion.read_motion": ("read_motion",),
     "freebody.motion.point_to_point": ("quintic", "trapezoid", "s_curve", "dwell"),
     "freebody.motion.splines": ("spline",),
+    "freebody.motion.tip_motions": ("line", "arc", "blend"),
     "freebody.motion.planning_limits": ("exceeded_limits",),
     "freebody.motion.simulate": ("simulate",),
     "freebody.motion.time_optimal": ("time_optimal",),

@@ -62,6 +62,9 @@ from freebody.motion.read_motion import read_motion as read_motion
 from freebody.motion.simulate import simulate as simulate
 from freebody.motion.splines import spline as spline
 from freebody.motion.time_optimal import time_optimal as time_optimal
+from freebody.motion.tip_motions import arc as arc
+from freebody.motion.tip_motions import blend as blend
+from freebody.motion.tip_motions import line as line
 from freebody.report.study import Study as Study
 from freebody.report.study import study as study
 from freebody.robots import models as models

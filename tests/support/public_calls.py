@@ -13,7 +13,9 @@ import freebody as fb
 
 NOT_OF_STATES = frozenset(
     {
+        "arc",
         "base_parameters",
+        "blend",
         "check",
         "default_motion",
         "derive",
@@ -23,6 +25,7 @@ NOT_OF_STATES = frozenset(
         "formula",
         "inertial_parameters",
         "kernel",
+        "line",
         "loop_equations",
         "notes_figure",
         "parameters",

@@ -32,6 +32,7 @@ from freebody.values import ByValue, key
 FEWEST = 4
 """Samples that a motion needs: fewer do not determine an acceleration."""
 _ON_CURVE = 1e-9  # rad, m: how far samples may lie from the curve that they are samples of
+_NEAR = 1e-9  # of the duration: a break this near to a sample is that
 _MEET = 1e-9  # of the largest position or rate: by how much motions in a row may miss each other
 
 
@@ -145,6 +146,18 @@ class Motion(Tabled, ByValue):
             position_rate(self.layout, x, self.qd),
             position_acceleration(self.layout, x, self.qd, self.qdd),
         )
+
+    @property
+    def knots(self) -> Array:
+        """Times (k,) between which the curve is one polynomial: those of the samples, and the
+        breaks of the pieces."""
+        if self.pieces is None:
+            return self.t
+        every = np.union1d(self.t, self.pieces.breaks)
+        own = np.isin(every, self.t)
+        near = np.diff(every) <= _NEAR * self.duration
+        twin = np.append(False, near & own[:-1]) | np.append(near & own[1:], False)
+        return every[own | ~twin]
 
     @cached_property
     def peaks(self) -> Peaks:

@@ -164,6 +164,7 @@ def within_limits(function: str, model: Model, motion: Motion, limits: PlanningL
     found = list(excesses(model, motion, limits))
     if not found:
         return motion
+    found.sort(key=lambda x: (x.quantity != "position", -x.value / x.limit if x.limit else 0.0))
     remedies = []
     if any(x.quantity == "position" for x in found):
         remedies.append("move the waypoints away from the limit")
@@ -175,9 +176,11 @@ def within_limits(function: str, model: Model, motion: Motion, limits: PlanningL
     raise FreebodyError(f"{function}: {found[0].text}{more}; {' and '.join(remedies)}.")
 
 
-def read_waypoints(function: str, model: Model, given: Any, limits: PlanningLimits) -> Array:
+def read_waypoints(
+    function: str, model: Model, given: Any, limits: PlanningLimits, one: str = ""
+) -> Array:
     """Waypoints (k, nq), k > 1, within the limits; refuses robots that no such motion is planned
-    for."""
+    for. `one`: what a message calls them where they are the same."""
     model.require_values("a motion")
     model.require_tree(function, "fb.Motion.of with the positions of the driven joints")
     if model.nq != model.nv:
@@ -198,7 +201,7 @@ def read_waypoints(function: str, model: Model, given: Any, limits: PlanningLimi
     k, j = np.unravel_index(np.argmax(beyond), beyond.shape)
     if beyond[k, j] > SLACK * max(1.0, abs(x[k, j])):
         raise FreebodyError(
-            f"{function}: waypoint {k} has {model.velocity_names[iv[j]]} at {x[k, j]:.5g}, outside "
-            f"its range from {low[j]:.5g} to {high[j]:.5g}."
+            f"{function}: {one or f'waypoint {k}'} has {model.velocity_names[iv[j]]} at "
+            f"{x[k, j]:.5g}, outside its range from {low[j]:.5g} to {high[j]:.5g}."
         )
     return q

@@ -95,7 +95,7 @@ def dwell(model: Model, q: Vector, duration: float, *, step: float | None = None
     if not (np.isfinite(duration) and duration > 0.0):
         raise FreebodyError(f"dwell: duration is {duration:g}, expected seconds above 0.")
     limits = planning_limits("dwell", model)
-    at = read_waypoints("dwell", model, [q, q], limits)[:1]
+    at = read_waypoints("dwell", model, [q, q], limits, "q")[:1]
     still = PiecewisePolynomial(np.array([0.0, duration]), at[None])
     words = f"at rest for {duration:g} s"
     return planned("dwell", model, still, words, limits, 0.1 * duration if step is None else step)

@@ -51,13 +51,15 @@ def supplied_work(model: Model, motion: Motion) -> Array:
 
 
 def _integral(model: Model, motion: Motion, parts: int) -> Array:
-    """The work up to each sample, by Gauss's rule in `parts` equal parts of each interval."""
-    h = np.diff(motion.t)[:, None] / parts
-    starts = motion.t[:-1, None] + h * np.arange(parts)
+    """The work up to each sample, by Gauss's rule in `parts` equal parts between knots."""
+    knots = motion.knots
+    h = np.diff(knots)[:, None] / parts
+    starts = knots[:-1, None] + h * np.arange(parts)
     q, qd, qdd = motion.at(starts[..., None] + 0.5 * h[..., None] * (1.0 + _NODES))
     torques = closed.torques if model.loops else dynamics.inverse_dynamics
     power = np.sum(torques(model, q, qd, qdd) * qd, axis=-1)
-    return np.concatenate([[0.0], np.cumsum(np.sum(0.5 * h * (power @ _WEIGHTS), axis=-1))])
+    work = np.concatenate([[0.0], np.cumsum(np.sum(0.5 * h * (power @ _WEIGHTS), axis=-1))])
+    return work[np.searchsorted(knots, motion.t)]
 
 
 def powers(model: Model, found: dict[str, Any], motion: Motion) -> dict[str, Any]:
