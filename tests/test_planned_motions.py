@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -11,6 +12,9 @@ import pytest
 import xarray as xr
 
 import freebody as fb
+from freebody.cli.app import run
+from freebody.cli.plan import PlannerChoice
+from freebody.motion.planners import PLANNERS as PLANNERS_BY_NAME
 from freebody.motion.profiles import PROFILES
 from support.extras import extra
 
@@ -162,6 +166,12 @@ def test_motions_of_joints_with_quaternions_follow_each_other():
     assert motion.peaks.velocity.size == pytest.approx(fastest, rel=1e-3)
 
 
+def test_the_work_along_jumping_accelerations_is_exact():
+    study = fb.study(fb.load("2R"), fb.trapezoid(fb.load("2R"), [[0, 0], [1, 0.7]], acceleration=3))
+    (balance,) = (check for check in study.checks if check.name == "energy balance")
+    assert balance.value < 1e-12
+
+
 def test_samples_lie_on_the_pieces():
     motion = PLANNERS["quintic"](WAY)
     with pytest.raises(fb.FreebodyError, match="its samples lie off its pieces by"):
@@ -244,3 +254,55 @@ def test_what_cannot_be_is_refused_with_what_to_do(case: int):
     with pytest.raises(fb.FreebodyError) as problem:
         function()
     assert words in str(problem.value)
+
+
+# ---------------------------------------------------------------- files and the command
+def test_a_plan_is_written_and_studied(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.chdir(tmp_path)
+    header = "t [ms],shoulder_pan_joint (deg)," + ",".join(ARM.position_names[1:])
+    rows = ["0,10,-1,1,-1,-1,0", "1500,30,-1.2,1.5,-1,-1,0", "3000,30,-1.3,1.0,-1,-.5,0.4"]
+    Path("way.csv").write_text("\n".join([header, *rows]))
+    for by in ("spline", "trapezoid", "s-curve"):
+        more = ["--acceleration", "8"] if by != "s-curve" else ["--jerk", "80"]
+        assert run(["plan", "ur5e", "way.csv", "--by", by, *more, "--out", f"{by}.csv"]) == 0
+        said = capsys.readouterr()
+        assert "through 3 waypoints" in said.out
+        assert said.out.endswith(f"written: {by}.csv\n")
+        motion = fb.read_motion(ARM, f"{by}.csv")
+        assert motion.notices == ()
+        assert motion.duration == 3.0
+        np.testing.assert_allclose(motion.at(1.5)[0][:3], [np.radians(30), -1.2, 1.5], atol=1e-9)
+    assert fb.study(ARM, "trapezoid.csv").verdict.outcome == "feasible"
+    assert run(["plan", "2R", "0, 0; 1.2, 30 deg; 0.5, -0.4", "--acceleration", "2"]) == 0
+    assert fb.read_motion(fb.load("2R"), "motion.csv").q[-1] == pytest.approx([0.5, -0.4])
+
+
+MISTAKEN = [
+    ("a,b\n1,2", [], "way.csv:1: no column 'a' in a motion of '2R'"),
+    ("joint1,joint2.v\n1,2", [], "waypoints have positions alone"),
+    ("joint1\n1", [], "way.csv:1: there is no column for 'joint2'"),
+    ("joint1,joint2\n1,2\n2,x", [], "way.csv:3: column 'joint2': 'x' is not a number"),
+    ("joint1,joint2\n1,2", ["--acceleration", "1"], "expected at least two rows: (k, 2)"),
+    ("joint1,joint2\n1,2\n2,3", [], "spline: nothing limits how fast '2R' may move so; give"),
+    ("joint1,joint2\n1,2\n2,3", ["--jerk", "1"], "--jerk has no meaning for spline; it takes"),
+    ("# none", [], "way.csv: the file is empty; a file of waypoints has a header, joint names, and"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("case", range(len(MISTAKEN)))
+def test_what_the_command_cannot_use_is_one_line(
+    case: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.chdir(tmp_path)
+    text, more, words = MISTAKEN[case]
+    Path("way.csv").write_text(text)
+    assert run(["plan", "2R", "way.csv", *more]) == 2
+    assert words in capsys.readouterr().err
+    assert not Path("motion.csv").exists()
+
+
+def test_the_command_knows_all_planners():
+    assert {choice.value for choice in PlannerChoice} == set(PLANNERS_BY_NAME)
+    assert next(iter(PLANNERS_BY_NAME)) == "spline"

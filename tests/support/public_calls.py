@@ -45,6 +45,7 @@ NOT_OF_STATES = frozenset(
         "time_optimal",
         "to_jax",
         "trapezoid",
+        "write_motion",
     }
 )
 """Public functions of a model that take no vector of its coordinates, or several in a row."""

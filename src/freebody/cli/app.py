@@ -19,6 +19,7 @@ from freebody.cli import (
     export,
     fbd,
     models,
+    plan,
     show,
     study,
     terminal,
@@ -38,6 +39,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.command(epilog=study.EXAMPLE)(study.study)
+app.command(epilog=plan.EXAMPLE)(plan.plan)
 app.command(epilog=show.EXAMPLE)(show.show)
 app.command(epilog=derive.EXAMPLE, cls=derive.Command)(derive.derive)
 app.command(epilog=check.EXAMPLE)(check.check)

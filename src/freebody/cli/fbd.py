@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import math
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from freebody.cli import options, terminal
-from freebody.errors import FreebodyError, shown
-from freebody.formats import number_text
 from freebody.outputs.files import stem
 
 if TYPE_CHECKING:
@@ -69,8 +65,11 @@ def fbd(
         from freebody.figures.free_body import free_body_diagram
         from freebody.loops.assembly import assemble
 
-        given = {"qd": _values("qd", qd), "qdd": _values("qdd", qdd)}
-        positions = _values("q", q)
+        given = {
+            name: None if text is None else options.values(f"--{name}", text)
+            for name, text in (("qd", qd), ("qdd", qdd))
+        }
+        positions = None if q is None else options.values("--q", q)
         if model.loops and positions is not None:
             positions = assemble(model, positions).tolist()
         chosen = {"labels": labels and labels.value, "show": show or ()}
@@ -88,22 +87,6 @@ def fbd(
     for text in figure.unheld:
         terminal.out().print(text, markup=False, soft_wrap=True)
     terminal.out().print(f"written: {path}", markup=False, soft_wrap=True)
-
-
-def _values(name: str, text: str | None) -> list[float] | None:
-    """Numbers apart by commas or blanks; a number with "deg" is an angle in degrees."""
-    if text is None:
-        return None
-    values = []
-    for piece in re.sub(r" ?(deg|°)", r"deg", " ".join(text.split())).replace(",", " ").split():
-        value = number_text.number(piece.removesuffix("deg"))
-        if value is None or number_text.fault(value):
-            raise FreebodyError(
-                f"--{name} {shown(text)}: {shown(piece)} is not a number that can be used; "
-                f'write for example --{name} "0.5, 30 deg".'
-            )
-        values.append(math.radians(value) if piece.endswith("deg") else value)
-    return values
 
 
 def _table(figure: FreeBodyDiagram) -> Table:

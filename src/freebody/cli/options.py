@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
+import re
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from freebody.cli import terminal
-from freebody.errors import shown
+from freebody.errors import FreebodyError, shown
 
 if TYPE_CHECKING:
     from freebody.model.model import Model
@@ -83,6 +85,22 @@ def number(text: str | float) -> float:
     if value is None or number_text.fault(value):
         raise typer.BadParameter(f"{shown(text)} is not a number that can be used.")
     return value
+
+
+def values(what: str, text: str) -> list[float]:
+    """Numbers apart by commas or blanks; a number with "deg" is an angle in degrees."""
+    from freebody.formats import number_text
+
+    found = []
+    for piece in re.sub(r" ?(deg|°)", r"deg", " ".join(text.split())).replace(",", " ").split():
+        value = number_text.number(piece.removesuffix("deg"))
+        if value is None or number_text.fault(value):
+            raise FreebodyError(
+                f"{what} {shown(text)}: {shown(piece)} is not a number that can be used; "
+                f'write for example {what} "0.5, 30 deg".'
+            )
+        found.append(math.radians(value) if piece.endswith("deg") else value)
+    return found
 
 
 Snap = Annotated[

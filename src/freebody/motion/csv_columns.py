@@ -93,25 +93,30 @@ def factor(column: str, unit: str, quantities: Mapping[str, str]) -> float | str
     return f"{shown(unit)} is not a unit of {what[ending]}; units: {', '.join(known)}."
 
 
-def read_columns(model: Model, path: Path) -> CsvColumns:
-    """The table in a file. Raises FileError with the line."""
-    text = read_file.decoded(str(path), read_file.read(path, _LARGEST, "a motion"))
+def read_columns(model: Model, path: Path, timed: bool = True) -> CsvColumns:
+    """The table in a file; timed: it must have times. Raises FileError with the line."""
+    what, row = ("a motion", "one row per time") if timed else ("a file of waypoints", "a row each")
+    text = read_file.decoded(str(path), read_file.read(path, _LARGEST, what))
     lines = enumerate(read_file.lines(text), 1)
     rows = [(line, row) for line, row in lines if row.split("#")[0].strip(" ,;\t")]
     if not rows:
-        raise FileError(
-            path,
-            None,
-            "the file is empty; a motion has a header, t and joint names, and one row per time.",
-        )
+        names = "t and joint names" if timed else "joint names"
+        raise FileError(path, None, f"the file is empty; {what} has a header, {names}, and {row}.")
     line, first = rows[0]
     separator = next((mark for mark in (";", "\t") if mark in first), ",")
     cells = [as_meant(cell) for cell in read_file.cells(path, line, first, separator)]
     if len(cells) > 1 and not cells[-1]:
         cells.pop()
     if len(cells) * (len(rows) - 1) > _MOST_VALUES:
-        raise FileError(path, None, f"the motion has more than {_MOST_VALUES} values.")
-    return CsvColumns(path, *_header(model, path, line, cells), separator, rows)
+        raise FileError(path, None, f"the file has more than {_MOST_VALUES} values.")
+    header, factors, told = _header(model, path, line, cells)
+    if timed and "t" not in header:
+        raise FileError(
+            path,
+            line,
+            f"the header has no column 't' (time in s); it has {quoted(cells)}{_hint(cells)}.",
+        )
+    return CsvColumns(path, header, factors, told, separator, rows)
 
 
 def _header(
@@ -137,12 +142,6 @@ def _header(
         header[name] = cell
         factors.append(size)
         told |= set() if unit is None else {name}
-    if "t" not in header:
-        raise FileError(
-            path,
-            line,
-            f"the header has no column 't' (time in s); it has {quoted(cells)}{_hint(cells)}.",
-        )
     return list(header), np.array(factors), frozenset(told)
 
 

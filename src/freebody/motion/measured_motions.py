@@ -26,7 +26,7 @@ LOUD = 0.05
 worth a word."""
 _STILL = 3.0  # standard deviations of a rate's noise that are rest
 _GENTLE = 1e-2  # rad/s², m/s²: what a noise is held against where nothing accelerates more
-_ROUNDED = 64.0 * float(
+ROUNDED = 64.0 * float(
     np.finfo(float).eps
 )  # of the largest position, over a step: a rate that is rounding
 
@@ -172,7 +172,7 @@ def rested(model: Model, motion: Motion, speed: Array | float = 0.0) -> Motion:
     turns, size = angular(model), np.abs(motion.qd)
     fastest = np.array([size[:, turns == kind].max() for kind in turns])
     step = float(np.diff(motion.t).min())
-    rounded = _ROUNDED * float(np.abs(motion.q).max(initial=0.0)) / step
+    rounded = ROUNDED * float(np.abs(motion.q).max(initial=0.0)) / step
     rest = size <= np.maximum(speed, REST * fastest)
     if model.loops:  # one rate alone that is made zero would open a loop
         rest &= rest.all(axis=1, keepdims=True)

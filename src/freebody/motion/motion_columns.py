@@ -14,7 +14,7 @@ from freebody.model.model import Model
 from freebody.motion.closed_chain_motion import completed
 from freebody.motion.csv_columns import quoted
 from freebody.motion.implausible_units import implausible_units
-from freebody.motion.measured_motions import along_rates, rested
+from freebody.motion.measured_motions import ROUNDED, along_rates, rested
 from freebody.motion.motion import FEWEST, Motion, derivatives, motion_of
 from freebody.motion.ranges import angular, position_columns
 from freebody.outputs.numbers import compared
@@ -119,7 +119,8 @@ def _as_given(
             qd[:, kv] = rates[name]
             qdd[:, kv] = derivatives(t, rates[name][:, None])[0][:, 0]
             largest = max(np.abs(qd[:, kv]).max(), np.abs(slopes[:, kv]).max())
-            if np.abs(qd[:, kv] - slopes[:, kv]).max() > _DISAGREE * largest:
+            rounded = ROUNDED * np.abs(q[:, kq]).max() / np.diff(t).min()
+            if np.abs(qd[:, kv] - slopes[:, kv]).max() > max(_DISAGREE * largest, rounded):
                 off.append(name)
         if f"{name}.a" in columns:
             qdd[:, kv] = columns[f"{name}.a"]

@@ -64,7 +64,7 @@ def line(
     FreebodyError with the place where the path is out of reach, the arm singular, or a joint at its
     limit.
     """
-    plan = _Plan("line", model, q0, frame, task, velocity, acceleration)
+    plan = _TipPlan("line", model, q0, frame, task, velocity, acceleration)
     poses = plan.poses(target, 0)
     path = rounded_lines("line", [plan.start, poses], 0.0, plan.solver.length)
     return plan.motion(path, duration, speed, step)
@@ -88,7 +88,7 @@ def arc(
 
     via: (dim,) m, a point of the circle between. All else as in `line`.
     """
-    plan = _Plan("arc", model, q0, frame, task, velocity, acceleration)
+    plan = _TipPlan("arc", model, q0, frame, task, velocity, acceleration)
     point = as_floats("arc", "via", via)
     if point.shape != (model.dim,):
         raise ShapeError("arc", "via", point.shape, f"({model.dim},)", "a point in m")
@@ -120,7 +120,7 @@ def blend(
     targets: (k, dim) points or (k, dim + 1, dim + 1) poses. radius: m from a corner at which the
     rounding begins and ends; the path passes the corner at up to 3/8 of it. All else as in `line`.
     """
-    plan = _Plan("blend", model, q0, frame, task, velocity, acceleration)
+    plan = _TipPlan("blend", model, q0, frame, task, velocity, acceleration)
     if not (np.isfinite(radius) and radius > 0.0):
         raise FreebodyError(f"blend: radius is {radius:g}, expected m above 0.")
     poses = plan.poses(targets, 1)
@@ -128,7 +128,7 @@ def blend(
     return plan.motion(path, duration, speed, step)
 
 
-class _Plan:
+class _TipPlan:
     """A motion of the tip in the making."""
 
     def __init__(

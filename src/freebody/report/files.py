@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import freebody
-from freebody.motion.ranges import position_columns
+from freebody.motion.waypoint_files import motion_table
 from freebody.outputs.folder import Makers, write_folder
 from freebody.outputs.text import csv_text, encodable
 from freebody.report import variables
@@ -55,7 +55,7 @@ def makers(study: Study, report: bool) -> Makers:
     """What makes study.nc, motion.csv, torques.csv, reactions.csv, summary.csv,
     reactions_summary.csv, checks.csv, and report.html if asked for."""
     tables: dict[str, Callable[[], _Table]] = {
-        "motion.csv": lambda: _motion(study),
+        "motion.csv": lambda: motion_table(study.model, study.motion),
         "torques.csv": lambda: _torques(study),
         "reactions.csv": lambda: _reactions(study),
         "summary.csv": lambda: _summary(study.summary, "coordinate"),
@@ -112,16 +112,6 @@ def netcdf(study: Study) -> bytes:
 def _csv(table: Callable[[], _Table]) -> str:
     header, rows = table()
     return csv_text([header, *rows])
-
-
-def _motion(study: Study) -> _Table:
-    """The motion as the command reads it: positions, and rates and accelerations where they have a
-    column."""
-    model, motion = study.model, study.motion
-    iq, iv = position_columns(model)
-    names = [model.position_names[k] for k in iq]
-    header = ["t", *model.position_names, *(f"{n}.v" for n in names), *(f"{n}.a" for n in names)]
-    return header, np.column_stack([motion.t, motion.q, motion.qd[:, iv], motion.qdd[:, iv]])
 
 
 def _torques(study: Study) -> _Table:

@@ -1,0 +1,132 @@
+"""`freebody plan`."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from freebody.cli import options, terminal
+from freebody.cli.options import MimicChoice, PhysicalChoice
+from freebody.errors import FreebodyError, listed
+
+if TYPE_CHECKING:
+    from freebody.model.model import Model
+    from freebody.motion.motion import Motion
+
+EXAMPLE = 'Example: freebody plan 2R "0, 0; 1.2, 30 deg; 0.5, -0.4" --acceleration 2'
+
+
+class PlannerChoice(StrEnum):
+    """How waypoints are passed."""
+
+    spline = "spline"
+    quintic = "quintic"
+    trapezoid = "trapezoid"
+    s_curve = "s-curve"
+
+
+def _limit(what: str) -> Any:
+    return typer.Option(metavar="VALUE", parser=options.number, help=what)
+
+
+def plan(
+    robot: options.Robot,
+    waypoints: Annotated[
+        str,
+        typer.Argument(
+            help="A CSV file whose header names the joints (rad, m; or a unit, as in 'joint1 "
+            "(deg)') and perhaps t (s); or the positions themselves, semicolons between waypoints.",
+        ),
+    ],
+    out: Annotated[
+        Path, typer.Option(metavar="FILE", help="Where the motion goes, for study --motion.")
+    ] = Path("motion.csv"),
+    by: Annotated[
+        PlannerChoice,
+        typer.Option(help="A spline does not stop at waypoints, the others do."),
+    ] = PlannerChoice.spline,
+    velocity: Annotated[
+        float | None, _limit("Limit of each joint, rad/s or m/s, besides the robot's own.")
+    ] = None,
+    acceleration: Annotated[float | None, _limit("Limit of each joint, rad/s² or m/s².")] = None,
+    jerk: Annotated[float | None, _limit("Limit of each joint, rad/s³ or m/s³.")] = None,
+    step: Annotated[
+        float | None, _limit("Seconds between samples. Default: a 400th of the motion.")
+    ] = None,
+    base: options.Base = None,
+    mimic: options.Mimic = MimicChoice.follow,
+    physical: options.Physical = PhysicalChoice.warn,
+    snap_angles: options.Snap = 3e-9,
+    convention: options.Convention = None,
+) -> None:
+    """Plan a motion through waypoints, as quick as the limits allow or at given times, and write
+    it.
+
+    Limits are held between samples too. Exit status 2: the limits cannot be kept, or something
+    cannot be read or written.
+    """
+    from freebody.motion.planners import PLANNERS
+    from freebody.motion.waypoint_files import write_motion
+
+    model = options.load(robot, None, base, mimic, physical, snap_angles, convention)
+    planner = PLANNERS[by.value]
+    given = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
+    limits = {name: value for name, value in given.items() if value is not None}
+    for name in limits:
+        if name not in planner.limits:
+            raise FreebodyError(
+                f"--{name} has no meaning for {by.value}; it takes "
+                f"{listed(f'--{x}' for x in planner.limits)}."
+            )
+    q, times = _read(model, waypoints)
+    motion = planner.plan(model, q, times, **limits, step=step)
+    path = write_motion(model, motion, out)
+    _print(model, motion, path)
+
+
+def _read(model: Model, text: str) -> tuple[Any, Any]:
+    """Positions, and times where there are some."""
+    if ";" not in text:
+        from freebody.motion.waypoint_files import read_waypoint_file
+
+        return read_waypoint_file(model, text)
+    rows = [options.values("waypoints", row) for row in text.split(";") if row.strip()]
+    for k, row in enumerate(rows):
+        if len(row) != model.nq:
+            raise FreebodyError(
+                f"waypoint {k} has {len(row)} positions, {model.name!r} has {model.nq}: "
+                f"{listed(model.position_names, 8)}."
+            )
+    return rows, None
+
+
+def _print(model: Model, motion: Motion, path: Path) -> None:
+    from rich.table import Table
+
+    from freebody.motion.planning_limits import planning_limits
+
+    out = terminal.out()
+    for text in motion.notices:
+        terminal.warn(text)
+    out.print(f"{model.name}: {motion.source}, {motion.duration:.4g} s.", markup=False)
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("")
+    for title in ("from", "to", "peak speed", "of its limit", "peak acceleration"):
+        table.add_column(title, justify="right", no_wrap=True)
+    found, limits = motion.peaks, planning_limits("plan", model)
+    for k, name in enumerate(model.velocity_names):
+        unit = "rad" if limits.allowed.turns[k] else "m"
+        share = found.velocity.size[k] / limits.velocity[k]
+        table.add_row(
+            name,
+            f"{found.position.low[k]:.4g} {unit}",
+            f"{found.position.high[k]:.4g} {unit}",
+            f"{found.velocity.size[k]:.4g} {unit}/s",
+            f"{100 * share:.3g} %" if limits.velocity[k] < float("inf") else "",
+            f"{found.acceleration.size[k]:.4g} {unit}/s²",
+        )
+    out.print(table)
+    out.print(f"written: {path}", markup=False, soft_wrap=True)

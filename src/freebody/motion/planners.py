@@ -1,0 +1,27 @@
+"""The planners of joint motions by name, each with the limits that it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from freebody.motion.motion import Motion
+from freebody.motion.point_to_point import quintic, s_curve, trapezoid
+from freebody.motion.splines import spline
+
+
+@dataclass(frozen=True)
+class Planner:
+    """plan: model, waypoints, times and by keyword `limits` and a step -> Motion."""
+
+    plan: Callable[..., Motion]
+    limits: tuple[str, ...]
+
+
+PLANNERS = {
+    "spline": Planner(spline, ("velocity", "acceleration")),
+    "quintic": Planner(quintic, ("velocity", "acceleration", "jerk")),
+    "trapezoid": Planner(trapezoid, ("velocity", "acceleration")),
+    "s-curve": Planner(s_curve, ("velocity", "acceleration", "jerk")),
+}
+"""By name; the first is the command's default."""

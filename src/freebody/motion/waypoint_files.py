@@ -1,0 +1,68 @@
+"""Waypoints from CSV files, and motions into them."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import FileError, FreebodyError
+from freebody.model.model import Model
+from freebody.motion.csv_columns import quoted, read_columns
+from freebody.motion.motion import Motion
+from freebody.motion.motion_columns import check_names
+from freebody.motion.ranges import position_columns
+from freebody.outputs.files import write
+from freebody.outputs.text import csv_text
+
+
+def read_waypoint_file(model: Model, path: str | os.PathLike[str]) -> tuple[Array, Array | None]:
+    """(q (k, nq), times (k,) or None) from a CSV file: a header with the model's position names,
+    perhaps with `t`, units as in `read_motion`; then a row for each waypoint.
+
+    Raises FileError with the line.
+    """
+    file = Path(path)
+    read = read_columns(model, file, timed=False)
+
+    def problem(text: str, row: int | None = None) -> FileError:
+        return FileError(file, read.rows[0 if row is None else row + 1][0], text)
+
+    rates = [name for name in read.header if name[:-2] in model.position_names]
+    rates = [name for name in rates if name not in model.position_names]
+    if rates:
+        raise problem(f"column {rates[0]!r}: waypoints have positions alone; remove the column.")
+    check_names(model, read.header, problem)
+    table = read.values()
+    columns = dict(zip(read.header, table.T, strict=True))
+    missing = [name for name in model.position_names if name not in columns]
+    if missing:
+        raise problem(f"there is no column for {quoted(missing)}.")
+    q = np.stack([columns[name] for name in model.position_names], axis=-1)
+    return q, columns.get("t")
+
+
+def motion_table(model: Model, motion: Motion) -> tuple[list[str], Array]:
+    """(header, rows) of a motion as `read_motion` reads it: positions, and rates and accelerations
+    where they have a column."""
+    iq, iv = position_columns(model)
+    names = [model.position_names[k] for k in iq]
+    header = ["t", *model.position_names, *(f"{n}.v" for n in names), *(f"{n}.a" for n in names)]
+    return header, np.column_stack([motion.t, motion.q, motion.qd[:, iv], motion.qdd[:, iv]])
+
+
+def write_motion(model: Model, motion: Motion, path: str | os.PathLike[str]) -> Path:
+    """Write the samples of a motion as a CSV file that `read_motion` and `freebody study` read; the
+    path.
+
+    Raises FileError where it cannot be written.
+    """
+    if motion.q.shape[1] != model.nq or motion.qd.shape[1] != model.nv:
+        raise FreebodyError(
+            f"write_motion: the motion has {motion.q.shape[1]} positions, {model.name!r} has "
+            f"nq = {model.nq}."
+        )
+    header, rows = motion_table(model, motion)
+    return write(path, csv_text([header, *rows]))
