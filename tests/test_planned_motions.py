@@ -287,7 +287,7 @@ MISTAKEN = [
     ("joint1,joint2\n1,2", ["--acceleration", "1"], "expected at least two rows: (k, 2)"),
     ("joint1,joint2\n1,2\n2,3", [], "spline: nothing limits how fast '2R' may move so; give"),
     ("joint1,joint2\n1,2\n2,3", ["--jerk", "1"], "--jerk has no meaning for spline; it takes"),
-    ("# none", [], "way.csv: the file is empty; a file of waypoints has a header, joint names, and"),
+    ("# none", [], "the file is empty; a file of waypoints has a header, joint names, and"),
 ]  # fmt: skip
 
 
