@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from freebody.derivations.check.claims import Claim
 from freebody.derivations.check.right_equations import RightEquations
+from freebody.derivations.polynomials.arithmetic import inner
 from freebody.scalars.trig import Trig
 
 _ALONE = (
@@ -22,7 +23,8 @@ def notes(setting: RightEquations, claims: Sequence[Claim]) -> Mapping[tuple[int
     right = {
         i
         for i, row in rows.items()
-        if _along(setting, row) == setting.element(setting.equations.c[i])
+        if inner(row, setting.symbols.qd, setting.symbols)
+        == setting.element(setting.equations.c[i])
     }
     if not right:
         return {}
@@ -57,10 +59,6 @@ def _rows(setting: RightEquations, claims: Sequence[Claim]) -> dict[int, list[Tr
         for i in range(n)
         if all((i + 1, j + 1) in single for j in range(n))
     }
-
-
-def _along(setting: RightEquations, row: Sequence[Trig]) -> Trig:
-    return sum((x * rate for x, rate in zip(row, setting.symbols.qd, strict=True)), setting.zero)
 
 
 def _is_skew(setting: RightEquations, rows: Mapping[int, Sequence[Trig]]) -> bool:

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from fractions import Fraction
 
 from freebody.derivations.check.right_equations import RightEquations
+from freebody.derivations.polynomials.arithmetic import Product, collected
 from freebody.scalars.trig import Trig
-
-Product = tuple[tuple[str, int], ...]
-"""A product of coordinates, their sines and cosines, and rates."""
 
 Parts = dict[Product, Trig]
 """What stands with each: a polynomial in the parameters."""
@@ -24,13 +21,7 @@ def moving(setting: RightEquations) -> frozenset[str]:
 
 def parts(setting: RightEquations, x: Trig, names: Collection[str] | None = None) -> Parts:
     """A polynomial by its products of the generators named, by default of all that move."""
-    names = moving(setting) if names is None else names
-    rows: dict[Product, list[tuple[dict[str, int], Fraction]]] = {}
-    for powers, coefficient in x.terms():
-        key = tuple(sorted((name, k) for name, k in powers.items() if name in names))
-        still = {name: k for name, k in powers.items() if name not in names}
-        rows.setdefault(key, []).append((still, coefficient))
-    return {key: setting.ring.polynomial(terms) for key, terms in rows.items()}
+    return collected(x, moving(setting) if names is None else names)
 
 
 def whole(setting: RightEquations, rows: Parts) -> Trig:

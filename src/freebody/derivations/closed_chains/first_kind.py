@@ -13,9 +13,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-from freebody.derivations.closed_chains.linear import Entries, Ratio, inner, ratio, solved, times
+from freebody.derivations.closed_chains.linear import Entries, Ratio, ratio, solved
 from freebody.derivations.closed_chains.loops import LoopEquations
 from freebody.derivations.equations.equations import Equations
+from freebody.derivations.polynomials.arithmetic import inner, times
 from freebody.derivations.polynomials.determinant import determinant
 from freebody.derivations.polynomials.symbols import Symbols
 from freebody.lazy import cached_property

@@ -20,11 +20,11 @@ from freebody.derivations.closed_chains.linear import (
     left_null,
     ratio,
     solved,
-    times,
     without_common,
 )
 from freebody.derivations.equations.kinematics import Kinematics
 from freebody.derivations.equations.singularities import Determinant
+from freebody.derivations.polynomials.arithmetic import times
 from freebody.derivations.polynomials.determinant import determinant
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.lazy import cached_property

@@ -159,21 +159,6 @@ def without_common(row: Sequence[Trig]) -> list[Trig]:
     return [x / number for x in rest]
 
 
-def times(A: Sequence[Sequence[Trig]], B: Sequence[Sequence[Trig]], s: Symbols) -> Entries:
-    """A B."""
-    columns = list(zip(*B, strict=True))
-    return [[inner(row, column, s) for column in columns] for row in A]
-
-
-def inner(a: Sequence[Trig], b: Sequence[Trig], s: Symbols) -> Trig:
-    """Σ a b."""
-    total = s.zero()
-    for x, y in zip(a, b, strict=True):
-        if not x.is_zero and not y.is_zero:
-            total = total + x * y
-    return total
-
-
 def solved(
     A: Sequence[Sequence[Trig]], right: Sequence[Sequence[Trig]], s: Symbols
 ) -> tuple[Entries, Trig]:

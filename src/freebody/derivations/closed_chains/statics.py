@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from freebody.derivations.closed_chains.first_kind import multiplier_names
 from freebody.derivations.closed_chains.linear import Entries, Ratio, ratio, solved
 from freebody.derivations.closed_chains.loops import LoopEquations
+from freebody.derivations.polynomials.arithmetic import inner
 from freebody.derivations.polynomials.determinant import determinant
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
@@ -41,10 +42,9 @@ class LoopStatics:
 
     def unloaded(self, k: int) -> Trig:
         """k_k: what joint k needs where the loops press with nothing."""
-        rest = self.needed[k]
-        for name, slope in zip(multiplier_names(self.loops), self._slopes(k), strict=True):
-            rest = rest - slope * self.loops.symbols.ring[name]
-        return rest
+        s = self.loops.symbols
+        multipliers = [s.ring[name] for name in multiplier_names(self.loops)]
+        return self.needed[k] - inner(self._slopes(k), multipliers, s)
 
     @cached_property
     def _solution(self) -> tuple[list[Trig], Trig] | None:
@@ -76,7 +76,5 @@ class LoopStatics:
         if self._solution is None:
             return None
         above, below = self._solution
-        total = self.unloaded(k) * below
-        for slope, x in zip(self._slopes(k), above, strict=True):
-            total = total + slope * x
-        return ratio(total, below)
+        through_loops = inner(self._slopes(k), above, self.loops.symbols)
+        return ratio(self.unloaded(k) * below + through_loops, below)

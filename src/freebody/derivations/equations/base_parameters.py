@@ -18,6 +18,7 @@ from freebody.derivations.equations.closed_form import SHORT, ClosedForm
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation
 from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.polynomials.arithmetic import collected, inner
 from freebody.derivations.polynomials.symbol_order import Order
 from freebody.derivations.polynomials.symbols import RATE, SECOND, Symbols, symbols
 from freebody.lazy import cached_property
@@ -174,14 +175,11 @@ def _by_motion(s: Symbols, column: list[Trig]) -> dict[tuple, Trig]:
     with, by row."""
     moving = {x + dots for x in s.coordinates for dots in ("", RATE, SECOND)}
     moving |= {f"{f}_{x}" for f in ("sin", "cos") for x in s.coordinates} | {Order(s).gravity}
-    found: dict[tuple, list] = {}
-    for row, x in enumerate(column):
-        for powers, coefficient in x.terms():
-            key = (row, *((n, e) for n, e in powers.items() if n in moving))
-            found.setdefault(key, []).append(
-                ({n: e for n, e in powers.items() if n not in moving}, coefficient)
-            )
-    return {key: s.ring.polynomial(terms) for key, terms in found.items()}
+    return {
+        (row, *key): part
+        for row, x in enumerate(column)
+        for key, part in collected(x, moving).items()
+    }
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,12 +198,9 @@ class BaseEquations(ClosedForm):
     def _inertial(self) -> list[Trig]:
         """τ without friction and springs."""
         s = self.symbols
+        bases = [s.ring[base.name] for base in self.bases]
         rows = regressor(s.tree, s.q, s.qd, s.qdd)
-        total = []
-        for row in rows:
-            terms = (s.element(row[base.column]) * s.ring[base.name] for base in self.bases)
-            total.append(sum(terms, s.zero()))
-        return total
+        return [inner([s.element(row[x.column]) for x in self.bases], bases, s) for row in rows]
 
     @cached_property
     def M(self) -> list[list[Trig]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from freebody.algorithms.crba import crba
@@ -9,6 +10,7 @@ from freebody.algorithms.energy import potential_energy
 from freebody.algorithms.rnea import friction_and_spring
 from freebody.derivations.equations import equation_views
 from freebody.derivations.expressions.expression import size
+from freebody.derivations.polynomials.arithmetic import inner
 from freebody.derivations.polynomials.symbols import Symbols
 from freebody.derivations.polynomials.textbook_form import InTextbookForm
 from freebody.lazy import cached_property
@@ -66,12 +68,8 @@ class ClosedForm(InTextbookForm, ByValue):
         """Coriolis and centrifugal terms."""
         return [self._along_rates(row) for row in self.C]
 
-    def _along_rates(self, row: list[Trig]) -> Trig:
-        total = self.symbols.zero()
-        for x, rate in zip(row, self.symbols.qd, strict=True):
-            if not x.is_zero:
-                total = total + x * rate
-        return total
+    def _along_rates(self, row: Sequence[Trig]) -> Trig:
+        return inner(row, self.symbols.qd, self.symbols)
 
     @cached_property
     def g(self) -> list[Trig]:
@@ -95,21 +93,14 @@ class ClosedForm(InTextbookForm, ByValue):
     @cached_property
     def tau(self) -> list[Trig]:
         """Joint torques M q̈ + c + g + friction and springs."""
-        rows = []
-        for row, c, g, drive in zip(self.M, self.c, self.g, self.drives, strict=True):
-            total = c + g + drive
-            for x, second in zip(row, self.symbols.qdd, strict=True):
-                total = total + x * second
-            rows.append(total)
-        return rows
+        s = self.symbols
+        parts = zip(self.M, self.c, self.g, self.drives, strict=True)
+        return [c + g + drive + inner(row, s.qdd, s) for row, c, g, drive in parts]
 
     @cached_property
     def T(self) -> Trig:
         """Kinetic energy ½ q̇ᵀ M q̇."""
-        total = self.symbols.zero()
-        for row, rate in zip(self.M, self.symbols.qd, strict=True):
-            total = total + rate * self._along_rates(row)
-        return total * 0.5
+        return self._along_rates(list(map(self._along_rates, self.M))) * 0.5
 
     @cached_property
     def V(self) -> Trig:

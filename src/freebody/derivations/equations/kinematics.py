@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from freebody.algorithms import kinematics as algorithms
+from freebody.derivations.polynomials.arithmetic import inner
 from freebody.derivations.polynomials.determinant import columns_of, determinant
 from freebody.derivations.polynomials.symbols import Symbols, symbols
 from freebody.derivations.polynomials.textbook_form import InTextbookForm
@@ -65,16 +66,14 @@ class Kinematics(InTextbookForm):
     @cached_property
     def velocity(self) -> list[Trig]:
         """J q̇ (2.18)."""
-        return _times(self.J, self.symbols.qd, self.symbols)
+        return [inner(row, self.symbols.qd, self.symbols) for row in self.J]
 
     @cached_property
     def acceleration(self) -> list[Trig]:
         """J q̈ + J̇ q̇ (2.24)."""
-        first = _times(self.J, self.symbols.qdd, self.symbols)
-        return [
-            a + b
-            for a, b in zip(first, _times(self.J_dot, self.symbols.qd, self.symbols), strict=True)
-        ]
+        s = self.symbols
+        rows = zip(self.J, self.J_dot, strict=True)
+        return [inner(row, s.qdd, s) + inner(change, s.qd, s) for row, change in rows]
 
     def determinant(self, rows: Sequence[int] | None = None) -> Trig:
         """det of chosen rows of J (default all) and of the columns that move the frame (2.20).
@@ -90,17 +89,6 @@ class Kinematics(InTextbookForm):
                 f"coordinates make no square; choose {len(columns)} rows."
             )
         return determinant([[self.J[r][k] for k in columns] for r in chosen], self.symbols)
-
-
-def _times(A: Entries, x: Sequence[Trig], s: Symbols) -> list[Trig]:
-    rows = []
-    for row in A:
-        total = s.zero()
-        for a, b in zip(row, x, strict=True):
-            if not a.is_zero:
-                total = total + a * b
-        rows.append(total)
-    return rows
 
 
 def kinematics(model: Model, frame: str | None = None, numbers: bool = False) -> Kinematics:

@@ -39,21 +39,20 @@ class Energies:
     @cached_property
     def springs(self) -> Trig:
         """Energy of the joints' springs."""
-        s, total = self.s, self.s.symbols.zero()
-        for body in s.tree.bodies:
+        total = self.s.symbols.zero()
+        for body in self.s.tree.bodies:
             if body.drive is not None:
-                (q,) = body.position(s.symbols.q)
-                stretch = q - body.drive.rest
+                stretch = body.position(self.s.symbols.q)[0] - body.drive.rest
                 total = total + 0.5 * body.drive.stiffness * (stretch * stretch)
         return total
 
     @cached_property
     def rotors(self) -> Trig:
         """Kinetic energy of the drives' rotors."""
-        s, total = self.s, self.s.symbols.zero()
-        for body in s.tree.bodies:
+        total = self.s.symbols.zero()
+        for body in self.s.tree.bodies:
             if body.drive is not None:
-                (rate,) = body.rates(s.symbols.qd)
+                (rate,) = body.rates(self.s.symbols.qd)
                 total = total + 0.5 * body.drive.rotor * (rate * rate)
         return total
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from fractions import Fraction
 
 from freebody.derivations.closed_chains.first_kind import Reduction
 from freebody.derivations.closed_chains.linear import Ratio, product, quotient
@@ -15,13 +14,13 @@ from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.printed_names import entry, sym
 from freebody.derivations.methods import glossary, lagrange
 from freebody.derivations.methods.cut_loops import LONG, Loops
+from freebody.derivations.methods.energies import HALF
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.virtual_work import virtual_work
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.scalars.trig import Trig
 
-HALF = ex.num(Fraction(1, 2))
 SHORT = 14
 """Numbers and symbols up to which a denominator is written in every quotient."""
 

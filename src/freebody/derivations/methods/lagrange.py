@@ -4,7 +4,6 @@ coordinate (5.6-5.20, 6.15)."""
 from __future__ import annotations
 
 from collections.abc import Iterator
-from fractions import Fraction
 
 from freebody.algorithms.kinematics import BodyMotions, outward
 from freebody.derivations.derivation import Meaning, Step
@@ -19,8 +18,6 @@ from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.virtual_work import virtual_work
 from freebody.derivations.polynomials.symbols import RATE
 from freebody.scalars.trig import Trig
-
-HALF = ex.num(Fraction(1, 2))
 
 
 def work_out(setting: Setting) -> Worked:
