@@ -184,10 +184,6 @@ def test_what_is_refused():
         match=r"^simulate: q has shape \(3,\), expected \(\.\.\., 2\): model '2R' has nq = 2\.",
     ):
         fb.simulate(model, [0, 0, 0], [0, 0], [0, 1])
-    with pytest.raises(
-        ShapeError, match=r"simulate: qd has shape \(4, 2\), expected \(2,\): one state"
-    ):
-        fb.simulate(model, [0, 0], np.zeros((4, 2)), [0, 1])
     with pytest.raises(NotFiniteError, match=r"simulate: q is nan"):
         fb.simulate(model, [0, np.nan], [0, 0], [0, 1])
     with pytest.raises(FreebodyError, match=r"simulate: the times t must increase\."):

@@ -2,14 +2,14 @@
 
 Positions move on their manifold: q ⊕ x is where the constant rates x lead in unit time
 (`kinematics.moved`), and of q = q₀ ⊕ x the rates of x are those of the joint behind the
-exponential's differential, ẋ = dexp⁻¹(x) v. Motor torques and external wrenches are held over the
-step.
+exponential's differential, ẋ = dexp⁻¹(x) v. External wrenches are held over the step; torques
+depend on the time and the state as their law says.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from freebody.algorithms.crba import bias, crba, factor, substitute, without
 from freebody.algorithms.kinematics import between, coordinate_rates, moved
@@ -22,8 +22,8 @@ from freebody.spatial import Vector, add, scale, sub
 State = tuple[Vector, Vector]
 """(q, q̇)."""
 
-Acceleration = Callable[[Vector, Vector], Vector]
-"""q̈ of q and q̇."""
+Acceleration = Callable[[float, Vector, Vector], Vector]
+"""q̈ of the part of the step that has passed (0 to 1), q and q̇."""
 
 Loads = Callable[[Vector], Sequence[External]]
 """External wrenches on the bodies, of q."""
@@ -37,7 +37,7 @@ def semi_implicit(
     tree: Tree, q: Vector, qd: Vector, h: Scalar, acceleration: Acceleration
 ) -> State:
     """Semi-implicit (symplectic) Euler: q̇₁ = q̇ + h q̈, then q₁ = q ⊕ h q̇₁. Of order 1."""
-    qd1 = add(qd, scale(h, acceleration(q, qd)))
+    qd1 = add(qd, scale(h, acceleration(0.0, q, qd)))
     return moved(tree, q, scale(h, qd1)), qd1
 
 
@@ -45,21 +45,43 @@ def runge_kutta(tree: Tree, q: Vector, qd: Vector, h: Scalar, acceleration: Acce
     """The classical method of order 4; positions by Munthe-Kaas (1998): stages in the coordinates x
     of q ⊕ x."""
     half, sixth = 0.5 * h, h * (1.0 / 6.0)
-    v1, a1 = qd, acceleration(q, qd)
+    v1, a1 = qd, acceleration(0.0, q, qd)
 
-    def stage(length: Scalar, rates: Vector, change: Vector) -> State:
+    def stage(part: float, length: Scalar, rates: Vector, change: Vector) -> State:
         """(ẋ, q̈) where x = length · rates and q̇ has changed by length · change."""
         x, v = scale(length, rates), add(qd, scale(length, change))
-        return coordinate_rates(tree, x, v), acceleration(moved(tree, q, x), v)
+        return coordinate_rates(tree, x, v), acceleration(part, moved(tree, q, x), v)
 
-    v2, a2 = stage(half, v1, a1)
-    v3, a3 = stage(half, v2, a2)
-    v4, a4 = stage(h, v3, a3)
+    v2, a2 = stage(0.5, half, v1, a1)
+    v3, a3 = stage(0.5, half, v2, a2)
+    v4, a4 = stage(1.0, h, v3, a3)
 
     def mean(first: Vector, second: Vector, third: Vector, fourth: Vector) -> Vector:
         return scale(sixth, add(add(first, fourth), scale(2.0, add(second, third))))
 
     return moved(tree, q, mean(v1, v2, v3, v4)), add(qd, mean(a1, a2, a3, a4))
+
+
+@dataclass(frozen=True)
+class Linearised:
+    """What acts at the joints besides the robot's own drives, linear in the state: tau at a state,
+    how much less for each second that the state moves on at its rates, and how much less for each
+    unit of q and q̇ of a joint (diagonals, at least 0)."""
+
+    tau: Vector
+    ahead: Vector
+    stiffness: Vector
+    damping: Vector
+
+
+Law = Callable[[float, float, Vector, Vector], Linearised]
+"""Of the parts of the step at which a stage of it begins and ends, and q and q̇ at its beginning."""
+
+
+def held(tau: Vector) -> Law:
+    """A torque that does not change."""
+    nothing = (0.0,) * len(tau)
+    return lambda start, end, q, qd: Linearised(tau, nothing, nothing, nothing)
 
 
 @dataclass(frozen=True)
@@ -75,20 +97,29 @@ class Feedback:
     kp: Vector
     kd: Vector
 
-    def later(self, tree: Tree, time: Scalar) -> Feedback:
-        """With the reference where it is after a time."""
-        return replace(self, q_ref=moved(tree, self.q_ref, scale(time, self.qd_ref)))
+    def law(self, tree: Tree, tau: Vector, h: Scalar) -> Law:
+        """With tau, over a step of h."""
+
+        def at(start: float, end: float, q: Vector, qd: Vector) -> Linearised:
+            aim = self.q_ref
+            if start:
+                aim = moved(tree, aim, scale(start * h, self.qd_ref))
+            apart, faster = between(tree, aim, q), sub(qd, self.qd_ref)
+            given = sub(tau, add(_each(self.kp, apart), _each(self.kd, faster)))
+            return Linearised(given, _each(self.kp, faster), self.kp, self.kd)
+
+        return at
 
 
 def implicit(
     tree: Tree,
     q: Vector,
     qd: Vector,
-    tau: Vector,
     h: Scalar,
     loads: Loads,
-    feedback: Feedback | None = None,
+    law: Law,
     rows: Sequence[int] | None = None,
+    width: Scalar = FRICTION_WIDTH,
 ) -> State:
     """Linearly implicit Euler, extrapolated once (Deuflhard 1985): of order 2, stable however stiff
     the drives are.
@@ -96,16 +127,18 @@ def implicit(
     Two steps of h/2 less one of h, so that the error's first term cancels. Implicit is what the
     drives do: friction, springs, feedback. They add h D + h² K to M, on its diagonal, so that its
     factors stay without fill-in; the order does not depend on what is implicit. The step of h
-    shares M and the forces with the first of h/2.
+    shares M and the forces with the first of h/2. width: of Coulomb friction c q̇ / sqrt(q̇² +
+    width²).
     """
     half = 0.5 * h
 
-    def euler(start: State, length: Scalar, law: Feedback | None) -> State:
-        return _implicit_euler(tree, *start, tau, length, loads, law, rows)
+    def euler(state: State, start: float, end: float, length: Scalar) -> State:
+        given = law(start, end, *state)
+        return _implicit_euler(tree, *state, length, loads(state[0]), given, rows, width)
 
-    rough = euler((q, qd), h, feedback)
-    middle = euler((q, qd), half, feedback)
-    fine = euler(middle, half, None if feedback is None else feedback.later(tree, half))
+    rough = euler((q, qd), 0.0, 1.0, h)
+    middle = euler((q, qd), 0.0, 0.5, half)
+    fine = euler(middle, 0.5, 1.0, half)
     on = moved(tree, fine[0], between(tree, rough[0], fine[0]))
     return on, sub(scale(2.0, fine[1]), rough[1])
 
@@ -114,25 +147,21 @@ def _implicit_euler(
     tree: Tree,
     q: Vector,
     qd: Vector,
-    tau: Vector,
     h: Scalar,
-    loads: Loads,
-    feedback: Feedback | None,
+    loads: Sequence[External],
+    given: Linearised,
     rows: Sequence[int] | None,
+    width: Scalar,
 ) -> State:
-    """(M + h D + h² K) q̈ = forces - h (stiffness q̇ + kp (q̇ - qd_ref)), then as `semi_implicit`.
+    """(M + h D + h² K) q̈ = forces - h (stiffness q̇ + ahead), then as `semi_implicit`.
 
     The forces are those at q and q̇; D and K on the left are the slopes of what the drives take of
     them.
     """
-    damping, stiffness, drag = _slopes(tree, qd)
-    forces = sub(sub(tau, bias(without(tree, "coulomb"), q, qd, loads(q))), _each(drag, qd))
-    ahead = _each(stiffness, qd)
-    if feedback is not None:
-        apart, faster = between(tree, feedback.q_ref, q), sub(qd, feedback.qd_ref)
-        forces = sub(forces, add(_each(feedback.kp, apart), _each(feedback.kd, faster)))
-        ahead = add(ahead, _each(feedback.kp, faster))
-        damping, stiffness = add(damping, feedback.kd), add(stiffness, feedback.kp)
+    damping, stiffness, drag = _slopes(tree, qd, width)
+    forces = sub(sub(given.tau, bias(without(tree, "coulomb"), q, qd, loads)), _each(drag, qd))
+    ahead = add(_each(stiffness, qd), given.ahead)
+    damping, stiffness = add(damping, given.damping), add(stiffness, given.stiffness)
     added = scale(h, add(damping, drag, scale(h, stiffness)))
     M = tuple(
         tuple(x + added[i] if i == j else x for j, x in enumerate(row))
@@ -143,17 +172,17 @@ def _implicit_euler(
         qdd = constrained_motion(tree, q, qd, factors, forces, rows).qdd
     else:
         qdd = substitute(tree, factors, forces)
-    return semi_implicit(tree, q, qd, h, lambda q, qd: qdd)
+    return semi_implicit(tree, q, qd, h, lambda part, q, qd: qdd)
 
 
-def _slopes(tree: Tree, qd: Vector) -> tuple[Vector, Vector, Vector]:
+def _slopes(tree: Tree, qd: Vector, width: Scalar) -> tuple[Vector, Vector, Vector]:
     """Of each rate: viscous friction, stiffness of springs, and smooth Coulomb friction over the
     rate."""
     viscous, stiffness, drag = ([0.0] * tree.nv for _ in range(3))
     for body in tree.bodies:
         if body.drive is not None:
             (rate,), k, square = body.rates(qd), body.coordinates.v[0], body.coordinates.ratio**2
-            size = sqrt(rate * rate + FRICTION_WIDTH**2)
+            size = sqrt(rate * rate + width * width)
             viscous[k] = viscous[k] + square * body.drive.viscous
             stiffness[k] = stiffness[k] + square * body.drive.stiffness
             drag[k] = drag[k] + square * (body.drive.coulomb / size)

@@ -25,7 +25,7 @@ from freebody.model.contributions import joined, pose_part
 from freebody.model.model import Model
 from freebody.model.structure import frame_form, has_drive, tree_over
 from freebody.model.tree import Tree
-from freebody.program import Argument
+from freebody.program import Argument, Program
 from freebody.program.passes import without_unread
 from freebody.targets import Kernel, compile_program
 from freebody.targets.finite_check import sound
@@ -140,6 +140,12 @@ def _key(model: Model, names: tuple[str, ...], option: Option) -> tuple[Any, ...
 PLAIN = Option()
 """Nothing chosen."""
 
+Over = Callable[[Sequence[Scalar]], Tree]
+"""Scalars in the place of a model's numbers -> its tree."""
+
+_OWN = 8
+"""Kernels of programs of one kind that are no formula's, kept for one structure."""
+
 
 def _frames(option: Option) -> tuple[str, ...]:
     return option.wrench_frames if option.frame is None else (option.frame, *option.wrench_frames)
@@ -174,18 +180,46 @@ def _numbers(model: Model, option: Option, read: slice | NDArray[np.intp]) -> Ar
 
 
 def _compiled(model: Model, names: tuple[str, ...], option: Option) -> Compiled:
+    return _compiled_over(
+        model,
+        option,
+        lambda p, over: program(model, names, option, p, over),
+        _shown_drives(model, names),
+    )
+
+
+def fetch_own(
+    model: Model, key: tuple[str, ...], option: Option, made: Callable[[Argument, Over], Program]
+) -> Bound:
+    """The kernel of a program that is no formula's, with the model's numbers: `made` of p and of
+    the tree over its scalars, where none of that key has been compiled for the structure. Of keys
+    that begin alike the last few are kept."""
+    kernels, place = model.structure.kernels, (*key, _key(model, (), option))
+    compiled = kernels.pop(place, None) or _compiled_over(model, option, made, None)
+    alike = [k for k in list(kernels) if k[0] == key[0]]
+    for old in alike[: len(alike) + 1 - _OWN]:
+        kernels.pop(old, None)
+    kernels[place] = compiled
+    return Bound(compiled.kernel, (_numbers(model, option, compiled.read),), compiled.quaternions)
+
+
+def _compiled_over(
+    model: Model,
+    option: Option,
+    made: Callable[[Argument, Over], Program],
+    drives_shown: tuple[bool, ...] | None,
+) -> Compiled:
     """Traced over scalars in the place of the numbers, of which those that nothing needs are left
     out again."""
     count = sum(
         pose_part(model.frame(f).placement, model.dim).numbers.shape[-1] for f in _frames(option)
     )
     p = Argument("p", (model.numbers.shape[-1] + count,), uniform=True)
-    drives_shown = _shown_drives(model, names)
 
     def over(scalars: Sequence[Scalar]) -> Tree:
         return tree_over(model, scalars, _frames(option), drives_shown)
 
-    traced, read = without_unread(program(model, names, option, p, over), "p")
+    traced, read = without_unread(made(p, over), "p")
     given = [i for i, argument in enumerate(traced.inputs) if argument.name in POSITIONS]
     quaternions = tuple((i, start) for i in given for start in model.structure.quaternions)
     return Compiled(compile_program(traced), _in_one_piece(read), quaternions)

@@ -57,14 +57,16 @@ class SmoothFriction:
 def smooth_friction(model: Model, width: float = WIDTH) -> tuple[Model, SmoothFriction]:
     """(the model without its Coulomb friction, that friction made smooth)."""
     rows = [
-        (at.v[0], at.ratio, body.drive.coulomb)
-        for body, at in ((b, b.coordinates) for b in model.tree.bodies)
-        if body.drive is not None and body.drive.coulomb
+        (b.coordinates.v[0], b.coordinates.ratio, b.drive.coulomb)
+        for b in model.tree.bodies
+        if b.drive is not None and np.any(b.drive.coulomb)
     ]
     friction = SmoothFriction(
         np.array([row[0] for row in rows], dtype=int),
         np.array([row[1] for row in rows]),
-        np.array([row[2] for row in rows]),
+        np.stack([np.broadcast_to(row[2], model.family) for row in rows], axis=-1)
+        if rows
+        else np.zeros(0),
         model.nv,
         width,
     )

@@ -77,13 +77,16 @@ def integrated(
     y0: Array,
     method: str,
     watch: StiffnessWatch,
-) -> Array:
-    """States (T, nq + nv) at the times t (T,), the first of them y0.
+    states: list[Array],
+) -> None:
+    """Put the states (nq + nv,) at the times t (T,) into a list as they are reached, the first of
+    them y0.
 
     The solver begins anew at each edge of the schedule, with the step that it had reached, and
     where the watch has found another method.
     """
-    states, y = [y0], y0
+    states.append(y0)
+    y = y0
     first: float | None = None
     for k, (start, end) in enumerate(pairwise(schedule.edges)):
         drive = schedule.begin(k, *system.split(y))
@@ -112,7 +115,6 @@ def integrated(
                 method, y = watch.method, solver.y
                 solver = _solver(system, scheme, drive, method, solver.t, y, end, None)
         y, first = solver.y, getattr(solver, "h_abs", solver.step_size)
-    return np.array(states)
 
 
 def _solver(

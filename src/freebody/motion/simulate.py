@@ -2,27 +2,34 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, refuse_not_finite
-from freebody.errors import FreebodyError, ShapeError, UnknownNameError
-from freebody.loops.equations import gaps, require_closed, scaled_rate, scaled_residual
+from freebody.errors import FreebodyError, UnknownNameError
+from freebody.kernels.driven_steps import STEP_METHODS
 from freebody.model.model import Model
-from freebody.motion.closed_chain_integration import EXPLICIT, closed_chain_scheme
-from freebody.motion.first_order_system import System, constant_loads, suited_method, system
+from freebody.motion.alone import one_by_one
+from freebody.motion.closed_chain_integration import EXPLICIT
+from freebody.motion.compiled_torque import CompiledTorque
 from freebody.motion.friction import WIDTH
-from freebody.motion.integration import METHODS, integrated, open_scheme, step_tolerance
-from freebody.motion.ranges import angular
-from freebody.motion.stiffness_watch import StiffnessWatch
-from freebody.motion.torques import Schedule, Torque, schedule
-from freebody.trees import dynamics
+from freebody.motion.integration import METHODS
+from freebody.motion.interrupted import SimulationInterrupted
+from freebody.motion.motion_lanes import MotionLanes
+from freebody.motion.simulation import Simulated, Simulation
+from freebody.motion.simulation_dataset import dataset, recorded
+from freebody.motion.stepped import stepped
+from freebody.motion.torques import Torque, breakpoints_of, torque_of
+from freebody.trees.massless_joints import refuse_massless
 from freebody.trees.public_calls import Vector, Wrenches, vector, wrenches_by_frame
 
 if TYPE_CHECKING:
     import xarray as xr
+
+_TOLERANCE = 1e-10
 
 
 def simulate(
@@ -34,77 +41,177 @@ def simulate(
     wrenches: Wrenches = None,
     method: str = "auto",
     *,
-    tolerance: float = 1e-10,
+    step: float | None = None,
+    tolerance: float | None = None,
     friction_width: float = WIDTH,
     max_step: float = np.inf,
     breakpoints: ArrayLike = (),
     sample_time: float | None = None,
+    torque_inputs: Mapping[str, Any] | None = None,
+    record: str | Sequence[str] | None = None,
+    every: int = 1,
+    threads: int | None = None,
 ) -> xr.Dataset:
-    """The motion over the times t (T,) from the state q (nq,), qd (nv,) at t[0].
+    """The motion over the times t (T,) from the state q (..., nq), qd (..., nv) at t[0]; of many
+    states, or a family of robots, all at once.
 
-    torque: of the drives (N m, N): None for none; (nv,) constant; (T, nv) at the times t, linear
-    between them, integrated from row to row; or a function f(t, q, qd) -> (nv,). A function must be
-    smooth except at its `breakpoints` (s), where the integration restarts, so that no jump or kink
-    is stepped over; max_step (s) bounds the steps elsewhere. With sample_time (s) the function
-    is a controller: called once at t[0], t[0] + sample_time, …, with the state there, its torque
-    held until the next. wrenches: constant, as for `inverse_dynamics`. method: one of scipy's
-    integrators; "auto" takes DOP853, or an implicit method where the motion is stiff, that is where
-    a part of it dies away a thousand times within the duration: Radau if friction does that, LSODA
-    if the torque function does, from the start or from where the steps of DOP853 show it. An
-    explicit method asked for by name warns there. tolerance: how near the end is to be, relative to
-    the motion: the relative error of a step is a hundredth of it (of Radau and BDF, which damp
-    errors, as much), the absolute one a hundredth of that. friction_width: Coulomb friction acts as
-    c tanh(q̇ / width), rad/s or m/s, so that a joint at rest creeps instead of sticking.
+    torque: of the drives (N m, N): None for none; (nv,) constant; (..., T, nv) at the times t,
+    linear between them, integrated from row to row; a function f(t, q, qd) -> (..., nv), called
+    with all states; or a kernel of `fb.compile` with inputs t, q, qd or some of them, which is
+    compiled into the steps; what else it takes is given by name in torque_inputs, arrays (...,
+    *core). A function must be smooth except at its `breakpoints` (s), where the integration
+    restarts, so that no jump or kink is stepped over; max_step (s) bounds the steps elsewhere. With
+    sample_time (s) it is a controller: called once at t[0], t[0] + sample_time, …, with the state
+    there, its torque held until the next. wrenches: constant, as for `inverse_dynamics`.
 
-    Closed chains: the state must satisfy the loops; explicit methods only, each step projected back
-    onto the loops (positions and rates), so that there is no drift; loop_gap (m) and loop_rate
-    (m/s) are part of the result.
+    method: "rk4", "semi-implicit" and "implicit" take equal steps of at most `step` (s; None: from
+    each time of t to the next) without error control. One of scipy's integrators, and "auto",
+    choose their steps. "auto" takes of one state DOP853, or an implicit method where the motion is
+    stiff, that is where a part of it dies away a thousand times within the duration: Radau if
+    friction does that, LSODA if the torque function does, from the start or from where the steps of
+    DOP853 show it; of many states "rk4", each step made whole and in halves, of a size of its own
+    for each state (of a Python function one for all); with `step` given "rk4". An explicit method
+    asked for by name warns where the motion is stiff. tolerance (1e-10): how near the end is to be,
+    relative to the motion: the relative error of a step is a hundredth of it (of Radau and BDF,
+    which damp errors, as much), the absolute one a hundredth of that. friction_width: Coulomb
+    friction acts as c tanh(q̇ / width), rad/s or m/s (c q̇ / √(q̇² + width²) in "implicit"), so that
+    a joint at rest creeps instead of sticking.
 
-    Returns a dataset over `time` with q, qd, qdd, tau, energies and powers, units as attributes;
-    what was used stands in its attributes. Raises SingularError for joints without inertia,
-    PassiveJointError for a torque at a joint that nothing drives, FreebodyError when the
-    integration cannot go on.
+    record: names of what is wanted of the result; None: all. every: of the times t each so many-th
+    is kept. threads: how many share many states; by default all processors.
+
+    Closed chains: the state must satisfy the loops; explicit methods and the three of equal steps,
+    each step projected back onto the loops (positions and rates), so that there is no drift;
+    loop_gap (m) and loop_rate (m/s) are part of the result.
+
+    Returns a dataset over `time`, of many states over `sample`, of a family over `member` too, with
+    q, qd, qdd, tau, energies and powers, units as attributes; what was used stands in its
+    attributes. Raises SingularError for joints without inertia, PassiveJointError for a torque at a
+    joint that nothing drives, FreebodyError when the integration cannot go on; of many motions,
+    those that cannot go on are NaN from there, with a warning. Ctrl-C raises a KeyboardInterrupt
+    whose `result` is the dataset of what there was.
     """
+    if not (isinstance(every, int) and every > 0):
+        raise FreebodyError(f"simulate: every is {every!r}, expected a whole number above 0.")
+    names = recorded(model, record)
     times = _times(t)
-    start = vector("simulate", model, "q", q), vector("simulate", model, "qd", qd)
-    for name, value, size in (("q", start[0], model.nq), ("qd", start[1], model.nv)):
-        if value.shape != (size,):
-            raise ShapeError(
-                "simulate", name, value.shape, f"({size},)", "one state is simulated at a time"
-            )
-        refuse_not_finite("simulate", name, value, 1)
+    ends = breakpoints_of(breakpoints, sample_time)
+    if not friction_width > 0.0:
+        raise FreebodyError(f"simulate: friction_width is {friction_width:g}, expected above 0.")
+    asked = _asked(
+        model,
+        (q, qd),
+        times,
+        torque_of(model, times, torque, torque_inputs, ends, sample_time),
+        wrenches,
+        tolerance=_TOLERANCE if tolerance is None else tolerance,
+        width=friction_width,
+        max_step=max_step,
+        step=step,
+        breakpoints=ends,
+        sample_time=sample_time,
+        every=every,
+        threads=threads,
+    )
+    chosen = _method(model, method, tolerance, asked)
+    if not model.loops:
+        refuse_massless(model, "simulate")
+    kept = times[::every]
+    result = Simulated(
+        kept,
+        np.full((*asked.lanes.shape, len(kept), model.nq), np.nan),
+        np.full((*asked.lanes.shape, len(kept), model.nv), np.nan),
+        _used(model, asked, chosen),
+    )
+    try:
+        if chosen in STEP_METHODS or (chosen == "auto" and asked.lanes.shape):
+            stepped(asked, chosen, result)
+        else:
+            one_by_one(asked, chosen, result)
+    except KeyboardInterrupt:
+        raise SimulationInterrupted(dataset(asked, result.until_now(), names)) from None
+    return dataset(asked, result, names)
+
+
+def _asked(
+    model: Model,
+    state: tuple[Vector, Vector],
+    t: Array,
+    torque: Any,
+    wrenches: Wrenches,
+    **others: Any,
+) -> Simulation:
+    """The arrays checked, and the batch that they make."""
+    named = {
+        name: vector("simulate", model, name, value)
+        for name, value in zip(("q", "qd"), state, strict=True)
+    }
+    loads = wrenches_by_frame("simulate", model, wrenches)
+    for name, array in (named | {f"wrenches[{n!r}]": w for n, w in loads.items()}).items():
+        refuse_not_finite("simulate", name, array, 1)
+    batches = {name: x.shape[:-1] for name, x in named.items()}
+    batches |= {f"wrenches[{name!r}]": x.shape[:-1] for name, x in loads.items()}
+    if isinstance(torque, np.ndarray):
+        batches["torque"] = torque.shape[:-2]
+    if isinstance(torque, CompiledTorque):
+        batches |= torque.batches
+    if model.family:
+        batches["model.family"] = model.family
+    try:
+        shape = np.broadcast_shapes(*batches.values())
+    except ValueError:
+        said = ", ".join(f"{name} {batch}" for name, batch in batches.items())
+        raise FreebodyError(
+            f"simulate: the batch shapes do not broadcast together: {said}."
+        ) from None
+    return Simulation(
+        model, named["q"], named["qd"], t, torque, loads, MotionLanes(shape), **others
+    )
+
+
+def _method(model: Model, method: str, tolerance: float | None, asked: Simulation) -> str:
+    """The method itself, where it is known and all that was given is of it; with a step "rk4" for
+    "auto"."""
     known, of = (EXPLICIT, "simulate of a closed chain") if model.loops else (METHODS, "simulate")
-    if method != "auto" and method not in known:
-        raise UnknownNameError("method", method, of, ("auto", *known))
-    if not tolerance > 0.0:
+    if method != "auto" and method not in (*known, *STEP_METHODS):
+        raise UnknownNameError("method", method, of, ("auto", *known, *STEP_METHODS))
+    if not asked.tolerance > 0.0:
         raise FreebodyError(f"simulate: tolerance is {tolerance:g}, expected more than 0.")
-    if not max_step > 0.0:
-        raise FreebodyError(f"simulate: max_step is {max_step:g}, expected seconds above 0.")
-    frames, loads = constant_loads(_wrenches(model, wrenches))
-    whole = system(model, friction_width, frames, loads)
-    planned = schedule(model, times, torque, breakpoints, sample_time)
-    state, duration = np.concatenate(start), float(times[-1] - times[0])
+    if not asked.max_step > 0.0:
+        raise FreebodyError(f"simulate: max_step is {asked.max_step:g}, expected seconds above 0.")
+    chosen = "rk4" if method == "auto" and asked.step is not None else method
+    if asked.step is not None and not 0.0 < asked.step < np.inf:
+        raise FreebodyError(f"simulate: step is {asked.step:g}, expected seconds above 0.")
+    if chosen in STEP_METHODS:
+        for name, given in (
+            ("tolerance", tolerance is not None),
+            ("max_step", np.isfinite(asked.max_step)),
+        ):
+            if given:
+                raise FreebodyError(
+                    f"simulate: {name}= is of methods that choose their steps; those of "
+                    f"{chosen!r} are equal: give step= instead, or method='auto'."
+                )
+    elif asked.step is not None:
+        raise FreebodyError(
+            f"simulate: step= is of the methods of equal steps, {', '.join(STEP_METHODS)}; "
+            f"{chosen} chooses its steps: bound them by max_step=."
+        )
+    if asked.threads is not None and asked.threads < 1:
+        raise FreebodyError(f"simulate: threads is {asked.threads}, expected at least 1.")
+    return chosen
 
-    def decay() -> float:
-        if not planned.feedback:
-            return 0.0
-        return whole.fastest_decay(times[0], state, planned.begin(0, *start))
 
-    if model.loops:
-        require_closed("simulate", model, *start)
-        chosen = "DOP853" if method == "auto" else method
-        # near a singular position accelerations are known to ten digits, and finer steps would
-        # chase their rounding
-        scheme = closed_chain_scheme(whole, tolerance, max_step)
-    else:
-        chosen = method
-        if method == "auto":
-            chosen = suited_method(whole, start[0], duration, decay)
-        scheme = open_scheme(whole, step_tolerance(chosen, tolerance), max_step)
-    watch = StiffnessWatch(whole, duration, switches=method == "auto", done=bool(model.loops))
-    y = integrated(whole, scheme, planned, times, state, chosen, watch)
-    used = f"{chosen}, {watch.method} from {watch.since:.6g} s" if watch.method else chosen
-    return _dataset(whole, times, y, planned, used, tolerance)
+def _used(model: Model, asked: Simulation, chosen: str) -> dict[str, Any]:
+    """What stands in the result's attributes."""
+    acts = any(b.drive is not None and np.any(b.drive.coulomb) for b in model.tree.bodies)
+    coulomb = STEP_METHODS["rk4" if chosen not in STEP_METHODS else chosen].coulomb
+    return {
+        "method": chosen,
+        **({"tolerance": asked.tolerance} if chosen not in STEP_METHODS else {}),
+        "coulomb_friction": coulomb.format(width=asked.width) if acts else "none",
+        "friction_width": asked.width,
+    }
 
 
 def _times(t: ArrayLike) -> Array:
@@ -115,72 +222,3 @@ def _times(t: ArrayLike) -> Array:
     if (np.diff(times) <= 0).any():
         raise FreebodyError("simulate: the times t must increase.")
     return times
-
-
-def _wrenches(model: Model, wrenches: Wrenches) -> dict[str, Array]:
-    found = wrenches_by_frame("simulate", model, wrenches, single=True)
-    for name, wrench in found.items():
-        refuse_not_finite("simulate", f"wrenches[{name!r}]", wrench, 1)
-    return found
-
-
-def _dataset(
-    system: System, t: Array, y: Array, planned: Schedule, method: str, tolerance: float
-) -> xr.Dataset:
-    import xarray as xr
-
-    model = system.model
-    q, qd = system.split(y)
-    tau = np.stack(
-        [planned.given(now, *state) for now, state in zip(t, zip(q, qd, strict=True), strict=True)]
-    )
-    qdd = system.acceleration(t, q, qd, tau)
-    turns = angular(model)
-    at = ("time", "coordinate")
-    variables = {
-        "q": (("time", "position"), q, "rad|m|1", "position"),
-        "qd": (at, qd, "rad/s|m/s", "rate"),
-        "qdd": (at, qdd, "rad/s²|m/s²", "acceleration"),
-        "tau": (at, tau, "N m|N", "torque or force of the drive"),
-        "kinetic_energy": (
-            ("time",),
-            dynamics.kinetic_energy(model, q, qd),
-            "J",
-            "kinetic energy, rotors included",
-        ),
-        "potential_energy": (
-            ("time",),
-            dynamics.potential_energy(model, q),
-            "J",
-            "of gravity and springs",
-        ),
-        "power": (at, tau * qd, "W", "mechanical power of the drive"),
-    }
-    if model.loops:
-        for name, value, unit, text in (
-            ("loop_gap", scaled_residual(model, q), "m", "how far each loop is open"),
-            ("loop_rate", scaled_rate(model, q, qd), "m/s", "how fast each loop opens"),
-        ):
-            variables[name] = (("time", "loop"), gaps(model, value), unit, text)
-    friction = system.friction
-    return xr.Dataset(
-        {
-            name: (d, v, {"units": u, "long_name": text})
-            for name, (d, v, u, text) in variables.items()
-        },
-        {
-            "time": ("time", t, {"units": "s", "long_name": "time"}),
-            "position": list(model.position_names),
-            "coordinate": list(model.velocity_names),
-            "unit": ("coordinate", np.where(turns, "rad", "m")),
-            "effort_unit": ("coordinate", np.where(turns, "N m", "N")),
-            **({"loop": [loop.name for loop in model.loops]} if model.loops else {}),
-        },
-        {
-            "robot": model.name,
-            "method": method,
-            "tolerance": tolerance,
-            "coulomb_friction": f"c tanh(q̇ / {friction.width:g})" if friction.acts else "none",
-            "friction_width": friction.width,
-        },
-    )

@@ -30,8 +30,8 @@ class StiffnessWatch:
     """Whether another method takes over; else a warning says that it should."""
     method: str = ""
     """That which took over."""
-    since: float = 0.0
-    """When (s)."""
+    since: float = -np.inf
+    """When it was found (s)."""
     count: int = 0
     done: bool = False
 
@@ -58,5 +58,5 @@ class StiffnessWatch:
                 f"{step:.1g} s, about {self.duration / step:.1g} in all. method='auto' or 'Radau' "
                 f"takes far fewer.",
                 FreebodyWarning,
-                stacklevel=5,
+                stacklevel=7,
             )

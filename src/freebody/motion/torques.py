@@ -3,22 +3,27 @@ there."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, ShapeError
+from freebody.kernels.inputs import InputKernel
 from freebody.labels import is_labelled, row_times
 from freebody.model.model import Model
+from freebody.motion.compiled_torque import CompiledTorque, compiled_torque
 from freebody.motion.first_order_system import Drive
 from freebody.outputs.numbers import compared
+from freebody.targets import Kernel
 from freebody.trees.passive_joints import refuse_passive
 from freebody.trees.public_calls import vector
 
-Torque = ArrayLike | Callable[[float, Array, Array], ArrayLike] | None
+TorqueFunction = Callable[[float, Array, Array], ArrayLike]
+Torque = ArrayLike | TorqueFunction | Kernel | None
 
 _MOST = 1_000_000  # sampling instants: beyond these a run would take hours
 _SAME = 1e-9  # of a sampling interval: instants this close to a time are that time
@@ -38,38 +43,57 @@ class Schedule:
     """Whether the torque depends on the state within a piece."""
 
 
-def schedule(
+def torque_of(
     model: Model,
     t: Array,
     torque: Torque,
-    breakpoints: ArrayLike = (),
-    sample_time: float | None = None,
-) -> Schedule:
-    """The schedule of what `simulate` was given; t (T,) are its times."""
-    ends = t[[0, -1]]
-    jumps = _breakpoints(breakpoints)
+    inputs: Mapping[str, Any] | None,
+    breakpoints: Array,
+    sample_time: float | None,
+) -> Array | TorqueFunction | CompiledTorque:
+    """What `simulate` was given as torque, checked: a table (..., T, nv), one row (..., 1, nv) that
+    counts at all times, a function, or one that was compiled."""
+    if inputs is not None and not isinstance(torque, Kernel | InputKernel):
+        raise FreebodyError(
+            "simulate: torque_inputs= is about a torque from fb.compile; a Python function has its "
+            "own variables. Leave it out."
+        )
+    if isinstance(torque, Kernel):
+        return compiled_torque(model, torque, inputs or {})
     if callable(torque):
-        function = _checked(model, torque)
-        if sample_time is None:
-            return _of_function(
-                function, np.concatenate([ends, jumps[(jumps > t[0]) & (jumps < t[-1])]])
-            )
-        if len(jumps):
-            raise FreebodyError(
-                "simulate: breakpoints= and sample_time= exclude each other; give one of them."
-            )
-        return _sampled(function, float(t[0]), float(t[-1]), sample_time)
-    for name, told in (("breakpoints", bool(len(jumps))), ("sample_time", sample_time is not None)):
+        return torque
+    for name, told in (("breakpoints", len(breakpoints)), ("sample_time", sample_time is not None)):
         if told:
             raise FreebodyError(
                 f"simulate: {name}= is about a torque that is a function f(t, q, qd); a table is "
                 f"stepped from row to "
                 "row as it is. Leave it out."
             )
-    table = np.zeros(model.nv) if torque is None else _table(model, t, torque)
-    if table.ndim == 1:
-        return Schedule(ends, lambda k, q, qd: lambda now, q, qd: table, lambda now, q, qd: table)
-    return _of_table(t, table)
+    if torque is None:
+        return np.zeros((1, model.nv))
+    table = _table(model, t, torque)
+    return table[None] if table.ndim == 1 else table
+
+
+def schedule(
+    model: Model,
+    t: Array,
+    torque: Array | TorqueFunction | CompiledTorque,
+    breakpoints: Array,
+    sample_time: float | None = None,
+) -> Schedule:
+    """The schedule of one motion; t (T,) are its times."""
+    ends = t[[0, -1]]
+    if isinstance(torque, np.ndarray):
+        if len(torque) > 1:
+            return _of_table(t, torque)
+        (row,) = torque
+        return Schedule(ends, lambda k, q, qd: lambda now, q, qd: row, lambda now, q, qd: row)
+    function = torque if isinstance(torque, CompiledTorque) else _checked(model, torque)
+    if sample_time is None:
+        inside = breakpoints[(breakpoints > t[0]) & (breakpoints < t[-1])]
+        return _of_function(function, np.concatenate([ends, inside]))
+    return _sampled(function, instants(float(t[0]), float(t[-1]), sample_time), sample_time, t[-1])
 
 
 def _of_table(t: Array, table: Array) -> Schedule:
@@ -100,8 +124,8 @@ def _of_function(function: Drive, edges: Array) -> Schedule:
     return Schedule(edges, begin, function, feedback=True)
 
 
-def _sampled(function: Drive, start: float, end: float, sample_time: float) -> Schedule:
-    """Called at every sampling instant with the state there, and held until the next."""
+def instants(start: float, end: float, sample_time: float) -> Array:
+    """When a controller is called."""
     if not (np.isfinite(sample_time) and sample_time > 0.0):
         raise FreebodyError(f"simulate: sample_time is {sample_time:g}, expected seconds above 0.")
     count = (end - start) / sample_time
@@ -110,7 +134,11 @@ def _sampled(function: Drive, start: float, end: float, sample_time: float) -> S
             f"simulate: sample_time is {sample_time:g} s, {count:.3g} instants in this run; "
             f"{_MOST} are the most."
         )
-    instants = start + sample_time * np.arange(max(1, int(np.ceil(count - _SAME))))
+    return start + sample_time * np.arange(max(1, int(np.ceil(count - _SAME))))
+
+
+def _sampled(function: Drive, instants: Array, sample_time: float, end: float) -> Schedule:
+    """Called at every sampling instant with the state there, and held until the next."""
     held: list[Array] = []
 
     def begin(k: int, q: Array, qd: Array) -> Drive:
@@ -119,35 +147,43 @@ def _sampled(function: Drive, start: float, end: float, sample_time: float) -> S
         return lambda now, q, qd: value
 
     def given(now: Array, q: Array, qd: Array) -> Array:
-        return held[int(np.searchsorted(instants, now + _SAME * sample_time, side="right")) - 1]
+        last = int(np.searchsorted(instants, now + _SAME * sample_time, side="right")) - 1
+        return held[min(last, len(held) - 1)]  # a run that was interrupted has fewer
 
     return Schedule(np.append(instants, end), begin, given)
 
 
-def _breakpoints(given: ArrayLike) -> Array:
+def breakpoints_of(given: ArrayLike, sample_time: float | None) -> Array:
+    """The times at which a torque function has jumps or bends."""
     times = as_floats("simulate", "breakpoints", given)
     if times.ndim != 1:
         raise FreebodyError(
             f"simulate: breakpoints has shape {times.shape}, expected a list of times."
         )
     refuse_not_finite("simulate", "breakpoints", times, 0)
+    if len(times) and sample_time is not None:
+        raise FreebodyError(
+            "simulate: breakpoints= and sample_time= exclude each other; give one of them."
+        )
     return times
 
 
 def _table(model: Model, t: Array, torque: ArrayLike) -> Array:
-    """(nv,) or (T, nv)."""
+    """(nv,) or (..., T, nv)."""
     rows = row_times(torque)
     if is_labelled(torque):
         torque = vector("simulate", model, "tau", torque)
     table = as_floats("simulate", "torque", torque)
-    if table.shape not in ((model.nv,), (len(t), model.nv)):
+    if table.shape != (model.nv,):
         check_core(
             "simulate", "torque", table, (model.nv,), f"model {model.name!r} has nv = {model.nv}"
         )
-        raise FreebodyError(
-            f"simulate: torque has shape {table.shape}, expected ({model.nv},), ({len(t)}, "
-            f"{model.nv}) or a function."
-        )
+        if table.shape[-2] not in (1, len(t)):
+            raise FreebodyError(
+                f"simulate: torque has shape {table.shape}, expected ({model.nv},), ({len(t)}, "
+                f"{model.nv}) or a function. Of many motions at once it is (..., {len(t)}, "
+                f"{model.nv}), or (..., 1, {model.nv}) where it does not change."
+            )
     if table.ndim == 2 and rows is not None and np.abs(rows - t).max() > _SAME * (t[-1] - t[0]):
         k = int(np.argmax(np.abs(rows - t)))
         label, time = compared(rows[k], t[k], digits=6)
@@ -161,7 +197,32 @@ def _table(model: Model, t: Array, torque: ArrayLike) -> Array:
     return table
 
 
-def _checked(model: Model, function: Callable[[float, Array, Array], ArrayLike]) -> Drive:
+def batched(model: Model, function: TorqueFunction, batch: tuple[int, ...]) -> Drive:
+    """A function that is called for all motions of a batch at once; what it returns broadcasts to
+    (*batch, nv)."""
+    whole = (*batch, model.nv)
+
+    def drive(now: Array, q: Array, qd: Array) -> Array:
+        tau = function(float(now), q, qd)
+        tau = np.array(
+            vector("simulate", model, "tau", tau) if is_labelled(tau) else tau, dtype=float
+        )
+        if tau.shape not in (whole, (model.nv,)):
+            raise ShapeError(
+                "simulate",
+                "what torque(t, q, qd) returns",
+                tau.shape,
+                str(whole),
+                "it is called with all motions at once",
+            )
+        if model.passive and np.isfinite(tau).all():
+            refuse_passive("simulate", model, tau)
+        return np.broadcast_to(tau, whole)
+
+    return drive
+
+
+def _checked(model: Model, function: TorqueFunction) -> Drive:
     """The function, called for one state at a time, what it returns looked at."""
 
     def drive(now: Array, q: Array, qd: Array) -> Array:

@@ -24,7 +24,7 @@ def _explicit(method: Callable[..., simulation_steps.State]) -> Evaluate:
     ) -> tuple[Any, ...]:
         tree = lightened(tree)
 
-        def acceleration(q: Vector, qd: Vector) -> Vector:
+        def acceleration(part: float, q: Vector, qd: Vector) -> Vector:
             return forward(tree, o, q, qd, tau, wrenches)[0]
 
         return simulation_steps.on_loops(tree, q, method(tree, q, qd, h, acceleration), o.equations)
@@ -46,8 +46,11 @@ def _implicit(
         return external(tree, o, q, wrenches)
 
     tree = lightened(tree)
-    law = simulation_steps.Feedback(**feedback) if feedback else None
-    reached = simulation_steps.implicit(tree, q, qd, tau, h, loads, law, o.equations)
+    if feedback:
+        law = simulation_steps.Feedback(**feedback).law(tree, tau, h)
+    else:
+        law = simulation_steps.held(tau)
+    reached = simulation_steps.implicit(tree, q, qd, h, loads, law, o.equations)
     return simulation_steps.on_loops(tree, q, reached, o.equations)
 
 

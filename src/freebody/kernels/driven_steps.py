@@ -1,0 +1,205 @@
+"""Steps of a simulation with the torque's own course inside: a line over time, or a compiled law of
+time and state. Smooth Coulomb friction, whose width is an input, is part of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from freebody.algorithms import simulation_steps
+from freebody.algorithms.crba import without
+from freebody.algorithms.kinematics import position_rates
+from freebody.algorithms.regrouped_parameters import lightened
+from freebody.algorithms.simulation_steps import Law, Linearised
+from freebody.elementary import Scalar, maximum, tanh
+from freebody.errors import SingularError
+from freebody.kernels.formulas import Option
+from freebody.kernels.formulas.choices import external
+from freebody.kernels.formulas.dynamics import forward
+from freebody.kernels.options import chosen_option
+from freebody.kernels.structural import Bound, Over, fetch_own
+from freebody.model.model import Model
+from freebody.model.tree import Tree
+from freebody.program import Argument, Program, trace
+from freebody.program.evaluate import evaluated
+from freebody.scalars.dual import Dual, slopes, value
+from freebody.spatial import Vector, add, identity, scale, sub
+
+STATE = ("t", "q", "qd")
+"""Inputs of a law that the step gives it; all others are given to the step."""
+
+
+@dataclass(frozen=True)
+class StepMethod:
+    """A method of fixed steps.
+
+    formula: the kernel whose method it is. order: of its error. implicit: whether it is stable
+    however stiff the drives are. reach: of an explicit method, step times decay rate up to which it
+    is stable. coulomb: what it takes for Coulomb friction c sign(q̇), width to be filled in.
+    """
+
+    formula: str
+    order: int
+    implicit: bool
+    reach: float
+    coulomb: str
+
+
+STEP_METHODS = {
+    "rk4": StepMethod("rk4_step", 4, False, 2.78, "c tanh(q̇ / {width:g})"),
+    "semi-implicit": StepMethod("semi_implicit_step", 1, False, 2.0, "c tanh(q̇ / {width:g})"),
+    "implicit": StepMethod("implicit_step", 2, True, float("inf"), "c q̇ / √(q̇² + {width:g}²)"),
+}
+
+Torque = Callable[[float, Vector, Vector], Vector]
+"""Of the part of the step that has passed, q and q̇."""
+
+
+def driven_step(
+    model: Model, method: str, wrench_frames: Sequence[str] = (), law: Program | None = None
+) -> Bound:
+    """A kernel (q, qd, h, width, t, …) -> (q1, qd1): a step of h from time t on.
+
+    Then follow, without a law, the torques at the start and the end of the step, else the law's
+    inputs besides `STATE` in its order; then the wrenches. width: of Coulomb friction. With the
+    model's numbers as last input, as in `structural.fetch`.
+    """
+    record = STEP_METHODS[method]
+    _, option = chosen_option(
+        model, record.formula, wrench_frames=wrench_frames, function="simulate"
+    )
+    given = (
+        tuple(x for x in law.inputs if x.name not in STATE)
+        if law
+        else (Argument("start", (model.nv,)), Argument("end", (model.nv,)))
+    )
+    size = 6 if model.dim == 3 else 3
+    taken = (
+        Argument("q", (model.nq,)),
+        Argument("qd", (model.nv,)),
+        Argument("h", ()),
+        Argument("width", (), uniform=True),
+        Argument("t", ()),
+        *(Argument(f"given{k}", x.shape) for k, x in enumerate(given)),
+        *(Argument(f"wrench{k}", (size,)) for k in range(len(option.wrench_frames))),
+    )
+    reached = (Argument("q1", (model.nq,)), Argument("qd1", (model.nv,)))
+
+    def made(p: Argument, over: Over) -> Program:
+        def evaluate(*scalars: Any) -> tuple[Any, ...]:
+            q, qd, h, width, t, *more, numbers = scalars
+            tree = lightened(over(numbers))
+            own, loads = more[: len(given)], tuple(more[len(given) :])
+            torque = _of_law(law, t, h, own) if law else _line(*own)
+            step = _implicit if record.implicit else _explicit
+            end = step(tree, option, method, (q, qd), h, width, torque, loads)
+            return simulation_steps.on_loops(tree, q, end, option.equations)
+
+        try:
+            return trace(f"driven_{record.formula}", evaluate, (*taken, p), reached)
+        except ZeroDivisionError:
+            raise SingularError(
+                f"simulate: {model.name!r} or its torque divides by zero in every state."
+            ) from None
+
+    key = ("driven step", method, law.digest if law else "")
+    return fetch_own(model, key, option, made)
+
+
+def _line(start: Vector, end: Vector) -> Torque:
+    def at(part: float, q: Vector, qd: Vector) -> Vector:
+        if part in (0.0, 1.0):
+            return end if part else start
+        return add(start, scale(part, sub(end, start)))
+
+    return at
+
+
+def _of_law(law: Program, t: Scalar, h: Scalar, own: Sequence[Any]) -> Torque:
+    def at(part: float, q: Vector, qd: Vector) -> Vector:
+        state = {"t": t + part * h if part else t, "q": q, "qd": qd}
+        (tau,) = evaluated(law, law_inputs(law, state, own))
+        return tau
+
+    return at
+
+
+def law_inputs(law: Program, state: Mapping[str, Any], own: Sequence[Any]) -> list[Any]:
+    """What a law takes, in its order: t, q and qd by name, all others as they come."""
+    rest = iter(own)
+    return [state[x.name] if x.name in state else next(rest) for x in law.inputs]
+
+
+def _explicit(
+    tree: Tree,
+    option: Option,
+    method: str,
+    state: simulation_steps.State,
+    h: Scalar,
+    width: Scalar,
+    torque: Torque,
+    loads: tuple[Vector, ...],
+) -> simulation_steps.State:
+    smooth = without(tree, "coulomb")
+
+    def acceleration(part: float, q: Vector, qd: Vector) -> Vector:
+        tau = sub(torque(part, q, qd), _friction(tree, qd, width))
+        return forward(smooth, option, q, qd, tau, loads)[0]
+
+    walk = simulation_steps.runge_kutta if method == "rk4" else simulation_steps.semi_implicit
+    return walk(tree, *state, h, acceleration)
+
+
+def _friction(tree: Tree, qd: Vector, width: Scalar) -> Vector:
+    """c tanh(q̇ / width) of all joints, as it acts on the coordinates."""
+    total: list[Scalar] = [0.0] * tree.nv
+    for body in tree.bodies:
+        if body.drive is not None:
+            (rate,), at = body.rates(qd), body.coordinates
+            own = body.drive.coulomb * tanh(rate / width)
+            total[at.v[0]] = total[at.v[0]] + at.ratio * own
+    return tuple(total)
+
+
+def _implicit(
+    tree: Tree,
+    option: Option,
+    method: str,
+    state: simulation_steps.State,
+    h: Scalar,
+    width: Scalar,
+    torque: Torque,
+    loads: tuple[Vector, ...],
+) -> simulation_steps.State:
+    def on_bodies(q: Vector) -> Any:
+        return external(tree, option, q, loads)
+
+    law = _linearised(tree, torque)
+    return simulation_steps.implicit(tree, *state, h, on_bodies, law, option.equations, width)
+
+
+def _linearised(tree: Tree, torque: Torque) -> Law:
+    """The torque at the end of a stage, linear in the state of its beginning: of the slopes those
+    of each joint's torque by its own motion, where they resist it."""
+    nv = tree.nv
+
+    def at(start: float, end: float, q: Vector, qd: Vector) -> Linearised:
+        along = [position_rates(tree, q, unit) for unit in identity(nv)]
+        seeded = tuple(Dual(x, {k: along[k][i] for k in range(nv)}) for i, x in enumerate(q))
+        rates = tuple(Dual(x, {nv + k: 1.0}) for k, x in enumerate(qd))
+        found = torque(end, seeded, rates)
+        rows = [slopes(x, 2 * nv) for x in found]
+        moving = tuple(_times(row[:nv], qd) for row in rows)
+        stiffness = tuple(maximum(-row[k], 0.0) for k, row in enumerate(rows))
+        damping = tuple(maximum(-row[nv + k], 0.0) for k, row in enumerate(rows))
+        return Linearised(tuple(map(value, found)), scale(-1.0, moving), stiffness, damping)
+
+    return at
+
+
+def _times(row: Sequence[Scalar], qd: Vector) -> Scalar:
+    total: Scalar = 0.0
+    for slope, rate in zip(row, qd, strict=True):
+        total = total + slope * rate
+    return total
