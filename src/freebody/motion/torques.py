@@ -134,7 +134,7 @@ def instants(start: float, end: float, sample_time: float) -> Array:
             f"simulate: sample_time is {sample_time:g} s, {count:.3g} instants in this run; "
             f"{_MOST} are the most."
         )
-    return start + sample_time * np.arange(max(1, int(np.ceil(count - _SAME))))
+    return start + sample_time * np.arange(max(1, int(np.ceil(count - _SAME))), dtype=float)
 
 
 def _sampled(function: Drive, instants: Array, sample_time: float, end: float) -> Schedule:
