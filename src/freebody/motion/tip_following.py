@@ -36,10 +36,10 @@ class TipFollower:
 
         Raises FreebodyError where the path leaves what the branch of q0 reaches.
         """
-        q, sign = self._started(q0)
+        q, sign = q0, self._sign(q0)
         found = [q]
         for before, way in pairwise(ways.tolist()):
-            q, sign = self._followed(q, sign, before, way, _HALVINGS)
+            q = self._followed(q, sign, before, way)
             found.append(q)
         ratios = [self._jacobian(q)[1] for q in found]
         k = int(np.argmin(ratios))
@@ -50,28 +50,29 @@ class TipFollower:
             f"of singular values {ratios[k]:.2g}); its joints limit the tip to a crawl there.",
         )
 
-    def _started(self, q0: Array) -> tuple[Array, float]:
-        """q0 and the sign of its determinant."""
+    def _sign(self, q0: Array) -> float:
+        """Of the determinant at the start, which must be regular."""
         _, ratio, sign = self._jacobian(q0)
         if ratio < _SINGULAR:
             self._refuse(0.0, "the arm is singular at the start; begin elsewhere")
-        return q0, sign
+        return sign
 
-    def _followed(
-        self, q: Array, sign: float, before: float, way: float, halvings: int
-    ) -> tuple[Array, float]:
-        """Position and sign at `way`, from those at `before`; in smaller steps where need be."""
-        reached = self._reached(q, way)
-        if reached is not None:
-            ratio, turned = self._jacobian(reached)[1:]
-            if turned == sign and ratio >= _SINGULAR:
-                self._refuse_beyond_limits(reached, way)
-                return reached, sign
-        if halvings == 0:
-            self._explain(q, way)
-        middle = 0.5 * (before + way)
-        q, sign = self._followed(q, sign, before, middle, halvings - 1)
-        return self._followed(q, sign, middle, way, halvings - 1)
+    def _followed(self, q: Array, sign: float, before: float, way: float) -> Array:
+        """The position at `way`, from that at `before`; in smaller steps where need be. sign: of
+        the determinant of the branch."""
+        ahead, least = [way], (way - before) * 0.5**_HALVINGS
+        while ahead:
+            reached = self._reached(q, ahead[-1])
+            if reached is not None:
+                _, ratio, turned = self._jacobian(reached)
+                if turned == sign and ratio >= _SINGULAR:
+                    q, before = reached, ahead.pop()
+                    self._refuse_beyond_limits(q, before)
+                    continue
+            if ahead[-1] - before <= least:
+                self._explain(q, ahead[-1])
+            ahead.append(0.5 * (before + ahead[-1]))
+        return q
 
     def _reached(self, q: Array, way: float) -> Array | None:
         """The position at `way` near q by Newton's method; None where that leads away, or
