@@ -13,6 +13,7 @@ lines, because the corners of the polygon with the largest and smallest x are fo
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import comb, factorial
 from typing import NamedTuple
 
 from freebody.elementary import Scalar, absolute, less, less_equal, maximum, minimum, where
@@ -155,3 +156,17 @@ def forward(before: Vector, lines: Lines, allowed: Vector) -> tuple[Scalar, Scal
         y = minimum(y, most + slope * x)
         least_y = maximum(least_y, least + slope * x)
     return maximum(y, 0.0), maximum(least_y - y, 0.0)
+
+
+def timed(derivatives: Sequence[Vector], speed: Scalar, half: Scalar) -> list[Vector]:
+    """Coefficients of powers of t, lowest first, of q(s(t)), s = speed t + half t² from where the
+    derivatives by s are taken."""
+    degree, n = len(derivatives) - 1, len(derivatives[0])
+    found: list[Vector] = [[0.0] * n for _ in range(2 * degree + 1)]
+    for j, derivative in enumerate(derivatives):
+        for k in range(j + 1):
+            weight: Scalar = comb(j, k) / factorial(j)
+            for factor in [speed] * (j - k) + [half] * k:
+                weight = weight * factor
+            found[j + k] = [c + weight * d for c, d in zip(found[j + k], derivative, strict=True)]
+    return found

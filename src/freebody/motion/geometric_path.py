@@ -3,7 +3,7 @@ whose speed is known."""
 
 from __future__ import annotations
 
-from math import comb, factorial
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,22 +13,21 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
-from freebody.motion.path_limits import PathSamples
+from freebody.motion.path_limits import PathCurve, PathSamples, sampled
 from freebody.motion.piecewise import PiecewisePolynomial, interpolated
 from freebody.motion.planning_limits import SLACK, PlanningLimits, read_waypoints
 from freebody.motion.ranges import position_columns
+from freebody.motion.speed_profile import timed_pieces
 from freebody.trees.position_rates import layout
 
 _SAME = 1e-9  # of the length of a path: positions nearer to each other are one
 
 
-def path_curve(
-    function: str, model: Model, given: Any, limits: PlanningLimits
-) -> PiecewisePolynomial:
+def path_curve(function: str, model: Model, given: Any, limits: PlanningLimits) -> PathCurve:
     """The curve of one path: a polynomial in pieces as it is; of waypoints (k, nq) or a motion's
     positions the natural cubic spline, s being the distance along the chords, 1 in all."""
     if isinstance(given, PPoly):
-        return _of_scipy(function, model, given)
+        return _with_derivatives(_of_scipy(function, model, given))
     q = read_waypoints(function, model, given.q if isinstance(given, Motion) else given, limits)
     length = np.linalg.norm(np.diff(q, axis=0), axis=1)
     moves = length > _SAME * length.sum()
@@ -39,7 +38,12 @@ def path_curve(
     points = q[np.concatenate([[True], moves])]
     s = np.concatenate([[0.0], np.cumsum(length[moves])]) / length[moves].sum()
     s[-1] = 1.0
-    return interpolated(s, points, 3, "natural")
+    return _with_derivatives(interpolated(s, points, 3, "natural"))
+
+
+def _with_derivatives(curve: PiecewisePolynomial) -> PathCurve:
+    count = max(2, len(curve.coefficients) - 1)
+    return PathCurve((curve, *(curve.derivative(k + 1) for k in range(count))))
 
 
 def _of_scipy(function: str, model: Model, given: PPoly) -> PiecewisePolynomial:
@@ -76,7 +80,7 @@ def _refuse_jump(function: str, model: Model, curve: PiecewisePolynomial, what: 
 def refuse_out_of_range(
     function: str,
     model: Model,
-    curve: PiecewisePolynomial,
+    curve: PathCurve,
     samples: PathSamples,
     path: int,
     limits: PlanningLimits,
@@ -88,7 +92,7 @@ def refuse_out_of_range(
     beyond = 0.25 * step**2 * np.abs(samples.second[:, path]).max()  # what lies between samples
     if (q.min(axis=0) - beyond >= low).all() and (q.max(axis=0) + beyond <= high).all():
         return
-    of = curve.extremes
+    of = curve.orders[0].extremes
     for way, value, limit, s in (
         (-1.0, of.low[iq], low, of.low_at[iq]),
         (1.0, of.high[iq], high, of.high_at[iq]),
@@ -101,7 +105,7 @@ def refuse_out_of_range(
             )
 
 
-def grid(curve: PiecewisePolynomial, intervals: int) -> Array:
+def grid(curve: PathCurve, intervals: int) -> Array:
     """(intervals + 1,) points of s, all breaks among them, evenly in each piece: no fewer intervals
     than pieces."""
     breaks = curve.breaks
@@ -113,39 +117,26 @@ def grid(curve: PiecewisePolynomial, intervals: int) -> Array:
     return np.interp(np.arange(intervals + 1), at, breaks)
 
 
-def motion_along(
+def motions_along(
     model: Model,
-    curve: PiecewisePolynomial,
+    curves: Sequence[PathCurve],
     at: PathSamples,
-    path: int,
     x: Array,
     source: str,
-    notices: tuple[str, ...] = (),
-) -> Motion:
-    """The exact motion of a path with ṡ² = x (N + 1,) at the grid, s̈ constant between: q(t) are
+    notices: Sequence[tuple[str, ...]],
+) -> Iterator[Motion]:
+    """The exact motions of paths with ṡ² = x (N + 1, P) at the grid, s̈ constant between: q(t) are
     polynomials of twice the curve's degree."""
-    s, v = at.s[:, path], np.sqrt(x)
-    h = 2.0 * np.diff(s)
-    u = np.diff(x) / h
-    duration = h / (v[:-1] + v[1:])
-    t = np.concatenate([[0.0], np.cumsum(duration)])
-    degree = len(curve.coefficients) - 1
-    known = [at.q[:-1, path], at.first[:-1, path], at.second[:-1, path]]
-    taylor = [*known, *(curve.derivative(j)(s[:-1]) for j in range(3, degree + 1))][: degree + 1]
-    # q = Σ taylor_j w^j / j!, w = v t + u t² / 2
-    weights = np.zeros((len(u), 2 * degree + 1, degree + 1))
-    for j in range(degree + 1):
-        for k in range(j + 1):
-            weights[:, 2 * degree - j - k, j] = (
-                comb(j, k) / factorial(j) * v[:-1] ** (j - k) * (0.5 * u) ** k
-            )
-    pieces = PiecewisePolynomial(
-        t, np.ascontiguousarray((weights @ np.stack(taylor, axis=1)).swapaxes(0, 1))
-    )
-    qd, qdd = (
-        rate[:, 0]
-        for rate in PathSamples(
-            at.s, at.q, at.first[:, path, None], at.second[:, path, None]
-        ).rates(x[:, None], np.append(u, u[-1])[:, None])
-    )
-    return Motion(t, at.q[:, path], qd, qdd, source, layout(model), notices, pieces=pieces)
+    h = 2.0 * np.diff(at.s, axis=0)
+    most = max(len(curve.orders) for curve in curves)
+    known = [at.q[:-1], at.first[:-1], at.second[:-1]][:most]
+    known += sampled(curves, at.s[:-1], range(3, most))
+    polynomials, durations = timed_pieces(known, x, h)
+    u = np.diff(x, axis=0) / h
+    qd, qdd = at.rates(x, np.concatenate([u, u[-1:]]))
+    for k in range(len(curves)):
+        t = np.concatenate([[0.0], np.cumsum(durations[:, k])])
+        pieces = PiecewisePolynomial(t, polynomials[k])
+        yield Motion(
+            t, at.q[:, k], qd[:, k], qdd[:, k], source, layout(model), notices[k], pieces=pieces
+        )

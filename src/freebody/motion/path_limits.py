@@ -14,6 +14,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
+from typing import NamedTuple
 
 import numpy as np
 
@@ -47,7 +49,9 @@ class RobotLimits:
 
     def dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
         """Torques (..., nv), friction and wrenches included."""
-        return inverse_dynamics(self.model, q, qd, qdd, dict(self.wrenches) or None)
+        rows = [x.reshape(-1, x.shape[-1]) for x in (q, qd, qdd)]  # one axis is quickest
+        loads = dict(self.wrenches) or None
+        return inverse_dynamics(self.model, *rows, wrenches=loads).reshape(qd.shape)
 
     def row(self, torque: Array, acceleration: Array) -> Array:
         """(..., m) of torques and accelerations (..., nv) those that have a limit."""
@@ -57,8 +61,7 @@ class RobotLimits:
         return np.concatenate([torque[..., pick], acceleration[..., other]], axis=-1)
 
 
-@dataclass(frozen=True, eq=False)
-class PathSamples:
+class PathSamples(NamedTuple):
     """Positions and derivatives by s (T, P, nv) of paths at points s (T, P)."""
 
     s: Array
@@ -66,26 +69,30 @@ class PathSamples:
     first: Array
     second: Array
 
-    def every_second(self, start: int) -> PathSamples:
-        """From the sample `start` on."""
-        return PathSamples(*(x[start::2] for x in (self.s, self.q, self.first, self.second)))
-
     def rates(self, x: Array, u: Array) -> tuple[Array, Array]:
         """(q̇, q̈) where ṡ² = x and s̈ = u, arrays (T, P)."""
         x, u = x[..., None], u[..., None]
         return self.first * np.sqrt(x), self.second * x + self.first * u
 
 
-def sampled(curves: Sequence[PiecewisePolynomial], s: Array) -> PathSamples:
-    """Each path at its own points s (T, P)."""
-    found: list[Array] = []
-    for order in range(3):
-        each = [
-            (curve.derivative(order) if order else curve)(column)
-            for curve, column in zip(curves, s.T, strict=True)
-        ]
-        found.append(each[0][:, None] if len(each) == 1 else np.stack(each, axis=1))
-    return PathSamples(s, *found)
+class PathCurve(NamedTuple):
+    """q(s) and its derivatives by s, as many as are not 0, at least two."""
+
+    orders: tuple[PiecewisePolynomial, ...]
+
+    @property
+    def breaks(self) -> Array:
+        """Of s, between polynomials."""
+        return self.orders[0].breaks
+
+
+def sampled(curves: Sequence[PathCurve], s: Array, orders: range) -> list[Array]:
+    """Some derivatives (T, P, nv) of each path at its own points s (T, P)."""
+    each = [
+        [curve.orders[order](column) for curve, column in zip(curves, s.T, strict=True)]
+        for order in orders
+    ]
+    return [x[0][:, None] if len(x) == 1 else np.stack(x, axis=1) for x in each]
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,10 +156,7 @@ class PathProblem:
         lo, hi = ((start[:, paths], end[:, paths]) for start, end in (lo, hi))
         grid = (x[:, paths] for x in (h, most, most_between, a, b))
         rows = Rows(*grid, lo=lo, hi=hi)
-        at, between = (
-            PathSamples(*(x[:, paths] for x in (of.s, of.q, of.first, of.second)))
-            for of in (self.at, self.between)
-        )
+        at, between = (PathSamples(*(x[:, paths] for x in of)) for of in (self.at, self.between))
         drag = None if self.viscous is None else self.viscous[:, paths]
         return PathProblem(self.limits, at, between, rows, drag)
 
@@ -168,14 +172,11 @@ class PathProblem:
         return replace(self, rows=fewer, viscous=drag)
 
 
-def path_problem(
-    limits: RobotLimits, curves: Sequence[PiecewisePolynomial], s: Array
-) -> PathProblem:
+def path_problem(limits: RobotLimits, curves: Sequence[PathCurve], s: Array) -> PathProblem:
     """The limits along paths at a grid s (N + 1, P)."""
-    every = np.empty((2 * len(s) - 1, s.shape[1]))
-    every[::2], every[1::2] = s, 0.5 * (s[:-1] + s[1:])
-    samples = sampled(curves, every)
-    at, between = samples.every_second(0), samples.every_second(1)
+    points = np.concatenate([s, 0.5 * (s[:-1] + s[1:])])
+    found = [points, *sampled(curves, points, range(3))]
+    at, between = (PathSamples(*(x[part] for x in found)) for part in _parts(len(s)))
     still = np.zeros_like(at.first)
     viscous, coulomb, _ = drive_arrays(limits.model)
     rest = limits.dynamics(at.q, still, still)
@@ -191,11 +192,20 @@ def path_problem(
         signs = np.stack([np.sign(x) for x in (at.first[:-1], between.first, at.first[1:])])
         drag = [limits.row(coulomb * f(signs, axis=0), still[:-1]) for f in (np.min, np.max)]
         ends = [(lo - drag[0], hi - drag[1]) for lo, hi in ends]
-    fastest = np.max(np.abs(samples.first) / limits.velocity, axis=-1, initial=0.0)
-    most = 1.0 / np.maximum(fastest**2, 1.0 / unlimited(s))
-    rows = Rows(2.0 * np.diff(s, axis=0), most[::2], most[1::2], a, b, *zip(*ends, strict=True))
+    columns = np.moveaxis((found[2] / limits.velocity) ** 2, -1, 0)
+    fastest = reduce(np.maximum, columns)  # several times as quick as max over a short last axis
+    most = 1.0 / np.maximum(fastest, 1.0 / unlimited(s))
+    speeds = (most[part] for part in _parts(len(s)))
+    (lo, hi), (lo_end, hi_end) = ends
+    bounds = {"lo": (lo, lo_end), "hi": (hi, hi_end)}
+    rows = Rows(2.0 * np.diff(s, axis=0), *speeds, a, b, **bounds)
     drag = limits.row(viscous * at.first, still) if viscous.any() else None
     return PathProblem(limits, at, between, rows, drag)
+
+
+def _parts(count: int) -> tuple[slice, slice]:
+    """Of samples at `count` points and then between them."""
+    return slice(count), slice(count, None)
 
 
 def unlimited(s: Array) -> Array:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.errors import listed
+from freebody.model.description import Limits
 from freebody.model.model import Model
 from freebody.trees.position_rates import Index
 
@@ -55,26 +56,28 @@ class Ranges:
 
 def ranges(model: Model) -> Ranges:
     """The usable ranges of a model's coordinates."""
-    limits = model.limits
     own = (body for body in model.bodies if body.joint.mimic is None)
-    meant = [body.joint.limits.meant for body in own for _ in range(body.kind.nv)]
-    lower, upper, velocity, effort = (
-        np.array([getattr(x, name) for x in meant], dtype=float)
-        for name in ("lower", "upper", "velocity", "effort")
-    )
+    rows = [_numbers(body.joint.limits) for body in own for _ in range(body.kind.nv)]
+    given, meant = np.array(rows, dtype=float).reshape(-1, 2, 4).transpose(1, 2, 0)
+    lower, upper, velocity, effort = meant.copy()
     apart = tuple(_narrow(model, lower, upper, velocity))
     names = model.velocity_names
     notices = [
         f"{what} of {listed(compress(names, bad), 6)} is zero in the model and is taken as not "
         f"given."
         for what, bad in (
-            ("the position range", limits.lower == limits.upper),
-            ("the speed limit", limits.velocity == 0),
-            ("the effort limit", limits.effort == 0),
+            ("the position range", given[0] == given[1]),
+            ("the speed limit", given[2] == 0),
+            ("the effort limit", given[3] == 0),
         )
         if bad.any()
     ]
     return Ranges(lower, upper, velocity, effort, angular(model), tuple(notices), apart)
+
+
+def _numbers(limits: Limits) -> list[tuple[float, ...]]:
+    """Lower, upper, velocity and effort, as written and as they are meant."""
+    return [(x.lower, x.upper, x.velocity, x.effort) for x in (limits, limits.meant)]
 
 
 def angular(model: Model) -> Flags:

@@ -7,7 +7,7 @@ computed side by side.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -78,7 +78,8 @@ def _polygons(kernel: Kernel, rows: Rows) -> tuple[Array, ...]:
     ends = np.empty((*rows.h.shape, 5))
     for k, x in enumerate((0.0, rows.most[:-1], rows.most_between, rows.most[1:], rows.h)):
         ends[..., k] = x
-    *lines, corners = kernel(*given, ends)
+    flat = (x.reshape(rows.h.size, x.shape[-1]) for x in (*given, ends))  # one axis is quickest
+    *lines, corners = (x.reshape(*rows.h.shape, x.shape[-1]) for x in kernel(*flat))
     for _ in range(_SEARCHES):
         steps = np.abs(corners[..., 2::3]).max(axis=-1)
         open_ = (steps > _CLOSE * np.abs(corners[..., 0])) & (steps < path_timing.FAR)
@@ -88,6 +89,35 @@ def _polygons(kernel: Kernel, rows: Rows) -> tuple[Array, ...]:
         again[:, 0], again[:, 1] = corners[open_][:, 3], corners[open_][:, 0]
         corners[open_] = kernel(*(x[open_] for x in given), again)[-1]
     return (*lines, corners)
+
+
+def timed_pieces(derivatives: Sequence[Array], x: Array, h: Array) -> tuple[Array, Array]:
+    """(polynomials of time, durations (N, P)) of the motion in each interval, where s̈ is constant.
+
+    derivatives: of the paths by s, (N, P, n) each, at the intervals' starts, all that are not 0. x:
+    (N + 1, P). h: (N, P) twice the intervals' lengths. Polynomials: (P, degree + 1, N, n), highest
+    power first.
+    """
+    n, degree = derivatives[0].shape[-1], len(derivatives) - 1
+    speed = np.sqrt(x)
+    found = np.empty((x.shape[1], 2 * degree + 1, len(h), n))
+    half = (x[1:] - x[:-1]) / (2.0 * h)
+    outs = tuple(np.moveaxis(found, 0, 2)[::-1])
+    _timing(n, degree)(*derivatives, speed[:-1], half, out=outs)
+    return found, h / (speed[:-1] + speed[1:])
+
+
+@lru_cache(maxsize=8)
+def _timing(n: int, degree: int) -> Kernel:
+    """`path_timing.timed` of n coordinates."""
+
+    def timed(*given: Scalar) -> tuple[Scalar, ...]:
+        return tuple(path_timing.timed(given[:-2], *given[-2:]))
+
+    derivatives = [Argument(f"d{k}", (n,)) for k in range(degree + 1)]
+    powers = [Argument(f"c{k}", (n,)) for k in range(2 * degree + 1)]
+    inputs = [*derivatives, Argument("speed", ()), Argument("half", ())]
+    return compile_program(trace("path_timed", timed, inputs, powers))
 
 
 class _Kernels(NamedTuple):

@@ -14,10 +14,9 @@ from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, listed, shown
 from freebody.labels import is_labelled
 from freebody.model.model import Model
-from freebody.motion.geometric_path import grid, motion_along, path_curve, refuse_out_of_range
+from freebody.motion.geometric_path import grid, motions_along, path_curve, refuse_out_of_range
 from freebody.motion.motion import Motion
-from freebody.motion.path_limits import PathProblem, RobotLimits, path_problem
-from freebody.motion.piecewise import PiecewisePolynomial
+from freebody.motion.path_limits import PathCurve, PathProblem, RobotLimits, path_problem
 from freebody.motion.planning_limits import Limit, PlanningLimits, planning_limits
 from freebody.motion.speed_profile import quickest_profile
 from freebody.motion.unreachable import refuse_unreachable
@@ -103,7 +102,7 @@ class _Block(NamedTuple):
     intervals: int
 
 
-def _blocks(curves: Sequence[PiecewisePolynomial], points: int) -> Iterator[_Block]:
+def _blocks(curves: Sequence[PathCurve], points: int) -> Iterator[_Block]:
     """All paths in order; those beside each other have equally many intervals."""
     counts = [max(points - 1, len(curve.breaks) - 1) for curve in curves]
     for intervals, group in groupby(range(len(curves)), key=counts.__getitem__):
@@ -113,7 +112,7 @@ def _blocks(curves: Sequence[PiecewisePolynomial], points: int) -> Iterator[_Blo
 
 
 def _motions(
-    robot: RobotLimits, limits: PlanningLimits, curves: Sequence[PiecewisePolynomial], block: _Block
+    robot: RobotLimits, limits: PlanningLimits, curves: Sequence[PathCurve], block: _Block
 ) -> Iterator[Motion]:
     """Of the paths of a block."""
     own = [curves[k] for k in block.paths]
@@ -123,10 +122,8 @@ def _motions(
         refuse_out_of_range(_NAME, robot.model, curve, problem.at, k, limits)
     labels = ["the path"] if len(curves) == 1 else [f"path {k}" for k in block.paths]
     found = _solved(problem, labels)
-    for k, curve in enumerate(own):
-        x, worst = found.x[:, k], found.worst[k]
-        notices = _told(worst) if worst > _HELD else ()
-        yield motion_along(robot.model, curve, problem.at, k, x, _SOURCE, notices)
+    notices = [_told(worst) if worst > _HELD else () for worst in found.worst]
+    return motions_along(robot.model, own, problem.at, found.x, _SOURCE, notices)
 
 
 class _Found(NamedTuple):
