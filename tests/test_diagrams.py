@@ -16,7 +16,7 @@ from freebody.figures import svg, text
 from freebody.figures.drawing import Arc, Arrow, Dimension, Label, Line, Mark, Prism, Turn
 from freebody.figures.figure import Figure
 from freebody.figures.illustrate import illustrations
-from freebody.figures.label_placement import _overlap
+from freebody.figures.label_placement import overlaps
 from freebody.figures.layers.geometry import common_normal
 from freebody.figures.snapshot import clear_pose, with_values
 from freebody.model.joints import KINDS
@@ -76,16 +76,16 @@ def test_figures_are_sound_and_legible(number, figures):
 
 def assert_legible(drawing, width, tallest):
     """No label on another, on a line or off the page."""
-    page, height, labels = svg.laid_out(drawing, width, tallest)
-    for k, label in enumerate(labels):
-        left, top, right, bottom = label.box
-        text = label.wanted.text
+    page, height, boxes = svg.laid_out(drawing, width, tallest)
+    for k, (label, box) in enumerate(zip(page.wanted, boxes, strict=True)):
+        left, top, right, bottom = box
+        text, others = label.text, np.array(boxes[k + 1 :]).reshape(-1, 4)
         assert min(left, top, width - right, height - bottom) >= 0, text
-        assert not any(_overlap(label.box, other.box) > 12 for other in labels[k + 1 :]), text
+        assert not (overlaps(others, box) > 12).any(), text
         lines = [
             p
             for p in page.crowd.points
-            if left + 1 < p[0] < right - 1 and top + 2 < p[1] < bottom - 2
+            if left + 1 < p.real < right - 1 and top + 2 < p.imag < bottom - 2
         ]
         assert not lines, f"{text} stands on a line"
 

@@ -12,7 +12,7 @@ import freebody as fb
 from freebody.cli.app import run
 from freebody.errors import FreebodyError, MissingValueError, ShapeError, UnknownNameError
 from freebody.figures.drawing import Arc, Arrow, Dimension, Line, Mark, Turn
-from freebody.figures.label_placement import Crowd, Wanted, _overlap
+from freebody.figures.label_placement import Crowd, Wanted, overlaps
 from freebody.figures.layers import forces
 from freebody.figures.plots import Plot, plot, thin, ticks
 from freebody.figures.robot import robot_drawing
@@ -516,12 +516,9 @@ def test_colours_of_forces_are_in_the_theme():
 # ---------------------------------------------------------------- labels, numbers, curves
 def test_labels_keep_apart():
     crowd = Crowd(300, 300)
-    placed = crowd.settle(
-        [Wanted(f"label {k}", "", [(150, 150, 1, 0)], 13.0, 45.0) for k in range(6)]
-    )
-    boxes = [p.box for p in placed]
-    overlap = sum(_overlap(a, b) for i, a in enumerate(boxes) for b in boxes[i + 1 :])
-    assert overlap < 60
+    boxes = crowd.settle([Wanted(f"label {k}", "", [(150 + 150j, 1)], 45.0) for k in range(6)])
+    apart = (overlaps(np.array(boxes[k + 1 :]).reshape(-1, 4), boxes[k]) for k in range(6))
+    assert sum(x.sum() for x in apart) < 60
     assert all(b[0] >= 0 and b[1] >= 0 and b[2] <= 300 and b[3] <= 300 for b in boxes)
 
 

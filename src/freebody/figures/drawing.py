@@ -154,6 +154,11 @@ class View:
         """Page coordinates (k, 2) in metres, y up."""
         return np.asarray(list(points), dtype=float) @ np.asarray(self.rows).T
 
+    def on_page(self, place: Sequence[float] | Array) -> complex:
+        """x + iy on the page in metres, y down: of a place, or of a direction."""
+        x, y = np.asarray(self.rows) @ np.asarray(place, dtype=float)
+        return complex(x, -y)
+
     def depth(self, points: Iterable[Sequence[float]]) -> float:
         """How near the viewer the middle of some points is, metres."""
         if not self.towards:

@@ -57,7 +57,7 @@ def plot(what: Plot) -> Picture:
     h += _ROW * max(len(rows) - 2, 0)
     box = (_LEFT, _TOP + _ROW * max(len(rows), 1), w - _RIGHT, h - _BOTTOM)
     axes = _Axes(box, (float(what.t[0]), float(what.t[-1])), (low, high), what.log)
-    body = [words("name", 6, 16, escape(what.title)), *_grid(axes, what.unit)]
+    body = [words("name", 6 + 16j, escape(what.title)), *_grid(axes, what.unit)]
     if what.now is not None:
         body.append(axes.upright("now", what.now, f"t = {what.now:.4g} s"))
     for level in what.limits:
@@ -67,7 +67,7 @@ def plot(what: Plot) -> Picture:
     for name, curve, colour in drawn:
         x, y = axes.x(what.t), axes.y(curve)
         kept = thin(x, y)
-        d = path(list(zip(x[kept], y[kept], strict=True)))
+        d = path((x + 1j * y)[kept].tolist())
         body.append(line(f"curve s{colour}", d, name))
     if what.peaks and not what.log:
         body += [_peak(axes, what, curve, colour) for _, curve, colour in drawn[:1]]
@@ -75,7 +75,7 @@ def plot(what: Plot) -> Picture:
         for name, x, colour in row:
             y = _TOP + 4 + _ROW * k
             body.append(line(f"curve s{colour}", f"M{x:.1f} {y - 4:.1f}h14"))
-            body.append(words("num", x + 19, y, escape(name)))
+            body.append(words("num", complex(x + 19, y), escape(name)))
     return Picture("".join(body), w, h, f"{what.title}, {what.unit} over time")
 
 
@@ -190,17 +190,17 @@ def _grid(axes: _Axes, unit: str) -> list[str]:
     for level in levels:
         text = f"10{_raised(level)}" if axes.log else _tick(level, levels)
         out.append(axes.level("grid", level))
-        out.append(words("tick", left - 6, float(axes.y(level)) + 4, text, "end"))
+        out.append(words("tick", complex(left - 6, axes.y(level) + 4), text, "end"))
     instants = ticks(*axes.time)
     for t in instants:
         x = float(axes.x(t))
         out.append(line("axis", f"M{x:.1f} {bottom:.1f}v4"))
-        out.append(words("tick", x, bottom + 16, _tick(t, instants), "middle"))
+        out.append(words("tick", complex(x, bottom + 16), _tick(t, instants), "middle"))
     if not axes.log and axes.range[0] < 0 < axes.range[1]:
         out.append(axes.level("axis", 0.0))
     frame = line("frame", f"M{left:.1f} {top:.1f}V{bottom:.1f}H{right:.1f}")
-    time = words("unit", right, bottom + 28, "t in s", "end")
-    return [*out, frame, time, words("unit", right, 16, escape(unit), "end")]
+    time = words("unit", complex(right, bottom + 28), "t in s", "end")
+    return [*out, frame, time, words("unit", right + 16j, escape(unit), "end")]
 
 
 def _decades(low: float, high: float) -> list[float]:
@@ -236,8 +236,9 @@ def _peak(axes: _Axes, what: Plot, curve: Array, colour: int) -> str:
     half = width(text, 11) / 2
     at = min(max(x, axes.box[0] + half + 4), axes.box[2] - half)
     title = f"{text} {what.unit} at {what.t[k]:.4g} s"
-    beside = words("tick halo", at, y - 7 if curve[k] > 0 else y + 15, text, "middle")
-    return circle(f"peak f{colour}", (x, y), 3.4, title) + beside
+    beside = complex(at, y - 7 if curve[k] > 0 else y + 15)
+    beside = words("tick halo", beside, text, "middle")
+    return circle(f"peak f{colour}", complex(x, y), 3.4, title) + beside
 
 
 def _legend_rows(what: Plot) -> list[list[tuple[str, float, int]]]:

@@ -28,7 +28,7 @@ from freebody.figures.drawing import (
     View,
     places,
 )
-from freebody.figures.label_placement import Crowd, Placed, Wanted
+from freebody.figures.label_placement import Box, Crowd, Wanted
 from freebody.outputs.numbers import significant
 from freebody.outputs.text import legal
 
@@ -40,57 +40,51 @@ _VALUE = 12.0  # height of the letters of values
 _LOST = 1e-12  # of the distance from the origin: what is shorter is lost in rounding
 
 
+Anchor = tuple[complex, complex]
+"""A place on the page and the direction in which a label would like to go from there."""
+
+
 @dataclass
 class Page:
     """From metres to pixels, and what has been written so far."""
 
     drawing: Drawing
     scale: float
-    shift: Array
+    shift: complex
     crowd: Crowd
     body: list[str]
     wanted: list[Wanted]
 
-    def at(self, place: tuple[float, ...]) -> tuple[float, float]:
+    def at(self, place: Sequence[float]) -> complex:
         """Pixels of a place of the world; y down."""
-        x, y = self.drawing.view.project([place])[0]
-        return float(self.shift[0] + self.scale * x), float(self.shift[1] - self.scale * y)
+        return self.shift + self.scale * self.drawing.view.on_page(place)
 
-    def towards(self, direction: tuple[float, ...]) -> tuple[float, float]:
-        """A direction of the world on the page, unit length, y down; to the right where it points
-        at the viewer."""
-        x, y = self.drawing.view.project([direction])[0]
-        size = math.hypot(x, y)
-        return (float(x / size), float(-y / size)) if size > 1e-9 else (1.0, 0.0)
+    def towards(self, direction: Sequence[float] | None, default: complex = 1.0) -> complex:
+        """A direction of the world on the page, unit length; to the right where it points at the
+        viewer."""
+        way = default if direction is None else self.drawing.view.on_page(direction)
+        return way / abs(way) if abs(way) > 1e-9 else 1.0
 
-    def want(
-        self, element: Element, css: str, anchors: Sequence[tuple[float, float, float, float]]
-    ) -> None:
+    def want(self, element: Element, css: str, anchors: Sequence[Anchor]) -> None:
         """Ask for room for what stands beside an element."""
         formula, after = labelling.beside(element, self.drawing.labels)
         if formula or after:
             wide = text.formula_width(formula) + text.width(after, _VALUE)
-            self.wanted.append(Wanted(formula, css, anchors, text.SIZE, wide, after))
+            self.wanted.append(Wanted(formula, css, anchors, wide, after))
 
     def around(
-        self,
-        e: Turn | Arc | Mark,
-        css: str,
-        r: float,
-        start: float,
-        sweep: float,
+        self, e: Turn | Arc | Mark, css: str, r: float, start: float, sweep: float,
         shares: Sequence[float],
-    ) -> None:
+    ) -> None:  # fmt: skip
         """Keep clear of an arc of r pixels around an element's place, from the direction `start`
         over `sweep` (rad), and ask for room outside it at shares of its length."""
-        x, y = self.at(e.at)
+
+        def on(share: float) -> Anchor:
+            way = svg_symbols.towards(start + sweep * share)
+            return self.at(e.at) + r * way, way
+
         count = max(8, int(abs(sweep) * r / 5))
-
-        def on(share: float) -> tuple[float, float, float, float]:
-            u, v = math.cos(start + sweep * share), -math.sin(start + sweep * share)
-            return x + r * u, y + r * v, u, v
-
-        self.crowd.points += [on(k / count)[:2] for k in range(count + 1)]
+        self.crowd.points += [on(k / count)[0] for k in range(count + 1)]
         self.want(e, css, [on(share) for share in shares])
 
 
@@ -121,18 +115,17 @@ class Picture:
 
 def picture(drawing: Drawing, width: float = 560.0, tallest: float = 460.0) -> Picture:
     """The drawing on a page `width` pixels wide and as tall as it needs."""
-    page, height, labels = laid_out(drawing, width, tallest)
-    page.body += [_label(placed) for placed in labels]
+    page, height, boxes = laid_out(drawing, width, tallest)
+    page.body += map(_label, page.wanted, boxes)
     page.body += _corners(drawing, page, height)
-    page.body += [
-        _centred("n", width / 2, height + 4 + _NOTE * (k + 0.6), note, 12.0)
-        for k, note in enumerate(drawing.notes)
-    ]
+    for k, note in enumerate(drawing.notes):
+        at = complex(width / 2, height + 4 + _NOTE * (k + 0.6))
+        page.body.append(_centred("n", at, note, 12.0))
     height += _NOTE * len(drawing.notes) + (8 if drawing.notes else 0)
     return Picture("".join(page.body), width, height, drawing.title)
 
 
-def laid_out(drawing: Drawing, width: float, tallest: float) -> tuple[Page, float, list[Placed]]:
+def laid_out(drawing: Drawing, width: float, tallest: float) -> tuple[Page, float, list[Box]]:
     """The page with all but the labels, its height, and where the labels go."""
     page, height = _fit(drawing, width, tallest)
     for element in drawing.elements:
@@ -165,7 +158,7 @@ def _fit(drawing: Drawing, width: float, tallest: float) -> tuple[Page, float]:
     top = 18.0 if drawing.heading else 0.0
     inner = max(float(high[1] - low[1]) * scale + 2 * _MARGIN, 120.0)
     middle = (low + high) / 2
-    shift = np.array([width / 2 - scale * middle[0], top + inner / 2 + scale * middle[1]])
+    shift = complex(width / 2 - scale * middle[0], top + inner / 2 + scale * middle[1])
     height = top + inner + (_STRIP if drawing.rulers else 0.0)
     crowd = Crowd(width, height - (_STRIP + 14.0 if drawing.rulers else 0.0))
     if drawing.compass:
@@ -192,38 +185,38 @@ def _arrow(page: Page, e: Arrow) -> None:
     a, b = _beside(page.at(e.start), page.at(e.end), e.aside)
     page.body.append(svg_symbols.arrow(a, b, e.role, e.heads, _tooltip(page, e)))
     page.crowd.keep_clear(a, b)
-    dx, dy = (b[0] - a[0], b[1] - a[1])
-    beyond = (*b, dx, dy) if math.hypot(dx, dy) > 1 else (*b, 1.0, -1.0)
-    at, side = e.beside or 0.5, 1.0 if e.aside >= 0 else -1.0
-    near, across = (
-        [(a[0] + k * dx, a[1] + k * dy, s * dy, -s * dx) for k in (at, at + 0.15, at - 0.15)]
-        for s in (side, -side)
-    )
+    beyond = b, b - a if abs(b - a) > 1 else 1 - 1j
+    near, across = (_along(a, b, side, e.beside or 0.5) for side in _sides(e.aside))
     anchors = [*near, *across, beyond] if e.beside else [beyond, near[0], across[0]]
     page.want(e, f"{e.role}-text", anchors)
 
 
-def _beside(
-    a: svg_symbols.Pixel, b: svg_symbols.Pixel, aside: float
-) -> tuple[svg_symbols.Pixel, svg_symbols.Pixel]:
+def _beside(a: complex, b: complex, aside: float) -> tuple[complex, complex]:
     """A segment moved some pixels to its left."""
-    length = math.dist(a, b)
-    if not aside or not length:
+    if not aside or a == b:
         return a, b
-    u, v = aside * (b[1] - a[1]) / length, -aside * (b[0] - a[0]) / length
-    return (a[0] + u, a[1] + v), (b[0] + u, b[1] + v)
+    left = -1j * aside * (b - a) / abs(b - a)
+    return a + left, b + left
+
+
+def _sides(aside: float) -> tuple[float, float]:
+    """The side on which the label of something moved aside stands, and the other one; 1: left."""
+    return (1.0, -1.0) if aside >= 0 else (-1.0, 1.0)
+
+
+def _along(a: complex, b: complex, side: float, share: float) -> list[Anchor]:
+    """Anchors on a side of a segment, about a share of its length."""
+    shares = (share, share + 0.15, share - 0.15)
+    return [(a + k * (b - a), -1j * side * (b - a)) for k in shares]
 
 
 def _dimension(page: Page, e: Dimension) -> None:
     ends = page.at(e.start), page.at(e.end)
     a, b = _beside(*ends, e.aside)
-    page.body.append(svg_symbols.dimension(ends, (a, b)))
-    page.crowd.keep_clear(a, b)
-    for end, moved in zip(ends, (a, b), strict=True):
-        page.crowd.keep_clear(end, moved)
-    (x, y), dx, dy, side = a, b[0] - a[0], b[1] - a[1], 1.0 if e.aside >= 0 else -1.0
-    anchors = [(x + k * dx, y + k * dy, side * dy, -side * dx) for k in (0.5, 0.65, 0.35)]
-    page.want(e, "dimension-text", anchors)
+    page.body.append(svg_symbols.dimension(ends, a, b))
+    for p, q in ((a, b), (ends[0], a), (ends[1], b)):
+        page.crowd.keep_clear(p, q)
+    page.want(e, "dimension-text", _along(a, b, _sides(e.aside)[0], 0.5))
 
 
 def _turn(page: Page, e: Turn) -> None:
@@ -240,32 +233,28 @@ def _arc(page: Page, e: Arc) -> None:
 
 
 def _mark(page: Page, e: Mark) -> None:
-    x, y = page.at(e.at)
-    u, v = page.towards(e.direction) if e.direction else (1.0, 0.0)
-    page.body.append(svg_symbols.MARKS[e.kind]((x, y), e.size, (u, v), e.role))
-    page.crowd.keep_clear((x - e.size * 0.7, y), (x + e.size * 0.7, y))
+    at, way = page.at(e.at), page.towards(e.direction)
+    page.body.append(svg_symbols.MARKS[e.kind](at, e.size, way, e.role))
+    page.crowd.keep_clear(at - 0.7 * e.size, at + 0.7 * e.size)
     page.around(e, "", e.size, 0.0, 2 * math.pi, ())
     if e.kind == "ground":
-        for depth in (1.2 * e.size, 2.0 * e.size):
-            a, b = x - depth * u, y - depth * v
-            wide = 2 * e.size * v, 2 * e.size * u
-            page.crowd.keep_clear((a + wide[0], b - wide[1]), (a - wide[0], b + wide[1]))
+        for depth in (1.2, 2.0):
+            foot, wide = at - depth * e.size * way, 2j * e.size * way
+            page.crowd.keep_clear(foot - wide, foot + wide)
 
 
 def _prism(page: Page, e: Prism) -> None:
-    near, far = svg_symbols.prism_rings(e, page.drawing.view)
-    page.body.append(
-        svg_symbols.prism([page.at(p) for p in near], [page.at(p) for p in far], e.far)
-    )
-    outline = svg_symbols.hull([page.at(p) for p in near + far])
+    rings = svg_symbols.prism_rings(e, page.drawing.view)
+    near, far = ([page.at(p) for p in ring] for ring in rings)
+    outline = svg_symbols.hull(near + far)
+    page.body.append(svg_symbols.prism(near, outline, e.far))
     for a, b in zip(outline, outline[1:] + outline[:1], strict=True):
         page.crowd.keep_clear(a, b)
 
 
 def _text(page: Page, e: Label) -> None:
-    x, y = page.at(e.at)
-    dx, dy = page.towards(e.direction) if e.direction else (0.8, -0.8)
-    page.want(e, f"{e.role}-text", [(x, y, dx, dy), (x, y, -dx, -dy)])
+    at, way = page.at(e.at), page.towards(e.direction, 1 - 1j)
+    page.want(e, f"{e.role}-text", [(at, way), (at, -way)])
 
 
 _DRAW = {
@@ -286,37 +275,38 @@ def _tooltip(page: Page, e: Arrow | Turn) -> str:
     return text.plain(e.label or e.name) + after
 
 
-def _centred(css: str, x: float, y: float, sentence: str, size: float) -> str:
-    return svg_symbols.words(css, x, y, text.marked(text.sentence(sentence), size), "middle")
+def _centred(css: str, at: complex, sentence: str, size: float) -> str:
+    return svg_symbols.words(css, at, text.marked(text.sentence(sentence), size), "middle")
 
 
-def _label(placed: Placed) -> str:
-    (left, top, right, bottom), wanted = placed.box, placed.wanted
+def _label(wanted: Wanted, box: Box) -> str:
+    left, top, right, bottom = box
     after = f'<tspan class="num">{escape(wanted.after)}</tspan>' if wanted.after else ""
     shown = text.marked(text.runs(wanted.text)) + after
-    x, y = (left + right) / 2, bottom - (bottom - top) * 0.27
-    return svg_symbols.words(f"halo f {wanted.css}", x, y, shown, "middle")
+    at = complex((left + right) / 2, bottom - (bottom - top) * 0.27)
+    return svg_symbols.words(f"halo f {wanted.css}", at, shown, "middle")
 
 
 def _corners(drawing: Drawing, page: Page, height: float) -> list[str]:
     """Heading above; below, scale bars to the left and the world's axes to the right."""
-    width = page.crowd.width
     heading = escape(drawing.heading)
-    out = [svg_symbols.words("name", 12, 20, heading)] if heading else []
-    x = 14.0
+    out = [svg_symbols.words("name", 12 + 20j, heading)] if heading else []
+    at = complex(14.0, height - 10.0)
     for metres, label, role in drawing.rulers:
         length = metres * page.scale
-        out.append(svg_symbols.ruler((x, height - 10.0), length, label, role))
-        x += max(length, text.width(label, 11)) + 26
-    return out + (_compass(drawing.view, (width - 34.0, height - 26.0)) if drawing.compass else [])
+        out.append(svg_symbols.ruler(at, length, label, role))
+        at += max(length, text.width(label, 11)) + 26
+    if drawing.compass:
+        out += _compass(drawing.view, complex(page.crowd.width - 34.0, height - 26.0))
+    return out
 
 
-def _compass(view: View, at: tuple[float, float]) -> list[str]:
+def _compass(view: View, at: complex) -> list[str]:
     """Small arrows along the world's axes."""
     out = []
-    for k, name in enumerate("xyz"[: len(view.rows[0])]):
-        u, v = 20.0 * view.rows[0][k], -20.0 * view.rows[1][k]
-        out.append(svg_symbols.arrow(at, (at[0] + u, at[1] + v), name))
-        far = 1.0 + 9.0 / max(math.hypot(u, v), 6.0)
-        out.append(_centred("tick", at[0] + far * u, at[1] + far * v + 4, name, 11.0))
+    for name, axis in zip("xyz", np.eye(len(view.rows[0])), strict=False):
+        way = 20.0 * view.on_page(axis)
+        out.append(svg_symbols.arrow(at, at + way, name))
+        beyond = at + way * (1.0 + 9.0 / max(abs(way), 6.0)) + 4j
+        out.append(_centred("tick", beyond, name, 11.0))
     return out
