@@ -3,6 +3,9 @@ page."""
 
 from __future__ import annotations
 
+import html
+import importlib.util
+import re
 import shutil
 from pathlib import Path
 
@@ -20,6 +23,7 @@ pytestmark = [
     ),
 ]
 
+ROOT = Path(__file__).parents[1]
 MODELS = [
     *map(fb.planar, ("R", "RR", "RP", "RRR")),
     spatial_arm(5, 3),
@@ -53,6 +57,25 @@ def test_derivations_are_drawn_and_fit(driver, tmp_path: Path, method):
             assert size["width"] <= size["room"], (model.name, size)
             assert size["height"] >= 15 * size["rows"] > 0
         assert not [entry for entry in driver.get_log("browser") if entry["level"] == "SEVERE"]
+
+
+def test_the_font_of_formulas_comes_with_the_page(driver, tmp_path: Path):
+    """Under the page's own policy, and with every sign that formulas have."""
+    spec = importlib.util.spec_from_file_location("math_font", ROOT / "tools/math_font.py")
+    tool = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(tool)
+    shown = set()
+    pages = [fb.derive(fb.load(name)).html() for name in ("2R", "five_bar", "furuta")]
+    pages += [fb.derive(fb.load("2R"), method).html() for method in METHODS]
+    for text in pages:
+        for formula in re.findall(r"<math.*?</math>", text, re.DOTALL):
+            shown |= set(html.unescape(re.sub(r"<[^>]*>", "", formula)))
+    assert shown - {"\u2061", "\u2062", "\n"} <= tool.USED
+    page = tmp_path / "derivation.html"
+    page.write_text(pages[0])
+    driver.get(page.as_uri())
+    state = "return [...document.fonts].map(font => [font.family, font.status])"
+    assert driver.execute_script(state) == [["Freebody Formulas", "loaded"]]
 
 
 def test_mathml_stacks_dots_above_letters_and_indices_below(driver, tmp_path: Path):

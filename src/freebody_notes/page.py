@@ -17,7 +17,7 @@ from freebody.derivations.render import page as formulas
 from freebody.derivations.render.mathml import mathml
 from freebody.derivations.render.prose import web_prose
 from freebody.figures import colours
-from freebody.outputs.page import policy
+from freebody.outputs.page import math_style, policy
 from freebody_notes.contents import Chapter, chapters
 from freebody_notes.exercises import exercises, solution
 from freebody_notes.figures.catalogue import notes_figure
@@ -83,6 +83,7 @@ def page(findings: Sequence[ExecutedItem]) -> str:
             seconds=sum(f.seconds for f in findings),
             exercises=[(exercise, solution(exercise)) for exercise in exercises()],
             colours=(colours.page_colours(dark=False), colours.page_colours(dark=True)),
+            math_style=Markup(math_style()),
             figure_style=Markup(colours.style("@media screen and (prefers-color-scheme:dark)")),
         )
     )

@@ -5,6 +5,8 @@ from __future__ import annotations
 import base64
 import hashlib
 from collections.abc import Sequence
+from functools import cache
+from importlib import resources
 
 
 def policy(scripts: Sequence[str] = ()) -> str:
@@ -23,3 +25,16 @@ def policy(scripts: Sequence[str] = ()) -> str:
         "font-src data:; base-uri 'none'; form-action 'none'"
     )
     return f'<meta http-equiv="Content-Security-Policy" content="{rules}">'
+
+
+@cache
+def math_style() -> str:
+    """A style rule with the font of formulas in it, for pages that show some: browsers without a
+    mathematical font set brackets and accents badly."""
+    font = resources.files("freebody.outputs").joinpath("fonts/formulas.woff2").read_bytes()
+    data = base64.b64encode(font).decode()
+    return (
+        '@font-face{font-family:"Freebody Formulas";'
+        f'src:url(data:font/woff2;base64,{data})format("woff2")}}'
+        'math{font-family:"Freebody Formulas",math}'
+    )

@@ -21,7 +21,7 @@ from freebody.loops.mobility import mobility
 from freebody.model.description import DOUBTFUL, ESTIMATED
 from freebody.motion.ranges import ranges
 from freebody.outputs import files
-from freebody.outputs.page import policy
+from freebody.outputs.page import math_style, policy
 from freebody.outputs.text import legal
 from freebody.report import equations
 from freebody.report import page_figures as figures
@@ -79,6 +79,7 @@ def page(study: Study) -> str:
             ),
             versions=_versions(),
             colours=(colours.page_colours(dark=False), colours.page_colours(dark=True)),
+            math_style=Markup(math_style()),
             figure_style=Markup(colours.style("@media screen and (prefers-color-scheme:dark)")),
         )
     )

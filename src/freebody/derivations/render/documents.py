@@ -21,7 +21,7 @@ from freebody.derivations.render.prose import (
     text_prose,
     web_prose,
 )
-from freebody.outputs.page import policy
+from freebody.outputs.page import math_style, policy
 from freebody.outputs.text import legal
 
 if TYPE_CHECKING:
@@ -231,7 +231,7 @@ def html(derivation: Derivation, figures: Figures | None = None, style: str = ""
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">{policy()}'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         '<meta name="color-scheme" content="light dark"><link rel="icon" href="data:,">'
-        f"<title>{title}</title><style>{style}{_STYLE}</style></head>\n<body><main>\n"
+        f"<title>{title}</title><style>{math_style()}{style}{_STYLE}</style></head>\n<body><main>\n"
         f"{body(derivation, figures)}\n</main></body></html>\n"
     )
 
@@ -247,7 +247,7 @@ p{max-width:44rem}.equations{overflow-x:auto;padding:.3rem 0}
 .symbols{border-collapse:collapse;font-size:.92rem;margin:1rem 0}
 .symbols td{padding:.12rem 1.2rem .12rem 0;vertical-align:baseline}
 .symbols td:last-child{white-space:nowrap}
-math{font-size:1.08rem}p math,td math{font-size:1em}
+math{font-size:1.2rem}p math,td math{font-size:1.1em}
 figure{margin:1rem 0;text-align:center}figure svg{max-width:100%;height:auto}
 .source{color:#5a6675;font-size:.9rem;margin-top:3rem}
 @media (prefers-color-scheme:dark){body{color:#e4e9f0;background:#14181e}
