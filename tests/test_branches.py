@@ -254,17 +254,17 @@ def test_exports(name, language, tmp_path):
 
 @pytest.mark.parametrize("kind", ["an industrial arm", "like a UR, backwards", "a SCARA"])
 def test_many_targets_as_few(kind, monkeypatch):
-    """The function of many targets takes the kernel, and says what it says of one: singular poses,
-    targets out of reach and beyond limits among them."""
-    model = arm(POSES[kind][0](np.random.default_rng(7)), 7)
-    q, _, _ = fb.random_state(model, 5, by_closed_form.MANY)
+    """The kernel says what is said where every candidate is looked at: singular poses, targets out
+    of reach and beyond limits among them."""
+    model, again = (arm(POSES[kind][0](np.random.default_rng(7)), 7) for _ in range(2))
+    q, _, _ = fb.random_state(model, 5, 100)
     q[:9] *= 0.0  # as singular as it gets
     T = fb.forward_kinematics(model, q)
     T[10:14, :3, 3] += 30.0
     many = fb.inverse_kinematics(model, T, q0=q[40])
     assert many.residual[np.isfinite(many.residual)].max() < 1e-12
-    monkeypatch.setattr(by_closed_form, "MANY", np.inf)
-    few = fb.inverse_kinematics(model, T, q0=q[40])
+    monkeypatch.setattr(by_closed_form, "branch_kernel", lambda *_: None)
+    few = fb.inverse_kinematics(again, T, q0=q[40])
     assert (many.count == few.count).all()
     assert (many.valid.sum(axis=-1) == many.count).all()
     assert not many.count[10:14].any()
@@ -281,15 +281,15 @@ def test_many_targets_as_few(kind, monkeypatch):
 
 def test_many_positions_of_a_robot_with_more(monkeypatch):
     """Joints that do not move the target stay where they were asked to stay."""
-    model = fb.load("ur5e")
-    q, _, _ = fb.random_state(model, 5, by_closed_form.MANY)
+    model, again = fb.load("ur5e"), fb.load("ur5e")
+    q, _, _ = fb.random_state(model, 5, 50)
     p = fb.forward_kinematics(model, q, frame="wrist_1_link")[:, :3, 3]
     q0 = np.full(6, 0.5)
     many = fb.inverse_kinematics(model, p, frame="wrist_1_link", q0=q0)
     assert many.method.startswith("closed form")
     assert (many.q[many.valid][:, 3:] == 0.5).all()
-    monkeypatch.setattr(by_closed_form, "MANY", np.inf)
-    few = fb.inverse_kinematics(model, p, frame="wrist_1_link", q0=q0)
+    monkeypatch.setattr(by_closed_form, "branch_kernel", lambda *_: None)
+    few = fb.inverse_kinematics(again, p, frame="wrist_1_link", q0=q0)
     assert (many.count == few.count).all()
     assert many.notes == few.notes
 
@@ -349,3 +349,89 @@ def test_right_angles_and_axes_that_fall_together(seed):
     assert ((clearance > 0) == (valid == 1.0))[clear].all()
     if clear.any():
         assert own(model, (x, valid, clearance), q)[clear].max() < 1e-5
+
+
+def test_one_call_as_the_first_as_a_batch():
+    """The function's answers are the same whatever was called before, and in a batch: quick ones,
+    with and without q0, and those that are looked at."""
+    model = fb.load("ur5e")
+    q, _, _ = fb.random_state(model, 8, 40)
+    q[3], q[4, 4] = 0.0, 0.0
+    T = fb.forward_kinematics(model, q)
+    for more in ({}, {"q0": q[5]}, {"q0": q[6], "limits": "ignore"}, {"limits": "drop"}):
+        whole = fb.inverse_kinematics(model, T, **more)
+        for i in range(8):
+            first = fb.inverse_kinematics(fb.load("ur5e"), T[i], **more)
+            again = fb.inverse_kinematics(model, T[i], **more)
+            assert again == first
+            assert (whole.q[i][whole.valid[i]] == first.q).all()
+            assert (whole.branches[i][whole.valid[i]] == first.branches).all()
+            assert (whole.within_limits[i][whole.valid[i]] == first.within_limits).all()
+    listed = fb.inverse_kinematics(model, T[0].tolist(), q0=list(q[5]))
+    assert listed == fb.inverse_kinematics(model, T[0], q0=q[5])
+
+
+def test_whole_turns_by_the_kernel():
+    """Next to q0, and a turn farther where that leads into the limits, as for one target whose
+    candidates are all looked at."""
+    limits = [(-4.0, 2.0), (-9.0, 9.0)]
+    model = fb.planar("RR", l=[1.0, 0.7], lc=[0.3] * 2, m=[1.0] * 2, I=[0.1] * 2, limits=limits)
+    rng = np.random.default_rng(0)
+    for q0 in ([-3.9, 8.0], [1.9, -8.0], [0.0, 0.0], [3.0, 0.0]):
+        points = fb.forward_kinematics(model, rng.uniform(-3, 3, (30, 2)))[:, :2, 2]
+        found = fb.inverse_kinematics(model, points, q0=q0)
+        for (low, high), x, near in zip(limits, np.moveaxis(found.q, -1, 0), q0, strict=True):
+            for turned in (x - 2 * np.pi, x + 2 * np.pi):
+                inside = (turned >= low) & (turned <= high)
+                better = inside & ((np.abs(turned - near) < np.abs(x - near) - 1e-9) | (x > high))
+                assert not better.any()
+                assert not (inside & (x < low)).any()
+
+
+@pytest.mark.parametrize("name", ["panda", "iiwa14"])
+def test_redundancy(name):
+    """All branches for a position of the joint that is given, one or many; without it, of each
+    branch the nearest to q0: no position found by a fine search of that joint is nearer."""
+    model = fb.load(name)
+    q, _, _ = fb.random_state(model, 4, 12)
+    q[:, 7:] = 0.0
+    T = fb.forward_kinematics(model, q)
+    given = fb.inverse_kinematics(model, T, redundancy=q[:, 6], q0=np.zeros(model.nq))
+    assert given.residual[given.valid].max() < 1e-12
+    for i in range(12):
+        rows = given.q[i][given.valid[i]]
+        assert (rows[:, 6] == q[i, 6]).all()
+        assert min(apart(model, row, q[i]) for row in rows) < 1e-5
+    one = fb.inverse_kinematics(model, T[0], redundancy=q[0, 6], q0=np.zeros(model.nq))
+    assert (one.q == given.q[0][given.valid[0]]).all()
+    many = fb.inverse_kinematics(model, T[0], redundancy=np.linspace(-1, 1, 7))
+    assert many.q.shape[:1] == (7,)
+    low, high = model.limits.lower, model.limits.upper
+    q0 = np.clip(q + 0.1 * np.sin(np.arange(model.nq)), low, high)
+    for i in range(3):
+        near = fb.inverse_kinematics(model, T[i], q0=q0[i])
+        assert near.within_limits.all()
+        far = np.linalg.norm(near.q - q0[i], axis=-1)
+        assert (np.diff(far) >= 0).all()
+        assert far[0] <= np.linalg.norm(q[i] - q0[i]) + 1e-9
+        fine = fb.inverse_kinematics(
+            model, T[i], q0=q0[i], redundancy=np.linspace(low[6], high[6], 3000), limits="drop"
+        )
+        assert far[0] <= np.linalg.norm(fine.q[fine.valid] - q0[i], axis=-1).min() + 1e-9
+    outside = fb.inverse_kinematics(model, T[0] + np.diag([0, 0, 1.0], 1) * 2.0, redundancy=0.3)
+    assert outside.distance > 0.5
+
+
+def test_redundancy_refused():
+    for words, model, value in (
+        ("'ur5e' with frame 'tool0' and this task is none", fb.load("ur5e"), 0.1),
+        (
+            "do not broadcast together: target \\(3,\\), redundancy \\(2,\\)",
+            fb.load("panda"),
+            [0, 1],
+        ),
+        ("redundancy is nan", fb.load("panda"), np.nan),
+    ):
+        T = np.broadcast_to(fb.forward_kinematics(model, fb.neutral(model)), (3, 4, 4))
+        with pytest.raises(FreebodyError, match=words):
+            fb.inverse_kinematics(model, T, redundancy=value)

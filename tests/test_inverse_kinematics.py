@@ -439,8 +439,8 @@ def test_seven_joints_out_of_reach():
         _origin(model, "link_6") - _origin(model, "link_2")
     )
     assert len(found) == 0
-    assert abs(found.distance - expected) < 1e-4
-    assert found.notes[0].startswith("Out of reach: the target is about ")
+    assert abs(found.distance - expected) < 1e-9
+    assert found.notes[0].startswith(f"Out of reach: the target is {expected:.6g} m from")
 
 
 def _origin(model, frame):

@@ -8,7 +8,7 @@ Manipulation, 1994, ch. 3). A planar arm lies in the plane z = 0.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,6 +29,12 @@ class Screw:
     turning: bool
     w: Array
     p: Array
+    rest: float = 0.0
+    """Where it stands (rad) if a target leaves that open."""
+
+    def undone(self) -> Screw:
+        """The joint of the arm seen from its tip, which turns and slides the other way."""
+        return replace(self, rest=-self.rest)
 
     def moved(self, x: Array, points: Array) -> Array:
         """e^(S x) applied to points (..., 3); x (...) in rad or m."""
@@ -72,6 +78,11 @@ class ScrewChain:
     offset: Array
     length: float
     """Distances from joint to joint and to the frame, added up (m); 1 where they are all zero."""
+
+    def resting(self, x: Array) -> ScrewChain:
+        """The chain whose joints stand at x (n,) if a target leaves that open."""
+        at = zip(self.screws, map(float, x), strict=True)
+        return replace(self, screws=tuple(replace(s, rest=value) for s, value in at))
 
     def coordinates(self, x: Array, rest: Array) -> Array:
         """q (..., nq) from joint positions x (..., n); what does not move the frame as in `rest`

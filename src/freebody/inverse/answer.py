@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.inverse.closed_form import ClosedFormSolver, Displacement
+from freebody.inverse.closed_form import ClosedForm
 from freebody.inverse.problem import Found, Problem
 from freebody.inverse.solutions import Solutions, within
 from freebody.inverse.workspace import distances
@@ -18,8 +19,7 @@ Away = Callable[[Array], tuple[Array, list[str]]]
 
 def gathered(
     problem: Problem,
-    form: ClosedFormSolver | None,
-    X: Displacement | None,
+    form: ClosedForm | None,
     found: Found,
     batch: tuple[int, ...],
     away: Away | None = None,
@@ -38,26 +38,27 @@ def gathered(
     taken = np.take_along_axis(chosen, first, axis=-1)
     q = np.where(taken[..., None], np.take_along_axis(found.q, first[..., None], axis=1), np.nan)
     residual = np.where(taken, np.take_along_axis(found.miss, first, axis=1), np.nan)
-    branches = np.where(taken, np.take_along_axis(found.branches, first, axis=1), "")
     inside = taken & (np.take_along_axis(fine, first, axis=1) | (problem.limits == "ignore"))
     lost = found.lost
     notes = list(found.notes) if len(lost) < N else []
     distance = np.zeros(N)
     if len(lost):
-        part = None if X is None else Displacement(X.R[lost], X.p[lost])
-        goals = problem.target[lost]
-        distance[lost], sentences = away(goals) if away else distances(solver, form, part, goals)
+        part = problem.part(lost)
+        distance[lost], sentences = away(part.target) if away else distances(part, form)
         notes += _each_once(sentences, lost, N)
     notes += _each_once(*_dropped(problem, found, there, chosen), N)
-    return Solutions(
-        q.reshape(*batch, k, solver.model.nq),
-        branches.reshape(*batch, k),
-        residual.reshape(*batch, k),
-        inside.reshape(*batch, k),
-        distance.reshape(batch),
-        found.method,
-        tuple(notes),
-    )
+    fields: dict[str, Any] = {
+        "q": q.reshape(*batch, k, solver.model.nq),
+        "residual": residual.reshape(*batch, k),
+        "within_limits": inside.reshape(*batch, k),
+        "distance": distance.reshape(batch),
+        "method": found.method,
+        "notes": tuple(notes),
+    }
+    if callable(found.names):
+        return Solutions.lazily_named(found.names, **fields)
+    branches = np.where(taken, np.take_along_axis(found.names, first, axis=1), "")
+    return Solutions(branches=branches.reshape(*batch, k), **fields)
 
 
 def _dropped(

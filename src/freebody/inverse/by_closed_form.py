@@ -1,8 +1,5 @@
-"""Solutions by a closed form.
-
-Of many targets by the kernel that has all branches side by side; of few, and of those that are not
-clear to it, with every step looked at.
-"""
+"""Solutions by a closed form: by the kernel that has all branches side by side, and of targets that
+are not clear to it with every candidate looked at."""
 
 from __future__ import annotations
 
@@ -10,102 +7,73 @@ from dataclasses import replace
 
 import numpy as np
 
-from freebody.algorithms.closed_form_inverse.solve import branches
+from freebody.algorithms.closed_form_inverse.choose_recipe import recipe_for
+from freebody.algorithms.closed_form_inverse.solve import Branches
 from freebody.arrays import Array
-from freebody.inverse.branch_names import joined
-from freebody.inverse.closed_form import ClosedFormSolver, Displacement
-from freebody.inverse.numerical_solver import EXACT
+from freebody.inverse.branch_kernel import branch_kernel, counted
+from freebody.inverse.closed_form import ClosedForm, over_arrays
 from freebody.inverse.problem import Found, Problem, found_in_turn
-from freebody.inverse.solutions import verified, wrapped
-from freebody.kernels.formulas import Option
-from freebody.kernels.lookup import fetch
-from freebody.trees.states import neutral
-
-MANY = 256
-"""Targets from which on a kernel is worth its compiling."""
-
-_CLEAR = 1e-6
-"""By how much (relative) a branch must clear its bounds, to be one for sure or none."""
+from freebody.inverse.solutions import verified
 
 
-def by_closed_form(problem: Problem, form: ClosedFormSolver, X: Displacement) -> Found:
-    """All solutions of a form for the displacements X of the problem's targets."""
-    N = len(problem.target)
-    found, rows = _by_kernel(problem, form) if N >= MANY else (None, np.arange(N))
-    free = np.zeros(len(form.screws), dtype=bool)
-    if found is None:
-        found, free = _by_steps(problem, form, X)
-    elif len(rows):
-        some = replace(problem, target=problem.target[rows])
-        closer, free = _by_steps(some, form, Displacement(X.R[rows], X.p[rows]))
-        found = found.with_rows(rows, closer)
-    return replace(found, notes=_notes(problem, form, free))
+def by_closed_form(problem: Problem, form: ClosedForm) -> Found:
+    """All solutions of a form for the problem's targets."""
+    target = problem.target
+    kernel = branch_kernel(problem.solver, form)
+    free = np.zeros(len(form.chain.screws), dtype=bool)
+    if kernel is None:
+        found, free = _by_steps(problem, form)
+    else:
+        held = [] if problem.held is None else [problem.held]
+        q, residual, _, count = kernel(
+            counted(form, target), problem.reference, problem.rest, *held
+        )
+        found = Found(q, residual, form.names, form.method, [])
+        rows = np.flatnonzero(count < 0)
+        if len(rows):
+            closer, free = _by_steps(problem.part(rows), form)
+            found = found.with_rows(rows, closer)
+    return replace(found, notes=notes(problem, form, free))
 
 
-def _by_steps(
-    problem: Problem, form: ClosedFormSolver, X: Displacement
-) -> tuple[Found, np.ndarray]:
+def _by_steps(problem: Problem, form: ClosedForm) -> tuple[Found, np.ndarray]:
     """Every candidate put through forward kinematics, polished and compared with the others; which
     joints (n,) could stand anywhere."""
     solver, chain = problem.solver, form.chain
-    rest = np.zeros(solver.model.nq) if problem.q0 is None else problem.q0
-    with np.errstate(invalid="ignore"):
-        candidates = form.solve(X, chain.positions(rest))
-    q = chain.coordinates(candidates.x, _beside(problem))
+    at_rest = chain.positions(np.zeros(solver.model.nq) if problem.q0 is None else problem.q0)
+    x, free = _candidates(form, at_rest, problem)
+    q = chain.coordinates(x, problem.rest)
+    if form.held is not None and problem.held is not None:
+        q[..., form.held] = problem.held[:, None]
     solutions = verified(solver, q, problem.target, problem.reference)
-    free = np.zeros(len(form.screws), dtype=bool)
+    loose = np.zeros(len(chain.screws), dtype=bool)
     for i, s in enumerate(solutions):
-        free |= candidates.free[i][s.row].any(axis=0)
-    nameless = [[""] * len(s.q) for s in solutions]
-    found = found_in_turn(solutions, nameless, solver.model.nq, form.name(), [])
-    return _named(form, found), free
+        loose |= free[i][s.row].any(axis=0)
+    found = found_in_turn(solutions, None, solver.model.nq, form.method, [])
+    return replace(found, names=form.names), loose
 
 
-def _by_kernel(problem: Problem, form: ClosedFormSolver) -> tuple[Found | None, np.ndarray]:
-    """The branches of the formula, and the targets of which not all are clear; None where it has no
-    recipe for this arm and task."""
-    solver, target = problem.solver, problem.target
-    known = branches(solver.model.tree, solver.frame, solver.task.rows)
-    if known is None or known.held is not None:
-        return None, np.arange(len(target))
-    option = Option(solver.frame, rows=solver.task.rows)
-    q, valid, clearance = fetch(solver.model, ("inverse_kinematics",), option)(target)
-    there = valid == 1.0
-    reached = q[there]
-    beside = np.ones(solver.model.nq, dtype=bool)
-    beside[known.chain.index] = False
-    reached[:, beside] = _beside(problem)[beside]
-    reached = wrapped(solver, reached, problem.reference)
-    miss = np.full(there.shape, np.nan)
-    miss[there] = solver.miss(reached, np.repeat(target, there.sum(axis=-1), axis=0))
-    q[there] = reached
-    clear = (np.abs(clearance) > _CLEAR) & ((clearance > 0) == there) & ~(miss > EXACT)
-    found = Found(q, miss, np.full(there.shape, ""), form.name(), [])
-    return _named(form, found), np.flatnonzero(~clear.all(axis=-1))
+def _candidates(form: ClosedForm, at_rest: Array, problem: Problem) -> tuple[Array, np.ndarray]:
+    """The branches' joint positions x (N, k, n), none of them verified, NaN where there is none;
+    which joints could stand anywhere (N, k, n) and are at rest."""
+    arm, N = form.branches, len(problem.target)
+    chain = arm.chain.resting(at_rest)
+    recipe = recipe_for(chain, arm.kind, arm.dim == 2)
+    assert recipe is not None  # there is one for the same chain
+    resting = Branches(chain, arm.kind, recipe, arm.dim)
+    with np.errstate(all="ignore"):
+        R, p = resting.in_space(over_arrays(problem.target))
+        ways = resting.ways(R, p, problem.held)
+        x = [[np.broadcast_to(place.value(), N) for place in places] for places, _ in ways]
+    free = [[np.broadcast_to(place.free, N) != 0.0 for place in places] for places, _ in ways]
+    return np.moveaxis(np.array(x), -1, 0), np.moveaxis(np.array(free), -1, 0)
 
 
-def _named(form: ClosedFormSolver, found: Found) -> Found:
-    """With the branches' names."""
-    there = np.isfinite(found.miss)
-    names = joined(form.label(form.chain.positions(found.q[there])), (int(there.sum()),))
-    whole = np.full(there.shape, "", dtype=names.dtype)
-    whole[there] = names
-    return replace(found, branches=whole)
-
-
-def _beside(problem: Problem) -> Array:
-    """q (nq,) of what does not move the frame."""
-    solver = problem.solver
-    if problem.q0 is not None:
-        return problem.q0
-    return np.clip(neutral(solver.model), *solver.bounds)
-
-
-def _notes(problem: Problem, form: ClosedFormSolver, free: np.ndarray) -> list[str]:
+def notes(problem: Problem, form: ClosedForm, free: np.ndarray) -> list[str]:
     """Which joints (n,) could stand anywhere, and which do not matter."""
     solver, index = problem.solver, form.chain.index
     names = solver.model.position_names
-    notes = [
+    found = [
         f"Joint {names[index[k]]!r} may take any angle at this target, the others compensate: "
         f"infinitely many solutions, of which one is given for each branch, with the joint's angle "
         f"in q0 (0 without q0)."
@@ -115,5 +83,5 @@ def _notes(problem: Problem, form: ClosedFormSolver, free: np.ndarray) -> list[s
     idle[index] = False
     if idle.any():
         listed = ", ".join(repr(names[k]) for k in np.flatnonzero(idle))
-        notes.append(f"Not changed, because they do not move the target point: {listed}.")
-    return notes
+        found.append(f"Not changed, because they do not move the target point: {listed}.")
+    return found

@@ -51,8 +51,8 @@ def of_closed_chain(problem: Problem, batch: tuple[int, ...]) -> Solutions:
             ]
             nq = problem.solver.model.nq
             found = found_in_turn(solutions, branches, nq, "dyads, in closed form", [])
-            return gathered(problem, None, None, found, batch, work.away)
-    return gathered(problem, None, None, _searched(work), batch, work.away)
+            return gathered(problem, None, found, batch, work.away)
+    return gathered(problem, None, _searched(work), batch, work.away)
 
 
 def _searched(work: _Held) -> Found:

@@ -6,22 +6,20 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.inverse.answer import gathered
 from freebody.inverse.by_closed_form import by_closed_form
-from freebody.inverse.choose_closed_form import (
-    can_serve,
-    closed_form_for,
-    displacement,
-    displacement_to_points,
-)
 from freebody.inverse.closed_chains import of_closed_chain
-from freebody.inverse.closed_form import ClosedFormSolver
+from freebody.inverse.closed_form import ClosedForm, closed_form_for
 from freebody.inverse.many_starts import by_search
 from freebody.inverse.numerical_solver import NumericalSolver
-from freebody.inverse.problem import Found, Problem, found_in_turn
+from freebody.inverse.problem import Found, Problem, nothing
+from freebody.inverse.quick_answer import quick_answer, remember
+from freebody.inverse.self_motion import by_self_motion
 from freebody.inverse.solutions import Solutions
 from freebody.inverse.task import read_target
 from freebody.model.model import Model
@@ -38,6 +36,7 @@ def inverse_kinematics(
     *,
     q0: Vector | None = None,
     limits: Literal["mark", "drop", "ignore"] = "mark",
+    redundancy: ArrayLike | None = None,
     starts: int | None = None,
     seed: int = 0,
 ) -> Solutions:
@@ -50,8 +49,11 @@ def inverse_kinematics(
     "w").
     q0: (nq,), where joints stay that could stand anywhere, next to which angles are wrapped, and
     near which a redundant arm is sought. limits: "mark" says in `within_limits` which solutions
-    keep to the joints' limits, "drop" leaves out the others, "ignore" takes no notice. starts,
-    seed: of the numeric search (default: 32 for redundant arms, else 96).
+    keep to the joints' limits, "drop" leaves out the others, "ignore" takes no notice. redundancy:
+    (...), of an arm with seven joints the position of the last, else of the first (rad, m), for
+    which all branches are returned; without it, of each branch the one nearest to q0, else to the
+    middle of the limits. starts, seed: of the numeric search (default: 32 for redundant arms, else
+    96).
 
     Returns Solutions. Out of reach: k = 0, the distance (m) to the workspace, and a sentence in
     `notes`. Every solution has been put through forward kinematics. Raises ShapeError,
@@ -63,9 +65,12 @@ def inverse_kinematics(
 
     Closed forms, whatever frames, base and tool: planar arms of up to three joints (2.14, 2.15, by
     atan2 and with both elbows), SCARA robots, three joints that place a point, three that orient,
-    six with a spherical wrist (Pieper 1968) or with three parallel axes (Elias and Wen 2022). Else
-    Levenberg–Marquardt.
+    six with a spherical wrist (Pieper 1968) or with three parallel axes (Elias and Wen 2022), seven
+    of which six are such an arm. Else Levenberg–Marquardt.
     """
+    sure = quick_answer(model, target, frame, task, q0, limits, redundancy)
+    if sure is not None and starts is None:
+        return sure
     model.require_values("inverse kinematics")
     if limits not in LIMITS:
         raise UnknownNameError("choice", limits, "inverse_kinematics: limits=", LIMITS)
@@ -83,25 +88,54 @@ def inverse_kinematics(
     if model.loops:
         return of_closed_chain(problem, poses.shape[:-2])
     form = closed_form_for(model, solver.frame, chosen)
-    X = None
-    if form is not None:
-        X = (displacement if chosen.angular else displacement_to_points)(form.chain, flat)
-        if not can_serve(form, chosen, X):
-            form = X = None
-    if not len(flat):
-        method = form.name() if form is not None else "Levenberg–Marquardt"
-        found = found_in_turn([], [], model.nq, method, [])
-    elif form is not None and X is not None:
-        found = _with_families(problem, form, by_closed_form(problem, form, X))
-    else:
+    if form is not None and not form.serves(flat):
+        form = None
+    batch = poses.shape[:-2]
+    if redundancy is not None:
+        batch, problem = _held(problem, form, redundancy, poses)
+    if not len(problem.target):
+        found = nothing(problem, form.method if form is not None else "Levenberg–Marquardt")
+    elif form is None:
         found = by_search(problem)
-    return gathered(problem, form, X, found, poses.shape[:-2])
+    elif form.held is not None and redundancy is None:
+        found = by_self_motion(problem, form) or by_search(problem)
+    else:
+        problem = replace(problem, target=form.complete(problem.target))
+        found = by_closed_form(problem, form)
+        found = _with_families(problem, form, found)
+        remember(problem, form, frame, task)
+    return gathered(problem, form, found, batch)
 
 
-def _with_families(problem: Problem, form: ClosedFormSolver, found: Found) -> Found:
+def _held(
+    problem: Problem, form: ClosedForm | None, redundancy: ArrayLike, poses: Array
+) -> tuple[tuple[int, ...], Problem]:
+    """The batch of targets and positions of the joint that is given, and the problem with them."""
+    function, model = "inverse_kinematics", problem.solver.model
+    if form is None or form.held is None:
+        raise FreebodyError(
+            f"{function}: redundancy is the position of one joint of an arm with seven of which "
+            f"the other six have a closed form; {model.name!r} with frame "
+            f"{problem.solver.frame!r} and this task is none. Leave it out."
+        )
+    given = as_floats(function, "redundancy", redundancy)
+    refuse_not_finite(function, "redundancy", given, 0)
+    try:
+        batch = np.broadcast_shapes(given.shape, poses.shape[:-2])
+    except ValueError:
+        raise FreebodyError(
+            f"{function}: the batch shapes do not broadcast together: target {poses.shape[:-2]}, "
+            f"redundancy {given.shape}."
+        ) from None
+    core = poses.shape[-2:]
+    flat = np.broadcast_to(poses, (*batch, *core)).reshape(-1, *core)
+    return batch, replace(problem, target=flat, held=np.broadcast_to(given, batch).reshape(-1))
+
+
+def _with_families(problem: Problem, form: ClosedForm, found: Found) -> Found:
     """A form for fewer rows than the task counts gives one member of a family of solutions: the
     right one is sought."""
     lost = found.lost
-    if not len(lost) or len(problem.solver.task.rows) <= len(form.screws):
+    if not len(lost) or len(problem.solver.task.rows) <= len(form.chain.screws):
         return found
-    return found.with_rows(lost, by_search(replace(problem, target=problem.target[lost])))
+    return found.with_rows(lost, by_search(problem.part(lost)))

@@ -8,7 +8,8 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.inverse.numerical_solver import NumericalSolver
-from freebody.inverse.solutions import Verified
+from freebody.inverse.solutions import Names, Verified, named, wrapped
+from freebody.lazy import cached_property
 from freebody.trees.states import neutral
 
 
@@ -22,8 +23,15 @@ class Problem:
     limits: str
     starts: int | None
     seed: int
+    held: Array | None = None
+    """(N,): of an arm of seven joints the position of the one that is given."""
 
-    @property
+    def part(self, rows: np.ndarray) -> Problem:
+        """The targets of these rows alone."""
+        held = None if self.held is None else self.held[rows]
+        return replace(self, target=self.target[rows], held=held)
+
+    @cached_property
     def reference(self) -> Array:
         """q (nq,) next to which angles are wrapped: q0, else the middle of the limits, else 0."""
         if self.q0 is not None:
@@ -33,6 +41,14 @@ class Problem:
         middle = neutral(self.solver.model)
         middle[both] = (low[both] + high[both]) / 2
         return np.clip(middle, low, high)
+
+    @cached_property
+    def rest(self) -> Array:
+        """q (nq,) of what does not move the frame."""
+        if self.q0 is not None:
+            return self.q0
+        neutral_q = np.clip(neutral(self.solver.model), *self.solver.bounds)
+        return wrapped(self.solver, neutral_q[None], self.reference)[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,10 +60,15 @@ class Found:
     """(N, k, nq)."""
     miss: Array
     """(N, k), by forward kinematics."""
-    branches: np.ndarray
-    """(N, k)."""
+    names: Names | np.ndarray
+    """Of the branches (N, k), or what finds them from solutions (…, nq)."""
     method: str
     notes: list[str]
+
+    @property
+    def branches(self) -> np.ndarray:
+        """Names (N, k), "" where there is no solution."""
+        return named(self.names, self.q, np.isfinite(self.miss))
 
     @property
     def lost(self) -> np.ndarray:
@@ -57,6 +78,9 @@ class Found:
     def with_rows(self, rows: np.ndarray, other: Found) -> Found:
         """The same with what another found for the targets of these rows."""
         k = max(self.miss.shape[1], other.miss.shape[1])
+        alike = callable(self.names) and (
+            self.names == other.names if callable(other.names) else np.isnan(other.miss).all()
+        )
 
         def merged(mine: np.ndarray, theirs: np.ndarray) -> np.ndarray:
             whole = _widened(mine, k).astype(np.result_type(mine, theirs))
@@ -67,7 +91,7 @@ class Found:
             self,
             q=merged(self.q, other.q),
             miss=merged(self.miss, other.miss),
-            branches=merged(self.branches, other.branches),
+            names=self.names if alike else merged(self.branches, other.branches),
         )
 
 
@@ -77,13 +101,23 @@ def _widened(x: np.ndarray, k: int) -> np.ndarray:
     return np.concatenate([x, empty.astype(x.dtype)], axis=1)
 
 
+def nothing(problem: Problem, method: str) -> Found:
+    """Of no targets."""
+    return found_in_turn([], None, problem.solver.model.nq, method, [])
+
+
 def found_in_turn(
-    solutions: list[Verified], branches: list[list[str]], nq: int, method: str, notes: list[str]
+    solutions: list[Verified],
+    branches: list[list[str]] | None,
+    nq: int,
+    method: str,
+    notes: list[str],
 ) -> Found:
-    """What was found target by target."""
+    """What was found target by target; branches: names, if there are any."""
     N, k = len(solutions), max((len(s.q) for s in solutions), default=0)
     q, miss = np.full((N, k, nq), np.nan), np.full((N, k), np.nan)
     names = np.full((N, k), "", dtype=object)
-    for i, (s, given) in enumerate(zip(solutions, branches, strict=True)):
-        q[i, : len(s.q)], miss[i, : len(s.q)], names[i, : len(s.q)] = s.q, s.miss, given
+    for i, s in enumerate(solutions):
+        q[i, : len(s.q)], miss[i, : len(s.q)] = s.q, s.miss
+        names[i, : len(s.q)] = "" if branches is None else branches[i]
     return Found(q, miss, names.astype(str), method, notes)

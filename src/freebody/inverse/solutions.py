@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +14,20 @@ from freebody.inverse.numerical_solver import EXACT, NumericalSolver
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.values import ByValue
+
+Names = Callable[[Array], np.ndarray]
+"""Solutions q (…, nq) -> the names (…) of their branches."""
+
+
+def named(names: Names | np.ndarray, q: Array, there: np.ndarray) -> np.ndarray:
+    """The names (..., k) of solutions q (..., k, nq), "" where there is none."""
+    if not callable(names):
+        return names
+    found = names(q[there])
+    whole = np.full(there.shape, "", dtype=found.dtype)
+    whole[there] = found
+    return whole
+
 
 _OUTSIDE = "  (outside the limits)"
 APART = 1e-6
@@ -40,6 +56,22 @@ class Solutions(Tabled, ByValue):
     distance: Array
     method: str
     notes: tuple[str, ...] = ()
+
+    @classmethod
+    def lazily_named(cls, names: Names, **fields: Any) -> Solutions:
+        """With all fields but the branches' names, which are found when they are asked for."""
+        made = object.__new__(cls)
+        made.__dict__.update(fields, _names=names)
+        for name in ("q", "residual", "within_limits", "distance"):
+            fields[name].flags.writeable = False
+        return made
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "branches" and "_names" in self.__dict__:
+            found = named(self.__dict__["_names"], self.q, self.valid)
+            found.flags.writeable = False
+            return self.__dict__.setdefault("branches", found)
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     def __len__(self) -> int:
         """Solutions of the target, or of that with most."""

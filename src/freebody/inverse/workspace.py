@@ -8,9 +8,10 @@ import numpy as np
 
 from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
-from freebody.inverse.closed_form import ClosedFormSolver, Displacement
+from freebody.inverse.closed_form import ClosedForm
 from freebody.inverse.levenberg_marquardt import descend
 from freebody.inverse.numerical_solver import NumericalSolver
+from freebody.inverse.problem import Problem
 from freebody.inverse.solutions import turning_coordinates
 from freebody.inverse.task import Task
 from freebody.trees.states import random_state
@@ -24,28 +25,24 @@ _AT_ONCE = 256
 _NEAR = 1e-7  # nearer than this (in arm lengths) is reached
 
 
-def distances(
-    solver: NumericalSolver, form: ClosedFormSolver | None, X: Displacement | None, target: Array
-) -> tuple[Array, list[str]]:
-    """(m, a sentence) for targets (N, …) without solution; the distance is 0 where only the
-    orientation is wrong."""
-    count = len(target)
+def distances(problem: Problem, form: ClosedForm | None) -> tuple[Array, list[str]]:
+    """(m, a sentence) for the targets of a problem, which have no solution; the distance is 0 where
+    only the orientation is wrong."""
+    solver, count = problem.solver, len(problem.target)
     if not solver.task.linear:
         return np.zeros(count), ["The frame cannot reach this orientation."] * count
     away, sentences = np.zeros(count), []
     for at in range(0, count, _AT_ONCE):
-        some = slice(at, at + _AT_ONCE)
-        part = None if X is None else Displacement(X.R[some], X.p[some])
-        away[some], said = _some_distances(solver, form, part, target[some])
+        some = np.arange(at, min(at + _AT_ONCE, count))
+        away[some], said = _some_distances(problem.part(some), form)
         sentences += said
     return away, sentences
 
 
-def _some_distances(
-    solver: NumericalSolver, form: ClosedFormSolver | None, X: Displacement | None, target: Array
-) -> tuple[Array, list[str]]:
+def _some_distances(problem: Problem, form: ClosedForm | None) -> tuple[Array, list[str]]:
+    solver, target = problem.solver, problem.target
     near = _NEAR * solver.length
-    chained = form.reached(X) if form is not None and X is not None else None
+    chained = None if form is None else form.reached(target, problem.held)
     if chained is not None:
         away = distance_of_points(*chained, solver.length)
         how = ""
@@ -55,23 +52,26 @@ def _some_distances(
         if solver.task.angular and (turned > 1e-6).any():
             places = replace(solver, task=Task(solver.task.dim, solver.task.linear))
             away = np.where(turned > 1e-6, _nearest(places, target)[0], away)
-    return np.where(away > near, away, 0.0), [_sentence(solver, d, d > near, how) for d in away]
+    given = None if form is None or problem.held is None else form.held
+    also = "" if given is None else f" and {solver.model.position_names[given]!r} where it is given"
+    said = [_sentence(solver, d, d > near, how, also) for d in away]
+    return np.where(away > near, away, 0.0), said
 
 
-def _sentence(solver: NumericalSolver, distance: float, out: bool, how: str) -> str:
+def _sentence(solver: NumericalSolver, distance: float, out: bool, how: str, also: str) -> str:
     frame = f"frame {solver.frame!r} of {solver.model.name!r}"
     unseen = beyond_the_starts(solver)
     if unseen:
         return f"No solution was found for {frame}, at best {distance:.6g} m from it. {unseen}"
     if out:
-        oriented = " with this orientation" if solver.task.angular else ""
+        oriented = f" with this orientation{also}" if solver.task.angular else ""
         return (
             f"Out of reach: the target is {how}{distance:.6g} m from what {frame} can "
             f"reach{oriented}."
         )
     if solver.task.angular:
         return (
-            f"The position is within reach of {frame}, but not with this orientation; "
+            f"The position is within reach of {frame}, but not with this orientation{also}; "
             'task="position" leaves the orientation free.'
         )
     return f"No solution was found for {frame}, though the target lies at the edge of its reach."

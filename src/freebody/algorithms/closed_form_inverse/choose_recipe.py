@@ -48,7 +48,7 @@ def recipe_for(chain: ScrewChain, kind: Kind, plane: bool) -> Recipe | None:
         return None
     if kind == "position":
         found = arm(s, chain.p, length)
-        return None if found is None else PositionByThree(found, chain.p)
+        return None if found is None else PositionByThree(found, s, chain.p)
     return OrientationByThree(Wrist(s)) if _wristed(s) else None
 
 
@@ -71,17 +71,19 @@ def without_idle(chain: ScrewChain) -> ScrewChain:
 def _with_one_held(s: Sequence[Screw], length: float) -> Recipe | None:
     for held, rest, first in ((s[6], s[:6], False), (s[0], s[1:], True)):
         found = _six(rest, length)
-        if found is not None:
+        if found is not None and found.of_scalars:
             return OneJointHeld(found, held, first)
     return None
 
 
 def _six(s: Sequence[Screw], length: float) -> Recipe | None:
-    for turned in (s, s[::-1]):
-        found = _spherical_wrist(turned, length) or _three_parallel(turned, length)
-        if found is not None:
-            return found if turned is s else SeenFromTip(found)
-    return None
+    found: list[Recipe] = []
+    for turned in (s, [x.undone() for x in s[::-1]]):
+        one = _spherical_wrist(turned, length) or _three_parallel(turned, length)
+        if one is not None:
+            found.append(one if turned is s else SeenFromTip(one))
+    # a quartic where there is nothing else
+    return min(found, key=lambda one: not one.of_scalars, default=None)
 
 
 def _wristed(s: Sequence[Screw]) -> bool:
@@ -94,7 +96,7 @@ def _spherical_wrist(s: Sequence[Screw], length: float) -> Recipe | None:
         return None
     c = common_point(s[3:], length)
     found = None if c is None else arm(s[:3], c, length)
-    return None if c is None or found is None else SphericalWrist(found, Wrist(s[3:]), c)
+    return None if c is None or found is None else SphericalWrist(found, Wrist(s[3:]), s, c)
 
 
 def _three_parallel(s: Sequence[Screw], length: float) -> Recipe | None:

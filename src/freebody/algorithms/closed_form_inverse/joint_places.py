@@ -8,10 +8,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from freebody.algorithms.screws import Screw
-from freebody.elementary import Scalar, atan2, cos, equal, maximum, minimum, sin, sqrt, where
+from freebody.elementary import Scalar, atan2, cos, equal, less, maximum, minimum, sin, sqrt, where
 from freebody.spatial import Matrix, Vector, add, dot, scale, space, sub, times
 
 _ROUNDING = 1e-15
+_ON_AXIS = 1e-11
+"""A point as near to an axis as this (relative to the arm's length) is on it."""
 
 
 @dataclass(frozen=True)
@@ -21,6 +23,8 @@ class AxisLine:
     turning: bool
     w: tuple[float, ...]
     p: tuple[float, ...]
+    rest: float
+    """The angle taken where any would do."""
     along: Matrix
     """w wᵀ."""
     across: Matrix
@@ -36,7 +40,7 @@ def line(screw: Screw) -> AxisLine:
     along = tuple(tuple(a * b for b in w) for a in w)
     unit = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
     across = tuple(sub(e, row) for e, row in zip(unit, along, strict=True))
-    return AxisLine(screw.turning, w, p, along, across, space.skew(w))
+    return AxisLine(screw.turning, w, p, screw.rest, along, across, space.skew(w))
 
 
 def _clean(x: float, size: float) -> float:
@@ -58,6 +62,8 @@ class JointPlace:
     sine: Scalar = 0.0
     cosine: Scalar = 1.0
     shift: Scalar = 0.0
+    free: Scalar = 0.0
+    """1 where any angle would do."""
 
     def direction(self, v: Vector) -> Vector:
         """What its rotation makes of a vector."""
@@ -76,7 +82,7 @@ class JointPlace:
 
     def back(self) -> JointPlace:
         """The motion undone: the same joint on the other side."""
-        return JointPlace(self.line, -self.sine, self.cosine, -self.shift)
+        return JointPlace(self.line, -self.sine, self.cosine, -self.shift, self.free)
 
     def value(self) -> Scalar:
         """The angle (rad, -π to π) or the shift (m)."""
@@ -96,6 +102,17 @@ def at_pair(l: AxisLine, y: Scalar, x: Scalar) -> tuple[JointPlace, Scalar]:
     none = equal(square, 0.0)
     size = sqrt(where(none, 1.0, square))
     return JointPlace(l, y / size, where(none, 1.0, x / size)), where(none, 0.0, size)
+
+
+def _aimed(l: AxisLine, u: Vector, v: Vector, length: float) -> Choice:
+    """The turn that brings u (across the axis) nearest to v; at rest where one of them is as good
+    as along the axis."""
+    y, x, beside = dot(times(l.around, u), v), dot(u, v), times(l.across, v)
+    shorter = minimum(dot(u, u), dot(beside, beside))
+    free = less(shorter, (_ON_AXIS * length) ** 2)
+    size = sqrt(where(free, 1.0, x * x + y * y))
+    sine, cosine = where(free, sin(l.rest), y / size), where(free, cos(l.rest), x / size)
+    return JointPlace(l, sine, cosine, free=free), where(free, 0.0, size * (1.0 / length**2))
 
 
 def either(
@@ -119,15 +136,12 @@ def onto(l: AxisLine, a: Vector, b: Vector, length: float) -> Choice:
     """The place that brings a point a as near to b as the joint can."""
     if not l.turning:
         return JointPlace(l, shift=dot(sub(b, a), l.w)), 1.0
-    arm, goal = level(l, a), sub(b, l.p)
-    place, size = at_pair(l, dot(times(l.around, arm), goal), dot(arm, goal))
-    return place, size * (1.0 / length**2)
+    return _aimed(l, level(l, a), sub(b, l.p), length)
 
 
 def turning(l: AxisLine, a: Vector, b: Vector) -> Choice:
     """The turn that brings the direction a as near to b as it can."""
-    place, size = at_pair(l, dot(times(l.around, a), b), dot(times(l.across, a), b))
-    return place, size
+    return _aimed(l, times(l.across, a), b, 1.0)
 
 
 def known_turn(l: AxisLine, of_mark: Vector, mark: Vector) -> JointPlace:

@@ -84,6 +84,11 @@ class WantedMotion:
         )
 
 
+Reached = tuple[Sequence[Screw], Array, Vector]
+"""(screws, c, point): as far as the screws leave c (3,) from the point, the target is out of
+reach."""
+
+
 class Recipe(ABC):
     """A closed form for some joints in a row."""
 
@@ -91,13 +96,40 @@ class Recipe(ABC):
     def ways(self, X: WantedMotion) -> list[Way]:
         """The branches."""
 
+    @property
+    @abstractmethod
+    def title(self) -> str:
+        """What is done, with its source."""
+
+    @property
+    def of_scalars(self) -> bool:
+        """Whether it takes any scalars, and not numbers alone."""
+        return True
+
+    def reached(self, X: WantedMotion) -> Reached | None:
+        """A target is within reach where screws bring a point to another one: see `Reached`; None
+        where that is not what decides."""
+        return None
+
 
 @dataclass(frozen=True, eq=False)
 class PositionByThree(Recipe):
     """Three joints that bring the point c to its place."""
 
     arm: Arm
+    screws: Sequence[Screw]
     c: Array
+
+    @property
+    def title(self) -> str:
+        return "position by three joints (Pieper 1968)"
+
+    @property
+    def of_scalars(self) -> bool:
+        return not self.arm.by_quartic
+
+    def reached(self, X: WantedMotion) -> Reached:
+        return self.screws, self.c, X.point(numbers(self.c))
 
     def ways(self, X: WantedMotion) -> list[Way]:
         c = numbers(self.c)
@@ -110,6 +142,10 @@ class OrientationByThree(Recipe):
 
     wrist: Wrist
 
+    @property
+    def title(self) -> str:
+        return "orientation by three revolute joints (a spherical triangle)"
+
     def ways(self, X: WantedMotion) -> list[Way]:
         return self.wrist.ways(X.direction)
 
@@ -121,7 +157,19 @@ class SphericalWrist(Recipe):
 
     arm: Arm
     wrist: Wrist
+    screws: Sequence[Screw]
     c: Array
+
+    @property
+    def title(self) -> str:
+        return "spherical wrist (Pieper 1968; Paden and Kahan's subproblems)"
+
+    @property
+    def of_scalars(self) -> bool:
+        return not self.arm.by_quartic
+
+    def reached(self, X: WantedMotion) -> Reached:
+        return self.screws[:3], self.c, X.point(numbers(self.c))
 
     def ways(self, X: WantedMotion) -> list[Way]:
         c = numbers(self.c)
@@ -145,9 +193,13 @@ class ThreeParallel(Recipe):
     c: Array
     length: float
 
+    @property
+    def title(self) -> str:
+        return "three parallel axes (Elias and Wen 2022)"
+
     def ways(self, X: WantedMotion) -> list[Way]:
         s2, s3, s4 = self.screws[1:4]
-        l1, l2, _, l4, l5, l6 = map(line, self.screws)
+        l1, l2, _, l4, l5, l6 = map(line, (*self.screws[:5], self.screws[5].undone()))
         height = float(self.c @ s2.w)
         home, across = numbers(s4.p), mark(l4)
         found = []
@@ -175,6 +227,17 @@ class SeenFromTip(Recipe):
 
     forward: Recipe
 
+    @property
+    def title(self) -> str:
+        return self.forward.title + ", seen from the tip"
+
+    @property
+    def of_scalars(self) -> bool:
+        return self.forward.of_scalars
+
+    def reached(self, X: WantedMotion) -> Reached | None:
+        return self.forward.reached(X.inverse())
+
     def ways(self, X: WantedMotion) -> list[Way]:
         return [
             (tuple(x.back() for x in places[::-1]), clear)
@@ -193,6 +256,24 @@ class Across(Recipe):
     lift: int | None
     c: Array
     length: float
+
+    @property
+    def title(self) -> str:
+        word = "".join("R" if self.screws[i].turning else "P" for i in self.across)
+        lifted = " and a lift" if self.lift is not None else ""
+        source = " (2.14, 2.15)" if word.startswith("RR") else ""
+        return f"{word} across parallel axes{lifted}{source}"
+
+    def reached(self, X: WantedMotion) -> Reached:
+        if len(self.across) == 3:
+            first, last = self.screws[self.across[0]], self.screws[self.across[-1]]
+            if last.turning:
+                rest = [s for s in self.screws if s is not last]
+                return rest, last.p, X.point(numbers(last.p))
+            if first.turning:
+                rest = [s for s in self.screws[::-1] if s is not first]
+                return rest, first.p, X.inverse().point(numbers(first.p))
+        return self.screws, self.c, X.point(numbers(self.c))
 
     def ways(self, X: WantedMotion) -> list[Way]:
         s = [self.screws[i] for i in self.across]
@@ -219,7 +300,7 @@ class Across(Recipe):
         if s[2].turning:
             return self._last_turns(s, X)
         if s[0].turning:
-            back = self._last_turns(s[::-1], X.inverse())
+            back = self._last_turns([x.undone() for x in s[::-1]], X.inverse())
             return [(tuple(x.back() for x in places[::-1]), clear) for places, clear in back]
         return [self._turn_between_slides(s, X)]
 
@@ -262,6 +343,26 @@ class OneJointHeld(Recipe):
     rest: Recipe
     screw: Screw
     first: bool
+
+    @property
+    def title(self) -> str:
+        return f"{self.rest.title}, the {'first' if self.first else 'last'} joint given"
+
+    @property
+    def of_scalars(self) -> bool:
+        return self.rest.of_scalars
+
+    def reached(self, X: WantedMotion) -> Reached | None:
+        found = self.rest.reached(X)
+        if found is None or self.first is isinstance(self.rest, SeenFromTip):
+            return None
+        screws, c, point = found  # the joint that may stand anywhere is the first of them
+        return (self.screw, *screws), c, point
+
+    def reached_at(self, X: WantedMotion, x: Scalar) -> Reached | None:
+        """The same with the joint at x."""
+        held = (turn_by(line(self.screw), x),)
+        return self.rest.reached(X.without(first=held) if self.first else X.without(last=held))
 
     def at(self, X: WantedMotion, x: Scalar) -> list[Way]:
         """The branches with the joint at x (rad, m)."""

@@ -8,8 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.algorithms.closed_form_inverse.choose_recipe import Kind, recipe_for, without_idle
-from freebody.algorithms.closed_form_inverse.recipes import OneJointHeld, Recipe, WantedMotion
-from freebody.algorithms.closed_form_inverse.two_and_three_joints import Places, numbers
+from freebody.algorithms.closed_form_inverse.recipes import (
+    OneJointHeld,
+    Reached,
+    Recipe,
+    WantedMotion,
+)
+from freebody.algorithms.closed_form_inverse.two_and_three_joints import Places, Way, numbers
 from freebody.algorithms.screws import ScrewChain, chain_to
 from freebody.elementary import Scalar, epsilon, less, less_equal, maximum, where
 from freebody.lazy import cached_property
@@ -45,7 +50,7 @@ class Branches:
         with np.errstate(all="ignore"):
             one = np.float64(1.0)
             home = tuple(tuple(one * x for x in row) for row in self.chain.R)
-            return len(self._ways(*self._displacement(home, tuple(one * self.chain.p)), one))
+            return len(self.ways(home, tuple(one * self.chain.p), one))
 
     def solve(
         self, target: Matrix, held: Scalar | None = None
@@ -55,59 +60,64 @@ class Branches:
 
         target: homogeneous matrix of scalars; held: the position of the joint that is held.
         """
-        R, p = self._in_space(target)
-        ways = self._ways(*self._displacement(R, p), held)
-        chain, x, valid, clear = self.chain, [], [], []
-        for places, clearly in ways:
-            miss = self._miss(places, R, p)
+        R, p = self.in_space(target)
+        x, valid, clear = [], [], []
+        for places, clearly in self.ways(R, p, held):
+            miss = self.miss(places, R, p)
             limit = where(less(epsilon(miss), 1e-10), REACHED**2, _REACHED_IN_32_BITS**2)
-            values = [place.value() for place in places]
-            if held is not None:  # as it was given, whole turns too
-                values[-1 if self._holds_last() else 0] = self._of_joint(held)
-            x.append(
-                [
-                    (value - offset) / ratio
-                    for value, ratio, offset in zip(
-                        values, map(float, chain.ratio), map(float, chain.offset), strict=True
-                    )
-                ]
-            )
+            x.append([self.coordinate(k, place.value(), held) for k, place in enumerate(places)])
             valid.append(less_equal(miss, limit))
             clear.append(clearly)
         return x, valid, clear
 
-    def _holds_last(self) -> bool:
-        return isinstance(self.recipe, OneJointHeld) and not self.recipe.first
+    def coordinate(self, k: int, x: Scalar, held: Scalar | None = None) -> Scalar:
+        """The entry of q of the chain's joint k that stands at x; one that is held as it was given,
+        whole turns too."""
+        if held is not None and self.held == self.chain.index[k]:
+            return held
+        return (x - float(self.chain.offset[k])) / float(self.chain.ratio[k])
 
-    def _of_joint(self, held: Scalar) -> Scalar:
-        """The position of the joint itself where its coordinate is `held`."""
-        k = -1 if self._holds_last() else 0
-        return float(self.chain.ratio[k]) * held + float(self.chain.offset[k])
-
-    def _ways(self, R: Matrix, p: Vector, held: Scalar | None) -> list[tuple[Places, Scalar]]:
-        X = WantedMotion(R, p)
+    def ways(self, R: Matrix, p: Vector, held: Scalar | None = None) -> list[Way]:
+        """The branches for a pose in space, none of them verified."""
+        X = self.wanted(R, p)
         if isinstance(self.recipe, OneJointHeld):
             assert held is not None  # an input of the formula for such an arm
-            return self.recipe.at(X, self._of_joint(held))
-        return self.recipe.ways(X)
+            found = self.recipe.at(X, self._held_at(held))
+        else:
+            found = self.recipe.ways(X)
+        return [(places, _unless_free(places, clear)) for places, clear in found]
 
-    def _in_space(self, target: Matrix) -> tuple[Matrix, Vector]:
+    def reached(self, R: Matrix, p: Vector, held: Scalar | None = None) -> Reached | None:
+        """How far a pose is out of reach: see `Reached`; held: None where that joint may stand
+        anywhere."""
+        X = self.wanted(R, p)
+        if isinstance(self.recipe, OneJointHeld) and held is not None:
+            return self.recipe.reached_at(X, self._held_at(held))
+        return self.recipe.reached(X)
+
+    def _held_at(self, held: Scalar) -> Scalar:
+        """The position of the joint itself where its entry of q is `held`."""
+        k = list(self.chain.index).index(self.held)
+        return float(self.chain.ratio[k]) * held + float(self.chain.offset[k])
+
+    def in_space(self, target: Matrix) -> tuple[Matrix, Vector]:
+        """Rotation and position of a target, one in the plane put into z = 0."""
         d = self.dim
         if d == 3:
             return tuple(row[:3] for row in target[:3]), tuple(row[3] for row in target[:3])
         (a, b, x), (c, e, y) = target[:2]
         return ((a, b, 0.0), (c, e, 0.0), (0.0, 0.0, 1.0)), (x, y, 0.0)
 
-    def _displacement(self, R: Matrix, p: Vector) -> tuple[Matrix, Vector]:
+    def wanted(self, R: Matrix, p: Vector) -> WantedMotion:
         """T T(0)⁻¹; of a point the shift that brings the frame to it from zero."""
         home = numbers(self.chain.p)
         if self.kind == "position":
-            return tuple(tuple(map(float, row)) for row in np.eye(3)), sub(p, home)
-        back = tuple(tuple(map(float, row)) for row in self.chain.R)
+            return WantedMotion(tuple(map(numbers, np.eye(3))), sub(p, home))
+        back = tuple(map(numbers, self.chain.R))
         turned = tuple(tuple(dot(row, other) for other in back) for row in R)
-        return turned, sub(p, times(turned, home))
+        return WantedMotion(turned, sub(p, times(turned, home)))
 
-    def _miss(self, places: Places, R: Matrix, p: Vector) -> Scalar:
+    def miss(self, places: Places, R: Matrix, p: Vector) -> Scalar:
         """By forward kinematics the square of the distance from the target (m), or of the angle
         (rad) if it is larger; compared half way along the chain."""
         half = len(places) // 2
@@ -132,6 +142,14 @@ class Branches:
                 total = total + dot(way, way)
             misses.append(0.5 * total)  # three columns differ by 2 angle² together
         return misses[0] if len(misses) == 1 else maximum(*misses)
+
+
+def _unless_free(places: Places, clear: Scalar) -> Scalar:
+    """How clear it is that a branch exists or does not: with a joint that could stand elsewhere
+    too, not at all."""
+    for place in places:
+        clear = where(place.free, 0.0, clear)
+    return clear
 
 
 def branches(tree: Tree, frame: str, rows: tuple[int, ...]) -> Branches | None:

@@ -30,6 +30,7 @@ from freebody.algorithms.closed_form_inverse.one_joint import (
     at_distance,
     at_height,
 )
+from freebody.algorithms.closed_form_inverse.quartic import quartic
 from freebody.algorithms.joint_lines import (
     can_meet,
     changes_distance,
@@ -130,13 +131,15 @@ class Pair:
 
 @dataclass(frozen=True, eq=False)
 class Arm:
-    """Three joints with e1 e2 e3 c = p; `third`: the places of joint 3 for p, which joints 1 and 2
-    leave alone."""
+    """Three joints with e1 e2 e3 c = p; `third`: the places of joint 3 for p, from what joints 1
+    and 2 leave alone, else from a polynomial of degree four."""
 
     third: Callable[[Vector, Vector], list[Choice]]
     pair: Pair
     reverse: bool = False
     """Whether the joints are those of the arm seen from its point, where c and p change places."""
+    by_quartic: bool = False
+    """Whether joint 3 takes the roots of a polynomial, which numbers have and scalars do not."""
 
     def ways(self, c: Vector, p: Vector) -> list[Way]:
         """The places of all three joints."""
@@ -153,8 +156,7 @@ class Arm:
 
 
 def arm(screws: Sequence[Screw], c: Array, length: float) -> Arm | None:
-    """How three joints bring c (3,) to a point; None where that takes a polynomial, or they are no
-    arm."""
+    """How three joints bring c (3,) to a point; None where they are no arm."""
     s1, s2, s3 = screws
     if not can_meet(s1, s2, length) or not can_meet(s2, s3, length):
         return None
@@ -168,7 +170,7 @@ def arm(screws: Sequence[Screw], c: Array, length: float) -> Arm | None:
         def first(p: Vector, c: Vector) -> list[Choice]:
             return at_height(l1, p, n, height, length)
 
-        return Arm(first, Pair(s3, s2, length), reverse=True)
+        return Arm(first, Pair(s3.undone(), s2.undone(), length), reverse=True)
     normal = kept_height(s1, s2)
     if normal is not None:
         n = numbers(normal)
@@ -178,7 +180,7 @@ def arm(screws: Sequence[Screw], c: Array, length: float) -> Arm | None:
             if fits
             else None
         )
-    centre = kept_centre(s1, s2, length)
+    centre = shoulder = kept_centre(s1, s2, length)
     if centre is not None and changes_distance(s3, centre, length):
         o = numbers(centre)
 
@@ -193,10 +195,12 @@ def arm(screws: Sequence[Screw], c: Array, length: float) -> Arm | None:
         away = float((c - centre) @ (c - centre))
         return Arm(
             lambda p, c: at_distance(l1, p, o, away, length),
-            Pair(s3, s2, length),
+            Pair(s3.undone(), s2.undone(), length),
             reverse=True,
         )
-    return None
+    if shoulder is not None:  # all three axes meet
+        return None
+    return Arm(quartic(s1, s2, s3, length), Pair(s1, s2, length), by_quartic=True)
 
 
 def _moved_point(s: Screw, length: float) -> Array:

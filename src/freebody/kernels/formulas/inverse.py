@@ -24,7 +24,7 @@ def known_branches(tree: Tree, o: Option) -> Branches:
             "fb.kernel(model[i], ...) of each member."
         )
     found = branches(tree, frame_of(o), o.rows)
-    if found is None:
+    if found is None or not found.recipe.of_scalars:
         raise FreebodyError(
             f"inverse_kinematics: no closed form without a polynomial is known for the "
             f"{len(o.rows)} rows asked for of frame {frame_of(o)!r}; rows= asks for its position "

@@ -1,0 +1,170 @@
+"""Solutions as they are returned: angles next to a reference and within limits where that can be,
+those that exist first."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite, pi
+
+from freebody.algorithms.closed_form_inverse.joint_places import JointPlace
+from freebody.algorithms.closed_form_inverse.solve import REACHED, Branches
+from freebody.elementary import (
+    Scalar,
+    absolute,
+    atan2,
+    cos,
+    equal,
+    less,
+    less_equal,
+    maximum,
+    sin,
+    sqrt,
+    where,
+)
+from freebody.spatial import Matrix, Vector, dot, identity, plus, product, scale, space, transposed
+
+CLEAR = 1e-6
+"""By how much (relative) a branch must clear its bounds, to be one for sure or none."""
+
+ORTHOGONAL = 1e-6
+"""How far a target's rotation may be from orthogonal."""
+
+LOOSE = 1e-9
+"""How far (rad, m) a position within the limits may be from them, by rounding."""
+
+
+@dataclass(frozen=True)
+class Coordinates:
+    """What is known of q: lower and upper limits (nq), infinite where there are none, and which
+    entries are angles that repeat."""
+
+    low: Sequence[float]
+    high: Sequence[float]
+    repeats: Sequence[bool]
+
+    def inside(self, k: int, x: Scalar) -> Scalar:
+        """1 where x is within the limits of entry k, else 0."""
+        flag: Scalar = 1.0
+        if isfinite(self.low[k]):
+            flag = flag * less_equal(self.low[k] - LOOSE, x)
+        if isfinite(self.high[k]):
+            flag = flag * less_equal(x, self.high[k] + LOOSE)
+        return flag
+
+    def wrapped(self, k: int, x: Scalar) -> Scalar:
+        """An angle next to a position within the limits, a turn farther where that leads into
+        them."""
+        low, high = self.low[k], self.high[k]
+        for turn, bound in ((2 * pi, low), (-2 * pi, high)):
+            if isfinite(bound):
+                beyond = less(x, bound - LOOSE) if turn > 0 else less(bound + LOOSE, x)
+                x = where(beyond * self.inside(k, x + turn), x + turn, x)
+        return x
+
+
+def solutions(
+    arm: Branches,
+    known: Coordinates,
+    R: Matrix,
+    p: Vector,
+    reference: Vector,
+    rest: Vector,
+    held: Scalar | None = None,
+    in_front: bool = True,
+) -> tuple[list[Vector], Vector, Vector, Scalar]:
+    """(q by branches, residuals, 1 where within the limits, how many there are, or -1 where that is
+    not clear).
+
+    R, p: in space; reference: q next to which angles are wrapped; rest: q of the joints that do
+    not move the frame. in_front: whether solutions stand before the branches there are none of.
+    """
+    R, sure = orthogonal(R)
+    for k, x in enumerate(reference):
+        if known.repeats[k]:
+            sure = sure * _between(known.low[k], x, known.high[k])
+    found: list[tuple[Vector, Scalar]] = []
+    for places, clear in arm.ways(R, p, held):
+        square = arm.miss(places, R, p)
+        valid = less_equal(square, REACHED**2)
+        sure = sure * where(valid, less(CLEAR, clear), less(clear, -CLEAR))
+        q = list(rest)
+        for k, place in zip(map(int, arm.chain.index), places, strict=True):
+            q[k] = _coordinate(arm, known, k, place, reference[k], held)
+        within: Scalar = 1.0
+        for k, x in enumerate(q):
+            within = within * known.inside(k, x)
+        found.append(((*q, sqrt(square), within), valid))
+    rows, count = (_in_front if in_front else _in_place)(found)
+    q, residual, within = (
+        [row[:-2] for row in rows],
+        tuple(row[-2] for row in rows),
+        tuple(row[-1] for row in rows),
+    )
+    return q, residual, within, where(sure, count, -1.0)
+
+
+def orthogonal(R: Matrix) -> tuple[Matrix, Scalar]:
+    """The rotation next to R, by two steps of Newton; 1 where R is one but for `ORTHOGONAL`, else
+    0."""
+    off: Scalar = 0.0
+    three = tuple(scale(3.0, row) for row in identity(3))
+    turned = R
+    for step in range(2):
+        gram = product(transposed(turned), turned)
+        if step == 0:
+            for row, one in zip(gram, identity(3), strict=True):
+                for a, b in zip(row, one, strict=True):
+                    off = maximum(off, absolute(a - b))
+        half = plus(three, tuple(scale(-1.0, row) for row in gram))
+        turned = tuple(scale(0.5, row) for row in product(turned, half))
+    x, y, z = transposed(R)
+    right = less(0.0, dot(space.cross(x, y), z))
+    return turned, less(off, 0.5 * ORTHOGONAL) * right
+
+
+def _between(low: float, x: Scalar, high: float) -> Scalar:
+    flag: Scalar = less_equal(low, x) if isfinite(low) else 1.0
+    return flag * (less_equal(x, high) if isfinite(high) else 1.0)
+
+
+def _coordinate(
+    arm: Branches,
+    known: Coordinates,
+    k: int,
+    place: JointPlace,
+    reference: Scalar,
+    held: Scalar | None,
+) -> Scalar:
+    """The entry k of q for the place of its joint."""
+    (at,) = (i for i, index in enumerate(arm.chain.index) if index == k)
+    if not known.repeats[k] or (held is not None and arm.held == k):
+        return arm.coordinate(at, place.value(), held)
+    ratio, offset = float(arm.chain.ratio[at]), float(arm.chain.offset[at])
+    joint = ratio * reference + offset
+    s, c = sin(joint), cos(joint)
+    way = atan2(place.sine * c - place.cosine * s, place.cosine * c + place.sine * s)
+    return known.wrapped(k, reference + way / ratio)
+
+
+def _in_front(found: Sequence[tuple[Vector, Scalar]]) -> tuple[list[Vector], Scalar]:
+    """The rows that are valid before all others, in their order, and how many; the others NaN."""
+    size = len(found[0][0])
+    rows: list[list[Scalar]] = [[0.0] * size for _ in found]
+    count: Scalar = 0.0
+    for i, (row, valid) in enumerate(found):
+        for j in range(i + 1):
+            here = valid * equal(count, float(j))
+            rows[j] = [where(here, x, y) for x, y in zip(row, rows[j], strict=True)]
+        count = count + valid
+    return _in_place([(tuple(row), less(float(j), count)) for j, row in enumerate(rows)])
+
+
+def _in_place(found: Sequence[tuple[Vector, Scalar]]) -> tuple[list[Vector], Scalar]:
+    """The rows where they are, those that are not valid NaN; and how many are."""
+    rows, count = [], 0.0
+    for row, valid in found:
+        none = sqrt(valid - 0.5)  # NaN, which is no constant of a program
+        rows.append(tuple(where(valid, x, none) for x in row))
+        count = count + valid
+    return rows, count

@@ -1,0 +1,82 @@
+"""The kernel behind `inverse_kinematics`: all solutions of a closed form as they are returned, and
+whether this is sure."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from freebody.algorithms.closed_form_inverse.near_reference import Coordinates, solutions
+from freebody.arrays import Array
+from freebody.inverse.closed_form import ClosedForm
+from freebody.inverse.numerical_solver import NumericalSolver
+from freebody.inverse.solutions import turning_coordinates
+from freebody.model.model import Model
+from freebody.program import Argument, trace
+from freebody.spatial import identity
+from freebody.targets import Kernel, compile_program
+
+
+def branch_kernel(
+    solver: NumericalSolver, form: ClosedForm, in_front: bool = True
+) -> Kernel | None:
+    """(target, reference (nq,), rest (nq,), held?) -> (q (branches, nq), residual (branches,),
+    within limits (branches,), count), compiled on first use; None for a form that takes numbers
+    alone, or a coordinate that moves its joint by a multiple.
+
+    target: the part that counts, see `counted`. reference: next to it angles are wrapped; rest: of
+    joints that do not move the frame. in_front: whether solutions stand before the branches there
+    are none of, which are NaN; else each branch has its place. count: -1 where it is not clear
+    which branches exist, or the target is no pose.
+    """
+    arm, model = form.branches, solver.model
+    if not arm.recipe.of_scalars or (np.abs(arm.chain.ratio) != 1.0).any():
+        return None
+    key = ("solutions of inverse kinematics", solver.frame, arm.kind, in_front)
+    found = model.compiled.get(key)
+    if found is None:
+        found = model.compiled[key] = _compiled(model, solver, form, in_front)
+    return found
+
+
+def counted(form: ClosedForm, target: Array) -> Array:
+    """What counts of targets (…, dim + 1, dim + 1): all, the point (…, dim) or the rotation."""
+    d = form.branches.dim
+    kind = form.branches.kind
+    if kind == "pose":
+        return target
+    return target[..., :d, d] if kind == "position" else target[..., :d, :d]
+
+
+def _compiled(model: Model, solver: NumericalSolver, form: ClosedForm, in_front: bool) -> Kernel:
+    arm, d, n = form.branches, form.branches.dim, model.nq
+    low, high = (tuple(map(float, bound)) for bound in solver.bounds)
+    known = Coordinates(low, high, tuple(map(bool, turning_coordinates(model))))
+    one = identity(3)
+
+    def evaluate(target: Any, reference: Any, rest: Any, *held: Any) -> tuple[Any, ...]:
+        if arm.kind == "pose":
+            R, p = arm.in_space(target)
+        elif arm.kind == "position":
+            R, p = one, (*target, 0.0)[:3]
+        else:
+            R, p = target, (0.0, 0.0, 0.0)
+        return solutions(arm, known, R, p, reference, rest, *held, in_front=in_front)
+
+    shapes = {"pose": (d + 1, d + 1), "position": (d,), "orientation": (d, d)}
+    inputs = [
+        Argument("target", shapes[arm.kind]),
+        Argument("reference", (n,)),
+        Argument("rest", (n,)),
+    ]
+    if arm.held is not None:
+        inputs.append(Argument("held", ()))
+    B = arm.count
+    outputs = [
+        Argument("q", (B, n)),
+        Argument("residual", (B,)),
+        Argument("within", (B,)),
+        Argument("count", ()),
+    ]
+    return compile_program(trace("inverse_kinematics", evaluate, inputs, outputs))
