@@ -3,9 +3,11 @@
     python benchmarks/branches.py [--poses 1000000] [--robots ur5e puma560 …]
 
 For each robot, of one thread: nanoseconds a pose in batches of 4096 (`out=`), microseconds of one
-call from Python, and for EAIK a pose of its own batch call, in turns within one run, the quickest
-of some rounds. Then, for so many random poses, in pieces: how far the position that made each pose
-is from the nearest branch, and how far forward kinematics takes the branches from the pose.
+call from Python; the same of `fb.inverse_kinematics` (its batch without the few poses that it looks
+at more closely, since these are next to singular); and for EAIK a pose of its own batch call, in
+turns within one run, the quickest of some rounds. Then, for so many random poses, in pieces: how
+far the position that made each pose is from the nearest branch, and how far forward kinematics
+takes the branches from the pose.
 """
 
 import argparse
@@ -50,13 +52,14 @@ def main() -> None:
     )
     parser.add_argument("--poses", type=int, default=1_000_000)
     parser.add_argument("--robots", nargs="+", choices=ROBOTS, default=ROBOTS)
-    given = parser.parse_args()
+    asked = parser.parse_args()
     warnings.simplefilter("ignore", fb.PhysicalWarning)
     print(
-        f"{'robot':11}{'branches':>9}{'ns a pose':>11}{'µs a call':>11}{'EAIK µs a pose':>16}"
+        f"{'robot':11}{'branches':>9}{'ns a pose':>11}{'µs a call':>11}{'function, ns':>14}"
+        f"{'function, µs':>14}{'EAIK µs a pose':>16}"
         f"{'own, worst':>12}{'residual':>10}{'unclear':>9}"
     )
-    for name in given.robots:
+    for name in asked.robots:
         model = load(name)
         kernel: Any = fb.kernel(model, "inverse_kinematics")
         q, poses = random_poses(model, BATCH, 0)
@@ -66,14 +69,23 @@ def main() -> None:
             "batch": (partial(kernel, *arrays, out=kernel(*arrays), threads=1), 3, BATCH / 1e9),
             "call": (partial(kernel, *one), 300, 1e-6),
         }
+        seven = len(arrays) == 2
+        known = fb.inverse_kinematics(model, poses, redundancy=arrays[1] if seven else None)
+        clear = (np.abs(kernel(*arrays)[2]) > 1e-5).all(axis=1) & (known.count > 0)
+        some = [np.ascontiguousarray(x[clear]) for x in arrays]
+        given = [{"redundancy": x[1]} if seven else {} for x in (some, one)]
+        function = fb.inverse_kinematics
+        runs["function"] = partial(function, model, some[0], **given[0]), 3, clear.sum() / 1e9
+        runs["one"] = partial(function, model, one[0], **given[1]), 100, 1e-6
         rival = eaik(model, poses)
         if rival is not None:
             runs["eaik"] = (rival, 1, BATCH / 1e6)
         times = quickest(runs)
-        own, residual, unclear = verified(model, kernel, given.poses)
+        own, residual, unclear = verified(model, kernel, asked.poses)
         print(
             f"{name:11}{kernel.program.outputs[0].shape[0]:9}{times['batch']:11.0f}"
-            f"{times['call']:11.2f}{times.get('eaik', np.nan):16.2f}{own:12.1e}{residual:10.1e}"
+            f"{times['call']:11.2f}{times['function']:14.0f}{times['one']:14.2f}"
+            f"{times.get('eaik', np.nan):16.2f}{own:12.1e}{residual:10.1e}"
             f"{unclear:9}",
             flush=True,
         )

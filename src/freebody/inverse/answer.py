@@ -11,10 +11,7 @@ from freebody.arrays import Array
 from freebody.inverse.closed_form import ClosedForm
 from freebody.inverse.problem import Found, Problem
 from freebody.inverse.solutions import Solutions, within
-from freebody.inverse.workspace import distances
-
-Away = Callable[[Array], tuple[Array, list[str]]]
-"""Targets (N, …) -> their distances (N,) from what can be reached, and a sentence for each."""
+from freebody.inverse.workspace import Away, distances
 
 
 def gathered(
@@ -22,7 +19,7 @@ def gathered(
     form: ClosedForm | None,
     found: Found,
     batch: tuple[int, ...],
-    away: Away | None = None,
+    away: Callable[[Array], Away] | None = None,
 ) -> Solutions:
     """The solutions of all targets in arrays of the batch, those out of reach with their distance
     and a sentence.
@@ -44,8 +41,8 @@ def gathered(
     distance = np.zeros(N)
     if len(lost):
         part = problem.part(lost)
-        distance[lost], sentences = away(part.target) if away else distances(part, form)
-        notes += _each_once(sentences, lost, N)
+        distance[lost], sentence = away(part.target) if away else distances(part, form)
+        notes += _each_once(sentence, lost, N)
     notes += _each_once(*_dropped(problem, found, there, chosen), N)
     fields: dict[str, Any] = {
         "q": q.reshape(*batch, k, solver.model.nq),
@@ -63,29 +60,31 @@ def gathered(
 
 def _dropped(
     problem: Problem, found: Found, there: np.ndarray, chosen: np.ndarray
-) -> tuple[list[str], np.ndarray]:
+) -> tuple[Callable[[int], str], np.ndarray]:
     """A sentence for each target all of whose solutions lie outside the limits."""
-    sentences = []
     low, high = problem.solver.bounds
     names = problem.solver.model.position_names
     rows = np.flatnonzero(there.any(axis=-1) & ~chosen.any(axis=-1))
-    for i in rows:
+
+    def sentence(k: int) -> str:
+        i = rows[k]
         q = found.q[i][there[i]]
         bad = [
             names[k]
             for k in range(len(names))
             if ((q[:, k] < low[k] - 1e-9) | (q[:, k] > high[k] + 1e-9)).any()
         ]
-        sentences.append(
+        return (
             f"Within reach, but each of the {len(q)} solutions leaves a joint's limits "
             f'({", ".join(bad)}); limits="mark" returns them.'
         )
-    return sentences, rows
+
+    return sentence, rows
 
 
-def _each_once(sentences: list[str], rows: np.ndarray, N: int) -> list[str]:
+def _each_once(sentence: Callable[[int], str], rows: np.ndarray, N: int) -> list[str]:
     """Sentences, with their samples where there are several targets; three of them at most."""
-    if N == 1 or not sentences:
-        return sentences
-    shown = [f"Target {row}: {text}" for text, row in zip(sentences[:3], rows, strict=False)]
-    return [*shown, f"… and {len(sentences) - 3} more targets."] if len(sentences) > 3 else shown
+    if N == 1:
+        return [sentence(k) for k in range(len(rows))]
+    shown = [f"Target {row}: {sentence(k)}" for k, row in enumerate(rows[:3])]
+    return [*shown, f"… and {len(rows) - 3} more targets."] if len(rows) > 3 else shown

@@ -49,19 +49,23 @@ def counted(form: ClosedForm, target: Array) -> Array:
     return target[..., :d, d] if kind == "position" else target[..., :d, :d]
 
 
+def of_counted(form: ClosedForm, target: Any) -> tuple[Any, Any]:
+    """Rotation and position in space, of scalars, from what counts of a target."""
+    arm = form.branches
+    if arm.kind == "pose":
+        return arm.in_space(target)
+    if arm.kind == "position":
+        return identity(3), (*target, 0.0)[:3]
+    return target, (0.0, 0.0, 0.0)
+
+
 def _compiled(model: Model, solver: NumericalSolver, form: ClosedForm, in_front: bool) -> Kernel:
     arm, d, n = form.branches, form.branches.dim, model.nq
     low, high = (tuple(map(float, bound)) for bound in solver.bounds)
     known = Coordinates(low, high, tuple(map(bool, turning_coordinates(model))))
-    one = identity(3)
 
     def evaluate(target: Any, reference: Any, rest: Any, *held: Any) -> tuple[Any, ...]:
-        if arm.kind == "pose":
-            R, p = arm.in_space(target)
-        elif arm.kind == "position":
-            R, p = one, (*target, 0.0)[:3]
-        else:
-            R, p = target, (0.0, 0.0, 0.0)
+        R, p = of_counted(form, target)
         return solutions(arm, known, R, p, reference, rest, *held, in_front=in_front)
 
     shapes = {"pose": (d + 1, d + 1), "position": (d,), "orientation": (d, d)}

@@ -14,12 +14,12 @@ from functools import singledispatch
 
 import numpy as np
 
+from freebody.algorithms.closed_form_inverse.across import Across
+from freebody.algorithms.closed_form_inverse.recipe import Recipe
 from freebody.algorithms.closed_form_inverse.recipes import (
-    Across,
     OneJointHeld,
     OrientationByThree,
     PositionByThree,
-    Recipe,
     SeenFromTip,
     SphericalWrist,
     ThreeParallel,

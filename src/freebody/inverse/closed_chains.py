@@ -13,7 +13,7 @@ from freebody.inverse.levenberg_marquardt import descend
 from freebody.inverse.numerical_solver import EXACT, NumericalSolver
 from freebody.inverse.problem import Found, Problem, found_in_turn
 from freebody.inverse.solutions import ALIKE, APART, Solutions, Verified, wrapped
-from freebody.inverse.workspace import beyond_the_starts
+from freebody.inverse.workspace import Away, beyond_the_starts
 from freebody.lazy import cached_property
 from freebody.loops.dyad_decomposition import Decomposition, decomposed
 from freebody.loops.equations import (
@@ -205,16 +205,15 @@ class _Held:
         return Verified(s.q[kept], s.miss[kept], s.row[kept])
 
     # ------------------------------------------------------------ out of reach
-    def away(self, target: Array) -> tuple[Array, list[str]]:
-        """(m, a sentence) for targets (N, …) that cannot be reached: to the nearest closed position
-        found."""
+    def away(self, target: Array) -> Away:
+        """Of targets (N, …) that cannot be reached: to the nearest closed position found."""
         near = 1e-7 * length(self.solver.model)
         found = [self._nearest(goal) for goal in target]
         sentences = []
         for goal, (distance, turned) in zip(target, found, strict=True):
             why = self.plan.obstacles(self.rest, goal[None]) if self.plan is not None else []
             sentences.append(" ".join([self._sentence(distance, turned, near), *why]))
-        return np.array([d if d > near else 0.0 for d, _ in found]), sentences
+        return np.array([d if d > near else 0.0 for d, _ in found]), sentences.__getitem__
 
     def _nearest(self, target: Array) -> tuple[float, float]:
         """(m, rad) that are missing at the nearest closed position found."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from freebody.algorithms.closed_form_inverse.across import Across
 from freebody.algorithms.closed_form_inverse.choose_recipe import recipe_for, without_idle
-from freebody.algorithms.closed_form_inverse.recipes import Across
 from freebody.algorithms.closed_form_inverse.solve import Branches, branches
 from freebody.algorithms.joint_lines import parallel
 from freebody.algorithms.screws import Screw, ScrewChain, chain_to

@@ -129,7 +129,9 @@ def _held(
         ) from None
     core = poses.shape[-2:]
     flat = np.broadcast_to(poses, (*batch, *core)).reshape(-1, *core)
-    return batch, replace(problem, target=flat, held=np.broadcast_to(given, batch).reshape(-1))
+    solver = replace(problem.solver, still=form.held)
+    held = np.broadcast_to(given, batch).reshape(-1)
+    return batch, replace(problem, solver=solver, target=flat, held=held)
 
 
 def _with_families(problem: Problem, form: ClosedForm, found: Found) -> Found:

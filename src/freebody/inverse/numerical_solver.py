@@ -30,6 +30,8 @@ class NumericalSolver:
     model: Model
     frame: str
     task: Task
+    still: int | None = None
+    """The place in q of a joint that is not moved."""
 
     @cached_property
     def length(self) -> float:
@@ -71,7 +73,11 @@ class NumericalSolver:
     def pose_and_jacobian(self, q: Array) -> tuple[Array, Array]:
         """T (..., dim + 1, dim + 1) and the counted rows of J (..., r, nv) at q (..., nq)."""
         T, J = self._kernel(q)
-        return T, J[..., list(self.task.rows), :]
+        J = J[..., list(self.task.rows), :]
+        if self.still is not None:
+            at = next(x for x in self.model.coordinates if self.still in x.q)
+            J[..., list(at.v)] = 0.0
+        return T, J
 
     def miss(self, q: Array, target: Array) -> Array:
         """How far q (..., nq) is from the targets, by forward kinematics: m or rad, the larger."""

@@ -53,7 +53,7 @@ class _Nearest:
     """Some targets, and how far their solutions are from the reference."""
 
     def __init__(self, problem: Problem, form: ClosedForm, kernel: Kernel):
-        self.problem, self.kernel = problem, kernel
+        self.problem, self.form, self.kernel = problem, form, kernel
         assert form.held is not None  # of such a form
         self.held = form.held
         self.low, self.high = (float(bound[self.held]) for bound in problem.solver.bounds)
@@ -62,15 +62,22 @@ class _Nearest:
         """(q (N, branches, nq), miss), sorted."""
         at, step = self._grid()
         N = len(self.problem.target)
-        _, _, far = self._solved(np.broadcast_to(at, (N, len(at))))  # (N, G, branches)
+        q, _, far = self._solved(np.broadcast_to(at, (N, len(at))))  # (N, G, branches)
         best = at[np.argmin(far, axis=1)]  # (N, branches)
-        far = far.min(axis=1)
+        rows = np.flatnonzero(np.isfinite(far).any(axis=(1, 2)))
+        q, miss = np.full((N, *q.shape[2:]), np.nan), np.full((N, q.shape[2]), np.nan)
+        if len(rows):
+            there = _Nearest(self.problem.part(rows), self.form, self.kernel)
+            q[rows], miss[rows] = there._closer(best[rows], step)
+        return q, miss
+
+    def _closer(self, best: Array, step: float) -> tuple[Array, Array]:
+        """The same from the best positions (N, branches) of a grid."""
         for _ in range(_ROUNDS):
             tried = best[..., None] + step * _CLOSER
             _, _, there = self._own(tried)
             nearest = np.argmin(there, axis=-1)[..., None]
             best = np.take_along_axis(tried, nearest, axis=-1)[..., 0]
-            far = np.take_along_axis(there, nearest, axis=-1)[..., 0]
             step /= 4.0
         tried = best[..., None] + step * np.array([-1.0, 0.0, 1.0])
         q, miss, there = self._own(np.concatenate([tried, self._vertex(tried)], axis=-1))

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
 from freebody.inverse.closed_form import ClosedForm
-from freebody.inverse.levenberg_marquardt import descend
 from freebody.inverse.numerical_solver import NumericalSolver
 from freebody.inverse.problem import Problem
+from freebody.inverse.reach_distance import exact_distances
 from freebody.inverse.solutions import turning_coordinates
 from freebody.inverse.task import Task
 from freebody.trees.states import random_state
@@ -24,38 +24,38 @@ _AT_ONCE = 256
 """Targets looked at side by side, which bounds the memory."""
 _NEAR = 1e-7  # nearer than this (in arm lengths) is reached
 
+Away = tuple[Array, Callable[[int], str]]
+"""Distances (N,) of targets from what can be reached, and a sentence for each."""
 
-def distances(problem: Problem, form: ClosedForm | None) -> tuple[Array, list[str]]:
-    """(m, a sentence) for the targets of a problem, which have no solution; the distance is 0 where
-    only the orientation is wrong."""
+
+def distances(problem: Problem, form: ClosedForm | None) -> Away:
+    """Of the targets of a problem, which have no solution; the distance is 0 where only the
+    orientation is wrong."""
     solver, count = problem.solver, len(problem.target)
     if not solver.task.linear:
-        return np.zeros(count), ["The frame cannot reach this orientation."] * count
-    away, sentences = np.zeros(count), []
-    for at in range(0, count, _AT_ONCE):
-        some = np.arange(at, min(at + _AT_ONCE, count))
-        away[some], said = _some_distances(problem.part(some), form)
-        sentences += said
-    return away, sentences
-
-
-def _some_distances(problem: Problem, form: ClosedForm | None) -> tuple[Array, list[str]]:
-    solver, target = problem.solver, problem.target
-    near = _NEAR * solver.length
-    chained = None if form is None else form.reached(target, problem.held)
-    if chained is not None:
-        away = distance_of_points(*chained, solver.length)
-        how = ""
-    else:
-        away, turned = _nearest(solver, target)
-        how = "about "
-        if solver.task.angular and (turned > 1e-6).any():
-            places = replace(solver, task=Task(solver.task.dim, solver.task.linear))
-            away = np.where(turned > 1e-6, _nearest(places, target)[0], away)
+        return np.zeros(count), lambda _: "The frame cannot reach this orientation."
+    away = exact_distances(problem, form)
+    how = "" if away is not None else "about "
+    if away is None:
+        parts = range(0, count, _AT_ONCE)
+        away = np.concatenate([_searched(solver, problem.target[k : k + _AT_ONCE]) for k in parts])
+    out = away > _NEAR * solver.length
     given = None if form is None or problem.held is None else form.held
     also = "" if given is None else f" and {solver.model.position_names[given]!r} where it is given"
-    said = [_sentence(solver, d, d > near, how, also) for d in away]
-    return np.where(away > near, away, 0.0), said
+
+    def sentence(k: int) -> str:
+        return _sentence(solver, away[k], out[k], how, also)
+
+    return np.where(out, away, 0.0), sentence
+
+
+def _searched(solver: NumericalSolver, target: Array) -> Array:
+    """Distances by many descents; of the position alone where the orientation cannot be had."""
+    away, turned = _nearest(solver, target)
+    if solver.task.angular and (turned > 1e-6).any():
+        places = replace(solver, task=Task(solver.task.dim, solver.task.linear))
+        away = np.where(turned > 1e-6, _nearest(places, target)[0], away)
+    return away
 
 
 def _sentence(solver: NumericalSolver, distance: float, out: bool, how: str, also: str) -> str:
@@ -97,46 +97,11 @@ def beyond_the_starts(solver: NumericalSolver) -> str:
     )
 
 
-def distance_of_points(screws: tuple[Screw, ...], c: Array, points: Array, length: float) -> Array:
-    """Distances (N,) of points (N, 3) from all that the screws can bring c (3,) to: the least of
-    many descents."""
-    n = len(screws)
-    if n == 0:
-        return np.zeros(len(points))
-    rng = np.random.default_rng(1)
-    angles = rng.uniform(-np.pi, np.pi, size=(_STARTS, n))
-    slides = np.array([not s.turning for s in screws])
-    angles[:, slides] *= length / np.pi
-
-    def descended(x: Array, count: int, iterations: int) -> tuple[Array, Array]:
-        goals = np.repeat(points, count, axis=0)
-
-        def residual(x: Array, rows: np.ndarray) -> tuple[Array, Array]:
-            p = np.broadcast_to(c, (len(x), 3))
-            columns: list[Array] = []
-            for i in reversed(range(n)):
-                columns = [screws[i].turned(x[:, i], v) for v in columns]
-                p = screws[i].moved(x[:, i], p)
-                columns.insert(0, _speed(screws[i], p))
-            return (goals[rows] - p) / length, np.stack(columns, axis=-1) / length
-
-        return descend(residual, x, goal=1e-14, iterations=iterations)
-
-    x, cost = descended(np.tile(angles, (len(points), 1)), _STARTS, 20)
-    _, cost = descended(x[_nearest_rows(cost)], _KEPT, 200)
-    return length * cost.reshape(len(points), _KEPT).min(axis=-1)
-
-
 def _nearest_rows(cost: Array) -> np.ndarray:
     """Of the costs of all starts, target by target, the rows of the least of each target."""
     by_target = cost.reshape(-1, _STARTS)
     best = np.argpartition(by_target, _KEPT, axis=-1)[:, :_KEPT]
     return (best + _STARTS * np.arange(len(by_target))[:, None]).ravel()
-
-
-def _speed(screw: Screw, p: Array) -> Array:
-    """Velocity (N, 3) of points when a screw moves at unit rate."""
-    return np.cross(screw.w, p - screw.p) if screw.turning else np.broadcast_to(screw.w, p.shape)
 
 
 def _nearest(solver: NumericalSolver, target: Array) -> tuple[Array, Array]:

@@ -8,12 +8,12 @@ from typing import Literal
 
 import numpy as np
 
+from freebody.algorithms.closed_form_inverse.across import Across
+from freebody.algorithms.closed_form_inverse.recipe import Recipe
 from freebody.algorithms.closed_form_inverse.recipes import (
-    Across,
     OneJointHeld,
     OrientationByThree,
     PositionByThree,
-    Recipe,
     SeenFromTip,
     SphericalWrist,
     ThreeParallel,

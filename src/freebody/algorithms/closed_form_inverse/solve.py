@@ -8,12 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.algorithms.closed_form_inverse.choose_recipe import Kind, recipe_for, without_idle
-from freebody.algorithms.closed_form_inverse.recipes import (
-    OneJointHeld,
-    Reached,
-    Recipe,
-    WantedMotion,
-)
+from freebody.algorithms.closed_form_inverse.recipe import Reached, Recipe, WantedMotion
+from freebody.algorithms.closed_form_inverse.recipes import OneJointHeld
 from freebody.algorithms.closed_form_inverse.two_and_three_joints import Places, Way, numbers
 from freebody.algorithms.screws import ScrewChain, chain_to
 from freebody.elementary import Scalar, epsilon, less, less_equal, maximum, where
@@ -94,6 +90,10 @@ class Branches:
         if isinstance(self.recipe, OneJointHeld) and held is not None:
             return self.recipe.reached_at(X, self._held_at(held))
         return self.recipe.reached(X)
+
+    def gaps(self, R: Matrix, p: Vector, x: Scalar) -> list[Scalar] | None:
+        """See `Recipe.gaps`."""
+        return self.recipe.gaps(self.wanted(R, p), x)
 
     def _held_at(self, held: Scalar) -> Scalar:
         """The position of the joint itself where its entry of q is `held`."""

@@ -1,0 +1,96 @@
+"""What a recipe is: from a displacement X = e1 … en to the places of all joints, branch by branch.
+
+X = T T(0)⁻¹ is given as what it does to a point and to a direction. Each recipe lists as many
+branches for every target, with how clear it is that a branch exists; whoever calls verifies them.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from freebody.algorithms.closed_form_inverse.two_and_three_joints import Places, Way
+from freebody.algorithms.screws import Screw
+from freebody.arrays import Array
+from freebody.elementary import Scalar
+from freebody.spatial import Matrix, Vector, add, times, transposed
+
+
+@dataclass(frozen=True)
+class WantedMotion:
+    """X: rotation R (3, 3) and shift p (3), of scalars, between known motions of joints."""
+
+    R: Matrix
+    p: Vector
+    before: Places = ()
+    """Motions done last: X is these, the first of them outermost, times the rest."""
+    after: Places = ()
+    """Motions done first."""
+
+    def point(self, x: Vector) -> Vector:
+        """Where X takes a point."""
+        for place in reversed(self.after):
+            x = place.point(x)
+        x = add(times(self.R, x), self.p)
+        for place in reversed(self.before):
+            x = place.point(x)
+        return x
+
+    def direction(self, v: Vector) -> Vector:
+        """What X makes of a direction."""
+        for place in reversed(self.after):
+            v = place.direction(v)
+        v = times(self.R, v)
+        for place in reversed(self.before):
+            v = place.direction(v)
+        return v
+
+    def without(self, first: Places = (), last: Places = ()) -> WantedMotion:
+        """e⁻¹ X for the first joints e, X e⁻¹ for the last ones."""
+        before = (*(x.back() for x in reversed(first)), *self.before)
+        after = (*self.after, *(x.back() for x in reversed(last)))
+        return WantedMotion(self.R, self.p, before, after)
+
+    def inverse(self) -> WantedMotion:
+        """X⁻¹."""
+        back = transposed(self.R)
+        return WantedMotion(
+            back,
+            tuple(-x for x in times(back, self.p)),
+            tuple(x.back() for x in reversed(self.after)),
+            tuple(x.back() for x in reversed(self.before)),
+        )
+
+
+Reached = tuple[Sequence[Screw], Array, Vector]
+"""(screws, c, point): as far as the screws leave c (3,) from the point, the target is out of
+reach."""
+
+
+class Recipe(ABC):
+    """A closed form for some joints in a row."""
+
+    @abstractmethod
+    def ways(self, X: WantedMotion) -> list[Way]:
+        """The branches."""
+
+    @property
+    @abstractmethod
+    def title(self) -> str:
+        """What is done, with its source."""
+
+    @property
+    def of_scalars(self) -> bool:
+        """Whether it takes any scalars, and not numbers alone."""
+        return True
+
+    def reached(self, X: WantedMotion) -> Reached | None:
+        """A target is within reach where screws bring a point to another one: see `Reached`; None
+        where that is not what decides."""
+        return None
+
+    def gaps(self, X: WantedMotion, x: Scalar) -> list[Scalar] | None:
+        """Squares of the distances (m²) that X is from what can be had with the joint that decides
+        at x (rad), by the ways of the others; None where `reached` tells."""
+        return None
