@@ -50,7 +50,7 @@ BY_POSITION = {
     "planar": {name: [1.0, 1.0] for name in ("l", "lc", "m", "I", "angles")} | {"g": [0.0, -9.81]},
     "inertia_from": {"com": [0.1, 0.2], "about": [0.3, 0.1]},
     "simulate": {"t": [0.0, 0.01, 0.02], "breakpoints": [0.01, 0.02]},
-    "inverse_kinematics": {"target": [0.3, 0.2]},
+    "inverse_kinematics": {"target": [0.3, 0.2], "redundancy": [0.1, 0.2]},
     "dh": {"gravity": [0.0, 0.0, -9.81]},
     "line": {"target": [0.3, 0.2]},
     "arc": {"via": [0.3, 0.2], "target": [0.1, 0.2]},

@@ -112,14 +112,14 @@ def _held(
 ) -> tuple[tuple[int, ...], Problem]:
     """The batch of targets and positions of the joint that is given, and the problem with them."""
     function, model = "inverse_kinematics", problem.solver.model
+    given = as_floats(function, "redundancy", redundancy)
+    refuse_not_finite(function, "redundancy", given, 0)
     if form is None or form.held is None:
         raise FreebodyError(
             f"{function}: redundancy is the position of one joint of an arm with seven of which "
             f"the other six have a closed form; {model.name!r} with frame "
             f"{problem.solver.frame!r} and this task is none. Leave it out."
         )
-    given = as_floats(function, "redundancy", redundancy)
-    refuse_not_finite(function, "redundancy", given, 0)
     try:
         batch = np.broadcast_shapes(given.shape, poses.shape[:-2])
     except ValueError:
