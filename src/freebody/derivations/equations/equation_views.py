@@ -3,7 +3,7 @@ written out."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -51,40 +51,32 @@ def named(equations: ClosedForm, layout: Layout, names: Letters = NOTES) -> list
         ex.eq(motor, ex.add(*_torque(equations, layout, names, velocity, i)))
         for i, motor in enumerate(motors(equations.symbols.model))
     ]
-    if velocity is not None:
-        terms = [ex.eq(symbol, layout.form(value)) for symbol, value in velocity.definitions()]
-    else:
-        terms = [
-            _definition(layout, entry(names.c, i), x)
-            for i, x in enumerate(equations.c, 1)
-            if not x.is_zero
-        ]
-    gravity = [
-        _definition(layout, entry(names.g, i), x)
-        for i, x in enumerate(equations.g, 1)
-        if not x.is_zero
-    ]
-    groups = [torques, _inertia(equations, layout, names), terms, gravity]
+    terms = velocity.definitions() if velocity else _entries(names.c, equations.c)
+    found = (
+        [ex.eq(symbol, layout.form(value)) for symbol, value in rows]
+        for rows in (terms, _entries(names.g, equations.g))
+    )
+    groups = [torques, symmetric(names.M, equations.M, layout.form), *found]
     return [group for group in groups if group]
 
 
-def _definition(layout: Layout, symbol: Symbol, x: Trig) -> Equation:
-    return ex.eq(symbol, layout.form(x))
+def _entries(letter: str, column: Sequence[Trig]) -> list[tuple[Symbol, Trig]]:
+    """Those that are not zero, with their names."""
+    return [(entry(letter, i), x) for i, x in enumerate(column, 1) if not x.is_zero]
 
 
-def _inertia(equations: ClosedForm, layout: Layout, names: Letters) -> Group:
-    """The entries that are not zero, the diagonal first; H12 = H21 is one line."""
-    n = len(equations.M)
+def symmetric(
+    letter: str, rows: Sequence[Sequence[Trig]], form: Callable[[Trig], Expression]
+) -> Group:
+    """The entries of a symmetric matrix that are not zero, the diagonal first; H12 = H21 is one
+    line."""
+    n = len(rows)
     pairs = [(i, i) for i in range(n)] + [(i, j) for i in range(n) for j in range(i + 1, n)]
-    lines = []
-    for i, j in pairs:
-        if not equations.M[i][j].is_zero:
-            sides = [
-                entry(names.M, i + 1, j + 1),
-                *([entry(names.M, j + 1, i + 1)] if i != j else []),
-            ]
-            lines.append(ex.eq(*sides, layout.form(equations.M[i][j])))
-    return lines
+    return [
+        ex.chain(entry(letter, i + 1, j + 1), entry(letter, j + 1, i + 1), form(rows[i][j]))
+        for i, j in pairs
+        if not rows[i][j].is_zero
+    ]
 
 
 def _torque(

@@ -187,6 +187,11 @@ def eq(*sides: Like) -> Equation:
     return Equation(tuple(map(expr, sides)))
 
 
+def chain(*sides: Like) -> Equation:
+    """side = side …, each side once: a rule that is its value is not repeated."""
+    return eq(*dict.fromkeys(map(expr, sides)))
+
+
 # ---------------------------------------------------------------- looking inside
 def size(x: Expression) -> int:
     """How many numbers and symbols are read."""

@@ -9,6 +9,7 @@ from dataclasses import replace
 from freebody.derivations.closed_chains.first_kind import Reduction
 from freebody.derivations.closed_chains.linear import Ratio, product, quotient
 from freebody.derivations.derivation import Meaning, Step
+from freebody.derivations.equations.equation_views import symmetric
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.printed_names import entry, sym
@@ -87,18 +88,14 @@ class _FirstKindSteps:
     def forces(self) -> list[Trig]:
         """What motors must give, by joint: 0 of those without motor; the load's part taken off."""
         zero = self.s.symbols.zero()
-        at = [self.s.tree.bodies[i].coordinates.v[0] for i in self.s.order]
-        return [
-            self.system.forces[k] - self.works.get(i, zero)
-            for i, k in zip(self.s.order, at, strict=True)
-        ]
+        return [self.system.forces[self.s.index(i)] - self.works.get(i, zero) for i in self.s.order]
 
     # ------------------------------------------------------------ one coordinate
     def equation(self, i: int) -> list[Step]:
         """The derivatives of L and the equation of one coordinate (5.23)."""
         s, energies = self.s, self.energies
         derivatives, torque, friction = lagrange.derivatives(s, energies, i)
-        k = s.tree.bodies[i].coordinates.v[0]
+        k = s.index(i)
         x = s.coordinate(i)
         left = ex.add(
             ex.sub(ex.d_dt(ex.partial("L", x + RATE)), ex.partial("L", x)),
@@ -140,7 +137,11 @@ class _FirstKindSteps:
         first = Step(
             "Mass matrix and forces",
             reason,
-            (eq("T", ex.mul(HALF, ex.transposed(rate), "M", rate)), *self._masses(), *rests),
+            (
+                eq("T", ex.mul(HALF, ex.transposed(rate), "M", rate)),
+                *symmetric("M", self.system.M, self.s.show),
+                *rests,
+            ),
             ("5.25", "5.26", "5.27"),
         )
         block = ex.matrix([[sym("M"), ex.transposed(self.loops.phi_q)], [self.loops.phi_q, 0]])
@@ -158,24 +159,9 @@ class _FirstKindSteps:
         )
         return [first, both]
 
-    def _masses(self) -> list[Equation]:
-        """The entries of M that are not 0, the diagonal first."""
-        M, n = self.system.M, len(self.system.M)
-        lines = [
-            eq(entry("M", k + 1, k + 1), self.s.show(M[k][k]))
-            for k in range(n)
-            if not M[k][k].is_zero
-        ]
-        for i in range(n):
-            for k in range(i + 1, n):
-                if not M[i][k].is_zero:
-                    names = entry("M", i + 1, k + 1), entry("M", k + 1, i + 1)
-                    lines.append(eq(*names, self.s.show(M[i][k])))
-        return lines
-
     def _by_coordinate(self) -> list[tuple[int, int]]:
         """(coordinate, body)."""
-        return sorted((self.s.tree.bodies[i].coordinates.v[0], i) for i in self.s.order)
+        return sorted((self.s.index(i), i) for i in self.s.order)
 
     def _named_rest(self, k: int, i: int) -> Equation:
         rest = self.system.rest[k] - self.works.get(i, self.s.symbols.zero())
@@ -302,8 +288,8 @@ class _FirstKindSteps:
             lines.append(eq(left, self._driving(r, j)))
         for j in range(f):
             for k in range(j, f):
-                both = [entry("H", j + 1, k + 1), *([entry("H", k + 1, j + 1)] if j != k else [])]
-                lines.append(eq(*both, self._quadratic(r, j, k)))
+                both = entry("H", j + 1, k + 1), entry("H", k + 1, j + 1)
+                lines.append(ex.chain(*both, self._quadratic(r, j, k)))
         return lines
 
     def _quadratic(self, r: Reduction, j: int, l: int) -> Expression:

@@ -52,7 +52,7 @@ def _lengths(s: Setting) -> tuple[Expression, Expression] | None:
     at = [
         s.motion.joints[first][1],
         s.motion.joints[second][1],
-        s.tree.frames[s.symbols.model.frame().name][2],
+        s.tip_frame[2],
     ]
     (x0, y0), (a, y1), (b, y2) = ([s.show(x) for x in p] for p in at)
     return (a, b) if all(x == ex.ZERO for x in (x0, y0, y1, y2)) and ex.ZERO not in (a, b) else None

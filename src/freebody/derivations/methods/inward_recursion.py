@@ -26,7 +26,7 @@ class Inward:
 
     def torque(self, i: int) -> Trig:
         """The recursion's torque of body i's joint."""
-        return self.s.symbols.element(self.record.tau[self.s.tree.bodies[i].coordinates.v[0]])
+        return self.s.symbols.element(self.record.tau[self.s.index(i)])
 
     def step(self, i: int) -> Step:
         """Forces and moments on one body, and its motor."""

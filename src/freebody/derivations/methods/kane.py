@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator
 
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expressions import expression as ex
-from freebody.derivations.expressions.expression import Equation, Expression, eq
+from freebody.derivations.expressions.expression import Expression, eq
 from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods import glossary, step_reasons
 from freebody.derivations.methods.body_motion import motion
@@ -148,8 +148,8 @@ class _JointRate:
         value = ex.add(s.motor(self.i), s.show(self._active))
         inertia = ex.add(*map(ex.neg, self._inertia_terms()), ex.neg_each(s.show(self._rotor)))
         lines = (
-            _chain(self.active_name, active, value),
-            _chain(self.inertia_name, inertia, s.show(self._inertia)),
+            ex.chain(self.active_name, active, value),
+            ex.chain(self.inertia_name, inertia, s.show(self._inertia)),
         )
         return Step(f"Generalized forces: joint {self.number}", self._forces_reason(), lines)
 
@@ -207,18 +207,14 @@ class _JointRate:
     @property
     def _resisting(self) -> Trig:
         """What friction and spring of the joint take."""
-        return self.s.equations.drives[self._coordinate]
+        return self.s.equations.drives[self.s.index(self.i)]
 
     @property
     def _rotor(self) -> Trig:
         drive, s = self.s.tree.bodies[self.i].drive, self.s
         return s.symbols.element(
-            0.0 if drive is None else drive.rotor * s.symbols.qdd[self._coordinate]
+            0.0 if drive is None else drive.rotor * s.symbols.qdd[self.s.index(self.i)]
         )
-
-    @property
-    def _coordinate(self) -> int:
-        return self.s.tree.bodies[self.i].coordinates.v[0]
 
     @property
     def _active(self) -> Trig:
@@ -227,7 +223,7 @@ class _JointRate:
         for k in s.weighted if s.weighs else ():
             total = total + dot(scale(s.mass(k), s.gravity(k)), self.centres[k])
         if s.load:
-            total = total + dot(tuple(s.symbols.ring[name] for name in s.load), self._tip())
+            total = total + dot(s.load_components, self._tip())
         return s.symbols.element(total)
 
     @property
@@ -266,11 +262,6 @@ class _JointRate:
 def _some(v: Vector) -> bool:
     """Whether a vector of the ring is not zero."""
     return not all(x.is_zero for x in v)
-
-
-def _chain(name: Expression, rule: Expression, value: Expression) -> Equation:
-    """name = rule = value, without a side that repeats the one before."""
-    return eq(name, *dict.fromkeys((rule, value)))
 
 
 def _symbols(s: Setting) -> Iterator[Meaning]:

@@ -178,7 +178,7 @@ class _Tip:
         )
 
     def _columns(self) -> list[int]:
-        return [self.s.tree.bodies[i].coordinates.v[0] for i in self.s.order]
+        return [self.s.index(i) for i in self.s.order]
 
     # ------------------------------------------------------------ singular poses
     def singular(self) -> list[Step]:
@@ -189,11 +189,7 @@ class _Tip:
         found = jacobian_determinant(self.closed, self.rows)
         expanded = s.show(found.polynomial)
         name = ex.Function("det", sym("J"))
-        lines = [
-            eq(name, found.expression)
-            if expanded == found.expression
-            else eq(name, expanded, found.expression)
-        ]
+        lines = [ex.chain(name, expanded, found.expression)]
         for condition in found.conditions:
             lines += condition.solutions or (condition.equation,)
         where = (

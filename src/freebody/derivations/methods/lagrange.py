@@ -107,8 +107,7 @@ def _angular_velocities(s: Setting, moving: BodyMotions) -> Step:
         if s.turns(i):
             chain.append(rate if s.planar else ex.mul(rate, s.name("z", i)))
         rule, value = ex.add(*chain), s.angular(moving.w[i])
-        name = s.angular_name("omega", i)
-        lines.append(eq(name, value) if rule == value else eq(name, rule, value))
+        lines.append(ex.chain(s.angular_name("omega", i), rule, value))
     axes = (
         "" if s.planar else ". Each is given in its body's own axes, where the inertia is constant"
     )
@@ -163,9 +162,7 @@ def derivatives(s: Setting, energies: Energies, i: int) -> tuple[Step, Trig, Tri
     x, L = s.coordinate(i), energies.lagrangian
     by_rate, by_position = L.derivative(x + RATE), L.derivative(x)
     moved = by_rate.along(s.symbols.rates)
-    friction = s.equations.drives[s.tree.bodies[i].coordinates.v[0]] - energies.springs.derivative(
-        x
-    )
+    friction = s.equations.drives[s.index(i)] - energies.springs.derivative(x)
     slope, d_position = ex.partial("L", x + RATE), ex.partial("L", x)
     lines = (
         eq(slope, s.show(by_rate)),

@@ -76,11 +76,9 @@ class _Balance(Equilibrium):
     def system(self) -> LoopStatics:
         """The equations of the joints."""
         s = self.s
-        at = {i: s.tree.bodies[i].coordinates.v[0] for i in s.order}
-        needed = {at[i]: self.reactions.motor(i) for i in s.order}
-        return LoopStatics(
-            self.loops.equations, needed, tuple(at[i] for i in s.order if not s.driven(i))
-        )
+        needed = {s.index(i): self.reactions.motor(i) for i in s.order}
+        passive = tuple(s.index(i) for i in s.order if not s.driven(i))
+        return LoopStatics(self.loops.equations, needed, passive)
 
     # ------------------------------------------------------------ the bodies
     def forces(self) -> Step:
@@ -233,7 +231,7 @@ class _Balance(Equilibrium):
             if not s.driven(i):
                 continue
             sides = [s.show(self.reactions.motor(i))]
-            found = self.system.torque(s.tree.bodies[i].coordinates.v[0])
+            found = self.system.torque(s.index(i))
             if found is not None:
                 shown = self._ratio(found)
                 sides += (
@@ -241,7 +239,7 @@ class _Balance(Equilibrium):
                     if not isinstance(shown, ex.Words) and ex.size(shown) <= 2 * LONG
                     else []
                 )
-            lines.append(eq(s.motor(i), *dict.fromkeys(sides)))
+            lines.append(ex.chain(s.motor(i), *sides))
         reason = (
             "The balance at the driven joints in terms of the multipliers, then with these "
             "substituted where the result is short."

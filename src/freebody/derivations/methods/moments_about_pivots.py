@@ -122,10 +122,8 @@ def _balance(s: Setting, i: int) -> Expression:
     """Σ over all that hangs on joint i."""
     moments, forces = [], []
     for k in _subtree(s, i):
-        acceleration = s.name("vc", k, "_d")
-        force = s.mass_times(k, ex.sub(acceleration, vec("g")) if s.weighs else acceleration)
-        moments += [s.spin_terms(k), ex.cross(_arm(s, i, k), force)]
-        forces.append(force)
+        moments += [s.spin_terms(k), ex.cross(_arm(s, i, k), s.needed(k))]
+        forces.append(s.needed(k))
     if _loaded(s, i):
         moments.append(ex.neg(ex.cross(_tip_arm(s, i), vec("f"))))
         forces.append(ex.neg(vec("f")))

@@ -113,17 +113,11 @@ class FreeBodies:
         return self.s.mass_times(i, self.s.name("vc", i, "_d"))
 
     # ------------------------------------------------------------ elimination
-    def needed(self, i: int) -> Expression:
-        """m (v̇_c - g) of body i: what all other forces on it must add up to."""
-        s = self.s
-        acceleration = s.name("vc", i, "_d")
-        return s.mass_times(i, ex.sub(acceleration, vec("g")) if s.weighs else acceleration)
-
     def passed(self, i: int) -> Expression:
         """The force at joint i without reactions: of body i and all that hangs on it, less the
         load."""
         s = self.s
-        terms = [self.needed(i), *(self.passed(k) for k in s.tree.children(i))]
+        terms = [s.needed(i), *(self.passed(k) for k in s.tree.children(i))]
         return ex.add(*terms, ex.neg(vec("f")) if s.loaded(i) else ex.ZERO)
 
     def eliminated(self, i: int) -> Step:
@@ -150,7 +144,7 @@ class FreeBodies:
         terms = [
             *map(s.joint_moment, children),
             s.spin_terms(i),
-            ex.cross(s.centre_name(i), self.needed(i)),
+            ex.cross(s.centre_name(i), s.needed(i)),
         ]
         terms += [ex.cross(s.reach_name(i, k), self.passed(k)) for k in children]
         if s.loaded(i):

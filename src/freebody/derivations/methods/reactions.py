@@ -72,7 +72,7 @@ class SolvedReactions:
 
 def drive_part(s: Setting, i: int) -> Trig:
     """What friction, spring and rotor of joint i take of its motor; at rest the spring alone."""
-    body, k = s.tree.bodies[i], s.tree.bodies[i].coordinates.v[0]
+    body, k = s.tree.bodies[i], s.index(i)
     if body.drive is None:
         return s.symbols.zero()
     if s.at_rest:

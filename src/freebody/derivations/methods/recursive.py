@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from freebody.algorithms.rnea import Recursion, rnea
+from freebody.algorithms.rnea import Recursion
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq
@@ -18,7 +18,6 @@ from freebody.derivations.methods.method import Method, MethodOption, Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import coriolis
 from freebody.derivations.polynomials.symbols import RATE, SECOND
-from freebody.spatial import times, transposed
 
 GRAVITIES = ("base", "explicit")
 
@@ -26,7 +25,7 @@ GRAVITIES = ("base", "explicit")
 def work_out(setting: Setting, gravity: str) -> Worked:
     """The steps; gravity: as acceleration -g of the base, or as each body's weight."""
     base = gravity == "base" or not setting.weighs
-    record = _recursion(setting, gravity)
+    record = setting.recursion(gravity)
     outward, inward = _Outward(setting, record, base), Inward(setting, record, base)
     steps = [geometry(setting, rotations=True), outward.start()]
     steps += [outward.step(i) for i in setting.order]
@@ -44,17 +43,6 @@ def _symbols(s: Setting) -> Iterator[Meaning]:
     yield from glossary.inertia_forces(s)
     yield glossary.joint_forces()
     yield from glossary.joint_moments(s)
-
-
-def _recursion(s: Setting, gravity: str) -> Recursion:
-    """One run over the ring; the load in body axes."""
-    load = ()
-    if s.load:
-        R = s.world[s.tip][0]
-        force = times(transposed(R), tuple(s.symbols.ring[name] for name in s.load))
-        _, _, p = s.tree.frames[s.symbols.model.frame().name]
-        load = ((s.tip, force, s.tree.space.moment(p, force)),)
-    return rnea(s.tree, s.symbols.q, s.symbols.qd, s.symbols.qdd, load, gravity)
 
 
 class _Outward:
@@ -116,7 +104,7 @@ class _Outward:
                 if dots and not s.planar and parent >= 0:
                     own = ex.add(own, self._swing(i))
             rows.append(
-                chain(s.angular_name("omega", i, dots), ex.add(before, own), s.angular(value))
+                _worked(s.angular_name("omega", i, dots), ex.add(before, own), s.angular(value))
             )
         return rows
 
@@ -146,7 +134,7 @@ class _Outward:
             carried = rule if s.planar or rule == ex.ZERO else self._carried(rule, i)
             if s.slides(i):
                 carried = ex.add(carried, *self._slid(i, dots))
-            rows.append(chain(s.name("v", i, dots), carried, s.column(s.axes(i, value))))
+            rows.append(_worked(s.name("v", i, dots), carried, s.column(s.axes(i, value))))
         return rows
 
     def _slid(self, i: int, dots: str) -> list[Expression]:
@@ -171,8 +159,8 @@ class _Outward:
         speed = ex.add(s.name("v", i), ex.cross(w, c))
         change = ex.add(s.name("v", i, "_d"), ex.cross(wd, c), ex.cross(w, ex.cross(w, c)))
         return (
-            chain(s.name("vc", i), speed, s.column(s.centre_velocity(i))),
-            chain(s.name("vc", i, "_d"), change, s.column(s.axes(i, self.record.vd_com[i][0]))),
+            _worked(s.name("vc", i), speed, s.column(s.centre_velocity(i))),
+            _worked(s.name("vc", i, "_d"), change, s.column(s.axes(i, self.record.vd_com[i][0]))),
         )
 
 
@@ -186,9 +174,9 @@ _SPATIAL = {
 }
 
 
-def chain(name: Expression, rule: Expression, value: Expression) -> Equation:
-    """name = rule = value, without a side that repeats the one before."""
-    return eq(name, value) if rule in (value, ex.ZERO) else eq(name, rule, value)
+def _worked(name: Expression, rule: Expression, value: Expression) -> Equation:
+    """name = rule = value; a rule that adds up to nothing is left out."""
+    return ex.chain(name, value) if rule == ex.ZERO else ex.chain(name, rule, value)
 
 
 METHOD = Method(

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from freebody.algorithms.kinematics import BodyMotions, Pose, outward, world_poses
+from freebody.algorithms.rnea import Recursion, rnea
 from freebody.derivations.equations.equations import Equations
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression
@@ -68,9 +69,23 @@ class Setting:
     @cached_property
     def motion(self) -> BodyMotions:
         """Velocities and accelerations of every body, base at rest, body axes."""
+        return outward(self.tree, self.symbols.q, *self._rates)
+
+    @property
+    def _rates(self) -> tuple[Vector, Vector]:
+        """Velocities and accelerations of the coordinates."""
         still = (0.0,) * self.tree.nv
-        rates = (still, still) if self.at_rest else (self.symbols.qd, self.symbols.qdd)
-        return outward(self.tree, self.symbols.q, *rates)
+        return (still, still) if self.at_rest else (self.symbols.qd, self.symbols.qdd)
+
+    def recursion(self, gravity: str) -> Recursion:
+        """One run of the recursion, the load in the axes of the tip's body; gravity: "base" or
+        "explicit"."""
+        load = ()
+        if self.load:
+            body, _, p = self.tip_frame
+            force = times(transposed(self.world[body][0]), self.load_components)
+            load = ((body, force, self.tree.space.moment(p, force)),)
+        return rnea(self.tree, self.symbols.q, *self._rates, load, gravity)
 
     @cached_property
     def world(self) -> list[Pose]:
@@ -143,7 +158,11 @@ class Setting:
 
     def coordinate(self, i: int) -> str:
         """Name of the coordinate of body i's joint."""
-        return self.symbols.coordinates[self.tree.bodies[i].coordinates.v[0]]
+        return self.symbols.coordinates[self.index(i)]
+
+    def index(self, i: int) -> int:
+        """Place of that coordinate among all."""
+        return self.tree.bodies[i].coordinates.v[0]
 
     # ------------------------------------------------------------ vectors
     def axes(self, i: int, v: Vector) -> Vector:
@@ -177,8 +196,7 @@ class Setting:
 
     def to_tip(self, i: int) -> Vector:
         """Joint origin of body i to the tip, which is fixed to it."""
-        _, _, p = self.tree.frames[self.symbols.model.frame().name]
-        return self.axes(i, p)
+        return self.axes(i, self.tip_frame[2])
 
     def gravity(self, i: int) -> Vector:
         """The gravity field in the axes of body i."""
@@ -190,19 +208,28 @@ class Setting:
 
     def tip_force(self) -> Vector:
         """The load on the tip, given in the world's axes, in those that are shown for its body."""
-        force = tuple(self.symbols.ring[name] for name in self.load)
+        force = self.load_components
         return force if self.planar else times(transposed(self.world[self.tip][0]), force)
+
+    @property
+    def load_components(self) -> Vector:
+        """The load on the tip as it is given, in the world's axes."""
+        return tuple(self.symbols.ring[name] for name in self.load)
 
     def tip_position(self) -> Vector:
         """The tip in the world."""
         R, p = self.world[self.tip]
-        _, _, tip = self.tree.frames[self.symbols.model.frame().name]
-        return add(p, times(R, tip))
+        return add(p, times(R, self.tip_frame[2]))
 
     @cached_property
+    def tip_frame(self) -> tuple[int, Any, Vector]:
+        """The body that carries the tip, and the tip's rotation and position there."""
+        return self.tree.frames[self.symbols.model.frame().name]
+
+    @property
     def tip(self) -> int:
         """The body that carries the tip."""
-        return self.tree.frames[self.symbols.model.frame().name][0]
+        return self.tip_frame[0]
 
     def loaded(self, i: int) -> bool:
         """Whether the load acts on body i."""
@@ -228,6 +255,11 @@ class Setting:
     def inertia(self, i: int) -> Scalar:
         """Inertia of body i about its centre of mass."""
         return self._mass(i).inertia
+
+    def needed(self, i: int) -> Expression:
+        """m (v̇_c - g) of body i: what all other forces on it must add up to."""
+        acceleration = self.name("vc", i, "_d")
+        return self.mass_times(i, ex.sub(acceleration, vec("g")) if self.weighs else acceleration)
 
     # ------------------------------------------------------------ how it is shown
     def show(self, x: Scalar) -> Expression:

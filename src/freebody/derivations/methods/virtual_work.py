@@ -7,13 +7,13 @@ from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import eq
 from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.polynomials.arithmetic import inner
 from freebody.scalars.trig import Trig
 
 
 def virtual_work(s: Setting) -> tuple[Step, dict[int, Trig]]:
     """The step, and what the load adds to the force along each coordinate: f · ∂r_P/∂q_i."""
     tip = [s.symbols.element(x) for x in s.tip_position()]
-    force = [s.symbols.ring[name] for name in s.load]
     lines = [
         eq(vec("f"), ex.Vector(tuple(map(sym, s.load)))),
         eq(vec("r_P"), s.column(tuple(tip))),
@@ -21,13 +21,10 @@ def virtual_work(s: Setting) -> tuple[Step, dict[int, Trig]]:
     works: dict[int, Trig] = {}
     for i in s.order:
         x = s.coordinate(i)
-        work = s.symbols.zero()
-        for position, component in zip(tip, force, strict=True):
-            work = work + position.derivative(x) * component
-        works[i] = work
+        works[i] = inner([position.derivative(x) for position in tip], s.load_components, s.symbols)
         part = ex.dot(vec("f"), ex.partial(vec("r_P"), x))
         motor = s.motor(i)
-        lines.append(eq(f"Q{s.numbers[i]}", ex.add(motor, part), ex.add(motor, s.show(work))))
+        lines.append(eq(f"Q{s.numbers[i]}", ex.add(motor, part), ex.add(motor, s.show(works[i]))))
     reason = (
         "The work of motors and load in a small change of the coordinates, Σ τ_i δq_i + f · δr_P, "
         "is Σ Q_i δq_i: the load adds its component along the direction in which each coordinate "

@@ -9,7 +9,7 @@ from fractions import Fraction
 from typing import Any
 
 from freebody.algorithms.kinematics import frame_motion, jacobian
-from freebody.algorithms.rnea import Recursion, rnea
+from freebody.algorithms.rnea import Recursion
 from freebody.derivations.derive import LOADS
 from freebody.derivations.equations.kinematics import Kinematics
 from freebody.derivations.expressions import expression as ex
@@ -101,15 +101,7 @@ class _QuantityValues:
     @cached_property
     def record(self) -> Recursion:
         """One run of the recursion."""
-        s, external = self.s, ()
-        if s.load:
-            body, _, p = s.tree.frames[s.symbols.model.frame().name]
-            force = tuple(s.symbols.ring[name] for name in s.load)
-            force = times(transposed(s.world[body][0]), force)
-            external = ((body, force, s.tree.space.moment(p, force)),)
-        still = (0.0,) * s.tree.nv
-        rates = (still, still) if s.at_rest else (s.symbols.qd, s.symbols.qdd)
-        return rnea(s.tree, s.symbols.q, *rates, external, self.gravity)
+        return self.s.recursion(self.gravity)
 
     def _element(self, x: Any) -> Trig:
         return self.s.symbols.element(x)
