@@ -306,3 +306,14 @@ def test_what_the_command_cannot_use_is_one_line(
 def test_the_command_knows_all_planners():
     assert {choice.value for choice in PlannerChoice} == set(PLANNERS_BY_NAME)
     assert next(iter(PLANNERS_BY_NAME)) == "spline"
+
+
+def test_a_study_judges_what_lies_between_samples():
+    """Four samples at 0, 1, 1, 0: the curve through them goes to 1.125, and is fastest at ends."""
+    limits = [fb.Limits(-2.0, 1.1, 2.0, 100.0)]
+    arm = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.1], limits=limits)
+    q = np.array([[0.0], [1.0], [1.0], [0.0]])
+    found = fb.study(arm, fb.Motion.of(arm, [0.0, 1.0, 2.0, 3.0], q))
+    assert found.verdict.outcome == "not feasible"
+    assert "goes to 1.125 rad at t = 1.5 s" in found.verdict.text
+    assert float(found.summary["highest"][0]) == pytest.approx(1.125)

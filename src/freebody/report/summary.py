@@ -27,7 +27,7 @@ _CANCELLED = 1e-6  # of the work done: a difference that samples do not resolve
 def summary(model: Model, motion: Motion, data: xr.Dataset) -> xr.Dataset:
     """The dataset that `Study.summary` describes."""
     t = motion.t
-    found = _drives(data, t) | works(data, t) | _use(model, motion, data) | _reactions(data, t)
+    found = _drives(motion, data) | works(data, t) | _use(model, motion, data) | _reactions(data, t)
     wanted = ("coordinate", "joint", "unit", "effort_unit")
     named = {name: x for name, x in coordinates(model).items() if name in wanted}
     return dataset(found, named, {"robot": model.name, "motion": motion.source})
@@ -38,16 +38,16 @@ def mean(t: Array, x: Array) -> Array:
     return np.trapezoid(x, t, axis=0) / (t[-1] - t[0])
 
 
-def _drives(data: xr.Dataset, t: Array) -> dict[str, Any]:
-    tau, qd, power = (data[name].values for name in ("tau", "qd", "power"))
+def _drives(motion: Motion, data: xr.Dataset) -> dict[str, Any]:
+    t, tau, power = motion.t, data["tau"].values, data["power"].values
     peak, peak_time = _peak(t, tau)
     most, most_time = _peak(t, power)
     return {
         "peak_torque": peak,
         "peak_torque_time": peak_time,
         "rms_torque": np.sqrt(mean(t, tau**2)),
-        "peak_speed": np.abs(qd).max(axis=0),
-        "peak_speed_time": _peak(t, qd)[1],
+        "peak_speed": motion.peaks.velocity.size,
+        "peak_speed_time": motion.peaks.velocity.size_at,
         "peak_power": most,
         "peak_power_time": most_time,
         "mean_power": mean(t, power),
@@ -128,14 +128,14 @@ def _share(part: Array, whole: Array) -> Array:
 def _use(model: Model, motion: Motion, data: xr.Dataset) -> dict[str, Any]:
     allowed = ranges(model)
     lowest, highest, position = _excursion(model, motion, allowed)
-    tau, qd = np.abs(data["tau"].values), np.abs(motion.qd)
+    tau = np.abs(data["tau"].values)
     rms = np.sqrt(mean(motion.t, tau**2))
     power = np.abs(data["power"].values).max(axis=0)
     return {
         "lowest": lowest,
         "highest": highest,
         "position_fraction": position,
-        "velocity_fraction": _fraction(qd.max(axis=0), allowed.velocity),
+        "velocity_fraction": _fraction(motion.peaks.velocity.size, allowed.velocity),
         "effort_fraction": _fraction(tau.max(axis=0), allowed.effort),
         "rms_fraction": _fraction(rms, allowed.effort),
         "power_fraction": _fraction(power, allowed.effort * allowed.velocity),
@@ -151,7 +151,7 @@ def _excursion(model: Model, motion: Motion, allowed: Ranges) -> tuple[Array, Ar
     no position."""
     lowest, highest = np.full(model.nv, np.nan), np.full(model.nv, np.nan)
     iq, iv = position_columns(model)
-    lowest[iv], highest[iv] = motion.q[:, iq].min(axis=0), motion.q[:, iq].max(axis=0)
+    lowest[iv], highest[iv] = motion.peaks.position.low[iq], motion.peaks.position.high[iq]
     half = 0.5 * (allowed.upper - allowed.lower)
     bounded = np.isfinite(half)
     used = np.maximum(highest - allowed.middle, allowed.middle - lowest) / np.where(

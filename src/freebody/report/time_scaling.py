@@ -7,8 +7,8 @@ Run k times as fast, the same path has rates k q̇ and accelerations k² q̈, an
 
 a, b, c being the parts at k = 1 (Hollerbach 1984, "Dynamic scaling of manipulator trajectories",
 with friction added). Of closed chains too: what the drives feel of each part depends on the
-position alone. Friction at rest (k = 0) is not asked about. Between the samples of the motion
-nothing is said.
+position alone. Friction at rest (k = 0) is not asked about. Speeds are looked at between the
+samples of the motion too, torques at them.
 """
 
 from __future__ import annotations
@@ -44,10 +44,10 @@ class Pace:
     """(nv,) when (s)."""
 
 
-def pace(data: xr.Dataset, velocity: Array, effort: Array) -> Pace:
-    """How fast the motion of `data` (`Study.data`) may be run under limits (nv,), infinite where
-    there are none."""
-    fast = np.abs(data["qd"].values).max(axis=0)
+def pace(motion: Motion, data: xr.Dataset, velocity: Array, effort: Array) -> Pace:
+    """How fast a motion with `Study.data` may be run under limits (nv,), infinite where there are
+    none."""
+    fast = motion.peaks.velocity.size
     with np.errstate(divide="ignore"):
         quickest = float(
             np.min(np.where(fast > 0, velocity * (1 + CLOSE) / fast, np.inf), initial=np.inf)

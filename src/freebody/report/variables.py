@@ -100,7 +100,7 @@ _BY_DIMENSIONS: dict[str, dict[str, tuple[str, str]]] = {
             _EFFORT,
             "root mean square of the torque over the motion: the measure of motor heating",
         ),
-        "peak_speed": (_SPEED, "largest speed"),
+        "peak_speed": (_SPEED, "largest speed, between samples too"),
         "peak_speed_time": ("s", "when the speed is largest"),
         "peak_power": (
             "W",

@@ -49,7 +49,7 @@ def verdict(
         uses = tuple(use for use in uses if use.quantity in ("position", "speed"))
     missing = _missing(model, allowed)
     undriven = () if masses else _undriven(model, data)
-    run = pace(data, allowed.velocity, effort_limits(model, allowed))
+    run = pace(motion, data, allowed.velocity, effort_limits(model, allowed))
     over = [use for use in uses if use.exceeded]
     outcome: Outcome = "feasible"
     if over or undriven:
@@ -135,10 +135,12 @@ def _position(
 ) -> Iterator[LimitUse]:
     """The nearest approach to, or the farthest excess of, a position limit; one-sided ranges count
     when left."""
-    q, lower, upper = motion.q[:, column], float(allowed.lower[k]), float(allowed.upper[k])
-    low, high = int(np.argmin(q)), int(np.argmax(q))
-    to_lower, to_upper = q[low] - lower, upper - q[high]
-    at, limit = (low, lower) if to_lower < to_upper else (high, upper)
+    found, lower, upper = motion.peaks.position, float(allowed.lower[k]), float(allowed.upper[k])
+    low, high = float(found.low[column]), float(found.high[column])
+    to_lower, to_upper = low - lower, upper - high
+    at, when, limit = high, float(found.high_at[column]), upper
+    if to_lower < to_upper:
+        at, when, limit = low, float(found.low_at[column]), lower
     if not np.isfinite(limit):
         return
     if np.isnan(fraction):  # the other end is open: within, or beyond by more than rounding
@@ -146,7 +148,7 @@ def _position(
         if beyond <= CLOSE * max(1.0, abs(limit)):
             return
         fraction = 1.0 + beyond / (2 * np.pi if allowed.turns[k] else 1.0)
-    yield LimitUse("position", name, float(q[at]), limit, fraction, float(motion.t[at]), unit)
+    yield LimitUse("position", name, at, limit, fraction, when, unit)
 
 
 # ------------------------------------------------------------ what is not there
