@@ -152,6 +152,8 @@ def different(arms: int, steps: int, rounds: int) -> None:
             / (arms * steps)
         )
 
+    for model in (arm, family):  # compiles, and puts the numbers in order
+        fb.simulate(model, q, qd, [0.0, STEP], tau, step=STEP, record="q", threads=1)
     for _ in range(rounds):
         equal, unequal = run(arm), run(family)
         print(

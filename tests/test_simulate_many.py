@@ -312,3 +312,23 @@ def test_what_is_refused(case: int):
     options, error, problem = REFUSED[case]
     with pytest.raises(error, match=re.escape(problem)):
         fb.simulate(ARM, Q, QD, T, **(WIDE | options))
+
+
+def test_progress_is_told():
+    for torque, options in ((None, {"step": 1e-5}), (None, {"threads": 1}), (python(0), {})):
+        parts: list[float] = []
+        q = Q if torque is None else Q[0]
+        t = np.linspace(0, 0.5, 200)
+        fb.simulate(
+            ARM,
+            q,
+            np.zeros(2),
+            t,
+            torque,
+            progress=lambda text, x, p=parts: p.append(x),
+            **WIDE,
+            **options,
+        )
+        assert parts
+        assert parts == sorted(parts)
+        assert 0.0 < parts[0] <= parts[-1] <= 1.0

@@ -54,7 +54,7 @@ def alone(asked: Simulation, method: str, result: Simulated, told: bool = False)
 
     result.given = planned.given
     try:
-        integrated(whole, scheme, planned, t, state, chosen, watch, states)
+        integrated(whole, scheme, planned, t, state, chosen, watch, states, asked.tell)
     finally:
         kept = np.array(states[:: asked.every])
         result.q[: len(kept)], result.qd[: len(kept)] = whole.split(kept)
@@ -92,6 +92,7 @@ def one_by_one(asked: Simulation, method: str, result: Simulated) -> None:
             torque=_torque_of(asked, k),
             wrenches={n: some_of(lanes.each(w, 1), 1, k) for n, w in asked.wrenches.items()},
             lanes=MotionLanes(()),
+            tell=lambda done, k=k: asked.tell((k + done) / lanes.count),
         )
         part = Simulated(result.t, filled[0][k], filled[1][k], result.used)
         told = alone(own, method, part, told)

@@ -78,9 +78,10 @@ def integrated(
     method: str,
     watch: StiffnessWatch,
     states: list[Array],
+    tell: Callable[[float], None],
 ) -> None:
     """Put the states (nq + nv,) at the times t (T,) into a list as they are reached, the first of
-    them y0.
+    them y0. tell: of the part that is done.
 
     The solver begins anew at each edge of the schedule, with the step that it had reached, and
     where the watch has found another method.
@@ -109,6 +110,7 @@ def integrated(
                 states.append(scheme.settled(solver.y))
             if scheme.every_step and solver.status == "running":
                 solver.f = solver.fun(solver.t, solver.y)  # type: ignore[attr-defined]
+            tell((solver.t - t[0]) / (t[-1] - t[0]))
             if watch.steps(method):
                 watch.look(drive, before, solver.t, solver.y)
             if solver.status == "running" and watch.method not in ("", method):

@@ -4,6 +4,7 @@ shared among threads."""
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from math import ceil
@@ -67,6 +68,9 @@ class Walk:
     controller: Drive | None
     torque: LaneTorque | None
     threads: int | None
+    tell: Callable[[float], None]
+    stop: threading.Event
+    """Set where an interrupt ends the steps; `advance` looks at it too."""
 
     @property
     def rows(self) -> int:
@@ -81,45 +85,58 @@ class Walk:
         size = min(_BLOCK, max(_FEWEST, ceil(self.rows / threads)))
         blocks = [slice(k, min(k + size, self.rows)) for k in range(0, self.rows, size)]
         threads = min(threads, len(blocks))
-        stop = threading.Event()
         self._record(slice(0, self.rows), 0, self.state)
-        for first, last in zip(starts, ends, strict=True):
-            if self.controller is not None:
-                self._call(self.controller, first, last)
-            if threads == 1:
-                for block in blocks:
-                    self._section(block, first, last, stop)
-            else:
-                self._shared(blocks, first, last, threads, stop)
+        reached = np.zeros(len(blocks))
+        with ThreadPoolExecutor(threads) as pool:
+            for first, last in zip(starts, ends, strict=True):
+                if self.controller is not None:
+                    self._call(self.controller, first, last)
+                if threads == 1:
+                    for _ in self._section(blocks, first, last, reached):
+                        self.tell(float(reached.mean()))
+                else:
+                    self._shared(pool, blocks, first, last, reached)
 
     def _shared(
-        self, blocks: list[slice], first: int, last: int, threads: int, stop: threading.Event
+        self, pool: ThreadPoolExecutor, blocks: list[slice], first: int, last: int, reached: Array
     ) -> None:
-        """A section of all blocks by several threads; an interrupt ends them at the next edge."""
-        with ThreadPoolExecutor(threads) as pool:
-            running = [pool.submit(self._section, b, first, last, stop) for b in blocks]
-            try:
-                while wait(running, timeout=_LOOK).not_done:
-                    pass  # an interrupt may have come to another thread
-            except BaseException:
-                stop.set()
-                for future in running:
-                    future.cancel()
-                raise
-            for future in running:
-                future.result()
+        """A section of all blocks by several threads; an interrupt ends them at the next step."""
 
-    def _section(self, block: slice, first: int, last: int, stop: threading.Event) -> None:
+        def run(k: int) -> None:
+            for _ in self._section(blocks[k : k + 1], first, last, reached[k : k + 1]):
+                pass
+
+        running = [pool.submit(run, k) for k in range(len(blocks))]
+        try:
+            # in slices of time: an interrupt may have come to another thread
+            while wait(running, timeout=_LOOK).not_done:
+                self.tell(float(reached.mean()))
+        except BaseException:
+            self.stop.set()
+            for future in running:
+                future.cancel()
+            raise
+        for future in running:
+            future.result()
+
+    def _section(
+        self, blocks: list[slice], first: int, last: int, reached: Array
+    ) -> Iterator[None]:
+        """One block after the other from one edge to another; stops at each edge. reached: the part
+        of the course that each has behind it."""
         edges = self.course.edges
         q, qd = self.state
-        state = q[block], qd[block]
-        for k in range(first, last):
-            if stop.is_set():
-                return
-            state = self.advance(block, state, float(edges[k]), float(edges[k + 1]))
-            if self.course.rows[k + 1] >= 0:
-                self._record(block, k + 1, state)
-        q[block], qd[block] = state
+        for at, block in enumerate(blocks):
+            state = q[block], qd[block]
+            for k in range(first, last):
+                state = self.advance(block, state, float(edges[k]), float(edges[k + 1]))
+                if self.stop.is_set():
+                    return
+                if self.course.rows[k + 1] >= 0:
+                    self._record(block, k + 1, state)
+                reached[at] = (edges[k + 1] - edges[0]) / (edges[-1] - edges[0])
+                yield
+            q[block], qd[block] = state
 
     def _record(self, block: slice, edge: int, state: State) -> None:
         row = self.course.rows[edge]

@@ -19,6 +19,7 @@ from freebody.motion.friction import WIDTH
 from freebody.motion.integration import METHODS
 from freebody.motion.interrupted import SimulationInterrupted
 from freebody.motion.motion_lanes import MotionLanes
+from freebody.motion.paced import Progress, paced
 from freebody.motion.simulation import Simulated, Simulation
 from freebody.motion.simulation_dataset import dataset, recorded
 from freebody.motion.stepped import stepped
@@ -51,6 +52,7 @@ def simulate(
     record: str | Sequence[str] | None = None,
     every: int = 1,
     threads: int | None = None,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """The motion over the times t (T,) from the state q (..., nq), qd (..., nv) at t[0]; of many
     states, or a family of robots, all at once.
@@ -78,7 +80,8 @@ def simulate(
     a joint at rest creeps instead of sticking.
 
     record: names of what is wanted of the result; None: all. every: of the times t each so many-th
-    is kept. threads: how many share many states; by default all processors.
+    is kept. threads: how many share many states; by default all processors. progress: called with a
+    text and the fraction done.
 
     Closed chains: the state must satisfy the loops; explicit methods and the three of equal steps,
     each step projected back onto the loops (positions and rates), so that there is no drift;
@@ -112,6 +115,7 @@ def simulate(
         sample_time=sample_time,
         every=every,
         threads=threads,
+        tell=paced(progress, "simulating"),
     )
     chosen = _method(model, method, tolerance, asked)
     if not model.loops:

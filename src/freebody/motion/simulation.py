@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -39,6 +39,7 @@ class Simulation:
     sample_time: float | None
     every: int
     threads: int | None
+    tell: Callable[[float], None]
 
     @property
     def duration(self) -> float:

@@ -3,6 +3,7 @@ itself so that its error stays small."""
 
 from __future__ import annotations
 
+import threading
 from dataclasses import dataclass
 from math import ceil
 from typing import Protocol
@@ -32,6 +33,7 @@ class FixedSteps:
 
     stepper: Stepper
     step: float | None
+    stop: threading.Event
 
     def __call__(self, lanes: slice, state: State, start: float, end: float) -> State:
         """See `Advance`."""
@@ -41,6 +43,8 @@ class FixedSteps:
         if count > 2:  # written to in turn
             outs = [(np.empty_like(state[0]), np.empty_like(state[1])) for _ in range(2)]
         for k in range(count):
+            if self.stop.is_set():
+                break
             state = self.stepper.step(lanes, state, start + k * h, h, out=outs[k % 2])
         return state
 
@@ -61,6 +65,7 @@ class ControlledSteps:
     duration: float
     extrapolated: bool
     sizes: Array
+    stop: threading.Event
     order: int = 4
 
     def __call__(self, lanes: slice, state: State, start: float, end: float) -> State:
@@ -69,7 +74,7 @@ class ControlledSteps:
         now, sizes = np.full(len(q), start), self.sizes[lanes]
         first = range(self.sizes.shape[0])[lanes].start
         going = np.flatnonzero(np.isfinite(q).all(axis=1) & np.isfinite(qd).all(axis=1))
-        while len(going):
+        while len(going) and not self.stop.is_set():
             left = end - now[going]
             wanted = np.minimum(sizes[going], self.max_step)
             h = np.where(wanted > left * (1.0 - _ROUND), left, wanted)

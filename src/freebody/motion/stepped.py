@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import warnings
 
 import numpy as np
@@ -41,7 +42,8 @@ def stepped(asked: Simulation, method: str, result: Simulated) -> None:
     stepper = _stepper(asked, fixed, torque, drive)
     if method != "auto":
         _warn_unstable(asked, fixed, way, drive)
-    advance = _advance(asked, method, stepper)
+    stop = threading.Event()
+    advance = _advance(asked, method, stepper, stop)
     result.used["method"] = fixed if method != "auto" else f"{fixed}, steps chosen by their error"
     if method != "auto":
         result.used["step"] = _longest(asked, way)
@@ -51,7 +53,18 @@ def stepped(asked: Simulation, method: str, result: Simulated) -> None:
         result.given = lambda now, q, qd: drive(np.asarray(now), q, qd)
     q, qd = (lanes.all(x, 1).reshape(stepper.rows, -1) for x in (asked.q, asked.qd))
     controller = drive if isinstance(torque, HeldTorque) else None
-    Walk(way, advance, lanes, (q, qd), result, controller, torque, asked.threads).run()
+    Walk(
+        way,
+        advance,
+        lanes,
+        (q, qd),
+        result,
+        controller,
+        torque,
+        asked.threads,
+        asked.tell,
+        stop,
+    ).run()
     _tell_stopped(asked, fixed, result)
 
 
@@ -98,13 +111,13 @@ def _stepper(asked: Simulation, method: str, torque: LaneTorque | None, drive: D
     return FunctionStepper(whole, drive, asked.lanes.shape, classical=method == "rk4")
 
 
-def _advance(asked: Simulation, method: str, stepper: Stepper) -> Advance:
+def _advance(asked: Simulation, method: str, stepper: Stepper, stop: threading.Event) -> Advance:
     if method != "auto":
-        return FixedSteps(stepper, asked.step)
+        return FixedSteps(stepper, asked.step, stop)
     flat = layout(asked.model).flat and not asked.model.loops
     first = np.full(stepper.rows, asked.duration / 100)
     tolerance = step_tolerance("rk4", asked.tolerance)
-    return ControlledSteps(stepper, tolerance, asked.max_step, asked.duration, flat, first)
+    return ControlledSteps(stepper, tolerance, asked.max_step, asked.duration, flat, first, stop)
 
 
 def _longest(asked: Simulation, way: Course) -> float:

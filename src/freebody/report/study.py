@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,6 +15,7 @@ from freebody.errors import FreebodyError, KindError, SingularError, listed
 from freebody.model.model import Model
 from freebody.motion.default_motion import default_motion
 from freebody.motion.motion import Motion
+from freebody.motion.paced import Progress
 from freebody.motion.ranges import ranges
 from freebody.motion.read_motion import read_motion
 from freebody.motion.tables import Table, motion_from_table
@@ -39,9 +40,6 @@ _SLOWEST = (
     0.05  # pace; a default motion that must be slower yet hardly moves, and is studied as it is
 )
 _CLEARANCE = 0.95  # of the pace at which a limit is reached
-
-Progress = Callable[[str, float], None]
-"""Called with what is being done and the fraction that is done."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
