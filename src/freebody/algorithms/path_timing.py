@@ -29,7 +29,7 @@ _NEGLIGIBLE = 1e-12
 """A coefficient beside the other one of its row, whose line is then parallel to an axis."""
 
 
-class Rows(NamedTuple):
+class RowsAtEnd(NamedTuple):
     """lo <= a u + b x <= hi at one end of an interval, vectors of one entry a limit."""
 
     a: Vector
@@ -38,7 +38,7 @@ class Rows(NamedTuple):
     hi: Vector
 
 
-class Lines(NamedTuple):
+class LimitLines(NamedTuple):
     """One coordinate between low + slope * other and high + slope * other, for each of some
     rows."""
 
@@ -48,8 +48,8 @@ class Lines(NamedTuple):
 
 
 def polygon(
-    start: Rows,
-    end: Rows,
+    start: RowsAtEnd,
+    end: RowsAtEnd,
     least: Scalar,
     most: Scalar,
     most_between: Scalar,
@@ -82,7 +82,7 @@ def polygon(
         idle = less_equal(absolute(alpha) + absolute(beta), none)
         broken = maximum(less(hi, 0.0), less(0.0, lo))
         most = where(maximum(idle * broken, less(hi, lo)), -FAR, most)  # whatever the speed
-    of_x, of_y = (Lines(*zip(*lines, strict=True)) for lines in (over_y, over_x))
+    of_x, of_y = (LimitLines(*zip(*lines, strict=True)) for lines in (over_y, over_x))
     largest = _corner(of_y, most, most_next, 1.0)
     smallest = _corner(of_y, least, most_next, -1.0)
     return (*of_x, *of_y, (*largest, *smallest))
@@ -103,7 +103,9 @@ def _line(
     )
 
 
-def _corner(lines: Lines, x: Scalar, most_y: Scalar, way: float) -> tuple[Scalar, Scalar, Scalar]:
+def _corner(
+    lines: LimitLines, x: Scalar, most_y: Scalar, way: float
+) -> tuple[Scalar, Scalar, Scalar]:
     """(x, y, last step): the largest x (way 1), or the smallest (way -1), at which some y is
     allowed, by Newton's method from the outside; the room for y is concave in x."""
     step: Scalar = 0.0
@@ -119,7 +121,7 @@ def _corner(lines: Lines, x: Scalar, most_y: Scalar, way: float) -> tuple[Scalar
     return x, 0.5 * (high + low), step
 
 
-def _room(lines: Lines, x: Scalar, most_y: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
+def _room(lines: LimitLines, x: Scalar, most_y: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
     """(highest y, its slope, lowest y, its slope) that the lines allow at x."""
     high, low = most_y, 0.0 * x
     high_slope = low_slope = 0.0 * x
@@ -133,7 +135,7 @@ def _room(lines: Lines, x: Scalar, most_y: Scalar) -> tuple[Scalar, Scalar, Scal
 
 
 def backward(
-    after: Vector, lines: Lines, corners: Vector, tolerance: Scalar
+    after: Vector, lines: LimitLines, corners: Vector, tolerance: Scalar
 ) -> tuple[Scalar, Scalar]:
     """(smallest, largest) x at the interval's start from which the range `after` of y can be
     reached; NaN if none."""
@@ -147,7 +149,7 @@ def backward(
     return minimum(bottom, maximum(top, 0.0)) + gap, maximum(top, 0.0) + gap
 
 
-def forward(before: Vector, lines: Lines, allowed: Vector) -> tuple[Scalar, Scalar]:
+def forward(before: Vector, lines: LimitLines, allowed: Vector) -> tuple[Scalar, Scalar]:
     """(largest y from x, by how much it is too small for some limit): `before` is what the interval
     before gave, `allowed` the range of y."""
     x = before[0]

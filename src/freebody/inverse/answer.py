@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.inverse.closed_form import ClosedForm
+from freebody.inverse.closed_form import ClosedFormArm
 from freebody.inverse.problem import Found, Problem
 from freebody.inverse.solutions import Solutions, within
 from freebody.inverse.workspace import Away, distances
@@ -16,7 +16,7 @@ from freebody.inverse.workspace import Away, distances
 
 def gathered(
     problem: Problem,
-    form: ClosedForm | None,
+    form: ClosedFormArm | None,
     found: Found,
     batch: tuple[int, ...],
     away: Callable[[Array], Away] | None = None,

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from freebody.algorithms.closed_form_inverse.near_reference import Coordinates, solutions
+from freebody.algorithms.closed_form_inverse.near_reference import JointRanges, solutions
 from freebody.arrays import Array
-from freebody.inverse.closed_form import ClosedForm
+from freebody.inverse.closed_form import ClosedFormArm
 from freebody.inverse.numerical_solver import NumericalSolver
 from freebody.inverse.solutions import turning_coordinates
 from freebody.model.model import Model
@@ -19,7 +19,7 @@ from freebody.targets import Kernel, compile_program
 
 
 def branch_kernel(
-    solver: NumericalSolver, form: ClosedForm, in_front: bool = True
+    solver: NumericalSolver, form: ClosedFormArm, in_front: bool = True
 ) -> Kernel | None:
     """(target, reference (nq,), rest (nq,), held?) -> (q (branches, nq), residual (branches,),
     within limits (branches,), count), compiled on first use; None for a form that takes numbers
@@ -40,7 +40,7 @@ def branch_kernel(
     return found
 
 
-def counted(form: ClosedForm, target: Array) -> Array:
+def counted(form: ClosedFormArm, target: Array) -> Array:
     """What counts of targets (…, dim + 1, dim + 1): all, the point (…, dim) or the rotation."""
     d = form.branches.dim
     kind = form.branches.kind
@@ -49,7 +49,7 @@ def counted(form: ClosedForm, target: Array) -> Array:
     return target[..., :d, d] if kind == "position" else target[..., :d, :d]
 
 
-def of_counted(form: ClosedForm, target: Any) -> tuple[Any, Any]:
+def of_counted(form: ClosedFormArm, target: Any) -> tuple[Any, Any]:
     """Rotation and position in space, of scalars, from what counts of a target."""
     arm = form.branches
     if arm.kind == "pose":
@@ -59,10 +59,10 @@ def of_counted(form: ClosedForm, target: Any) -> tuple[Any, Any]:
     return target, (0.0, 0.0, 0.0)
 
 
-def _compiled(model: Model, solver: NumericalSolver, form: ClosedForm, in_front: bool) -> Kernel:
+def _compiled(model: Model, solver: NumericalSolver, form: ClosedFormArm, in_front: bool) -> Kernel:
     arm, d, n = form.branches, form.branches.dim, model.nq
     low, high = (tuple(map(float, bound)) for bound in solver.bounds)
-    known = Coordinates(low, high, tuple(map(bool, turning_coordinates(model))))
+    known = JointRanges(low, high, tuple(map(bool, turning_coordinates(model))))
 
     def evaluate(target: Any, reference: Any, rest: Any, *held: Any) -> tuple[Any, ...]:
         R, p = of_counted(form, target)

@@ -11,12 +11,12 @@ from freebody.algorithms.closed_form_inverse.choose_recipe import recipe_for
 from freebody.algorithms.closed_form_inverse.solve import Branches
 from freebody.arrays import Array
 from freebody.inverse.branch_kernel import branch_kernel, counted
-from freebody.inverse.closed_form import ClosedForm, over_arrays
+from freebody.inverse.closed_form import ClosedFormArm, over_arrays
 from freebody.inverse.problem import Found, Problem, found_in_turn
 from freebody.inverse.solutions import verified
 
 
-def by_closed_form(problem: Problem, form: ClosedForm) -> Found:
+def by_closed_form(problem: Problem, form: ClosedFormArm) -> Found:
     """All solutions of a form for the problem's targets."""
     target = problem.target
     kernel = branch_kernel(problem.solver, form)
@@ -36,7 +36,7 @@ def by_closed_form(problem: Problem, form: ClosedForm) -> Found:
     return replace(found, notes=notes(problem, form, free))
 
 
-def _by_steps(problem: Problem, form: ClosedForm) -> tuple[Found, np.ndarray]:
+def _by_steps(problem: Problem, form: ClosedFormArm) -> tuple[Found, np.ndarray]:
     """Every candidate put through forward kinematics, polished and compared with the others; which
     joints (n,) could stand anywhere."""
     solver, chain = problem.solver, form.chain
@@ -53,7 +53,7 @@ def _by_steps(problem: Problem, form: ClosedForm) -> tuple[Found, np.ndarray]:
     return replace(found, names=form.names), loose
 
 
-def _candidates(form: ClosedForm, at_rest: Array, problem: Problem) -> tuple[Array, np.ndarray]:
+def _candidates(form: ClosedFormArm, at_rest: Array, problem: Problem) -> tuple[Array, np.ndarray]:
     """The branches' joint positions x (N, k, n), none of them verified, NaN where there is none;
     which joints could stand anywhere (N, k, n) and are at rest."""
     arm, N = form.branches, len(problem.target)
@@ -69,7 +69,7 @@ def _candidates(form: ClosedForm, at_rest: Array, problem: Problem) -> tuple[Arr
     return np.moveaxis(np.array(x), -1, 0), np.moveaxis(np.array(free), -1, 0)
 
 
-def notes(problem: Problem, form: ClosedForm, free: np.ndarray) -> list[str]:
+def notes(problem: Problem, form: ClosedFormArm, free: np.ndarray) -> list[str]:
     """Which joints (n,) could stand anywhere, and which do not matter."""
     solver, index = problem.solver, form.chain.index
     names = solver.model.position_names

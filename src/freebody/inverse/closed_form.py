@@ -19,7 +19,7 @@ from freebody.model.model import Model
 
 
 @dataclass(frozen=True, eq=False)
-class ClosedForm:
+class ClosedFormArm:
     """All branches of a task."""
 
     branches: Branches
@@ -83,13 +83,13 @@ def over_arrays(target: Array) -> tuple[tuple[Array, ...], ...]:
     return tuple(tuple(row) for row in np.moveaxis(target, 0, -1))
 
 
-def closed_form_for(model: Model, frame: str, task: Task) -> ClosedForm | None:
+def closed_form_for(model: Model, frame: str, task: Task) -> ClosedFormArm | None:
     """The closed form that gives all solutions of a task, or None."""
     found = branches(model.tree, frame, task.rows) or _level(model, frame, task)
     if found is None:
         return None
     words = ("up", "down") if model.dim == 2 else _elbows(model, found.chain)
-    return ClosedForm(found, task, words)
+    return ClosedFormArm(found, task, words)
 
 
 def _level(model: Model, frame: str, task: Task) -> Branches | None:

@@ -14,7 +14,7 @@ from freebody.errors import FreebodyError, UnknownNameError
 from freebody.inverse.answer import gathered
 from freebody.inverse.by_closed_form import by_closed_form
 from freebody.inverse.closed_chains import of_closed_chain
-from freebody.inverse.closed_form import ClosedForm, closed_form_for
+from freebody.inverse.closed_form import ClosedFormArm, closed_form_for
 from freebody.inverse.many_starts import by_search
 from freebody.inverse.numerical_solver import NumericalSolver
 from freebody.inverse.problem import Found, Problem, nothing
@@ -108,7 +108,7 @@ def inverse_kinematics(
 
 
 def _held(
-    problem: Problem, form: ClosedForm | None, redundancy: ArrayLike, poses: Array
+    problem: Problem, form: ClosedFormArm | None, redundancy: ArrayLike, poses: Array
 ) -> tuple[tuple[int, ...], Problem]:
     """The batch of targets and positions of the joint that is given, and the problem with them."""
     function, model = "inverse_kinematics", problem.solver.model
@@ -134,7 +134,7 @@ def _held(
     return batch, replace(problem, solver=solver, target=flat, held=held)
 
 
-def _with_families(problem: Problem, form: ClosedForm, found: Found) -> Found:
+def _with_families(problem: Problem, form: ClosedFormArm, found: Found) -> Found:
     """A form for fewer rows than the task counts gives one member of a family of solutions: the
     right one is sought."""
     lost = found.lost

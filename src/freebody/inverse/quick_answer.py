@@ -10,7 +10,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.inverse.branch_kernel import branch_kernel
 from freebody.inverse.by_closed_form import notes
-from freebody.inverse.closed_form import ClosedForm
+from freebody.inverse.closed_form import ClosedFormArm
 from freebody.inverse.problem import Problem
 from freebody.inverse.solutions import Solutions
 from freebody.model.model import Model
@@ -25,7 +25,7 @@ class _Plain:
     """What answers for one frame, task and choice of limits."""
 
     kernel: Kernel
-    form: ClosedForm
+    form: ClosedFormArm
     axes: int
     """Of one target."""
     reference: Array
@@ -84,7 +84,7 @@ def quick_answer(
         return None  # explained by who looks closer
 
 
-def remember(problem: Problem, form: ClosedForm, frame: str | None, task: object) -> None:
+def remember(problem: Problem, form: ClosedFormArm, frame: str | None, task: object) -> None:
     """Answer at once from now on, where targets are given as this task takes them."""
     kind, d = form.branches.kind, form.branches.dim
     plain = {"pose": d + 1, "position": d}.get(kind)

@@ -13,7 +13,7 @@ from freebody.algorithms.closed_form_inverse.out_of_reach import closer
 from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
 from freebody.inverse.branch_kernel import counted, of_counted
-from freebody.inverse.closed_form import ClosedForm
+from freebody.inverse.closed_form import ClosedFormArm
 from freebody.inverse.problem import Problem
 from freebody.program import Argument, trace
 from freebody.targets import Kernel, compile_program
@@ -33,7 +33,7 @@ _ROUNDS = 14
 """How often they are looked at closer, each time four times."""
 
 
-def exact_distances(problem: Problem, form: ClosedForm | None) -> Array | None:
+def exact_distances(problem: Problem, form: ClosedFormArm | None) -> Array | None:
     """Distances (N,) of a problem's targets from what can be had with their orientation, where the
     geometry of a closed form tells: by the screws that bring a point to another one, or over the
     one joint that decides; else None."""
@@ -45,7 +45,7 @@ def exact_distances(problem: Problem, form: ClosedForm | None) -> Array | None:
     return np.concatenate(found) if len(found) == len(parts) > 0 else None
 
 
-def _some_distances(problem: Problem, form: ClosedForm) -> Array | None:
+def _some_distances(problem: Problem, form: ClosedFormArm) -> Array | None:
     reached = form.reached(problem.target, problem.held)
     if reached is not None:
         screws, c, points = reached
@@ -60,7 +60,7 @@ def _some_distances(problem: Problem, form: ClosedForm) -> Array | None:
 class _Descents:
     """Newton's steps towards points from many starts."""
 
-    def __init__(self, problem: Problem, form: ClosedForm, screws: Sequence[Screw], c: Array):
+    def __init__(self, problem: Problem, form: ClosedFormArm, screws: Sequence[Screw], c: Array):
         self.length = problem.solver.length
         self.screws = [replace(s, p=s.p / self.length, rest=0.0) for s in screws]
         self.c = c / self.length
@@ -124,7 +124,7 @@ class _Descents:
 
 
 # ---------------------------------------------------------------- over one joint
-def _gap_kernel(problem: Problem, form: ClosedForm) -> Kernel | None:
+def _gap_kernel(problem: Problem, form: ClosedFormArm) -> Kernel | None:
     """(target, x) -> squares of distances (ways,); None for a form that has none."""
     arm, compiled = form.branches, problem.solver.model.compiled
     key = ("gaps", problem.solver.frame, arm.kind)
@@ -135,7 +135,7 @@ def _gap_kernel(problem: Problem, form: ClosedForm) -> Kernel | None:
     return compiled[key]
 
 
-def _gaps_compiled(form: ClosedForm, ways: int) -> Kernel:
+def _gaps_compiled(form: ClosedFormArm, ways: int) -> Kernel:
     def gaps(target: Any, x: Any) -> Any:
         return (tuple(form.branches.gaps(*of_counted(form, target), x) or ()),)
 

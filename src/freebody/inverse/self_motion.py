@@ -7,7 +7,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.inverse.branch_kernel import branch_kernel
-from freebody.inverse.closed_form import ClosedForm
+from freebody.inverse.closed_form import ClosedFormArm
 from freebody.inverse.many_starts import by_search
 from freebody.inverse.problem import Found, Problem
 from freebody.inverse.solutions import ALIKE
@@ -23,7 +23,7 @@ _AT_ONCE = 500
 """Targets side by side, which bounds the memory."""
 
 
-def by_self_motion(problem: Problem, form: ClosedForm) -> Found | None:
+def by_self_motion(problem: Problem, form: ClosedFormArm) -> Found | None:
     """Of each branch the solution nearest to the reference, the nearest first; None where no kernel
     has the branches."""
     kernel = branch_kernel(problem.solver, form, in_front=False)
@@ -52,7 +52,7 @@ def by_self_motion(problem: Problem, form: ClosedForm) -> Found | None:
 class _Nearest:
     """Some targets, and how far their solutions are from the reference."""
 
-    def __init__(self, problem: Problem, form: ClosedForm, kernel: Kernel):
+    def __init__(self, problem: Problem, form: ClosedFormArm, kernel: Kernel):
         self.problem, self.form, self.kernel = problem, form, kernel
         assert form.held is not None  # of such a form
         self.held = form.held

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.inverse.closed_form import ClosedForm
+from freebody.inverse.closed_form import ClosedFormArm
 from freebody.inverse.numerical_solver import NumericalSolver
 from freebody.inverse.problem import Problem
 from freebody.inverse.reach_distance import exact_distances
@@ -28,7 +28,7 @@ Away = tuple[Array, Callable[[int], str]]
 """Distances (N,) of targets from what can be reached, and a sentence for each."""
 
 
-def distances(problem: Problem, form: ClosedForm | None) -> Away:
+def distances(problem: Problem, form: ClosedFormArm | None) -> Away:
     """Of the targets of a problem, which have no solution; the distance is 0 where only the
     orientation is wrong."""
     solver, count = problem.solver, len(problem.target)

@@ -24,7 +24,7 @@ from freebody.model.model import Model
 from freebody.motion.friction import drive_arrays
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.ranges import Flags
-from freebody.motion.speed_profile import Rows
+from freebody.motion.speed_profile import PathRows
 from freebody.trees.dynamics import inverse_dynamics
 
 _INSTANT = 1e-6
@@ -104,10 +104,10 @@ class PathProblem:
     at: PathSamples
     between: PathSamples
     """Halfway in each interval."""
-    rows: Rows
+    rows: PathRows
     viscous: Array | None
 
-    def with_friction(self, x: Array) -> Rows:
+    def with_friction(self, x: Array) -> PathRows:
         """The rows with the viscous torque's tangent at x (N + 1, P)."""
         if self.viscous is None:
             return self.rows
@@ -155,7 +155,7 @@ class PathProblem:
         h, most, most_between, a, b, lo, hi = self.rows
         lo, hi = ((start[:, paths], end[:, paths]) for start, end in (lo, hi))
         grid = (x[:, paths] for x in (h, most, most_between, a, b))
-        rows = Rows(*grid, lo=lo, hi=hi)
+        rows = PathRows(*grid, lo=lo, hi=hi)
         at, between = (PathSamples(*(x[:, paths] for x in of)) for of in (self.at, self.between))
         drag = None if self.viscous is None else self.viscous[:, paths]
         return PathProblem(self.limits, at, between, rows, drag)
@@ -167,7 +167,7 @@ class PathProblem:
         h = rows.h.reshape(-1, every, rows.h.shape[1]).sum(axis=1)
         lo, hi = ((x[0][starts], x[1][ends]) for x in (rows.lo, rows.hi))
         middle = rows.most[every // 2 :: every][: len(h)]
-        fewer = Rows(h, rows.most[cut], middle, rows.a[cut], rows.b[cut], lo, hi)
+        fewer = PathRows(h, rows.most[cut], middle, rows.a[cut], rows.b[cut], lo, hi)
         drag = None if self.viscous is None else self.viscous[cut]
         return replace(self, rows=fewer, viscous=drag)
 
@@ -198,7 +198,7 @@ def path_problem(limits: RobotLimits, curves: Sequence[PathCurve], s: Array) -> 
     speeds = (most[part] for part in _parts(len(s)))
     (lo, hi), (lo_end, hi_end) = ends
     bounds = {"lo": (lo, lo_end), "hi": (hi, hi_end)}
-    rows = Rows(2.0 * np.diff(s, axis=0), *speeds, a, b, **bounds)
+    rows = PathRows(2.0 * np.diff(s, axis=0), *speeds, a, b, **bounds)
     drag = limits.row(viscous * at.first, still) if viscous.any() else None
     return PathProblem(limits, at, between, rows, drag)
 

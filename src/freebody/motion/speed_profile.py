@@ -24,7 +24,7 @@ _SEARCHES = 40  # calls of `path_timing.ROUNDS` steps each: far more than there 
 _CLOSE = 1e-9  # of the largest x: steps, and gaps between what is wanted and allowed, of no account
 
 
-class Rows(NamedTuple):
+class PathRows(NamedTuple):
     """Limits over a grid of N intervals and P paths.
 
     h: (N, P) twice the intervals' lengths. most: (N + 1, P) largest x; most_between: (N, P) halfway
@@ -41,7 +41,7 @@ class Rows(NamedTuple):
     hi: tuple[Array, Array]
 
 
-class Profile(NamedTuple):
+class SpeedProfile(NamedTuple):
     """x: (N + 1, P), NaN in a path without solution. reachable: (N + 1, P, 2) between which x may
     be with the end still to be reached at rest; NaN where it cannot be. lowest, highest: (N, P) x
     at the intervals' starts that the limits of the interval alone allow."""
@@ -52,7 +52,7 @@ class Profile(NamedTuple):
     highest: Array
 
 
-def quickest_profile(rows: Rows) -> Profile:
+def quickest_profile(rows: PathRows) -> SpeedProfile:
     """The largest speeds from rest to rest."""
     kernels = _kernels(rows.a.shape[-1])
     count, paths = rows.h.shape
@@ -65,10 +65,10 @@ def quickest_profile(rows: Rows) -> Profile:
     x = recurrence(kernels.forward, rest, *over_x, reachable[1:])[..., 0]
     starts = reachable[0, :, 0] <= tolerance[0] if count else np.ones(paths, dtype=bool)
     x = np.where(starts, x, np.nan)
-    return Profile(x, reachable, corners[..., 3], corners[..., 0])
+    return SpeedProfile(x, reachable, corners[..., 3], corners[..., 0])
 
 
-def _polygons(kernel: Kernel, rows: Rows) -> tuple[Array, ...]:
+def _polygons(kernel: Kernel, rows: PathRows) -> tuple[Array, ...]:
     """What `path_timing.polygon` finds in each interval; where its search has not ended, it goes on
     from there."""
     given = (
@@ -134,14 +134,14 @@ def _kernels(m: int) -> _Kernels:
         return [Argument(name, (size,)) for name in names]
 
     def polygon(*given: Scalar) -> tuple[Scalar, ...]:
-        start, end = path_timing.Rows(*given[:4]), path_timing.Rows(*given[4:8])
+        start, end = path_timing.RowsAtEnd(*given[:4]), path_timing.RowsAtEnd(*given[4:8])
         return path_timing.polygon(start, end, *given[8])
 
     def backward(state: Scalar, *given: Scalar) -> tuple[Scalar]:
-        return (path_timing.backward(state, path_timing.Lines(*given[:3]), *given[3:]),)
+        return (path_timing.backward(state, path_timing.LimitLines(*given[:3]), *given[3:]),)
 
     def forward(state: Scalar, *given: Scalar) -> tuple[Scalar]:
-        return (path_timing.forward(state, path_timing.Lines(*given[:3]), *given[3:]),)
+        return (path_timing.forward(state, path_timing.LimitLines(*given[:3]), *given[3:]),)
 
     lines = vectors(2 * m + 1, "low", "high", "slope")
     over = [Argument(f"{x.name}_{of}", x.shape) for of in ("x", "y") for x in lines]

@@ -95,24 +95,24 @@ def _each(path: Any) -> tuple[Sequence[Any], bool]:
     return (list(array), True) if array.ndim == 3 else ([array], False)
 
 
-class _Block(NamedTuple):
+class _PathBlock(NamedTuple):
     """Paths that are computed side by side, and the intervals of each."""
 
     paths: list[int]
     intervals: int
 
 
-def _blocks(curves: Sequence[PathCurve], points: int) -> Iterator[_Block]:
+def _blocks(curves: Sequence[PathCurve], points: int) -> Iterator[_PathBlock]:
     """All paths in order; those beside each other have equally many intervals."""
     counts = [max(points - 1, len(curve.breaks) - 1) for curve in curves]
     for intervals, group in groupby(range(len(curves)), key=counts.__getitem__):
         paths = list(group)
         for start in range(0, len(paths), _BLOCK):
-            yield _Block(paths[start : start + _BLOCK], intervals)
+            yield _PathBlock(paths[start : start + _BLOCK], intervals)
 
 
 def _motions(
-    robot: RobotLimits, limits: PlanningLimits, curves: Sequence[PathCurve], block: _Block
+    robot: RobotLimits, limits: PlanningLimits, curves: Sequence[PathCurve], block: _PathBlock
 ) -> Iterator[Motion]:
     """Of the paths of a block."""
     own = [curves[k] for k in block.paths]
@@ -126,18 +126,18 @@ def _motions(
     return motions_along(robot.model, own, problem.at, found.x, _SOURCE, notices)
 
 
-class _Found(NamedTuple):
+class _Quickest(NamedTuple):
     """x (N + 1, P), and by which fraction of a limit it is exceeded halfway (P,)."""
 
     x: Array
     worst: Array
 
 
-def _solved(problem: PathProblem, labels: list[str]) -> _Found:
+def _solved(problem: PathProblem, labels: list[str]) -> _Quickest:
     """Repeated where viscous friction or what bulges between the points asks for it; each path as
     if it were alone."""
     before = _first_guess(problem, labels)
-    found = _Found(np.zeros_like(problem.rows.most), np.zeros(len(labels)))
+    found = _Quickest(np.zeros_like(problem.rows.most), np.zeros(len(labels)))
     left = np.arange(len(labels))
     for _ in range(_ROUNDS):
         profile = quickest_profile(problem.with_friction(before))

@@ -12,14 +12,14 @@ from freebody.errors import FreebodyError, listed
 from freebody.model.model import Model
 from freebody.motion.path_limits import PathProblem, RobotLimits, unlimited
 from freebody.motion.ranges import angular
-from freebody.motion.speed_profile import Profile
+from freebody.motion.speed_profile import SpeedProfile
 
 _BINDING = 1e-6
 _FAST = 0.25  # of `unlimited`
 
 
 def refuse_unreachable(
-    function: str, problem: PathProblem, profile: Profile, labels: list[str]
+    function: str, problem: PathProblem, profile: SpeedProfile, labels: list[str]
 ) -> None:
     """Raise FreebodyError for the first path without a motion; `labels` name the paths."""
     moves = np.all(np.isfinite(profile.x), axis=0) & np.all(profile.x[1:-1] > 0.0, axis=0)
@@ -51,7 +51,7 @@ def _held_still(problem: PathProblem, path: int) -> str:
     )
 
 
-def _excluded(problem: PathProblem, profile: Profile, path: int) -> str:
+def _excluded(problem: PathProblem, profile: SpeedProfile, path: int) -> str:
     """The limits that exclude each other in the first interval, from the end, where nothing is
     left."""
     rows, reachable = problem.rows, profile.reachable[:, path]
@@ -90,7 +90,7 @@ def _excluded(problem: PathProblem, profile: Profile, path: int) -> str:
     )
 
 
-def _without_limit(problem: PathProblem, profile: Profile, path: int) -> str:
+def _without_limit(problem: PathProblem, profile: SpeedProfile, path: int) -> str:
     i = int(np.argmax(profile.x[:, path]))
     names = _moving(problem.limits.model, problem.at.first[i, path])
     return (

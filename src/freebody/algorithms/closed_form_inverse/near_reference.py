@@ -35,7 +35,7 @@ LOOSE = 1e-9
 
 
 @dataclass(frozen=True)
-class Coordinates:
+class JointRanges:
     """What is known of q: lower and upper limits (nq), infinite where there are none, and which
     entries are angles that repeat."""
 
@@ -65,7 +65,7 @@ class Coordinates:
 
 def solutions(
     arm: Branches,
-    known: Coordinates,
+    known: JointRanges,
     R: Matrix,
     p: Vector,
     reference: Vector,
@@ -130,7 +130,7 @@ def _between(low: float, x: Scalar, high: float) -> Scalar:
 
 def _coordinate(
     arm: Branches,
-    known: Coordinates,
+    known: JointRanges,
     k: int,
     place: JointPlace,
     reference: Scalar,
