@@ -12,6 +12,7 @@ import pytest
 
 import freebody as fb
 from freebody.errors import FreebodyError, FreebodyWarning, ShapeError, UnknownNameError
+from freebody.math import less
 from support import generate
 
 T = np.linspace(0.0, 0.1, 6)
@@ -169,6 +170,21 @@ def test_a_single_sample_of_a_table_gives_its_exact_impulse(method: str):
     np.testing.assert_allclose(found.qd.values[:, -1, 0], 0.5, rtol=1e-12)
 
 
+@pytest.mark.parametrize("method", ["rk4", "auto"])
+def test_jumps_at_breakpoints(method: str):
+    """A pulse of 1 ms in 10 s, by either convention of what the value at a jump is."""
+    compiled = fb.compile(
+        lambda t: [500.0 * (less(4.001, t) * less(t, 4.002))], {"t": ()}, {"tau": 1}
+    )
+    closed = lambda t, q, qd: np.full((2, 1), 500.0 * (4.001 <= t <= 4.002))  # noqa: E731
+    step = {"step": 0.1} if method == "rk4" else {}
+    for torque in (compiled, closed):
+        found = fb.simulate(
+            ROD, np.zeros((2, 1)), [0.0], [0, 10], torque, breakpoints=[4.002, 4.001], **step
+        )
+        np.testing.assert_allclose(found.qd.values[:, -1, 0], 0.5, rtol=1e-10)
+
+
 def test_a_double_pendulum_for_100_s_keeps_its_energy():
     model = fb.planar("RR", l=[1, 1], lc=[1, 1], m=[1, 1], I=[0, 0])
     t = np.linspace(0, 100, 11)
@@ -189,7 +205,7 @@ def test_implicit_steps_take_the_slopes_of_a_compiled_law():
     assert np.abs(found.q.values[:, -1]).max() < 1e-6
     with pytest.warns(FreebodyWarning) as told:
         lost = fb.simulate(ROD, start, [0.0], [0, 1.0], stiff, method="rk4", step=0.01)
-    assert "is stiff: a part of it dies away within 0.0001 s, and steps of 'rk4' are" in str(
+    assert "is stiff: a part of it changes within 0.0001 s, and steps of 'rk4' are" in str(
         told[0].message
     )
     assert "2 of 2 motions could not go on and are NaN" in str(told[1].message)
@@ -276,6 +292,14 @@ def test_an_interrupt_ends_threads():
     with pytest.raises(KeyboardInterrupt) as kept:
         fb.simulate(model, q, qd, np.linspace(0, 50, 501), step=1e-4, threads=2, record="q")
     assert 1 < kept.value.result.sizes["time"] < 501
+
+
+def test_a_table_that_may_be_meant_as_one_torque_for_each_is_told():
+    q = np.zeros((len(T), 2))
+    with pytest.warns(FreebodyWarning, match=r"is taken as a table over the 6 times") as told:
+        found = fb.simulate(ARM, q, q, T, q + 1.0, step=0.01, **WIDE)
+    assert told[0].filename == __file__
+    assert found.tau.shape == (6, 6, 2)
 
 
 # ---------------------------------------------------------------- what is refused

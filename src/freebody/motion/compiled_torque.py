@@ -11,6 +11,7 @@ import numpy as np
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, UnknownNameError, listed
 from freebody.kernels.driven_steps import STATE, law_inputs
+from freebody.lazy import cached_property
 from freebody.model.families import member_at
 from freebody.model.model import Model
 from freebody.motion.motion_lanes import MotionLanes, some_of
@@ -41,10 +42,14 @@ class CompiledTorque:
         shapes = [x.shape[: x.ndim - core] for x, core in pairs]
         return dict(zip((f"torque_inputs[{n!r}]" for n in own), shapes, strict=True))
 
-    def __call__(self, t: Array, q: Array, qd: Array, more: tuple[Array, ...] = ()) -> Array:
-        """tau (..., nv); more: other values of the further inputs."""
+    @cached_property
+    def _kernel(self) -> Kernel:
+        return compile_program(self.law)
+
+    def __call__(self, t: Array, q: Array, qd: Array) -> Array:
+        """tau (..., nv)."""
         state = {"t": t, "q": q, "qd": qd}
-        found = compile_program(self.law)(*law_inputs(self.law, state, more or self.more))
+        found = self._kernel(*law_inputs(self.law, state, self.more))
         if self.model.passive and np.isfinite(found).all():
             refuse_passive("simulate", self.model, found)
         return np.broadcast_to(found, np.broadcast_shapes(found.shape, qd.shape))

@@ -6,8 +6,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.kernels.formulas import Option
@@ -90,10 +92,16 @@ class System:
     def fastest_decay(self, t: Array, y: Array, drive: Drive) -> float:
         """How fast (1/s) the quickest motion near a state dies away: the largest -Re λ of the
         eigenvalues of ∂ẏ/∂y; 0 where there is none, or the torque cannot be told nearby."""
+        return max(0.0, -float(self._eigenvalues(t, y, drive).real.min(initial=0.0)))
+
+    def fastest(self, t: Array, y: Array, drive: Drive) -> float:
+        """The same of motions that oscillate too: the largest |λ| of those that do not grow."""
+        found = self._eigenvalues(t, y, drive)
+        return float(np.abs(found[found.real < 0.1 * np.abs(found)]).max(initial=0.0))
+
+    def _eigenvalues(self, t: Array, y: Array, drive: Drive) -> NDArray[Any]:
         slopes = self.jacobian_under(t, y, drive)
-        if not np.isfinite(slopes).all():
-            return 0.0
-        return max(0.0, -float(np.linalg.eigvals(slopes).real.min(initial=0.0)))
+        return np.linalg.eigvals(slopes) if np.isfinite(slopes).all() else np.zeros(0, complex)
 
     def normalised(self, y: Array) -> Array:
         """States with unit quaternions."""

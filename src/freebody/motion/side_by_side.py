@@ -24,6 +24,7 @@ from freebody.targets.threads import cpus
 _BLOCK = 2048
 """MotionLanes whose states and numbers stay in the second cache from step to step."""
 _LOOK = 0.05  # s
+_ULPS = 8.0  # more than the rounding of a sum of steps
 _FEWEST = 256
 """Motions that are worth a thread."""
 
@@ -31,9 +32,14 @@ _FEWEST = 256
 @dataclass(frozen=True, eq=False)
 class Course:
     """The times at which steps end (k,), and for each of them which row of the result it is, -1
-    where it is none; at `calls`, some of the edges, a controller is called."""
+    where it is none; at `calls`, some of the edges, a controller is called.
+
+    spans: between which times the steps from an edge to the next go: these, but for rounding on the
+    inner side of a jump of the torque.
+    """
 
     edges: Array
+    spans: list[tuple[float, float]]
     rows: NDArray[np.intp]
     calls: tuple[int, ...]
 
@@ -49,8 +55,10 @@ def course(t: Array, every: int, others: Array, calls: Array) -> Course:
     edges = np.unique(np.concatenate([t, more[apart > near]]))
     rows = np.full(len(edges), -1)
     rows[np.searchsorted(edges, t[::every])] = np.arange(len(t[::every]))
+    inner = _ULPS * np.spacing(edges) * np.isin(edges, others)
+    spans = [*zip((edges + inner)[:-1].tolist(), (edges - inner)[1:].tolist(), strict=True)]
     called = sorted({int(np.abs(edges - x).argmin()) for x in calls})
-    return Course(edges, rows, tuple(called))
+    return Course(edges, spans, rows, tuple(called))
 
 
 @dataclass(eq=False)
@@ -129,7 +137,7 @@ class Walk:
         for at, block in enumerate(blocks):
             state = q[block], qd[block]
             for k in range(first, last):
-                state = self.advance(block, state, float(edges[k]), float(edges[k + 1]))
+                state = self.advance(block, state, *self.course.spans[k])
                 if self.stop.is_set():
                     return
                 if self.course.rows[k + 1] >= 0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, refuse_not_finite
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody.errors import FreebodyError, FreebodyWarning, UnknownNameError
 from freebody.kernels.driven_steps import STEP_METHODS
 from freebody.model.model import Model
 from freebody.motion.alone import one_by_one
@@ -94,7 +95,7 @@ def simulate(
     those that cannot go on are NaN from there, with a warning. Ctrl-C raises a KeyboardInterrupt
     whose `result` is the dataset of what there was.
     """
-    if not (isinstance(every, int) and every > 0):
+    if not (isinstance(every, int | np.integer) and every > 0):
         raise FreebodyError(f"simulate: every is {every!r}, expected a whole number above 0.")
     names = recorded(model, record)
     times = _times(t)
@@ -157,6 +158,14 @@ def _asked(
     batches |= {f"wrenches[{name!r}]": x.shape[:-1] for name, x in loads.items()}
     if isinstance(torque, np.ndarray):
         batches["torque"] = torque.shape[:-2]
+        if torque.shape[:-1] == (len(t),) == batches["q"]:
+            warnings.warn(
+                f"simulate: torque {torque.shape} is taken as a table over the {len(t)} times, the "
+                f"same for all motions; one torque for each is {(len(t), 1, model.nv)}, a table "
+                f"{(1, *torque.shape)} says the same as this without a warning.",
+                FreebodyWarning,
+                stacklevel=4,
+            )
     if isinstance(torque, CompiledTorque):
         batches |= torque.batches
     if model.family:

@@ -140,13 +140,13 @@ def _warn_unstable(asked: Simulation, method: str, way: Course, drive: Drive) ->
         y = np.concatenate([some_of(lanes.each(x, 1), 1, k) for x in (asked.q, asked.qd)])
         loads = {n: some_of(lanes.each(w, 1), 1, k) for n, w in asked.wrenches.items()}
         whole = system(member_at(model, index), asked.width, *constant_loads(loads))
-        decay = whole.fastest_decay(asked.t[0], y, _of_lane(asked, k, drive))
-        if decay * step > reach:
+        rate = whole.fastest(asked.t[0], y, _of_lane(asked, k, drive))
+        if rate * step > reach:
             where = at_sample(index)
             warnings.warn(
-                f"simulate: the motion{where} is stiff: a part of it dies away within "
-                f"{1.0 / decay:.1g} s, and steps of {method!r} are stable up to "
-                f"{reach / decay:.1g} s; these are {step:.1g} s. Take a shorter step= or method "
+                f"simulate: the motion{where} is stiff: a part of it changes within "
+                f"{1.0 / rate:.1g} s, and steps of {method!r} are stable up to "
+                f"{reach / rate:.1g} s; these are {step:.1g} s. Take a shorter step= or method "
                 f"'implicit'.",
                 FreebodyWarning,
                 stacklevel=5,

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError
+from freebody.kernels.column_by_column import ColumnKernel, KernelList
 from freebody.kernels.inputs import InputKernel
 from freebody.labels import is_labelled, row_times
 from freebody.model.model import Model
@@ -53,13 +54,18 @@ def torque_of(
 ) -> Array | TorqueFunction | CompiledTorque:
     """What `simulate` was given as torque, checked: a table (..., T, nv), one row (..., 1, nv) that
     counts at all times, a function, or one that was compiled."""
-    if inputs is not None and not isinstance(torque, Kernel | InputKernel):
+    if inputs is not None and not isinstance(torque, Kernel):
         raise FreebodyError(
             "simulate: torque_inputs= is about a torque from fb.compile; a Python function has its "
             "own variables. Leave it out."
         )
     if isinstance(torque, Kernel):
         return compiled_torque(model, torque, inputs or {})
+    if isinstance(torque, InputKernel | ColumnKernel | KernelList):
+        raise FreebodyError(
+            "simulate: a kernel with numbers as inputs, or of a large robot, is no torque by "
+            "itself: call it in a function f(t, q, qd)."
+        )
     if callable(torque):
         return torque
     for name, told in (("breakpoints", len(breakpoints)), ("sample_time", sample_time is not None)):
