@@ -56,7 +56,7 @@ def test_study_writes_a_report_and_data(capsys: pytest.CaptureFixture[str]):
     )
     assert lines[1] == "The tip is 'tip', the only end of the robot."
     assert re.split("  +", lines[2].strip()) == [
-        "peak torque", "at", "RMS torque", "peak speed", "peak power", "of effort limit",
+        "joint", "peak torque", "at", "RMS torque", "peak speed", "peak power",
     ]  # fmt: skip
     assert lines[3].startswith("joint1 ")
     assert re.search(

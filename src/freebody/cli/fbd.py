@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from freebody.cli import options, terminal
+from freebody.outputs.display import TextTable
 from freebody.outputs.files import stem
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from freebody.arrays import Array
     from freebody.figures.free_body import FreeBodyDiagram
 
@@ -80,7 +79,7 @@ def fbd(
         terminal.out().print(
             f"at q = {shown}; choose another with --q", markup=False, soft_wrap=True
         )
-    terminal.out().print(_table(figure))
+    terminal.table(_table(figure))
     if figure.missing:
         assumed = f"drawn for typical values; without value: {', '.join(figure.missing)}"
         terminal.out().print(assumed, markup=False, soft_wrap=True)
@@ -89,32 +88,26 @@ def fbd(
     terminal.out().print(f"written: {path}", markup=False, soft_wrap=True)
 
 
-def _table(figure: FreeBodyDiagram) -> Table:
+def _table(figure: FreeBodyDiagram) -> TextTable:
     """The loads; of a model with parameters that have no value only their names."""
-    from rich.table import Table
-    from rich.text import Text
-
     from freebody.figures.text import plain
 
-    flat = len(figure.loads[0].body.origin) == 2
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    titles = ("body", "by", "force", "components, N", "moment", "N m")
-    kept = (0, 1, 2, 4) if figure.missing else range(6)
-    for k in kept:
-        table.add_column(titles[k])
+    flat, named = len(figure.loads[0].body.origin) == 2, bool(figure.missing)
+    rows = []
     for item in figure.loads:
         for k, load in enumerate(item.loads):
-            turning = load.moment_name and (flat or figure.missing or any(load.moment))
-            row = (
-                item.body.name if k == 0 else "",
-                load.other,
-                plain(load.name),
-                _components(load.force),
-                plain(load.moment_name) if turning else "",
-                _components(load.moment) if turning else "",
+            turning = load.moment_name and (flat or named or any(load.moment))
+            rows.append(
+                (
+                    item.body.name if k == 0 else "",
+                    load.other,
+                    plain(load.name),
+                    "" if named else _components(load.force),
+                    plain(load.moment_name) if turning else "",
+                    _components(load.moment) if turning and not named else "",
+                )
             )
-            table.add_row(*(Text(row[k]) for k in kept))
-    return table
+    return TextTable(("body", "by", "force", "components, N", "moment", "N m"), rows)
 
 
 def _components(values: Array) -> str:

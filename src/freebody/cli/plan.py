@@ -11,6 +11,7 @@ import typer
 from freebody.cli import options, terminal
 from freebody.cli.options import MimicChoice, PhysicalChoice
 from freebody.errors import FreebodyError, listed
+from freebody.outputs.display import TextTable
 
 if TYPE_CHECKING:
     from freebody.model.model import Model
@@ -104,29 +105,27 @@ def _read(model: Model, text: str) -> tuple[Any, Any]:
 
 
 def _print(model: Model, motion: Motion, path: Path) -> None:
-    from rich.table import Table
-
     from freebody.motion.planning_limits import planning_limits
 
     out = terminal.out()
     for text in motion.notices:
         terminal.warn(text)
     out.print(f"{model.name}: {motion.source}, {motion.duration:.4g} s.", markup=False)
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("")
-    for title in ("from", "to", "peak speed", "of its limit", "peak acceleration"):
-        table.add_column(title, justify="right", no_wrap=True)
+    rows = []
     found, limits = motion.peaks, planning_limits("plan", model)
     for k, name in enumerate(model.velocity_names):
         unit = "rad" if limits.allowed.turns[k] else "m"
         share = found.velocity.size[k] / limits.velocity[k]
-        table.add_row(
-            name,
-            f"{found.position.low[k]:.4g} {unit}",
-            f"{found.position.high[k]:.4g} {unit}",
-            f"{found.velocity.size[k]:.4g} {unit}/s",
-            f"{100 * share:.3g} %" if limits.velocity[k] < float("inf") else "",
-            f"{found.acceleration.size[k]:.4g} {unit}/s²",
+        rows.append(
+            (
+                name,
+                f"{found.position.low[k]:.4g} {unit}",
+                f"{found.position.high[k]:.4g} {unit}",
+                f"{found.velocity.size[k]:.4g} {unit}/s",
+                f"{100 * share:.3g} %" if limits.velocity[k] < float("inf") else "",
+                f"{found.acceleration.size[k]:.4g} {unit}/s²",
+            )
         )
-    out.print(table)
+    head = ("joint", "from", "to", "peak speed", "of its limit", "peak acceleration")
+    terminal.table(TextTable(head, rows))
     out.print(f"written: {path}", markup=False, soft_wrap=True)

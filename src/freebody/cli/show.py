@@ -11,9 +11,9 @@ from freebody.cli.options import MimicChoice, PhysicalChoice
 from freebody.model import joint_table
 from freebody.model.description import DOUBTFUL
 from freebody.model.parameters import Parameter
+from freebody.outputs.display import TextTable
 
 if TYPE_CHECKING:
-    from rich.table import Table
     from rich.tree import Tree
 
     from freebody.model.model import Model
@@ -64,10 +64,10 @@ def show(
     out.print()
     out.print(_tree(model))
     out.print()
-    out.print(_joints(model))
+    terminal.table(joint_table.table(model))
     out.print()
     if model.loops:
-        out.print(_loops(model))
+        terminal.table(_loops(model))
         out.print(Text(_mobility(model)), soft_wrap=True)
         if not any(body.joint.passive for body in model.bodies):
             out.print(Text(_UNSAID), soft_wrap=True)
@@ -123,43 +123,14 @@ def _tree(model: Model) -> Tree:
     return root
 
 
-def _joints(model: Model) -> Table:
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for title in joint_table.titles(model):
-        right = title in ("speed", "effort") or title.startswith("mass")
-        table.add_column(title, justify="right" if right else "left")
-    for body in model.bodies:
-        table.add_row(*(Text(cell) for cell in joint_table.row(body)))
-    return table
-
-
-def _loops(model: Model) -> Table:
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for title in ("loop", "kind", "holds", "to", "axis", "distance"):
-        table.add_column(title)
+def _loops(model: Model) -> TextTable:
+    rows = []
     for loop in model.loops:
         distance = loop.distance.name if isinstance(loop.distance, Parameter) else loop.distance
-        length = (
-            ""
-            if distance is None
-            else distance
-            if isinstance(distance, str)
-            else f"{distance:.4g} m"
-        )
+        length = f"{distance:.4g} m" if isinstance(distance, float) else distance or ""
         axis = " ".join(f"{x:.4g}" for x in loop.axis)
-        table.add_row(
-            *(
-                Text(cell)
-                for cell in (loop.name, loop.kind, loop.frames[1], loop.frames[0], axis, length)
-            )
-        )
-    return table
+        rows.append((loop.name, loop.kind, loop.frames[1], loop.frames[0], axis, length))
+    return TextTable(("loop", "kind", "holds", "to", "axis", "distance"), rows)
 
 
 def _mobility(model: Model) -> str:

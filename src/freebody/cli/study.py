@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -16,8 +15,6 @@ from freebody.outputs.folder import prepare
 from freebody.outputs.numbers import compared
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from freebody.report.study import Study
 
 _STYLES = {
@@ -116,7 +113,7 @@ def _saved(found: Study, directory: Path) -> FreebodyError | None:
 
 def _print(found: Study, directory: Path, failure: FreebodyError | None) -> None:
     from freebody.report.files import DATA, REPORT
-    from freebody.report.summary import energy_text
+    from freebody.report.summary import drive_table, energy_text
 
     out = terminal.out()
     for sentence in found.warnings:
@@ -132,7 +129,9 @@ def _print(found: Study, directory: Path, failure: FreebodyError | None) -> None
         found.tip_reason,
     )
     out.print(*above, sep="\n", markup=False)
-    out.print(_table(found))
+    shares = found.summary["effort_fraction"].sel(coordinate=list(found.model.driven_names)).values
+    table = drive_table(found.model, found.summary)
+    terminal.table(table, red=[k for k, share in enumerate(shares) if share > 1])
     sentences = (
         found.worst.text,
         energy_text(found.summary, found.motion.duration),
@@ -155,41 +154,3 @@ def _print_checks(found: Study) -> None:
         value, bar = compared(check.value, check.bar, digits=3)
         text = f"self-check failed: {check.name}: {value}, allowed {bar}. {check.text}"
         out.print(text, style="bold red", markup=False)
-
-
-def _table(found: Study) -> Table:
-    from rich.table import Table
-
-    from freebody.report.results import percent
-
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("")
-    for title in ("peak torque", "at", "RMS torque", "peak speed", "peak power", "of effort limit"):
-        table.add_column(title, justify="right", no_wrap=True)
-    values = found.summary
-    for name in found.model.driven_names:
-        k = found.model.velocity_names.index(name)
-        unit, effort = str(values["unit"].values[k]), str(values["effort_unit"].values[k])
-        entry = {key: float(values[key].values[k]) for key in _SHOWN}
-        share = entry["effort_fraction"]
-        table.add_row(
-            name,
-            f"{entry['peak_torque']:.4g} {effort}",
-            f"{entry['peak_torque_time']:.3g} s",
-            f"{entry['rms_torque']:.4g} {effort}",
-            f"{entry['peak_speed']:.4g} {unit}/s",
-            f"{entry['peak_power']:.4g} W",
-            "" if math.isnan(share) else percent(share),
-            style="red" if share > 1 else None,
-        )
-    return table
-
-
-_SHOWN = (
-    "peak_torque",
-    "peak_torque_time",
-    "rms_torque",
-    "peak_speed",
-    "peak_power",
-    "effort_fraction",
-)

@@ -7,13 +7,14 @@ import io
 import os
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Container, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from typing import TYPE_CHECKING, Any, TextIO, cast
 
 from freebody.cli.spelling import spelled
 from freebody.errors import FileError, FreebodyWarning
+from freebody.outputs.display import TextTable, columns_of
 from freebody.outputs.files import reason
 from freebody.outputs.text import legal
 
@@ -125,6 +126,20 @@ def warn(text: str) -> None:
 
 def _line(text: str, style: str) -> None:
     err().print(" ".join(text.split()), style=style, markup=False, highlight=False, soft_wrap=True)
+
+
+def table(found: TextTable, red: Container[int] = ()) -> None:
+    """Print a table, numbers on the right, columns that are empty throughout left out; red: rows
+    that must be seen."""
+    from rich.table import Table
+    from rich.text import Text
+
+    made, columns = Table(box=None, pad_edge=False, header_style="bold"), columns_of(found.rows)
+    for k, numeric in columns.items():
+        made.add_column(found.head[k], justify="right" if numeric else "left", no_wrap=numeric)
+    for number, row in enumerate(found.rows):
+        made.add_row(*(Text(row[k]) for k in columns), style="red" if number in red else None)
+    out().print(made)
 
 
 @contextmanager

@@ -7,19 +7,21 @@ from typing import TYPE_CHECKING, Any
 
 from freebody.model.families import Members
 from freebody.model.parameters import Parameter
+from freebody.outputs.display import TextTable
 
 if TYPE_CHECKING:
     from freebody.model.bodies import Body
     from freebody.model.model import Model
 
 
-def titles(model: Model) -> tuple[str, ...]:
-    """Of the columns."""
+def table(model: Model) -> TextTable:
+    """Joints, their limits, and what they carry."""
     mass = "mass, estimated" if model.is_estimated else "mass"
-    return "joint", "kind", "axis", "range", "speed", "effort", "moves", mass, "follows"
+    head = ("joint", "kind", "axis", "range", "speed", "effort", "moves", mass, "follows")
+    return TextTable(head, list(map(_row, model.bodies)))
 
 
-def row(body: Body) -> tuple[str, ...]:
+def _row(body: Body) -> tuple[str, ...]:
     """A joint, its limits, and what it carries."""
     joint, limits = body.joint, body.joint.limits
     unit, force = ("m", "N") if body.kind.slides else ("rad", "N m")

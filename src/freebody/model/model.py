@@ -6,6 +6,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from dataclasses import replace as replaced
 from typing import Any
 
 import numpy as np
@@ -390,9 +391,7 @@ class Model(NamedParts, Tabled, ByValue):
 
     def _table(self) -> TextTable:
         loops = [f"loop {x.name}: {x.kind}, {x.frames[0]} and {x.frames[1]}" for x in self.loops]
-        return TextTable(
-            joint_table.titles(self), [joint_table.row(body) for body in self.bodies], loops
-        )
+        return replaced(joint_table.table(self), notes=loops)
 
 
 edits.make_lazy(Model)

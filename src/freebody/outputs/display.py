@@ -31,11 +31,10 @@ class TextTable:
         which notebooks do for none; columns that are empty throughout are left out."""
         above = f"<p><b>{_text(title)}</b></p>" if title else ""
         shown = self.rows[:most]
-        filled = [k for k in range(len(self.head)) if any(row[k] for row in shown)]
-        align = {k: "" if _is_numeric(row[k] for row in shown) else _LEFT for k in filled}
-        head = "".join(f"<th{align[k]}>{_text(self.head[k])}</th>" for k in filled)
+        align = {k: "" if numeric else _LEFT for k, numeric in columns_of(shown).items()}
+        head = "".join(f"<th{own}>{_text(self.head[k])}</th>" for k, own in align.items())
         rows = "".join(
-            f"<tr>{''.join(f'<td{align[k]}>{_text(row[k])}</td>' for k in filled)}</tr>"
+            f"<tr>{''.join(f'<td{own}>{_text(row[k])}</td>' for k, own in align.items())}</tr>"
             for row in shown
         )
         left = len(self.rows) - most
@@ -87,9 +86,14 @@ _LEFT = ' style="text-align:left"'
 _NUMBER = re.compile(r"[-−+]?(\d|\.\d|∞|inf|nan|–)")
 
 
-def _is_numeric(cells: Iterable[str]) -> bool:
-    """Whether a column holds numbers, some of which may be missing."""
-    return all(_NUMBER.match(cell) for cell in cells if cell and cell != "?")
+def columns_of(rows: Sequence[Sequence[str]]) -> dict[int, bool]:
+    """The columns that are not empty throughout, and whether each holds numbers, some of which may
+    be missing."""
+    return {
+        k: all(_NUMBER.match(cell) for cell in cells if cell and cell != "?")
+        for k, cells in enumerate(zip(*rows, strict=True))
+        if any(cells)
+    }
 
 
 def _text(text: str) -> str:

@@ -7,7 +7,7 @@ import os
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,7 +27,7 @@ from freebody.report.replay import replayed
 from freebody.report.results import Check, MotionVerdict, Replay, Singularity, StaticPose, Worst
 from freebody.report.series import series, torque_parts
 from freebody.report.static_poses import worst_poses
-from freebody.report.summary import limit_notices, summary, worst
+from freebody.report.summary import drive_table, limit_notices, summary, worst
 from freebody.report.time_scaling import at_pace, pace
 from freebody.report.tip import chosen_tip
 from freebody.report.verdict import effort_limits, verdict
@@ -114,23 +114,8 @@ class Study(Tabled, ByValue):
         )
 
     def _table(self) -> TextTable:
-        s = self.summary
-        units = zip(s.unit.values, s.effort_unit.values, strict=True)
-        columns = (s.coordinate, s.peak_torque, s.rms_torque, s.peak_speed, s.peak_power)
-        rows = [
-            (
-                str(name),
-                f"{peak:.4g} {force}",
-                f"{rms:.4g} {force}",
-                f"{speed:.4g} {unit}/s",
-                f"{power:.4g} W",
-            )
-            for (unit, force), name, peak, rms, speed, power in zip(
-                units, *(column.values for column in columns), strict=True
-            )
-        ]
-        head = ("joint", "peak torque", "RMS torque", "peak speed", "peak power")
-        return TextTable(head, rows, [self.verdict.text, *self.warnings])
+        found = drive_table(self.model, self.summary)
+        return replace(found, notes=[self.verdict.text, *self.warnings])
 
     @property
     def checked(self) -> bool:

@@ -12,6 +12,7 @@ from freebody.model.description import DOUBTFUL
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges, with_drive
+from freebody.outputs.display import TextTable
 from freebody.outputs.numbers import compared
 from freebody.report.results import LimitUse, Worst, percent
 from freebody.report.series import coordinates
@@ -200,6 +201,27 @@ def worst(model: Model, data: xr.Dataset) -> Worst:
     if any(notice.kind == DOUBTFUL for notice in model.notices):
         text = f"With the masses of the file, which are in doubt: at{text[2:]}"
     return Worst(k, float(t[k]), name, value, share, unit, text)
+
+
+def drive_table(model: Model, found: xr.Dataset) -> TextTable:
+    """What each drive must give, from `Study.summary`."""
+    rows = []
+    for name in model.driven_names:
+        of = found.sel(coordinate=name)
+        unit, effort, share = str(of.unit.values), str(of.effort_unit.values), of.effort_fraction
+        rows.append(
+            (
+                name,
+                f"{of.peak_torque:.4g} {effort}",
+                f"{of.peak_torque_time:.3g} s",
+                f"{of.rms_torque:.4g} {effort}",
+                f"{of.peak_speed:.4g} {unit}/s",
+                f"{of.peak_power:.4g} W",
+                "" if np.isnan(share) else percent(float(share)),
+            )
+        )
+    peaks = ("peak torque", "at", "RMS torque", "peak speed", "peak power")
+    return TextTable(("joint", *peaks, "of effort limit"), rows)
 
 
 def limit_notices(model: Model, found: xr.Dataset, uses: Iterable[LimitUse]) -> list[str]:
