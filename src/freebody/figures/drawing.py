@@ -217,9 +217,6 @@ class Drawing:
     """Pixels a metre; default: what fits."""
     labels: str = "names"
     """What stands beside the elements, one of `labelling.LABELS`."""
-    moved: dict[int, Point] = field(default_factory=dict)
-    """How far bodies, by their number, are drawn from where they are, metres: links pulled
-    apart."""
 
     def add(self, *elements: Element) -> None:
         """Draw more."""

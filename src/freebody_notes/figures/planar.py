@@ -10,12 +10,13 @@ import numpy as np
 
 from freebody.figures.drawing import Arrow, Drawing, Turn, point
 from freebody.figures.figure import Figure, to_one_scale
-from freebody.figures.layers import forces, geometry, motion
+from freebody.figures.layers import geometry, motion
 from freebody.figures.layers.structure import clear_way
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.model.planar_arms import planar
 from freebody.trees.dynamics import forward_dynamics
 from freebody.trees.public_calls import Vector
+from freebody_notes.figures.apart import apart, inertias
 from freebody_notes.figures.bodies import pinned
 from freebody_notes.figures.names import called
 from freebody_notes.figures.panels import GEOMETRY, RATES, SECOND, TIP, panel, two_links
@@ -42,8 +43,7 @@ def free_bodies(q: Vector | None = None, load: Vector = TIP) -> Figure:
     load = [10 * x for x in np.asarray(load)]  # of the size of the weights, to be seen beside them
     seen = called(two_links(q, wrenches=load), force=_single, letter="F", load="F")
     first = panel(seen, "(a) the arm", GEOMETRY)
-    second = forces.apart(seen, ("r",), scaled=True)
-    second.notes = ["(b) free-body diagrams of the links"]
+    second = apart(seen, ("r",), "(b) free-body diagrams of the links")
     return Figure("Free-body diagrams of a planar two-link arm", (first, second))
 
 
@@ -54,8 +54,7 @@ def statics(q: Vector = (0.9, 0.75), load: Vector = TIP) -> Figure:
     seen = snapshot(seen.model.replace(gravity=0.0), seen.q, seen.qd, seen.qdd, load)
     seen = called(seen, force=_single)
     first = panel(seen, "(a) the arm, loaded at P", (*GEOMETRY, _tip_force))
-    second = forces.apart(seen, ("s",), scaled=True)
-    second.notes = ["(b) the links in equilibrium"]
+    second = apart(seen, ("s",), "(b) the links in equilibrium")
     return Figure("Static forces on the arm and on each of its links", (first, second))
 
 
@@ -83,8 +82,7 @@ def pendulum(q: Vector = (0.85,), qd: Vector = (1.2,), qdd: Vector = (0.8,)) -> 
     first = _bar_panel(seen, "(a) the bar and its motion")
     first.position(np.zeros(2), seen.pose.bodies[0].com, "r_{c}", -geometry.BESIDE)
     first.add(*_velocity(seen))
-    second = forces.apart(seen, (), scaled=True)
-    second.notes = ["(b) free-body diagram"]
+    second = apart(seen, (), "(b) free-body diagram")
     return Figure("A pendulum", (first, second))
 
 
@@ -133,8 +131,7 @@ def dynamics(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND) 
     seen = two_links(q, qd, qdd)
     velocities = partial(motion.of_centres, scaled=True)
     first = panel(seen, "(a) angles, rates, velocities", (*GEOMETRY, motion.rates, velocities))
-    second = forces.apart(seen, ("s", "sc"), scaled=True)
-    second.notes = ["(b) free-body diagrams of the links"]
+    second = apart(seen, ("s", "sc"), "(b) free-body diagrams of the links")
     return Figure("Dynamics of a planar two-link arm", (first, second))
 
 
@@ -142,8 +139,7 @@ def recursion(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND)
     """Figure 4.3: θ_i with its rates, v̇_ci, s_ci and (m_i, I_i); below, the links apart."""
     seen = two_links(q, qd, qdd)
     first = panel(seen, "(a) accelerations", (*_accelerated(), geometry.to_centres))
-    second = forces.apart(seen, ("s", "sc"), scaled=True)
-    second.notes = ["(b) forces"]
+    second = apart(seen, ("s", "sc"), "(b) forces")
     return Figure("Accelerations and forces of a planar two-link arm", (first, second))
 
 
@@ -162,7 +158,7 @@ def _accelerated() -> tuple[Callable, ...]:
         geometry.angles,
         geometry.lengths,
         geometry.centres,
-        geometry.inertias,
+        inertias,
         rates,
         accelerations,
     )

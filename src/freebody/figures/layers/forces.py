@@ -1,5 +1,4 @@
-"""Free bodies: one alone with all that acts on it, one with all that it carries, or all pulled
-apart at the joints."""
+"""Free bodies: one alone with all that acts on it, or with all that it carries."""
 
 from __future__ import annotations
 
@@ -16,10 +15,8 @@ from freebody.figures.colours import FORCES
 from freebody.figures.drawing import (
     SAME,
     Arrow,
-    Dimension,
     Drawing,
     Element,
-    Line,
     Turn,
     View,
     best_view,
@@ -30,7 +27,6 @@ from freebody.figures.layers.structure import Layer, of_each, view_of
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot
 
-_GAP = 0.34
 _BESIDE = geometry.BESIDE + 2
 _AXIS, _ANGLE = 0.45, 0.4  # the longest axis and arc beside the forces, of the size of the body
 _LONGEST, _SHORTEST = 0.75, 0.12  # the longest arrow, of the size of the body; the shortest, of it
@@ -291,40 +287,3 @@ def _subtree(seen: Snapshot, first: BodyPlace) -> list[BodyPlace]:
     """A body and all that hangs on it."""
     below = [b for b in seen.pose.bodies if b.parent == first.index]
     return [first, *(b for child in below for b in _subtree(seen, child))]
-
-
-def apart(seen: Snapshot, show: Sequence[str] = ("s", "sc"), scaled: bool = False) -> Drawing:
-    """All bodies of a planar robot, drawn apart by a gap at each joint; `drawing.moved` says how
-    far each is moved.
-
-    show: of `PARTS`, beside points and centres. scaled: with a bar for the forces.
-    """
-    drawing = Drawing(view_of(seen), f"Free-body diagrams of the links of {seen.model.name}")
-    shift: dict[int, Array] = {-1: np.zeros(2)}
-    scale = scale_of(seen.loads, 0.38 * seen.size)
-    for body in seen.pose.bodies:
-        gap = np.zeros(2) if body.parent < 0 else _gap(seen, body)
-        shift[body.index] = shift[body.parent] + gap
-        part = alone(seen, body, ("points", "centres", *show), scale)
-        drawing.add(*(moved(element, shift[body.index]) for element in part.elements))
-        drawing.moved[body.number] = point(shift[body.index])
-    if scaled:
-        drawing.ruler(scale.force / 2.5, scale.longest / 2.5, "N", "reaction")
-    return drawing
-
-
-def _gap(seen: Snapshot, body: BodyPlace) -> Array:
-    """From a body to its child, along both, or across them where they are folded together."""
-    before, after = seen.heading(seen.pose.bodies[body.parent]), seen.heading(body)
-    way = before + after
-    if np.linalg.norm(way) < 0.3:
-        way = np.array([-before[1], before[0]])
-    return _GAP * seen.size * way / np.linalg.norm(way)
-
-
-def moved(element: Element, by: Array) -> Element:
-    """An element elsewhere in the plane."""
-    if isinstance(element, Line):
-        return replace(element, points=tuple(point(np.add(p, by)) for p in element.points))
-    fields = ("start", "end") if isinstance(element, Arrow | Dimension) else ("at",)
-    return replace(element, **{f: point(np.add(getattr(element, f), by)) for f in fields})

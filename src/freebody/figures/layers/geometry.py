@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures.drawing import SAME, Arc, Dimension, Drawing, Label, point
+from freebody.figures.drawing import SAME, Arc, Dimension, Drawing, point
 from freebody.figures.layers.structure import of_each
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot
@@ -30,16 +30,6 @@ def centres(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
         along = seen.heading(body)
         away = (along[1], -along[0]) if seen.model.dim == 2 else (0.0, 0.0, -1.0)
         drawing.centre(body.com, seen.names.on("C", body.number), away)
-
-
-@of_each
-def inertias(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
-    """(m_i, I_i) beside the links."""
-    if body.mass > 0:
-        along, names = seen.heading(body), seen.names
-        text = f"{names.mass(body.number)}, {names.inertia(body.number)}"
-        at = point(body.com + 0.1 * seen.size * along)
-        drawing.add(Label(at, text, text, direction=(along[1], -along[0])))
 
 
 # ---------------------------------------------------------------- the plane
