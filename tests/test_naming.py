@@ -17,7 +17,6 @@ from freebody.derivations.methods import METHODS
 from freebody.derivations.naming import Naming
 from freebody.errors import FreebodyError
 from freebody.figures import illustrate
-from freebody.figures.body_loads import body_loads
 from freebody.figures.drawing import Arc, Arrow, Dimension, Drawing, Label, Turn, canonical
 from freebody.figures.illustrate import illustrations
 from freebody.figures.text import label
@@ -275,9 +274,7 @@ def test_rows_of_reactions_are_the_values_of_the_names(name: str):
         np.testing.assert_allclose(values[force.name], found[loop.name][:2], atol=1e-6)
         if isinstance(moment, ex.Symbol):
             np.testing.assert_allclose(values[moment.name], found[loop.name][2], atol=1e-6)
-        loads = [
-            x for body in body_loads(seen.model, seen.q, wrenches=seen.wrenches) for x in body.loads
-        ]
+        loads = [x for body in seen.loads for x in body.loads]
         shown = {x.name: x.force for x in loads}
         for sign, value in (("", 1.0), ("−", -1.0)):
             if sign + label(force) in shown:
@@ -363,7 +360,7 @@ def test_no_motor_is_derived_or_drawn_in_a_passive_joint(name: str, method: str)
 def test_free_bodies_and_equations_show_no_motor_in_a_passive_joint(name: str):
     model, torque = model_of(name), f"τ_{PASSIVE[name]}"
     seen = illustrate._shown(derived(name, "newton-euler"))
-    loads = [x for body in body_loads(seen.model, seen.q, seen.qd, seen.qdd) for x in body.loads]
+    loads = [x for body in seen.loads for x in body.loads]
     assert torque not in {x.moment_name.removeprefix("−") for x in loads}
     lines = str(fb.equations(model)).splitlines()
     assert (

@@ -7,8 +7,9 @@ their moment about the centre of mass the rate of angular momentum there (4.12-4
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import count
 
 import numpy as np
 
@@ -17,12 +18,12 @@ from freebody.arrays import Array
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.naming import Naming
-from freebody.figures.skeleton import BodyPlace, Skeleton, extent, skeleton
+from freebody.figures.skeleton import BodyPlace, Skeleton, extent
 from freebody.figures.text import label
 from freebody.model.joints import JointKind
 from freebody.model.model import Model
 from freebody.trees.dynamics import joint_wrenches
-from freebody.trees.public_calls import Vector, Wrenches, single_vector, wrenches_by_frame
+from freebody.trees.public_calls import Wrenches, wrenches_by_frame
 
 NOISE = 1e-9
 """Of the largest force or moment on the mechanism: components below are rounding, and 0 in all
@@ -77,55 +78,41 @@ def moment(arm: Array, force: Array) -> Array:
 
 
 def body_loads(
-    model: Model,
-    q: Vector,
-    qd: Vector | None = None,
-    qdd: Vector | None = None,
-    wrenches: Wrenches = None,
+    model: Model, pose: Skeleton, q: Array, qd: Array, qdd: Array, wrenches: Wrenches
 ) -> tuple[BodyLoads, ...]:
-    """The loads on every body; q (nq,); qd, qdd (nv,), default rest; wrenches as for
+    """The loads on every body in a state: q (nq,); qd, qdd (nv,); wrenches as for
     `inverse_dynamics`."""
-    still = np.zeros(model.nv)
-    given = {"q": q, "qd": still if qd is None else qd, "qdd": still if qdd is None else qdd}
-    caller = "free_body_diagram"
-    state = [single_vector(caller, model, name, value) for name, value in given.items()]
-    pose = skeleton(model, state[0])
-    given = wrenches_by_frame(caller, model, wrenches, single=True)
-    names, reactions = Naming(model), np.asarray(joint_wrenches(model, *state, wrenches=given))
-    first, second, third = (tuple(map(float, x)) for x in state)
+    given = wrenches_by_frame("free_body_diagram", model, wrenches, single=True)
+    names = Naming(model)
+    reactions = np.asarray(joint_wrenches(model, q, qd, qdd, wrenches=given))
+    first, second, third = (tuple(map(float, x)) for x in (q, qd, qdd))
     recursion = rnea(model.tree, first, second, third, gravity="explicit")
-    acting = {body.index: _reactions(names, pose, body, reactions) for body in pose.bodies}
+    joined, applied = _transmitted(names, pose, reactions), _external(names, pose, given)
+    acting = [*joined, *_weights(names, pose), *applied]
+    found, cleared = [], _without_noise([load for _, load in acting], extent([pose]))
     for body in pose.bodies:
-        if body.mass:
-            acting[body.index].append(_weight(names, body))
-    for on, load in _external(model, pose, given):
-        acting.setdefault(on, []).append(load)
-    found = []
-    cleared = _without_noise([acting[body.index] for body in pose.bodies], extent([pose]))
-    for body, shown in zip(pose.bodies, cleared, strict=True):
+        at = [k for k, (on, _) in enumerate(acting) if on == body.index]
         rates = _rates(model, body, recursion)
-        balance = _residuals(body, acting[body.index], *rates)
-        loads = tuple(_named(names, load) for load in shown)
+        balance = _residuals(body, [acting[k][1] for k in at], *rates)
+        loads = tuple(_named(names, cleared[k]) for k in at)
         found.append(BodyLoads(body, loads, label(names.mass(body.number)), *rates, *balance))
     return tuple(found)
 
 
-def _without_noise(acting: Sequence[Sequence[Load]], size: float) -> list[list[Load]]:
-    """The loads on each body of a mechanism of `size` metres, with 0 for what is only rounding
+def _without_noise(loads: Sequence[Load], size: float) -> list[Load]:
+    """The loads on all bodies of a mechanism of `size` metres, with 0 for what is only rounding
     beside the largest."""
-    loads = [load for loads in acting for load in loads]
     force = max((float(np.linalg.norm(load.force)) for load in loads), default=0.0)
     turning = max((float(np.linalg.norm(load.moment)) for load in loads), default=0.0)
     least = NOISE * max(force, turning / size)
 
     def cleared(load: Load) -> Load:
+        seen, turns = abs(load.force) > least, abs(load.moment) > least * size
         return replace(
-            load,
-            force=np.where(abs(load.force) > least, load.force, 0.0),
-            moment=np.where(abs(load.moment) > least * size, load.moment, 0.0),
+            load, force=np.where(seen, load.force, 0.0), moment=np.where(turns, load.moment, 0.0)
         )
 
-    return [list(map(cleared, loads)) for loads in acting]
+    return list(map(cleared, loads))
 
 
 def _named(names: Naming, load: Load) -> Load:
@@ -150,49 +137,53 @@ def _residuals(
     return float(np.linalg.norm(force)), float(np.linalg.norm(turning))
 
 
-def _reactions(names: Naming, pose: Skeleton, body: BodyPlace, wrenches: Array) -> list[Load]:
-    """By the parent, the opposite of what each child receives, and by loops."""
-    called = [*(other.name for other in pose.bodies), "the ground"]
-    found = []
+def _transmitted(names: Naming, pose: Skeleton, wrenches: Array) -> Iterator[tuple[int, Load]]:
+    """(index of the body, load) of what joints and loops transmit: on the child, or the body of a
+    loop's second frame, and the opposite on the other."""
+    called, d = [*(body.name for body in pose.bodies), "the ground"], pose.dim
 
-    def add(
-        k: int,
-        force: Expression,
-        moment: Expression,
-        role: str,
-        by: int,
-        at: Array,
+    def pair(
+        force: Expression, moment: Expression, bodies: tuple[int, int], places: tuple[Array, Array],
         kind: JointKind | None = None,
-    ) -> None:
-        if role == "counter":
-            force, moment = ex.neg(force), ex.neg(moment)
-        w, d = (-1.0 if role == "counter" else 1.0) * wrenches[k], pose.dim
-        by_name = "what moves it" if by < 0 and body.kind.frees(d) else called[by]
-        found.append(Load(label(force), label(moment), role, by_name, at, w[:d], w[d:], k, kind))
+    ) -> Iterator[tuple[int, Load]]:  # fmt: skip
+        k, (first, second), (counter, place) = next(rows), bodies, places
+        by = "what moves it" if first < 0 and kind and kind.frees(d) else called[first]
+        on, w = called[second], wrenches[k]
+        own, other = label(ex.neg(force)), label(ex.neg(moment))
+        yield (
+            second,
+            Load(label(force), label(moment), "reaction", by, place, w[:d], w[d:], k, kind),
+        )
+        yield first, Load(own, other, "counter", on, counter, -w[:d], -w[d:], k, kind)
 
-    for other in pose.bodies:
-        n = other.number
-        pair = names.force(other.parent + 1, n), names.joint_moment(n)
-        if other is body:
-            add(other.index, *pair, "reaction", body.parent, body.origin, other.kind)
-        elif other.parent == body.index:
-            add(other.index, *pair, "counter", other.index, other.origin, other.kind)
+    rows = count()
+    for body in pose.bodies:
+        n, joined = body.number, (body.parent, body.index)
+        force, moment = names.force(body.parent + 1, n), names.joint_moment(n)
+        yield from pair(force, moment, joined, (body.origin, body.origin), body.kind)
     # a loop's wrench acts at the origin of the second frame; that of a rod, which pulls along
     # itself, at each end
     for k, loop in enumerate(pose.loops):
-        index, (first, second) = len(pose.bodies) + k, loop.bodies
-        pair = names.loop_force(k), names.loop_moment(k)
-        if second == body.index:
-            add(index, *pair, "reaction", first, loop.origin)
-        if first == body.index:
-            add(index, *pair, "counter", second, loop.carrier if loop.rod else loop.origin)
-    return found
+        places = loop.carrier if loop.rod else loop.origin, loop.origin
+        yield from pair(names.loop_force(k), names.loop_moment(k), loop.bodies, places)
 
 
-def _weight(names: Naming, body: BodyPlace) -> Load:
+def _weights(names: Naming, pose: Skeleton) -> Iterator[tuple[int, Load]]:
+    """(index of the body, load) of each weight."""
     nothing = np.zeros(1 if names.planar else 3)
-    name = f"{label(names.mass(body.number))} g"
-    return Load(name, "", "weight", "gravity", body.com, body.mass * names.model.gravity, nothing)
+    for body in pose.bodies:
+        if body.mass:
+            name, force = f"{label(names.mass(body.number))} g", body.mass * names.model.gravity
+            yield body.index, Load(name, "", "weight", "gravity", body.com, force, nothing)
+
+
+def _external(names: Naming, pose: Skeleton, given: dict[str, Array]) -> Iterator[tuple[int, Load]]:
+    """(index of the body, load) of each external wrench."""
+    d = pose.dim
+    for k, (frame, w) in enumerate(given.items(), 1):
+        low = f"_{k}" if len(given) > 1 else ""
+        load = Load(f"f{low}", f"n{low}", "external", frame, pose.frames[frame], w[:d], w[d:])
+        yield names.model.frame(frame).body, load
 
 
 def _rates(model: Model, body: BodyPlace, recursion: Recursion) -> tuple[Array, Array]:
@@ -207,14 +198,3 @@ def _rates(model: Model, body: BodyPlace, recursion: Recursion) -> tuple[Array, 
         arm = body.origin + R @ np.asarray(mass.c) - body.com
         turning += moment(arm, f) + (np.asarray(N) if dim == 2 else R @ np.asarray(N))
     return force, turning
-
-
-def _external(model: Model, pose: Skeleton, given: dict[str, Array]) -> list[tuple[int, Load]]:
-    """(body, load) of each external wrench."""
-    found = []
-    for k, (frame, w) in enumerate(given.items(), 1):
-        low = f"_{k}" if len(given) > 1 else ""
-        force, moment = w[: model.dim], w[model.dim :]
-        load = Load(f"f{low}", f"n{low}", "external", frame, pose.frames[frame], force, moment)
-        found.append((model.frame(frame).body, load))
-    return found

@@ -57,7 +57,7 @@ class Snapshot:
     @cached_property
     def loads(self) -> tuple[BodyLoads, ...]:
         """Forces and moments on each body."""
-        return body_loads(self.model, self.q, self.qd, self.qdd, self.wrenches)
+        return body_loads(self.model, self.pose, self.q, self.qd, self.qdd, self.wrenches)
 
     def end(self, body: BodyPlace) -> Array | None:
         """Where a body ends: at the joint of its first child (after a slide), else at the tip; or
