@@ -164,8 +164,10 @@ def _transmitted(names: Naming, pose: Skeleton, wrenches: Array) -> Iterator[tup
     # a loop's wrench acts at the origin of the second frame; that of a rod, which pulls along
     # itself, at each end
     for k, loop in enumerate(pose.loops):
-        places = loop.carrier if loop.rod else loop.origin, loop.origin
-        yield from pair(names.loop_force(k), names.loop_moment(k), loop.bodies, places)
+        ends, places = (loop.parent, loop.index), (loop.origin, loop.origin)
+        if loop.rod:
+            places = loop.carrier, loop.origin
+        yield from pair(names.loop_force(k), names.loop_moment(k), ends, places)
 
 
 def _weights(names: Naming, pose: Skeleton) -> Iterator[tuple[int, Load]]:

@@ -31,21 +31,35 @@ class End:
 
 
 @dataclass(frozen=True)
-class BodyPlace:
-    """One body in the world; arrays of shape (dim,)."""
+class JointPlace:
+    """A joint in the world, or what closes a loop: places (dim,)."""
 
     index: int
+    """Of the body that it carries; of a loop, of the one with its second frame; -1: the base."""
     name: str
     kind: JointKind
+    """Of a loop, the kind whose symbol it has."""
     parent: int
+    """Of the body that carries it; of a loop, of the one with its first frame."""
     origin: Array
-    """The child's joint origin."""
+    """Its origin on the child."""
     rotation: Array
     carrier: Array
-    """Where its joint sits on the parent: the origin before a slide."""
+    """Where it sits on the parent: the origin before a slide; of a rod, its other end."""
     carrier_rotation: Array
     axis: Array | None
     """World direction of a joint with an axis; None for others and for turns in the plane."""
+
+    @property
+    def symbol(self) -> str:
+        """What its symbol is called."""
+        return self.name
+
+
+@dataclass(frozen=True)
+class BodyPlace(JointPlace):
+    """One body in the world, and the joint that carries it."""
+
     mass: float
     com: Array
     ends: tuple[End, ...]
@@ -57,7 +71,6 @@ class BodyPlace:
 
     @property
     def symbol(self) -> str:
-        """What its joint's symbol is called."""
         return f"joint {self.number}"
 
     @property
@@ -71,24 +84,11 @@ class BodyPlace:
 
 
 @dataclass(frozen=True)
-class LoopPlace:
-    """Where a loop closes: as of a joint that carries its second frame on its first."""
+class LoopPlace(JointPlace):
+    """Where a loop closes."""
 
-    symbol: str
-    """Its name."""
-    kind: JointKind
-    """Whose symbol it has."""
     rod: bool
-    bodies: tuple[int, int]
-    """Indices of those that it ties; -1: the base."""
-    origin: Array
-    """Of its second frame, (dim,)."""
-    rotation: Array
-    carrier: Array
-    """Origin of its first frame: the same place, or the other end of a rod or a slide."""
-    carrier_rotation: Array
-    axis: Array | None
-    """World direction of its axis, if it has one."""
+    """Whether it keeps its places a distance apart."""
 
 
 @dataclass(frozen=True)
@@ -108,12 +108,8 @@ class Skeleton:
         """Every joint, end and the base, (k, dim)."""
         found = [np.zeros(self.dim)]
         for body in self.bodies:
-            found += [
-                body.carrier,
-                body.origin,
-                *(end.place for end in body.ends),
-                *(b for _, b in body.outline),
-            ]
+            ends = (end.place for end in body.ends)
+            found += [body.carrier, body.origin, *ends, *(b for _, b in body.outline)]
         return np.array(found)
 
     @property
@@ -126,35 +122,30 @@ def skeleton(model: Model, q: ArrayLike) -> Skeleton:
     """The robot's places at q (nq,)."""
     q_checked = single_vector("skeleton", model, "q", q)
     tree = model.tree
-    world = [
-        (np.asarray(R), np.asarray(p))
-        for R, p in world_poses(tree, joint_poses(tree, tuple(map(float, q_checked))))
-    ]
-    frames = {name: _pose(tree, world, *frame) for name, frame in tree.frames.items()}
+    poses = world_poses(tree, joint_poses(tree, tuple(map(float, q_checked))))
+    world = [(np.asarray(R), np.asarray(p)) for R, p in poses]
+    world.append((np.eye(model.dim), np.zeros(model.dim)))  # the base, at -1
+    frames = {name: _pose(world, *frame) for name, frame in tree.frames.items()}
     places = {name: p for name, (_, p) in frames.items()}
-    bodies = [_body(model, tree, world, places, i) for i in range(len(model.bodies))]
+    bodies = tuple(_body(model, tree, world, places, i) for i in range(len(model.bodies)))
     loops = tuple(_loop(model, frames, loop) for loop in model.loops)
     tip = (None, None) if model.tip is None else frames[model.tip]
-    return Skeleton(model.dim, tuple(bodies), places, loops, tip[1], tip[0])
+    return Skeleton(model.dim, bodies, places, loops, tip[1], tip[0])
+
+
+def _pose(world: list[tuple[Array, Array]], body: int, R: Any, p: Any) -> tuple[Array, Array]:
+    """A pose given in a body of the tree (-1: the base), in the world."""
+    above, origin = world[body]
+    return above @ np.asarray(R, dtype=float), origin + above @ np.asarray(p, dtype=float)
 
 
 def _loop(model: Model, frames: dict[str, tuple[Array, Array]], loop: Loop) -> LoopPlace:
-    first, second = loop.frames
-    bodies = model.frame(first).body, model.frame(second).body
-    (carrier_R, carrier), (R, p) = frames[first], frames[second]
+    (carrier_R, carrier), (R, p) = (frames[name] for name in loop.frames)
+    first, second = (model.frame(name).body for name in loop.frames)
     axis = carrier_R @ np.asarray(loop.axis, dtype=float) if loop.axis else None
     kind = LOOP_KINDS[loop.kind]
     symbol, rod = KINDS[kind.symbol(model.dim)], kind.needs_distance
-    return LoopPlace(loop.name, symbol, rod, bodies, p, R, carrier, carrier_R, axis)
-
-
-def _pose(tree: Tree, world: list, body: int, R: Any, p: Any) -> tuple[Array, Array]:
-    """A pose given in a body of the tree (-1: the base), in the world."""
-    R, p = np.asarray(R, dtype=float), np.asarray(p, dtype=float)
-    if body < 0:
-        return R, p
-    above, origin = world[body]
-    return above @ R, origin + above @ p
+    return LoopPlace(second, loop.name, symbol, first, p, R, carrier, carrier_R, axis, rod)
 
 
 def extent(poses: Sequence[Skeleton], path: Array | None = None) -> float:
@@ -168,11 +159,11 @@ def _body(model: Model, tree: Tree, world: list, places: dict, i: int) -> BodyPl
     body, at = model.bodies[i], tree.body_of[i]
     node, (R, p) = tree.bodies[at], world[at]
     first = tree.bodies[_first(tree, i)]
-    carrier_R, carrier = _pose(tree, world, first.parent, first.R, first.p)
+    carrier_R, carrier = _pose(world, first.parent, first.R, first.p)
     one_axis = body.kind.needs_axis and len(node.axis) == model.dim
     mass, centre = _centre(node.masses, model.dim)
     ends = [
-        End(child.joint.name, k, _pose(tree, world, at, np.eye(model.dim), hung.p)[1])
+        End(child.joint.name, k, _pose(world, at, np.eye(model.dim), hung.p)[1])
         for k, child in enumerate(model.bodies)
         if child.parent == i
         for hung in [tree.bodies[_first(tree, k)]]
