@@ -11,7 +11,7 @@ import pytest
 import freebody as fb
 from freebody.cli.app import run
 from freebody.errors import FreebodyError, MissingValueError, ShapeError, UnknownNameError
-from freebody.figures.drawing import Arc, Arrow, Dimension, Line, Mark, Turn
+from freebody.figures.drawing import Arc, Arrow, Dimension, Line, Mark, Prism, Turn
 from freebody.figures.label_placement import Crowd, Wanted, overlaps
 from freebody.figures.layers import forces
 from freebody.figures.plots import Plot, plot, thin, ticks
@@ -367,6 +367,17 @@ def test_arrows_on_one_line_are_drawn_side_by_side():
     assert abs(asides["m_1 g"]) > 5, "it goes down beside the reaction that goes up"
     free = fb.free_body_diagram(fb.load("2R"), [0.3, 0.4]).drawings[0]
     assert not any(a.aside for a in free.arrows)
+
+
+@pytest.mark.parametrize("name", ["four_bar", "bricard", "stewart"])
+def test_a_body_cut_out_of_a_loop_has_the_joint_there(name):
+    """Both bodies that a loop ties have its symbol where its force acts."""
+    model = fb.load(name)
+    figure = fb.free_body_diagram(model)
+    for loop in model.loops:
+        ends = [model.frame(frame).body for frame in loop.frames]
+        for drawing in (figure.drawings[k] for k in ends if k >= 0):
+            assert isinstance(drawing.named(loop.name), Mark | Prism)
 
 
 def test_every_body_is_seen_in_its_length():

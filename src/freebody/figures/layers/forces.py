@@ -24,7 +24,7 @@ from freebody.figures.drawing import (
 )  # fmt: skip
 from freebody.figures.layers import geometry, structure
 from freebody.figures.layers.structure import Layer, of_each, view_of
-from freebody.figures.skeleton import BodyPlace
+from freebody.figures.skeleton import BodyPlace, JointPlace
 from freebody.figures.snapshot import Snapshot
 
 _BESIDE = geometry.BESIDE + 2
@@ -168,16 +168,26 @@ def _view(seen: Snapshot, body: BodyPlace) -> View:
 
 def _stick(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
     """A body and the joints that it is cut at."""
+    closing = _closing(seen, body)
     if seen.model.dim == 2:
         drawing.add(*structure.link(body), *structure.joint(body))
         for child in _children(seen, body):
-            drawing.mark(child.origin, "joint", f"joint {child.number}", "joint", 5.0)
+            drawing.mark(child.origin, "joint", child.symbol, "joint", 5.0)
+        for loop in closing:
+            drawing.add(*structure.joint(loop))
         return
     radius = 0.05 * size_of(seen.loads[body.index])
     parts = structure.solids_of(body, radius)
-    for child in _children(seen, body):
-        parts += structure.joint(child, radius)
+    for place in (*_children(seen, body), *closing):
+        parts += structure.joint(place, radius)
     drawing.add(*sorted(parts, key=lambda e: structure.depth(e, drawing.view)))
+
+
+def _closing(seen: Snapshot, body: BodyPlace) -> list[JointPlace]:
+    """What closes loops at a body, where it meets the body."""
+    loops = seen.pose.loops
+    first = [replace(loop, origin=loop.carrier) for loop in loops if loop.parent == body.index]
+    return [*first, *(replace(x, carrier=x.origin) for x in loops if x.index == body.index)]
 
 
 def _children(seen: Snapshot, body: BodyPlace) -> list[BodyPlace]:

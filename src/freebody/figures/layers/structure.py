@@ -27,7 +27,7 @@ from freebody.figures.drawing import (
     round_down,
 )  # fmt: skip
 from freebody.figures.names import is_letter
-from freebody.figures.skeleton import BodyPlace, JointPlace, Skeleton
+from freebody.figures.skeleton import BodyPlace, JointPlace, LoopPlace, Skeleton
 from freebody.figures.snapshot import Snapshot
 from freebody.model.joints.kind import Solid
 
@@ -106,8 +106,9 @@ def joint(place: JointPlace, radius: float = 0.0) -> list[Element]:
     if len(at) == 2 or not kind.solids:
         size = _PIN if kind.mark == "joint" else _LARGER
         direction = None if place.axis is None else point(place.axis)
-        one = isinstance(place, BodyPlace) or kind.slides
-        ends = (at,) if one else (point(place.carrier), at)
+        apart = np.linalg.norm(place.origin - place.carrier) > SAME
+        both = apart and isinstance(place, LoopPlace) and not kind.slides
+        ends = (point(place.carrier), at) if both else (at,)
         return [Mark(end, kind.mark, name, "joint", direction, size) for end in ends if kind.mark]
     return [
         Prism(
