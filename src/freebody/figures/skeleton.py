@@ -31,7 +31,7 @@ class End:
 
 
 @dataclass(frozen=True)
-class JointPlace:
+class DrawnJoint:
     """A joint in the world, or what closes a loop: places (dim,)."""
 
     index: int
@@ -57,7 +57,7 @@ class JointPlace:
 
 
 @dataclass(frozen=True)
-class BodyPlace(JointPlace):
+class BodyPlace(DrawnJoint):
     """One body in the world, and the joint that carries it."""
 
     mass: float
@@ -84,7 +84,7 @@ class BodyPlace(JointPlace):
 
 
 @dataclass(frozen=True)
-class LoopPlace(JointPlace):
+class LoopPlace(DrawnJoint):
     """Where a loop closes."""
 
     rod: bool

@@ -24,7 +24,7 @@ from freebody.figures.drawing import (
 )  # fmt: skip
 from freebody.figures.layers import geometry, structure
 from freebody.figures.layers.structure import Layer, of_each, view_of
-from freebody.figures.skeleton import BodyPlace, JointPlace
+from freebody.figures.skeleton import BodyPlace, DrawnJoint
 from freebody.figures.snapshot import Snapshot
 
 _BESIDE = geometry.BESIDE + 2
@@ -183,7 +183,7 @@ def _stick(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
     drawing.add(*sorted(parts, key=lambda e: structure.depth(e, drawing.view)))
 
 
-def _closing(seen: Snapshot, body: BodyPlace) -> list[JointPlace]:
+def _closing(seen: Snapshot, body: BodyPlace) -> list[DrawnJoint]:
     """What closes loops at a body, where it meets the body."""
     loops = seen.pose.loops
     first = [replace(loop, origin=loop.carrier) for loop in loops if loop.parent == body.index]

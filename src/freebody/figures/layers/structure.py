@@ -27,7 +27,7 @@ from freebody.figures.drawing import (
     round_down,
 )  # fmt: skip
 from freebody.figures.names import is_letter
-from freebody.figures.skeleton import BodyPlace, JointPlace, LoopPlace, Skeleton
+from freebody.figures.skeleton import BodyPlace, DrawnJoint, LoopPlace, Skeleton
 from freebody.figures.snapshot import Snapshot
 from freebody.model.joints.kind import Solid
 
@@ -99,7 +99,7 @@ def link(body: BodyPlace, width: float = 11.0, rod: bool = False) -> list[Line]:
     ]
 
 
-def joint(place: JointPlace, radius: float = 0.0) -> list[Element]:
+def joint(place: DrawnJoint, radius: float = 0.0) -> list[Element]:
     """A joint's symbol, as its kind describes it: in the plane a mark, in space solids of about a
     radius in metres, or a mark that looks alike from everywhere."""
     kind, at, name = place.kind, point(place.origin), place.symbol
@@ -120,7 +120,7 @@ def joint(place: JointPlace, radius: float = 0.0) -> list[Element]:
     ]  # fmt: skip
 
 
-def _along(place: JointPlace, part: Solid) -> Array | None:
+def _along(place: DrawnJoint, part: Solid) -> Array | None:
     """The direction of a part, in the world."""
     if part.along == "axis":
         return place.axis
