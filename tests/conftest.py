@@ -4,10 +4,13 @@ import atexit
 import os
 import shutil
 import tempfile
+from weakref import WeakValueDictionary
 
 import pytest
 from hypothesis import settings
 
+from freebody.model import geometry, structure
+from freebody.targets import settings as targets
 from support.extras import extra
 
 # the same examples everywhere, however slow the machine is
@@ -28,3 +31,13 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     if missing:
         pytest.skip(f"needs {' and '.join(missing)} on the path")
     extra("selenium", "Selenium")
+
+
+@pytest.fixture
+def numpy_kernels(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Public functions compile nothing, for tests of mechanics on many mechanisms: compiling each
+    is most of their time, and other tests compare what is compiled. Nothing that is kept with a
+    model's structure is shared with tests that run compiled code."""
+    monkeypatch.setattr(targets, "TARGET", "numpy")
+    monkeypatch.setattr(structure, "_structures", WeakValueDictionary())
+    monkeypatch.setattr(geometry, "_known", WeakValueDictionary())

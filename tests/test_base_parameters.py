@@ -15,6 +15,8 @@ from freebody.model.model import Model
 from support.printed_values import evaluate
 from support.symbolic import spatial_arm, with_values
 
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
 WORDS = ["".join(w) for n in (1, 2, 3) for w in itertools.product("RP", repeat=n)]
 MODELS = {
     **{word: fb.planar(word) for word in [*WORDS, "RRRR", "RPRP"]},

@@ -10,6 +10,8 @@ import freebody as fb
 from freebody.derivations.closed_chains.first_kind import FirstKind
 from freebody.derivations.closed_chains.statics import LoopStatics
 
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
 PLANAR = ["slider_crank", "four_bar", "five_bar", "five_bar_rods", "double_four_bar"]
 METHOD = "lagrange-first-kind"
 

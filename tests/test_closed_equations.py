@@ -14,6 +14,8 @@ from freebody.model.model import Model
 from support.generate import model as tree
 from support.helpers import close, numbers, path, poses, rate, second_rate, state
 
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
 KINDS = [(kind.name, dim) for kind in LOOP_KINDS.values() for dim in kind.dimensions]
 H = 0.01
 

@@ -20,6 +20,8 @@ from freebody.model.model import Model
 from freebody.trees.passive_joints import all_driven
 from support.helpers import close, refused
 
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
 CLOSED = ("four_bar", "slider_crank", "five_bar", "five_bar_rods", "3RRR")
 STILL = np.zeros(3)
 

@@ -18,6 +18,8 @@ from freebody.model.model import Model
 from freebody.model.placement import Placement, rotate, shift
 from support.helpers import close, numbers, poses
 
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
 SPECIAL = (0.0, 1.0, -1.0, 0.5)  # lengths of exercises, with which linkages fold flat and align
 KINDS = ("revolute", "prismatic", "point", "fixed", "distance")
 

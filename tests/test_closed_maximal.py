@@ -16,6 +16,8 @@ from support.generate import random_inertia
 from support.helpers import close, numbers
 from support.maximal import accelerations
 
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
 Z, X, Y = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 Row = tuple[str, str, str, Sequence[float]]
 """(kind, part, part, place) and in the plane for slides, in space for pins and slides, an axis."""

@@ -15,6 +15,8 @@ from freebody.trees.passive_joints import all_driven
 from support.extras import extra
 from support.helpers import close, numbers
 
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
 pin, mujoco = extra("pinocchio", "Pinocchio"), extra("mujoco", "MuJoCo")
 G = 9.81
 

@@ -12,6 +12,8 @@ from freebody.loops.independent_equations import independent_rows, partition
 from freebody.model.families import FamilyError
 from support.helpers import close
 
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
 MECHANISMS = ["five_bar", "stewart", "bricard"]
 
 

@@ -25,6 +25,8 @@ from support.closed_chains import (
 )
 from support.helpers import close, numbers
 
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
 BUNDLED = ("four_bar", "slider_crank", "five_bar", "double_four_bar", "3RRR")
 
 

@@ -13,6 +13,8 @@ from freebody.algorithms.rnea import rnea
 from support.branched import MODELS, difference_along
 from support.reference import reference
 
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
 
 @pytest.mark.parametrize("name", MODELS)
 def test_inverse_dynamics_derivatives_aredifference_alongs(name):

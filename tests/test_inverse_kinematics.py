@@ -12,6 +12,8 @@ from support import generate
 from support.arms import apart, arm, direction, holds, meeting, parallel, skew
 from support.helpers import refused
 
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
 GENERAL = {
     **{
         f"{word} and a wrist": lambda rng, w=word: skew(w, rng) + meeting(3, rng)

@@ -29,6 +29,8 @@ from support import generate
 from support.extras import extra
 from support.helpers import close
 
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
 PITCH = 0.03
 AXIS = (0.0, 0.6, 0.8)
 

@@ -9,6 +9,8 @@ import freebody as fb
 from freebody.model.description import Drive
 from support.branched import MODELS
 
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
 
 @pytest.fixture(params=MODELS)
 def case(request):

@@ -15,6 +15,8 @@ from freebody.model.parameters import Parameter
 from support.generate import random_inertia
 from support.helpers import close, numbers, refused
 
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
 L, LC, MASS, I_G = [0.7, 0.5, 0.4], [0.3, 0.2, 0.25], [2.0, 1.5, 0.8], [0.05, 0.03, 0.01]
 WORDS = ["".join(w) for n in (1, 2, 3) for w in product("RP", repeat=n)]
 

@@ -15,6 +15,8 @@ from freebody.scalars.trig import TrigRing
 from support.arms import arm, skew
 from support.helpers import refused
 
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
 WORDS = ["".join(w) for n in (1, 2, 3) for w in itertools.product("RP", repeat=n)]
 
 

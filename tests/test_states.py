@@ -16,6 +16,8 @@ from freebody.model.model import Model
 from support import generate
 from support.helpers import numbers, poses
 
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
 TREES = range(60)
 NO_LIMITS = Limits()
 

@@ -16,7 +16,7 @@ import pytest
 
 import freebody as fb
 from freebody.errors import MissingValueError, SingularError
-from freebody.kernels.formulas import Option
+from freebody.kernels.formulas import FORMULAS, Option
 from freebody.kernels.structural import fetch
 from freebody.model.inertia import Inertia
 from freebody.model.structure import Structure
@@ -76,6 +76,36 @@ def test_the_structures_kernel_is_the_one_of_fixed_numbers(seed: int, dim: int):
         close(x, expected, "what must act on free bodies")
     for frame in ("tool", "ground"):
         close(fb.jacobian(model, q, frame), fb.kernel(model, "jacobian", frame=frame)(q), frame)
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_every_quantity_compiled_is_what_numpy_computes(closed: bool):
+    """All in one kernel, of fixed numbers and of the structure; closed forms of inverse kinematics
+    have `test_branches`."""
+    sizes = [0.3, 0.2, 0.1]
+    arm = fb.planar("RRR", l=sizes, lc=sizes, m=sizes, I=sizes)
+    model = fb.load("five_bar") if closed else arm
+    fitting = {"all", "closed" if closed else "open"}
+    names = tuple(x for x, formula in FORMULAS.items() if formula.chains in fitting)
+    ours, theirs = (fb.kernel(model, names, target=target) for target in ("cpu", "numpy"))
+    rng = np.random.default_rng(5)
+    given = {x.name: rng.uniform(0.1, 1.0, size=x.shape) for x in ours.program.inputs}
+    given["q"] = fb.assemble(model) if closed else given["q"]
+    outputs = [x.name for x in ours.program.outputs]
+    expected = dict(zip(outputs, theirs(*given.values()), strict=True))
+    assert closed or all(np.isfinite(x).all() for x in expected.values())
+    agree(dict(zip(outputs, ours(*given.values()), strict=True)), expected)
+    # rows, and what is settled once for all positions, public functions choose
+    names = tuple(x for x in names if not (FORMULAS[x].of_rows or FORMULAS[x].settled))
+    shared = fetch(model, names, Option(frame=model.tip))
+    *inputs, _ = shared.kernel.program.inputs
+    found = shared(*(given[x.name] for x in inputs))
+    agree(dict(zip((x.name for x in shared.kernel.program.outputs), found, strict=True)), expected)
+
+
+def agree(found: dict, expected: dict) -> None:
+    for name, x in found.items():
+        np.testing.assert_allclose(x, expected[name], rtol=1e-10, atol=1e-10, err_msg=name)
 
 
 def close(found, expected, what: str) -> None:
