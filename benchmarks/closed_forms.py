@@ -2,7 +2,7 @@
 in one run.
 
 The same arms on both sides, every length, mass, first moment and inertia a symbol. freebody makes
-M, C (Christoffel's symbols), c and g as polynomials in normal form, in which equal means identical.
+M, C (Christoffel symbols), c and g as polynomials in normal form, in which equal means identical.
 SymPy makes M and the remaining terms (`LagrangesMethod.mass_matrix`, `.forcing`) from the same
 energies, as it leaves them: not expanded, not simplified, and with velocity and gravity terms in
 one sum.

@@ -28,7 +28,7 @@ def test_the_published_acrobots_matrix_is_right_though_not_christoffels():
     verdict = fb.check(ARM, SPONG)
     assert verdict, verdict.text
     assert (
-        verdict.text.count("C is not Christoffel's. Ṁ − 2C is not skew-symmetric.") == 2
+        verdict.text.count("C is not the Christoffel matrix. Ṁ − 2C is not skew-symmetric.") == 2
     )  # row 2 is the same
 
 

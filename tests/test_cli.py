@@ -135,7 +135,7 @@ def test_show_says_when_all_joints_of_a_closed_chain_count_as_drives(
     capsys: pytest.CaptureFixture[str],
 ):
     assert run(["show", "bricard"]) == 0
-    assert "driven: all joints, since none is said to be passive" in capsys.readouterr().out
+    assert "driven: all joints, because none is marked as passive" in capsys.readouterr().out
     assert run(["show", "four_bar"]) == 0
     assert "driven: all joints" not in capsys.readouterr().out
 

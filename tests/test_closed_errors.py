@@ -366,7 +366,7 @@ def test_motions_without_inertia_are_named():
     loose = fb.load("five_bar_rods").bind(m3=0.0).without("loops")
     loose = loose.with_loop("rod3", "distance", ("B", "P"), distance=0.6)
     with pytest.raises(
-        SingularError, match=r"its loops let '[xy]' move without moving any inertia\. Give what it"
+        SingularError, match=r"its loops let '[xy]' move without moving any inertia\. Give a mass"
     ):
         fb.forward_dynamics(loose, q, np.zeros(4), np.zeros(4))
 

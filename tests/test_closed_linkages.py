@@ -123,7 +123,7 @@ def refusal(model: Model, error: fb.FreebodyError) -> None:
         "Drive another",
         "Give what",
         "make",
-        "the mechanism is stuck",
+        "the mechanism is locked",
     )
     assert any(word in text for word in remedies), text
 

@@ -747,7 +747,7 @@ def test_what_picks_no_member_is_refused():
     family = fb.load("ur5e").bind({"forearm_link.mass": [1.0, 2.0]})
     for index in (slice(0, 0), np.array([False, False]), [], 2, (0, 0), "a", 1.0, np.array([True])):
         with pytest.raises(
-            fb.FreebodyError, match=r"picks no member of a family of shape \(2,\)"
+            fb.FreebodyError, match=r"selects no member of a family of shape \(2,\)"
         ) as caught:
             family[index]
         assert isinstance(caught.value, IndexError)

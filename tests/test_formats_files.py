@@ -218,7 +218,7 @@ def test_dh_convention_is_never_guessed(tmp_path):
     bare = TABLE.split("\n", 1)[1]
     assert csv(tmp_path, bare, convention="modified").nv == 2
     with pytest.raises(fb.FreebodyError,
-                       match=r"arm.csv:1: the table does not say its convention; add a line '# "
+                       match=r"arm.csv:1: the table does not state its convention; add a line '# "
          "convention: "
                                                r"standard' or '# convention: modified', "
                                                r"or load it with "

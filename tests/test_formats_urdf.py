@@ -310,8 +310,8 @@ MASSLESS = (
 @pytest.mark.parametrize(
     ("body", "text"),
     [
-        ("", "arm.urdf:3: links 'base', 'hand' have no joint above them; "
-             "only one link can be the base: connect the "
+        ("", "arm.urdf:3: links 'base', 'hand' have no parent joint; only one link can be the "
+        "base: connect the "
              "others to it by joints."),
         (joint(kind="revolut"),
          "arm.urdf:4: no type 'revolut' in joint 'elbow'. Did you mean 'revolute'? Types: "

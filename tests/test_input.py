@@ -73,7 +73,7 @@ READERS = {
 def test_a_pipe_a_device_and_a_socket_are_refused_without_opening_them(tmp_path, reader: str):
     name, read = READERS[reader]
     os.mkfifo(tmp_path / name)  # opening it would wait for a writer, for ever
-    assert "this is a pipe, not a file; save what it gives in a file and name that." in refusal(
+    assert "this is a pipe, not a file; save its contents in a file and name that file." in refusal(
         lambda: read(tmp_path / name)
     )
     (tmp_path / "endless").mkdir()
@@ -91,7 +91,9 @@ def test_an_answer_from_a_pipe_or_device_is_refused(tmp_path, monkeypatch, capsy
         path = "stdin"
     assert run(["check", "2R", path]) == 2
     text = capsys.readouterr().err
-    assert ", not a file; save what it gives in a file and name that; an answer is a file" in text
+    assert (
+        ", not a file; save its contents in a file and name that file; an answer is a file" in text
+    )
 
 
 @pytest.mark.skipif(os.name == "nt", reason="symbolic links need a right there")

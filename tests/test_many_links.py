@@ -152,7 +152,9 @@ def test_a_long_row_of_named_steps_is_refused_and_not_multiplied_out(tmp_path):
     )
     path = tmp_path / "named.toml"
     path.write_text(f'[planar]\nword = "R"\n{frames}\n')
-    with pytest.raises(fb.FreebodyError, match="more than 1000 fixed steps with names for numbers"):
+    with pytest.raises(
+        fb.FreebodyError, match="more than 1000 fixed placements with symbolic numbers"
+    ):
         fb.load(path)
 
 

@@ -164,7 +164,7 @@ def test_exact_rates_are_left_as_they_are(tmp_path: Path):
 
 def test_what_cannot_be_smoothed_is_refused():
     motion = fb.default_motion(ARM)
-    with pytest.raises(FreebodyError, match=r"no noise is recognised .* name one \(Hz\)"):
+    with pytest.raises(FreebodyError, match=r"no noise was found .* give one \(Hz\)"):
         fb.study(ARM, motion, smooth=True)
     for cutoff in (0.0, 50.0, float("nan")):
         with pytest.raises(

@@ -113,7 +113,7 @@ def test_trees_that_cannot_be():
         everything,
     )
     says(
-        "links 'base', 'hand' have no joint above them; only one link can be the base: "
+        "links 'base', 'hand' have no parent joint; only one link can be the base: "
         "connect the others to it by joints.",
         described(TWO[0]),
     )
@@ -591,7 +591,7 @@ NO_DRIVE = [
     ({"viscous": -1.0}, "viscous friction -1 is negative; give it as 0 or more"),
     ({"coulomb": -2.0}, "Coulomb friction -2 is negative; give it as 0 or more"),
     ({"rotor": -1e-4}, "rotor inertia -0.0001 is negative; give it as 0 or more"),
-    ({"gear": 0.0}, "gear is 0; give the motor's speed over the joint's, 1 without a gear"),
+    ({"gear": 0.0}, "gear is 0; give the ratio of motor speed to joint speed, 1 without a gear"),
 ]
 
 

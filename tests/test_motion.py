@@ -146,7 +146,7 @@ BAD = {
     + ROWS: ":1: no column 'jont2' in a motion of '2R'. Did you mean 'joint2'? "
     "Columns: t, joint1, joint2, joint1.v, joint1.a, joint2.v, joint2.a; a column that is not "
     "part of the motion must be removed.",
-    "t,joint1,joint1\n" + ROWS: ":1: column 'joint1' stands twice in the header; remove one.",
+    "t,joint1,joint1\n" + ROWS: ":1: column 'joint1' occurs twice in the header; remove one.",
     "t,joint1,joint2\n0,0,0\n1,x,1\n": ":1: 2 rows of numbers; a motion needs at least 4.",
     "t,joint1,joint2\n0,0,0\n\n1,x,1\n2,2,2\n3,3,3": ":4: column 'joint1': 'x' is not a number.",
     "t,joint1,joint2\n0,0,0\n1,,1\n2,2,2\n3,3,3": ":3: column 'joint1': there is no number.",

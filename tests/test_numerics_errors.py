@@ -430,7 +430,10 @@ def test_tip_wrench():
     # it is what the arm exerts: the wrench on it is the opposite
     still = ARM.replace(gravity=0)
     assert fb.static_torque(still, q, -force) == pytest.approx(tau)
-    why = "some wrench at its frame needs no torque, and torques do not tell it. Choose another q."
+    why = (
+        "some wrench at its frame needs no torque, so the torques do not determine it. Choose "
+        "another q."
+    )
     text = "tip_wrench: the Jacobian of 'arm' is singular"
     says(f"{text}: {why}", lambda: fb.tip_wrench(ARM, Z, Z), SingularError)
     says(
@@ -506,7 +509,9 @@ def test_joints_that_move_no_inertia():
     nothing = fb.planar(
         "RRR", l=[1, 1, 0], lc=[0.5, 0.5, 0], m=[1, 1, 0], I=[0.1, 0.1, 0], name="bare"
     )
-    remedy = "Give what it carries a mass and inertia, or the joint a rotor inertia, or fix it."
+    remedy = (
+        "Give a mass and inertia to what it carries, or a rotor inertia to the joint, or fix it."
+    )
     text = (
         "forward_dynamics: the mass matrix of 'bare' is singular: joint 'joint3' moves no inertia. "
         + remedy

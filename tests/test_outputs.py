@@ -297,7 +297,8 @@ def test_one_failed_output_costs_no_other(
     said = capsys.readouterr()
     assert said.err.count("\n") == 1
     other = (
-        "what has this name here is not freebody's, or was changed; move it, or name another folder"
+        "a file of this name was not written by freebody, or was changed since; move it, or "
+        "choose another folder"
     )
     assert (
         said.err == f"error: out: not written: study.nc: {other}; motion.csv: {other}. "
@@ -316,7 +317,7 @@ def test_one_failed_output_costs_no_other(
 
     monkeypatch.setattr("freebody.report.files.netcdf", broken)
     with pytest.raises(
-        OutputError, match=r"study\.nc: RuntimeError: planted \(a fault of freebody"
+        OutputError, match=r"study\.nc: RuntimeError: planted \(an error in freebody"
     ) as failure:
         fb.study(fb.load("2R")).save("other")
     assert len(failure.value.written) == 6

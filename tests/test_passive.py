@@ -204,7 +204,7 @@ def test_drives_alone_do_work_and_a_swing_keeps_its_pace():
     )
     assert found.verdict.outcome == "feasible"
     assert (
-        "It cannot be run at another pace: joint2 has no motor and would not follow."
+        "It cannot be run at another speed: joint2 has no motor and would not follow."
         in found.verdict.text
     )
     assert "times as fast" not in found.verdict.text

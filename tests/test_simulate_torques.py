@@ -121,12 +121,12 @@ def test_a_function_may_return_the_same_array_again():
         (
             None,
             {"sample_time": 0.1},
-            r"simulate: sample_time= is about a torque that is a function",
+            r"simulate: sample_time= applies only to a torque that is a function",
         ),
         (
             [0.0],
             {"breakpoints": [0.5]},
-            r"simulate: breakpoints= is about a torque that is a function",
+            r"simulate: breakpoints= applies only to a torque that is a function",
         ),
         ("f", {"sample_time": 0.0}, r"simulate: sample_time is 0, expected seconds above 0\."),
         (

@@ -77,8 +77,8 @@ def test_a_motion_beyond_a_limit_exits_1_and_says_which(capsys: pytest.CaptureFi
     out = " ".join(capsys.readouterr().out.split())
     assert out.startswith(
         "Not feasible: the speed of lift is 1.2 rad/s at t = 1.2 s, 120 % of its limit of 1 rad/s. "
-        "It would keep the limits of speed and torque at 0.833 times its speed (in 1.2 times the "
-        "time)."
+        "It would keep the limits of speed and torque at 0.833 times its speed (1.2 times the "
+        "duration)."
     )
     assert "passed" not in out
 
@@ -192,7 +192,7 @@ def test_a_pace_is_not_promised_where_limits_are_not_given():
     model = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.1], limits=limits)
     text = fb.study(model, swing(model)).verdict.text
     assert text.startswith(
-        "Not judged: not given are an effort limit of joint1. The limits that it gives are kept; "
+        "Not judged: not given are an effort limit of joint1. The limits that are given are kept; "
     )
     assert text.endswith(" They would be kept up to 3.81 times that speed.")
 

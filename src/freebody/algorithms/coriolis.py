@@ -47,7 +47,7 @@ def coriolis_product(tree: Tree, q: Vector, qd: Vector, x: Vector) -> Vector:
 
 
 def coriolis_matrix(tree: Tree, q: Vector, qd: Vector) -> Matrix:
-    """C, nv × nv: of joints of one coordinate the one of Christoffel's symbols, of quasi-velocities
+    """C, nv × nv: of joints of one coordinate the one of Christoffel symbols, of quasi-velocities
     its counterpart.
 
     With I and B summed over what hangs on body j, and i on the way from j to the base:

@@ -32,8 +32,8 @@ _UNREAD = 141
 
 app = typer.Typer(
     name="freebody",
-    help="The dynamics of robotic manipulators, from a robot description to the numbers and the "
-    "pictures.",
+    help="Dynamics of robotic manipulators: from a robot description to numbers, reports and "
+    "drawings.",
     epilog="Example: freebody study ur5e",
     add_completion=False,
     context_settings={"help_option_names": ["-h", "--help"]},

@@ -30,7 +30,7 @@ def check(
         typer.Option(
             "--name",
             metavar="YOURS=OURS",
-            help="What a name of your own stands for, such as L1=l1.",
+            help="What one of your own names stands for, such as L1=l1.",
         ),
     ] = None,
     convention: options.Convention = None,

@@ -117,11 +117,12 @@ def derive(
     form: Annotated[
         FormChoice | None,
         typer.Option(
-            help="Text for a terminal, or a document. Default: by the ending of FILE, else text."
+            help="Text for a terminal, or a document. Default: by the suffix of FILE, else text."
         ),
     ] = None,
     out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write there instead of the terminal.")
+        Path | None,
+        typer.Option(metavar="FILE", help="Write to this file instead of the terminal."),
     ] = None,
     load: Annotated[
         bool | None,

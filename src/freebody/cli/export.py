@@ -42,10 +42,10 @@ def export(
     ] = None,
     name: Annotated[
         str | None,
-        typer.Option(metavar="WORD", help="The function's name. Default: the quantities'."),
+        typer.Option(metavar="WORD", help="Name of the function. Default: from the quantities."),
     ] = None,
     dtype: Annotated[
-        NumberChoice, typer.Option(help="Type of number (float32: c, rust, julia, cuda).")
+        NumberChoice, typer.Option(help="Number type (float32 only for c, rust, julia and cuda).")
     ] = NumberChoice.float64,
     frame: Annotated[
         str | None, typer.Option(help="Frame of kinematic quantities. Default: the tip.")

@@ -66,7 +66,7 @@ Tip = Annotated[
 ]
 Base = Annotated[
     BaseChoice | None,
-    typer.Option(help="Fix the root link, or let it float. Default: the file's."),
+    typer.Option(help="Fix the root link, or let it float. Default: as in the file."),
 ]
 Mimic = Annotated[
     MimicChoice,
@@ -108,7 +108,8 @@ Snap = Annotated[
     typer.Option(
         metavar="RAD",
         parser=number,
-        help="Angles of a URDF this near to a right angle are read as one.",
+        help="Angles of a URDF this close (rad) to a multiple of a right angle are read as that "
+        "multiple.",
     ),
 ]
 Estimate = Annotated[

@@ -79,9 +79,9 @@ def show(
 
 
 _UNSAID = (
-    "  driven: all joints, since none is said to be passive; torques are then shared among more "
-    "drives than the motion "
-    "may need. Mark passive joints (passive = true), or name the drives: "
+    "  driven: all joints, because none is marked as passive; the torques are then distributed "
+    "over more drives than the motion may need. Mark passive joints (passive = true), or name the "
+    "drives: "
     "model.replace(actuated=[...])"
 )
 

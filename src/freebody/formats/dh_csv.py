@@ -37,7 +37,7 @@ def describe(
                 raise FileError(
                     file,
                     number,
-                    f"{remark[1]} is empty; write it behind the colon, or remove the line.",
+                    f"{remark[1]} is empty; write it after the colon, or remove the line.",
                 )
             if remark:
                 remarks[remark[1]] = number, remark[2].strip()
@@ -88,7 +88,7 @@ def _convention(
         raise FileError(
             file,
             line,
-            "the table does not say its convention; add a line '# convention: standard' or '# "
+            "the table does not state its convention; add a line '# convention: standard' or '# "
             "convention: modified', "
             "or load it with convention=.",
         )

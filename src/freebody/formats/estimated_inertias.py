@@ -127,7 +127,8 @@ def _mesh(shape: Shape, link: Link, file: str) -> Inertia:
         raise FileError(
             file,
             shape.line,
-            f"link {link.name!r}: its mesh {path.name!r} is none of {', '.join(_MESHES)}; convert "
+            f"link {link.name!r}: its mesh {path.name!r} is not of the formats "
+            f"{', '.join(_MESHES)}; convert "
             f"it to one of these.",
         )
     data = contents(path, _LARGEST, "a mesh")

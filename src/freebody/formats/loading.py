@@ -118,7 +118,8 @@ def read(
     path = Path(given)
     if convention is not None and path.suffix.lower() != ".csv":
         raise FreebodyError(
-            f"load: convention= is for DH tables in .csv files, which do not always say it; leave "
+            f"load: convention= is for DH tables in .csv files, which do not always state it; "
+            f"leave "
             f"it out for {given!r}."
         )
     if not path.suffix and os.sep not in given and "/" not in given:

@@ -88,7 +88,9 @@ def _regular(path: Path, mode: int) -> None:
     if not stat.S_ISREG(mode):
         kind = _KINDS.get(stat.S_IFMT(mode), "no file")
         raise FileError(
-            path, None, f"this is {kind}, not a file; save what it gives in a file and name that."
+            path,
+            None,
+            f"this is {kind}, not a file; save its contents in a file and name that file.",
         )
 
 

@@ -243,8 +243,8 @@ class _Held:
             )
         if turned > 1e-6:
             return (
-                f"Out of reach: at the target {frame} is turned by at least about {turned:.6g} "
-                "rad against it."
+                f"Out of reach: at the target {frame} differs in orientation by at least about "
+                f"{turned:.6g} rad."
             )
         return (
             f"No solution was found for {frame}, though the target lies at the edge of its reach."

@@ -72,7 +72,7 @@ def to_jax(
         slow = f"JAX runs on {jax.default_backend()!r} here, and kernels on the CPU"
     if slow:
         warnings.warn(
-            f"fb.to_jax: {slow}: JAX calls {computed.program.name} through Python, some 50 µs a "
+            f"fb.to_jax: {slow}: JAX calls {computed.program.name} through Python, about 50 µs a "
             f"call, with copies of "
             "the arrays.",
             stacklevel=2,

@@ -154,7 +154,7 @@ def _called(title: str, function: Callable[..., Any], given: dict[str, Any]) -> 
     except RecursionError:
         raise GraphError(
             f"fb.compile: {title} calls itself without end: a traced scalar has no value that "
-            f"could end it."
+            f"could end the recursion."
         ) from None
     except TypeError as problem:
         if not any(
@@ -164,7 +164,7 @@ def _called(title: str, function: Callable[..., Any], given: dict[str, Any]) -> 
             raise
         said = str(problem).rstrip(".")
         raise GraphError(
-            f"fb.compile: {title} does with traced scalars what cannot be recorded: {said}. "
+            f"fb.compile: {title} uses traced scalars in a way that cannot be recorded: {said}. "
             f"Functions of them are "
             "those of freebody.math (freebody.math.sin, where, …), not those of Python's math or "
             "NumPy; vectors are "

@@ -50,7 +50,7 @@ WOULD_OPEN = (
     "would open{} under these accelerations; "
     "make them consistent with fb.loop_acceleration(model, q, qd, qdd)"
 )
-STUCK = "cannot stay closed at these rates{}: the mechanism is stuck"
+STUCK = "cannot stay closed at these rates{}: the mechanism is locked"
 """What `require_consistent` says of accelerations that were given, and of those that were found."""
 
 
@@ -159,9 +159,10 @@ def careful(
         return solve(M, tau - bias, A, c, rates, _jerk(model, q, qd), speed, blurred(model))
     except Idle as idle:
         raise SingularError(
-            f"forward_dynamics: {model.name!r} has no definite acceleration: its loops let "
+            f"forward_dynamics: {model.name!r} has no unique acceleration: its loops let "
             f"{model.velocity_names[idle.coordinate]!r} move without moving any inertia. "
-            "Give what it carries a mass and inertia, or the joint a rotor inertia, or fix it."
+            "Give a mass and inertia to what it carries, or a rotor inertia to the joint, or fix "
+            "it."
         ) from None
 
 
@@ -175,9 +176,8 @@ def require_way(model: Model, q: Array, qd: Array, qdd: Array) -> None:
         name = model.loops[loop_of_row(model)[worst]].name
         raise SingularError(
             f"forward_dynamics: {model.name!r} is at a singular position, where loop {name!r} no "
-            f"longer tells how the "
-            "motion goes on. Start a little beside this position, or with velocities along the "
-            "branch it shall follow."
+            f"longer determines how the motion continues. Start at a position near this one, or "
+            f"with velocities along the branch that it should follow."
         )
 
 

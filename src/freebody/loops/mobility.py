@@ -76,7 +76,9 @@ class Mobility(InWords, ByValue):
             f"  independent coordinates: {', '.join(self.independent) or 'none'}",
         ]
         if self.singular:
-            lines.append("  singular here: more motions are possible at once than in general")
+            lines.append(
+                "  singular position: more motions are possible instantaneously than in general"
+            )
         return "\n".join(lines)
 
 

@@ -149,7 +149,7 @@ def _carefully(
             f"does not allow the values given{sample}: they contradict its equations; give fewer "
             f"of them"
             if held
-            else f"cannot stay closed{sample}, whatever the values: the mechanism is stuck",
+            else f"cannot stay closed{sample}, whatever the values: the mechanism is locked",
         )
     if held is not None and (np.linalg.matrix_rank(J[..., moving], tol=_LOOSE) < len(moving)).any():
         names = ", ".join(model.velocity_names[k] for k in held) or "nothing"

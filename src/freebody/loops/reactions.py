@@ -88,7 +88,9 @@ class Reactions(Tabled, ByValue):
             for name, wrench, told in zip(self.names, self.wrenches, self.determined, strict=True)
         ]
         undetermined = (
-            () if self.determined.all() else ("* not determined: the smallest possible.",)
+            ()
+            if self.determined.all()
+            else ("* not determined by the equations: the smallest possible value.",)
         )
         return TextTable(("N, N m", *axes), rows, undetermined)
 

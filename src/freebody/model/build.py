@@ -106,8 +106,8 @@ class _Assembly:
         placement = outer.then(inner).folded(of_dimension(self.description.dim))
         if len(placement.steps) > _MOST_STEPS:
             self.checks.refuse(
-                f"{name!r} hangs on more than {_MOST_STEPS} fixed steps with names for numbers; "
-                f"give them values."
+                f"{name!r} hangs on more than {_MOST_STEPS} fixed placements with symbolic "
+                f"numbers; give these values."
             )
         return placement
 

@@ -130,7 +130,7 @@ class Drive(Keeps):
                 if x < 0.0:
                     return f"{what} {x:g} is negative; give it as 0 or more"
         if any(x == 0.0 for x in _values(self.gear)):
-            return "gear is 0; give the motor's speed over the joint's, 1 without a gear"
+            return "gear is 0; give the ratio of motor speed to joint speed, 1 without a gear"
         return None
 
 

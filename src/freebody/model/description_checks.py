@@ -176,8 +176,8 @@ class DescriptionChecks:
             rooted.update(path)
         if len(roots) > 1:
             self.refuse(
-                f"links {', '.join(map(repr, roots[:6]))} have no joint above them; only one link "
-                f"can be the base: "
+                f"links {', '.join(map(repr, roots[:6]))} have no parent joint; only one link can "
+                f"be the base: "
                 "connect the others to it by joints.",
                 self.links[roots[1]].line,
             )

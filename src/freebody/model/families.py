@@ -202,7 +202,7 @@ def copied(thing: Any) -> Any:
 
 
 class MemberError(FreebodyError, IndexError):
-    """An index that picks no member of a family."""
+    """An index that selects no member of a family."""
 
 
 class FamilyError(FreebodyError, TypeError):

@@ -152,7 +152,8 @@ class Inertia:
             raise MissingValueError("Inertia", missing)
         if self.is_family:
             raise ModelError(
-                "Inertia: it holds numbers of several members; ask each member of the model."
+                "Inertia: it holds the numbers of several members; take one member of the model, "
+                "model[i]."
             )
         m, c, t = self.lower(VALUES)
         return (

@@ -111,7 +111,8 @@ class Model(NamedParts, Tabled, ByValue):
             picked = 0
         if not picked:
             raise MemberError(
-                f"{self.name!r}: {shown(index)} picks no member of a family of shape {self.family}."
+                f"{self.name!r}: {shown(index)} selects no member of a family of shape "
+                f"{self.family}."
             )
         return taken(self, self.family, index)
 

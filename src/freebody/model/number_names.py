@@ -228,7 +228,7 @@ def _drive_table(effort: str, position: str, rotor: str) -> tuple[tuple[str, str
         ("rotor.inertia", "rotor", rotor, "rotor inertia before the gear"),
         ("rotor.gear", "gear", "1", "gear ratio of the rotor"),
         ("spring.stiffness", "stiffness", f"{effort}/{position}", "spring stiffness"),
-        ("spring.rest", "rest", position, "position at rest of the spring"),
+        ("spring.rest", "rest", position, "rest position of the spring"),
     )
 
 

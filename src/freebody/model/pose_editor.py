@@ -90,10 +90,9 @@ class PoseEditor:
             ridden = get(model, path).steps
             if ridden[: len(old.steps)] != old.steps:
                 raise ModelError(
-                    f"{model.name!r}: frame {self.frame!r} carries a long row of fixed links, "
-                    f"whose placements have "
-                    "been put together; it cannot be moved any more. Give the number before the "
-                    "model is made."
+                    f"{model.name!r}: frame {self.frame!r} carries a long chain of fixed links, "
+                    f"whose placements have been combined; it can no longer be moved. Give the "
+                    f"number before the model is made."
                 )
             model = put(model, path, Placement((*new.steps, *ridden[len(old.steps) :])))
         return model

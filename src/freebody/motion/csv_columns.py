@@ -131,7 +131,7 @@ def _header(
         if name in header:
             before = header[name]
             problem = (
-                f"column {name!r} stands twice in the header; remove one."
+                f"column {name!r} occurs twice in the header; remove one."
                 if before == cell
                 else f"columns {before!r} and {cell!r} are the same; remove one."
             )

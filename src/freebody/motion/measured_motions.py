@@ -68,9 +68,8 @@ def smoothed(model: Model, motion: Motion, cutoff: float | None = None) -> Motio
         sigma = noise(motion.t, samples)
         if not motion.differentiated or not sigma.any():
             raise FreebodyError(
-                "smoothed: no noise is recognised in the motion, which would tell a cutoff; name "
-                "one (Hz), or leave "
-                "the motion as it is."
+                "smoothed: no noise was found in the motion from which to choose a cutoff; give "
+                "one (Hz), or leave the motion as it is."
             )
         chosen = best_cutoff(motion.t, samples, sigma)
     highest = 0.5 * (len(motion.t) - 1) / motion.duration

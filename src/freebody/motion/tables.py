@@ -61,7 +61,7 @@ def motion_from_table(model: Model, table: Any) -> Motion:
     for label, values, unit in _columns(table):
         name, own = named_unit(label, quantities)
         if name in columns:
-            raise _problem(f"column {name!r} stands twice in it; remove one.")
+            raise _problem(f"column {name!r} occurs twice in it; remove one.")
         column = as_floats("motion", repr(label), values)
         if column.ndim != 1:
             raise _problem(f"{label!r} has shape {column.shape}, expected one number a sample.")

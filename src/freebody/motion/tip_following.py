@@ -47,7 +47,8 @@ class TipFollower:
             return np.array(found), ()
         return np.array(found), (
             f"At s = {ways[k] / self.path.length:.3g} of the way the arm is nearly singular (ratio "
-            f"of singular values {ratios[k]:.2g}); its joints limit the tip to a crawl there.",
+            f"of singular values {ratios[k]:.2g}); the limits of its joints allow only a very low "
+            f"speed of the tip there.",
         )
 
     def _sign(self, q0: Array) -> float:

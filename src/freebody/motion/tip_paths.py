@@ -145,8 +145,8 @@ def _leg(function: str, k: int, start: Array, end: Array, arm_length: float) -> 
     angle = float(np.linalg.norm(turn))
     if d == 3 and angle > np.pi - _HALF_TURN:
         raise FreebodyError(
-            f"{function}: the orientation of target {k} is half a turn from the one before, which "
-            f"leaves open which way round; give a pose between them."
+            f"{function}: the orientation of target {k} is half a turn from the one before, so "
+            f"the direction of rotation is not determined; give a pose between them."
         )
     length = max(float(np.linalg.norm(shift)), arm_length * angle)
     if not length > 1e-12 * arm_length:

@@ -71,9 +71,8 @@ def torque_of(
     for name, told in (("breakpoints", len(breakpoints)), ("sample_time", sample_time is not None)):
         if told:
             raise FreebodyError(
-                f"simulate: {name}= is about a torque that is a function f(t, q, qd); a table is "
-                f"stepped from row to "
-                "row as it is. Leave it out."
+                f"simulate: {name}= applies only to a torque that is a function f(t, q, qd); a "
+                f"table is integrated from row to row. Leave it out."
             )
     if torque is None:
         return np.zeros((1, model.nv))

@@ -38,7 +38,8 @@ PATIENCE = 20.0
 _FORMAT = "freebody results 1"
 _LARGEST = 2**20  # bytes; a manifest has about one hundred a file
 _FOREIGN = (
-    "what has this name here is not freebody's, or was changed; move it, or name another folder"
+    "a file of this name was not written by freebody, or was changed since; move it, or "
+    "choose another folder"
 )
 
 _NAME, _SHA256 = re.compile(r"\w[\w.-]*"), re.compile("[0-9a-f]{64}")
@@ -203,7 +204,7 @@ def _why(problem: Exception) -> str:
         return reason(problem)
     if isinstance(problem, FreebodyError):
         return str(problem).rstrip(".")
-    return f"{type(problem).__name__}: {problem} (a fault of freebody, please report it)"
+    return f"{type(problem).__name__}: {problem} (an error in freebody, please report it)"
 
 
 def _digest(path: Path) -> str | None:

@@ -81,8 +81,8 @@ def _parts(data: xr.Dataset) -> Check:
         "equation of motion",
         relative(parts - tau, np.array([size])),
         1e-10,
-        "M q̈ + C q̇ + g + friction + springs + rotors against the recursive Newton-Euler torque, "
-        "over the largest part.",
+        "M q̈ + C q̇ + g + friction + springs + rotors compared with the torque of the recursive "
+        "Newton-Euler algorithm, relative to the largest part.",
     )
 
 
@@ -97,7 +97,8 @@ def _energy(data: xr.Dataset) -> Check:
         "energy balance",
         relative(data["energy_residual"].values, np.array([turned_over])),
         1e-8,
-        "Work of the drives less friction against the gain in energy, over the energy turned over.",
+        "Work of the drives less friction losses compared with the gain in energy, relative to "
+        "the energy exchanged.",
     )
 
 
@@ -112,15 +113,15 @@ def _bodies(model: Model, motion: Motion, data: xr.Dataset) -> list[Check]:
             "forces on each body",
             relative(found.force, np.array([found.largest_force])),
             1e-10,
-            f"Joint reactions and weight against mass times acceleration of every body; {how}; "
-            f"over the largest force.",
+            f"Joint reactions and weight compared with mass times acceleration of every body; "
+            f"{how}; relative to the largest force.",
         ),
         check(
             "moments on each body",
             relative(found.moment, np.array([found.largest_moment])),
             1e-10,
-            f"The same for moments and the rate of angular momentum; {how}; over the largest "
-            f"moment.",
+            f"The same for moments and the rate of change of angular momentum; {how}; relative to "
+            f"the largest moment.",
         ),
     ]
 
@@ -148,15 +149,14 @@ def _closed(model: Model, motion: Motion) -> list[Check]:
             "loops",
             gap / length(model),
             1e-9,
-            "Largest gap of a loop along the motion, over the robot's length.",
+            "Largest gap of a loop along the motion, relative to the robot's length.",
         ),
         check(
             "simulation",
             np.abs(miss).max(),
             1e-6,
-            f"Where the torques drive the model from t = {start:.3g} s to {end:.3g} s, from the "
-            f"motion, over the joint "
-            "range.",
+            f"Where the torques drive the model from t = {start:.3g} s to {end:.3g} s: deviation "
+            f"from the motion, relative to the joint range.",
         ),
     ]
 
@@ -182,8 +182,8 @@ def _along_axes(model: Model, data: xr.Dataset) -> list[Check]:
     if not counted.any():
         return []
     text = (
-        "Reactions along the axes with friction, springs and rotors against the torques, "
-        "over the largest torque."
+        "Reactions along the axes, with friction, springs and rotors, compared with the "
+        "torques, relative to the largest torque."
     )
     return [
         check(
@@ -209,8 +209,8 @@ def _forward(model: Model, motion: Motion, data: xr.Dataset) -> Check | None:
         "forward dynamics",
         relative(back - motion.qdd, np.array([max(scale, np.abs(motion.qdd).max())])),
         max(1e-10, 1e3 * np.finfo(float).eps * condition),
-        f"Accelerations from the torques against those of the motion; the allowed value depends "
-        f"on cond M = "
+        f"Accelerations computed from the torques compared with those of the motion; the allowed "
+        f"value depends on cond M = "
         f"{condition:.3g}.",
     )
 
@@ -221,6 +221,6 @@ def _replayed(replay: Replay) -> Check:
         "replay",
         run.max(),
         1e-6,
-        f"Where the torques drive the model in {len(run)} pieces, from the reference, over the "
-        f"joint range.",
+        f"Where the torques drive the model in {len(run)} pieces: deviation from the reference, "
+        f"relative to the joint range.",
     )

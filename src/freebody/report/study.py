@@ -227,8 +227,8 @@ def _driven(model: Model) -> tuple[str, ...]:
     return (
         f"Joint{'' if one else 's'} {listed(map(repr, free))} {'has' if one else 'have'} no motor "
         "of "
-        f"{'its' if one else 'their'} own: {'its' if one else 'their'} torques and forces here are "
-        "what something else must exert to make the motion happen.",
+        f"{'its' if one else 'their'} own: {'its' if one else 'their'} torques and forces in this "
+        f"study are what something else has to exert to produce the motion.",
     )
 
 

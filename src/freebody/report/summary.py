@@ -116,9 +116,9 @@ def energy_text(found: xr.Dataset, duration: float) -> str:
     return (
         f"In {duration:.3g} s the drives do {done:.4g} J of work and take up {braked:.4g} J in "
         f"braking "
-        f"({100 * braked / done:.0f} %): net {kept:.4g} J. From a supply that they share they draw "
+        f"({100 * braked / done:.0f} %): net {kept:.4g} J. A supply shared by all drives delivers "
         f"{shared:.4g} J. "
-        f"Peak power of all together: {peak:.4g} W."
+        f"Peak power of all drives together: {peak:.4g} W."
     )
 
 

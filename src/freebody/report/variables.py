@@ -27,14 +27,14 @@ class Variable:
 
 _EFFORT, _SPEED, _POSITION = "N m|N", "rad/s|m/s", "rad|m"
 _BEARING = {
-    "axial_force": ("N", "force along the axis of a turning joint, on the child"),
+    "axial_force": ("N", "force along the axis of a revolute joint, on the child"),
     "radial_force": ("N", "force across the axis of the joint"),
     "tilting_moment": ("N m", "moment across the axis of the joint, about its origin"),
-    "guide_moment": ("N m", "moment about the axis of a sliding joint, carried by its guide"),
+    "guide_moment": ("N m", "moment about the axis of a prismatic joint, carried by its guide"),
     "drive_load": (
         _EFFORT,
-        "moment about the axis of a turning joint (of a screw with pitch times the force along "
-        "it), force along that of a sliding one: the drive's",
+        "moment about the axis of a revolute joint (of a helical one plus pitch times the force "
+        "along it), force along the axis of a prismatic one: the part that the drive supplies",
     ),
 }
 LOADS = tuple(_BEARING)
@@ -88,7 +88,7 @@ _BY_DIMENSIONS: dict[str, dict[str, tuple[str, str]]] = {
         "supplied_work": ("J", "work of the torques less friction losses"),
         "energy_residual": ("J", "supplied work less the gain in energy"),
         "motor_power": ("W", "mechanical power of all drives"),
-        "friction_power": ("W", "power taken by friction"),
+        "friction_power": ("W", "power dissipated by friction"),
         "smallest_singular_value": ("1", f"smallest {_CONDITION}"),
         "largest_singular_value": ("1", f"largest {_CONDITION}"),
         "manipulability": ("1", "product of the singular values"),
@@ -110,7 +110,7 @@ _BY_DIMENSIONS: dict[str, dict[str, tuple[str, str]]] = {
         "mean_power": ("W", "mean mechanical power, braking counted as negative"),
         "gravity_torque_peak": (_EFFORT, "largest gravity part of the torque"),
         "work_done": ("J", "work that the drive does: torque and speed have the same sign"),
-        "work_braked": ("J", "work that the drive takes up in braking"),
+        "work_braked": ("J", "work that the drive absorbs in braking"),
         "net_work": (
             "J",
             "work done less work braked: over a full cycle, the energy lost to friction",
@@ -167,7 +167,7 @@ _BY_DIMENSIONS: dict[str, dict[str, tuple[str, str]]] = {
     "edge": {"replay_edge": ("s", "where pieces of the replay meet")},
     "piece": {
         "replay_factor": ("1", "amplification in the piece"),
-        "replay_miss": ("1", "miss over the joint range"),
+        "replay_miss": ("1", "deviation at the end of the piece, relative to the joint range"),
     },
     "drift_time coordinate": {"drift": (_POSITION, "distance from the motion, open loop")},
 }

@@ -265,7 +265,7 @@ def _reasons(
         opening = "not given are " if outcome == "not judged" else "Not given, besides: "
         yield f"{opening}{'; '.join(missing)}."
         if outcome == "not judged" and uses:
-            yield f"The limits that it gives are kept; nearest: {uses[0].text}."
+            yield f"The limits that are given are kept; nearest: {uses[0].text}."
 
 
 def _paces(
@@ -284,22 +284,26 @@ def _paces(
         k = int(np.argmax(held))
         what = "gravity" if not _holds_more(model) else "gravity, springs and friction"
         return [
-            f"Slowing down does not help: {what} alone ask{'s' if what == 'gravity' else ''} "
+            f"Slowing down does not help: {what} alone require{'s' if what == 'gravity' else ''} "
             f"{percent(float(held[k]))} of {model.velocity_names[k]}'s limit at t = "
             f"{run.held_time[k]:.3g} s."
         ]
     if fast:
-        rest = "; what else is wrong stays" if out or undriven else ""
+        rest = "; the other problems remain" if out or undriven else ""
         return [
             f"It would keep the limits of speed and torque at {_down(run.factor)} times its speed "
-            f"(in {1 / run.factor:.3g} times the time){rest}."
+            f"({1 / run.factor:.3g} times the duration){rest}."
         ]
     if out or undriven:
         return ["Slowing down does not help."]
     if not np.isfinite(run.factor):
         return []
     if run.factor < _TIGHT:
-        return ["Any faster, one would be exceeded." if partly else "It cannot be run any faster."]
+        return [
+            "At a higher speed a limit would be exceeded."
+            if partly
+            else "It cannot be run any faster."
+        ]
     if partly:  # what is not given may well be exceeded before
         return [f"They would be kept up to {_down(run.factor)} times that speed."]
     return [f"It could be run up to {_down(run.factor)} times as fast."]
@@ -307,7 +311,7 @@ def _paces(
 
 def _no_other_pace(names: Sequence[str], slower: bool) -> str:
     several = len(names) > 1
-    opening = "Slowing down does not help" if slower else "It cannot be run at another pace"
+    opening = "Slowing down does not help" if slower else "It cannot be run at another speed"
     return (
         f"{opening}: {listed(names, _NAMES)} {'have' if several else 'has'} no motor and would "
         "not follow."

@@ -234,7 +234,8 @@ def tip_wrench(model: Model, q: Vector, tau: Vector, frame: str | None = None) -
     if len(singular):
         raise SingularError(
             f"tip_wrench: the Jacobian of {model.name!r} is singular{at_sample(singular[0])}: "
-            "some wrench at its frame needs no torque, and torques do not tell it. Choose another "
+            "some wrench at its frame needs no torque, so the torques do not determine it. Choose "
+            "another "
             "q."
         )
     torque = finite_vector("tip_wrench", model, "tau", tau)

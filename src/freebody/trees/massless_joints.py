@@ -39,9 +39,8 @@ def refuse_massless(model: Model, function: str) -> None:
         raise SingularError(
             f"{function}: the mass matrix of {model.name!r}{of_member(member)} is singular: "
             f"joint{'s' if several else ''} {joints} move{'' if several else 's'} no inertia. "
-            f"Give what {'each' if several else 'it'} carries a mass and inertia, or the joint a "
-            f"rotor inertia, or fix "
-            "it."
+            f"Give a mass and inertia to what {'each' if several else 'it'} carries, or a rotor "
+            f"inertia to the joint, or fix it."
         )
 
 

@@ -45,7 +45,7 @@ _TITLES = {
     "tau": "the drive's torque or force at {joint}",
     "0": "which nothing drives",
     "M": "entry {}, {} of the mass matrix",
-    "C": "entry {}, {} of the Coriolis matrix of Christoffel's symbols",
+    "C": "entry {}, {} of the Coriolis matrix of Christoffel symbols",
     "c": "the velocity term of {joint}",
     "g": "the gravity term of {joint}",
     "J": "entry {}, {} of the tip's Jacobian",

@@ -11,8 +11,8 @@ from freebody.derivations.polynomials.arithmetic import inner
 from freebody.scalars.trig import Trig
 
 _ALONE = (
-    "C is not unique: many matrices satisfy C q̇ = c. This entry was compared with Christoffel's; "
-    "give the whole row to have C q̇ = c checked."
+    "C is not unique: many matrices satisfy C q̇ = c. This entry was compared with that of "
+    "the Christoffel matrix; give the whole row to have C q̇ = c checked."
 )
 
 
@@ -31,7 +31,7 @@ def notes(setting: RightEquations, claims: Sequence[Claim]) -> Mapping[tuple[int
     whole = len(right) == len(setting.symbols.coordinates)
     skew = f" Ṁ − 2C is {'' if _is_skew(setting, rows) else 'not '}skew-symmetric." if whole else ""
     return {
-        (i + 1, j + 1): f"C q̇ = c holds in row {i + 1}; C is not Christoffel's.{skew}"
+        (i + 1, j + 1): f"C q̇ = c holds in row {i + 1}; C is not the Christoffel matrix.{skew}"
         for i in right
         for j in range(len(rows[i]))
     }

@@ -60,7 +60,7 @@ class ClosedForm(InTextbookForm, ByValue):
 
     @cached_property
     def C(self) -> list[list[Trig]]:
-        """Coriolis matrix of Christoffel's symbols: C q̇ = c and Ṁ - 2C is skew-symmetric."""
+        """Coriolis matrix of Christoffel symbols: C q̇ = c and Ṁ - 2C is skew-symmetric."""
         return [[self._along_rates(row) for row in plane] for plane in self.christoffel]
 
     @cached_property

@@ -98,7 +98,7 @@ def _torque(
 
 @dataclass
 class _Coefficients:
-    """Christoffel's symbols, each a multiple of a named one: h, or h_1, h_2, …, in larger arms
+    """Christoffel symbols, each a multiple of a named one: h, or h_1, h_2, …, in larger arms
     h_ijk."""
 
     equations: ClosedForm

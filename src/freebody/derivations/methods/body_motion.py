@@ -45,8 +45,8 @@ def _second(s: Setting) -> str:
     """What the terms of an acceleration are."""
     if any(map(s.slides, s.order)):
         return (
-            "A second time derivative; a point that slides on a turning body has Coriolis' "
-            f"acceleration {coriolis(s, s.order)} besides."
+            "A second time derivative; a point that slides on a rotating body also has the "
+            f"Coriolis acceleration {coriolis(s, s.order)}."
         )
     if s.planar:
         return (

@@ -39,8 +39,8 @@ def closed_form(setting: Setting) -> Step:
         )
     if setting.load:
         reason += (
-            " The load at the tip, at r_P, acts besides the motors: on the left its part is added "
-            "to each motor's."
+            " The load at the tip, at r_P, acts in addition to the motors: on the left its "
+            "part is added to that of each motor."
         )
         groups = [_loaded(setting, groups[0]), *groups[1:]]
     lines = tuple(line for group in groups for line in group)

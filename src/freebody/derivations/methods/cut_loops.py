@@ -104,7 +104,7 @@ class Loops:
         ]
         numbers = ("2.33", "2.34", "5.21") if self.is_notes_robot else ("5.21",)
         if self.is_notes_robot:
-            reason += " (The notes print (2.33) and (2.34) with the sign of d = 2b exchanged.)"
+            reason += " (The notes print (2.33) and (2.34) with the opposite sign of d = 2b.)"
         return Step("The loop equations", reason, tuple(lines), numbers)
 
     def _written(self, loop: TreeLoop) -> str:

@@ -102,7 +102,9 @@ class _JointRate:
                 )
         if s.load and _some(self._tip()):
             lines.append(eq(self._tip_name(), s.column(self._tip())))
-        what = f"They tell how the bodies move when only joint {self.number} moves, at unit rate"
+        what = (
+            f"They describe how the bodies move when only joint {self.number} moves, at unit rate"
+        )
         if self.is_first:
             what = (
                 "A partial velocity is the factor of one joint's rate in the velocity of a point, "

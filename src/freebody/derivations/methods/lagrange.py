@@ -86,14 +86,13 @@ def _positions(s: Setting) -> Step:
     lines = [eq(s.name("rc", i), s.column(s.centre_position(i))) for i in s.weighted]
     if s.planar:
         reason = (
-            "The energies need where each centre of mass is and how fast it moves; "
-            "the drawing shows where."
+            "The energies depend on the position and the velocity of each centre of mass; "
+            "the drawing shows the positions."
         )
     else:
         reason = (
-            "The energies need where each centre of mass is and how fast it moves; following the "
-            "frames from the base "
-            "gives where, in the world's axes."
+            "The energies depend on the position and the velocity of each centre of mass; "
+            "following the frames from the base gives the positions, in world axes."
         )
     return Step("Positions of the centres of mass", reason, tuple(lines), figure="centres")
 
@@ -133,7 +132,9 @@ def _velocities(s: Setting) -> Step:
         else "; turned into the body's own axes they are shorter, and their squares are the same"
     )
     numbers = ("5.10",) if s.cited == "RR" else ()
-    middle = " (The notes put the centre of mass of link 2 in its middle here.)" if numbers else ""
+    middle = (
+        " (Here the notes place the centre of mass of link 2 at its midpoint.)" if numbers else ""
+    )
     return Step(
         "Velocities of the centres of mass",
         f"{reason}{axes}.{middle}",

@@ -68,7 +68,7 @@ class _TipAndDrives:
             "when a velocity is projected on a bar to eliminate the bar's rotation."
         )
         slips = (
-            " (The notes print (2.37), (2.39), (2.40) with the sign of d = 2b exchanged.)"
+            " (The notes print (2.37), (2.39), (2.40) with the opposite sign of d = 2b.)"
             if self._numbered
             else ""
         )

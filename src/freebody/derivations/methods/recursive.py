@@ -83,7 +83,7 @@ class _Outward:
         )
         reason = f"The motion that body {n} takes over from {before}, plus the {own} of joint {n}"
         if s.slides(i):
-            reason += f"; on a turning body it brings Coriolis' acceleration {coriolis(s, (i,))}"
+            reason += f"; on a rotating body it adds the Coriolis acceleration {coriolis(s, (i,))}"
         centre = self._centre(i) if i in s.weighted else ()
         lines = (*self._angular(i), *self._linear(i), *centre)
         table = _PLANAR if s.planar else _SPATIAL

@@ -152,7 +152,9 @@ def sampled_trajectory(t: ArrayLike, points: ArrayLike) -> SampledTrajectory:
             "sampled_trajectory", "points", places.shape, f"({times.size}, dim), one row per time"
         )
     if len(times) < 6 or not np.all(np.diff(times) > 0) or not np.isfinite(places).all():
-        raise FreebodyError("sampled_trajectory: give at least 6 samples, finite, at rising times.")
+        raise FreebodyError(
+            "sampled_trajectory: give at least 6 samples, finite, at increasing times."
+        )
     return SampledTrajectory(make_interp_spline(times, places, k=5))
 
 

@@ -79,7 +79,7 @@ def quantities(
     setting = Setting(made, names, at_rest)
     if any(len(made.tree.children(i)) > 1 for i in range(-1, len(made.tree.bodies))):
         raise FreebodyError(
-            f"quantities: {model.name!r} branches; names such as f12 are those of a chain."
+            f"quantities: {model.name!r} branches; names such as f12 are defined for serial chains."
         )
     return Quantities(_QuantityValues(setting, gravity).all(), setting.layout)
 

@@ -61,9 +61,11 @@ FORMULAS = {
     "inverse_dynamics_derivatives": Formula(
         ("q", "qd", "qdd"),
         {
-            "dtau_dq": Output(_MATRIX, "derivative of tau by q (N m/rad, ...)"),
-            "dtau_dqd": Output(_MATRIX, "derivative of tau by qd (N m s/rad, ...)"),
-            "M": Output(_MATRIX, "derivative of tau by qdd: the mass matrix (kg m^2, kg)"),
+            "dtau_dq": Output(_MATRIX, "derivative of tau with respect to q (N m/rad, ...)"),
+            "dtau_dqd": Output(_MATRIX, "derivative of tau with respect to qd (N m s/rad, ...)"),
+            "M": Output(
+                _MATRIX, "derivative of tau with respect to qdd: the mass matrix (kg m^2, kg)"
+            ),
         },
         lambda t, o, q, qd, qdd: _matrices(inverse_dynamics_derivatives(t, q, qd, qdd)),
         lambda t, o, q, qd, qdd: _matrices(_by_dual_scalars(t, q, qd, qdd)),
@@ -74,11 +76,16 @@ FORMULAS = {
     "forward_dynamics_derivatives": Formula(
         ("q", "qd", "tau"),
         {
-            "dqdd_dq": Output(_MATRIX, "derivative of the accelerations by q (1/s^2, ...)"),
-            "dqdd_dqd": Output(_MATRIX, "derivative of the accelerations by qd (1/s, ...)"),
+            "dqdd_dq": Output(
+                _MATRIX, "derivative of the accelerations with respect to q (1/s^2, ...)"
+            ),
+            "dqdd_dqd": Output(
+                _MATRIX, "derivative of the accelerations with respect to qd (1/s, ...)"
+            ),
             "Minv": Output(
                 _MATRIX,
-                "derivative of the accelerations by tau: the inverse mass matrix (1/(kg m^2), "
+                "derivative of the accelerations with respect to tau: the inverse mass matrix "
+                "(1/(kg m^2), "
                 "1/kg)",
             ),
         },
@@ -93,10 +100,10 @@ FORMULAS = {
     "inverse_dynamics_second_derivatives": Formula(
         ("q", "qd", "qdd"),
         {
-            "d2tau_dq_dq": Output(_CUBE, "second derivative of tau by q and q"),
-            "d2tau_dqd_dq": Output(_CUBE, "second derivative of tau by qd and q"),
-            "d2tau_dqd_dqd": Output(_CUBE, "second derivative of tau by qd and qd"),
-            "dM_dq": Output(_CUBE, "derivative of the mass matrix by q"),
+            "d2tau_dq_dq": Output(_CUBE, "second derivative of tau with respect to q and q"),
+            "d2tau_dqd_dq": Output(_CUBE, "second derivative of tau with respect to qd and q"),
+            "d2tau_dqd_dqd": Output(_CUBE, "second derivative of tau with respect to qd and qd"),
+            "dM_dq": Output(_CUBE, "derivative of the mass matrix with respect to q"),
         },
         _second,
         chains="open",

@@ -92,7 +92,7 @@ FORMULAS = {
     ),
     "jacobian_derivatives": Formula(
         ("q",),
-        {"dJ_dq": Output(("six", "nv", "nv"), "derivative of the Jacobian by q")},
+        {"dJ_dq": Output(("six", "nv", "nv"), "derivative of the Jacobian with respect to q")},
         _jacobian_by_position,
         of_frame=True,
         axes=_AXES,

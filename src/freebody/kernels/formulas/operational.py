@@ -29,7 +29,12 @@ FORMULAS = {
     ),
     "centroidal_momentum_matrix": Formula(
         ("q",),
-        {"A": Output(("six", "nv"), "momentum about the centre of mass by rates (kg m, kg m^2)")},
+        {
+            "A": Output(
+                ("six", "nv"),
+                "factors of the rates in the momentum about the centre of mass (kg m, kg m^2)",
+            )
+        },
         lambda t, o, q: (centroidal_momentum_matrix(t, q),),
     ),
 }

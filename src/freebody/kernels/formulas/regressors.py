@@ -24,20 +24,26 @@ def _forward_by_parameters(
 FORMULAS = {
     "regressor": Formula(
         ("q", "qd", "qdd"),
-        {"Y": Output(("nv", "parameters"), "torques by inertial parameters")},
+        {"Y": Output(("nv", "parameters"), "factors of the inertial parameters in the torques")},
         lambda t, o, q, qd, qdd: (regressor(t, q, qd, qdd),),
         chains="open",
     ),
     "energy_regressor": Formula(
         ("q", "qd"),
-        {"E": Output((2, "parameters"), "kinetic, then potential energy by inertial parameters")},
+        {
+            "E": Output(
+                (2, "parameters"),
+                "factors of the inertial parameters in the kinetic, then the potential energy",
+            )
+        },
         lambda t, o, q, qd: (energy_regressor(t, q, qd),),
     ),
     "forward_dynamics_parameter_derivatives": Formula(
         ("q", "qd", "tau"),
         {
             "dqdd_dpi": Output(
-                ("nv", "parameters"), "derivative of the accelerations by the inertial parameters"
+                ("nv", "parameters"),
+                "derivative of the accelerations with respect to the inertial parameters",
             )
         },
         _forward_by_parameters,
