@@ -121,7 +121,7 @@ def refusal(model: Model, error: fb.FreebodyError) -> None:
         "start",
         "check lengths",
         "Drive another",
-        "Give what",
+        "Give a mass",
         "make",
         "the mechanism is locked",
     )

@@ -10,7 +10,7 @@ import pytest
 
 import freebody as fb
 from freebody.cli.app import run
-from freebody.cli.fbd import _values as positions
+from freebody.cli.options import values as positions
 from freebody.formats import read_file
 from freebody.formats.number_text import number
 from freebody.kernels.formulas import FORMULAS, Formula

@@ -98,7 +98,7 @@ def test_gravity_beyond_the_limit_is_not_helped_by_slowing(capsys: pytest.Captur
     assert run(["study", arm(effort=5.0)]) == 1
     out = " ".join(capsys.readouterr().out.split())
     assert out.startswith("Not feasible: the torque of lift is 10.")
-    assert "Slowing down does not help: gravity alone asks 2" in out
+    assert "Slowing down does not help: gravity alone requires 2" in out
 
 
 def test_a_motion_on_its_limit_is_within_it():
@@ -166,7 +166,7 @@ def test_no_pace_holds_what_gravity_springs_and_friction_ask():
     model = full(effort=10.0)
     study = fb.study(model, swing(model))
     assert study.verdict.factor == 0.0
-    assert "gravity, springs and friction alone ask" in study.verdict.text
+    assert "gravity, springs and friction alone require" in study.verdict.text
     found = pace(study.motion, study.data, np.full(2, np.inf), np.full(2, 10.0))
     tau = fb.static_torque(model, study.motion.q) + 0.4 * np.sign(study.motion.qd)
     np.testing.assert_allclose(found.held, np.abs(tau).max(axis=0) / 10.0, rtol=1e-9)
