@@ -113,6 +113,8 @@ def test_waypoints_and_limits_by_name():
     assert motion == fb.quintic(ARM, WAY, acceleration=np.arange(1.0, 7.0))
     with pytest.raises(fb.FreebodyError, match="quintic: acceleration lacks"):
         fb.quintic(ARM, WAY, acceleration={"elbow_joint": 1.0})
+    assert fb.quintic(ARM, WAY, velocity=np.inf) == fb.quintic(ARM, WAY)
+    assert fb.quintic(ARM, WAY, velocity=np.int64(1)) == fb.quintic(ARM, WAY, velocity=1.0)
 
 
 def test_positions_between_waypoints_count():
@@ -231,7 +233,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: fb.quintic(ARM, WAY, [0.0, 1.0, 1.0, 2.0]), "times must be finite and increase"),
     (lambda: fb.quintic(ARM, WAY, velocity=0.0), "is 0, expected a limit above 0"),
     (lambda: fb.quintic(ARM, WAY, velocity=np.ones(5)), "velocity has shape (5,)"),
-    (lambda: fb.quintic(ARM, WAY, step=9.0), "step is 9 s, expected more than 0"),
+    (lambda: fb.quintic(ARM, WAY, step=9.0), "step is 9 s, expected at most a third of"),
     (lambda: fb.quintic(ARM, 9.0 * WAY), "waypoint 3 has elbow_joint at -12.735, outside"),
     (lambda: fb.quintic(ARM, WAY[[0, 0]]), "waypoints 0 and 1 are the same; leave one out"),
     (lambda: fb.quintic(fb.load("2R"), [[0, 0], [1, 1]]), "nothing limits how fast '2R'"),
@@ -242,9 +244,15 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: fb.spline(ARM, WAY, ends="free"), "no choice 'free'"),  # type: ignore[arg-type]
     (lambda: fb.spline(ARM, WAY, ends="periodic"), "the last equal to the first"),
     (lambda: fb.spline(ARM, WAY, degree=4), "degree is 4, expected 3 or 5"),  # type: ignore[arg-type]
-    (lambda: fb.dwell(ARM, WAY[0], 0.0), "duration is 0, expected seconds above 0"),
-    (lambda: PLANNERS["quintic"](WAY).faster(-1.0), "factor is -1, expected more than 0"),
-    (lambda: PLANNERS["quintic"](WAY).repeated(0), "times is 0, expected at least 1"),
+    (lambda: fb.dwell(ARM, WAY[0], 0.0), "duration is 0, expected a number of seconds above 0"),
+    (lambda: PLANNERS["quintic"](WAY).faster(-1.0), "factor is -1, expected a number above 0"),
+    (lambda: PLANNERS["quintic"](WAY).repeated(0), "times is 0, expected a whole number"),
+    (lambda: PLANNERS["quintic"](WAY).then("it"), "then: other is str 'it', expected a Motion"),  # type: ignore[arg-type]
+    (lambda: fb.quintic(ARM, WAY, acceleration=1e-300), "is 1e-300, expected a limit above 0"),
+    (lambda: fb.quintic(ARM, np.nan * WAY), "quintic: waypoints is nan at sample 0"),
+    (lambda: fb.exceeded_limits(ARM, fb.default_motion(fb.load("2R"))), "the motion has 2 pos"),
+    (lambda: fb.write_motion(ARM, WAY, "x.csv"), "write_motion: motion is ndarray"),  # type: ignore[arg-type]
+    (lambda: fb.dwell(ARM, WAY, 1.0), "dwell: q has shape (4, 6), expected (6,)"),
 ]  # fmt: skip
 
 

@@ -71,6 +71,13 @@ def test_a_point_leaves_the_orientation_free_or_keeps_it():
     assert np.abs(kept[:, :3, :3] - START[:3, :3]).max() < 1e-6
 
 
+def test_a_turn_alone():
+    target = moved([0.3, 0.1, 0.0], [0.5, 0.0, 0.0])
+    motion = fb.line(ARM, Q0, target, 1.0, task="orientation")
+    assert motion.source == "the tip along a turn of 28.65 °"
+    np.testing.assert_allclose(tip(motion)[-1, :3, :3], target[:3, :3], atol=1e-9)
+
+
 def test_an_arc_keeps_its_radius_and_passes_its_points():
     via, end = HERE + [0.1, 0.1, 0.0], HERE + [0.1, -0.05, 0.12]
     motion = fb.arc(ARM, Q0, via, end, task="pose", acceleration=2.0)
@@ -137,14 +144,16 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: fb.line(ARM, Q0, moved([0, 0, 0], [np.pi, 0, 0])), "is half a turn from the one"),
     (lambda: fb.line(ARM, Q0, [[0.1, 0.2, 0.3]]), "line: target has shape (1, 3), expected (3)"),
     (lambda: fb.line(PLANAR, [0.3, 1.0], [1.0, 0.5]), "nothing limits how fast"),
-    (lambda: fb.line(ARM, Q0, moved([0, 0, 0.1]), -1.0), "duration is -1, expected above 0"),
+    (lambda: fb.line(ARM, Q0, moved([0, 0, 0.1]), -1.0), "duration is -1, expected a number"),
     (lambda: fb.line(ARM, Q0, moved([0, 0, 0.1]), 1.0, speed=0.1), "is faster than 0.1 m/s; give"),
     (lambda: fb.arc(ARM, Q0, HERE + [0, 0, 0.1], HERE + [0, 0, 0.2]), "lie on a line"),
     (lambda: fb.arc(ARM, Q0, HERE, START), "lie on a line, or are not three points"),
     (lambda: fb.arc(ARM, Q0, [0.1, 0.2], START), "via has shape (2,), expected (3,)"),
     (lambda: fb.blend(ARM, Q0, [moved([0, 0, 0.1]), moved([0, 0.1, 0.1])], 0.2), "too short for"),
     (lambda: fb.blend(ARM, Q0, START, 0.1), "targets has shape (4, 4), expected (k, 3) or"),
-    (lambda: fb.blend(ARM, Q0, [START], 0.0), "radius is 0, expected m above 0"),
+    (lambda: fb.blend(ARM, Q0, [START], 0.0), "radius is 0, expected a number of m above 0"),
+    (lambda: fb.line(ARM, [Q0, Q0], START), "line: q0 has shape (2, 6), expected (6,)"),
+    (lambda: fb.line(ARM, Q0, moved([0, 0, 0.1]), task="orientation"), "target 0 is the pose bef"),
     (lambda: fb.line(fb.load("four_bar"), np.zeros(3), [0.1, 0.2]), "is a closed chain"),
 ]  # fmt: skip
 

@@ -37,6 +37,16 @@ def as_floats(function: str, argument: str, value: ArrayLike) -> Array:
     return array.astype(np.float64)
 
 
+def above_zero(function: str, argument: str, value: float, unit: str = "") -> float:
+    """`value` as a finite number above 0; `unit`: what it counts, for the message."""
+    array = as_floats(function, argument, value)
+    if array.ndim or not (np.isfinite(array) and array > 0.0):
+        said = f"{float(array):g}" if array.ndim == 0 else f"of shape {array.shape}"
+        what = f"a number of {unit} above 0" if unit else "a number above 0"
+        raise FreebodyError(f"{function}: {argument} is {said}, expected {what}.")
+    return float(array)
+
+
 def check_core(
     function: str, argument: str, array: Array, core: tuple[int, ...], because: str
 ) -> None:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import make_interp_spline
 
-from freebody.arrays import Array, as_floats
-from freebody.errors import FreebodyError
+from freebody.arrays import Array, above_zero, as_floats
+from freebody.errors import FreebodyError, KindError
 from freebody.lazy import cached_property
 from freebody.locks import imported
 from freebody.model.model import Model
@@ -170,8 +170,7 @@ class Motion(Tabled, ByValue):
 
     def faster(self, factor: float) -> Motion:
         """The same path run `factor` times as fast from the same start (below 1: slower)."""
-        if not (np.isfinite(factor) and factor > 0.0):
-            raise FreebodyError(f"faster: factor is {factor:g}, expected more than 0.")
+        factor = above_zero("faster", "factor", factor)
         return replace(
             self,
             t=self.t[0] + (self.t - self.t[0]) / factor,
@@ -210,16 +209,36 @@ class Motion(Tabled, ByValue):
 
     def repeated(self, times: int) -> Motion:
         """The motion `times` times in a row; it ends where, and as fast as, it begins."""
-        if times < 1:
-            raise FreebodyError(f"repeated: times is {times}, expected at least 1.")
+        if not isinstance(times, (int, np.integer)) or times < 1:
+            raise FreebodyError(f"repeated: times is {times!r}, expected a whole number from 1 on.")
         found = self
         for _ in range(times - 1):
             found = found.then(self)
         return replace(found, source=f"{self.source}; {times} times") if times > 1 else found
 
 
+def require_motion(function: str, model: Model, motion: object) -> Motion:
+    """A motion of the model, else KindError or FreebodyError."""
+    if not isinstance(motion, Motion):
+        raise KindError(
+            function,
+            "motion",
+            motion,
+            "a Motion",
+            "fb.read_motion reads one from a file, fb.Motion.of makes one of arrays and tables.",
+        )
+    if motion.q.shape[-1] != model.nq or motion.qd.shape[-1] != model.nv:
+        raise FreebodyError(
+            f"{function}: the motion has {motion.q.shape[-1]} positions and "
+            f"{motion.qd.shape[-1]} rates, {model.name!r} has nq = {model.nq} and nv = {model.nv}."
+        )
+    return motion
+
+
 def _refuse_gap(first: Motion, second: Motion) -> None:
     """Refuse motions that cannot follow each other."""
+    if not isinstance(second, Motion):
+        raise KindError("then", "other", second, "a Motion")
     if key(first.layout) != key(second.layout):
         raise FreebodyError(
             f"then: the motions are of different robots, with {first.layout.nq} and "

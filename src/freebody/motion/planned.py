@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.arrays import Array, as_floats
+from freebody.arrays import Array, above_zero, as_floats
 from freebody.errors import FreebodyError, ShapeError
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
@@ -32,9 +32,9 @@ def sample_times(function: str, start: float, end: float, step: float | None) ->
     """Times from start to end, `step` apart, the last two nearer where that does not fit."""
     if step is None:
         return np.linspace(start, end, SAMPLES)
-    if not (np.isfinite(step) and 0.0 < step <= (end - start) / 3.0):
+    if above_zero(function, "step", step, "seconds") > (end - start) / 3.0:
         raise FreebodyError(
-            f"{function}: step is {step:g} s, expected more than 0 and at most a third of the "
+            f"{function}: step is {step:g} s, expected at most a third of the "
             f"motion, {(end - start) / 3.0:.4g} s."
         )
     count = int(np.ceil((end - start) / step - 1e-6))

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from freebody.arrays import Array
-from freebody.errors import FreebodyError
+from freebody.arrays import Array, as_floats
+from freebody.errors import FreebodyError, ShapeError
 from freebody.model.model import Model
-from freebody.motion.motion import Motion
+from freebody.motion.motion import Motion, require_motion
 from freebody.motion.ranges import Ranges, position_columns, ranges
-from freebody.trees.public_calls import Vector, finite_vector
+from freebody.trees.public_calls import Vector, finite_vector, vector
 
 SLACK = 1e-9
 """Of a limit (or rad, m): what a motion that was planned along it is off by rounding."""
+_LEAST = 1e-9
+"""Of a limit: what is smaller is none that a robot moves under."""
 Limit = Vector | float | None
 
 
@@ -82,19 +84,20 @@ def planning_limits(
 def _read(function: str, model: Model, name: str, value: Limit) -> Array:
     if value is None:
         return np.full(model.nv, np.inf)
-    if isinstance(value, (int, float)):
-        value = np.full(model.nv, float(value))
-    array = finite_vector(function, model, name, value)
+    if np.ndim(value) == 0 and not isinstance(value, Mapping):  # type: ignore[arg-type]
+        value = np.full(model.nv, as_floats(function, name, value))  # type: ignore[arg-type]
+    array = vector(function, model, name, value)
     if array.ndim != 1:
         raise FreebodyError(
             f"{function}: {name} has shape {array.shape}, expected one number for all joints or "
             f"({model.nv},)."
         )
-    if not (array > 0.0).all():
-        k = int(np.argmin(array))
+    small = ~(array >= _LEAST)  # NaN too
+    if small.any():
+        k = int(np.argmax(small))
         raise FreebodyError(
             f"{function}: {name} of {model.velocity_names[k]} is {array[k]:g}, expected a limit "
-            f"above 0."
+            f"above 0, of at least {_LEAST:g}."
         )
     return array
 
@@ -109,7 +112,7 @@ def exceeded_limits(
     of the model count too (zero means not given, see `Limits`). Torques are the matter of `study`.
     """
     limits = planning_limits("exceeded_limits", model, velocity, acceleration)
-    return tuple(excesses(model, motion, limits))
+    return tuple(excesses(model, require_motion("exceeded_limits", model, motion), limits))
 
 
 def excesses(model: Model, motion: Motion, limits: PlanningLimits) -> Iterator[LimitExcess]:
@@ -188,7 +191,9 @@ def read_waypoints(
             f"{function}: {model.name!r} has joints whose positions are quaternions, for which "
             f"this is not available; give samples to fb.Motion.of."
         )
-    q = finite_vector(function, model, "q", given)
+    q = finite_vector(function, model, one or "waypoints", given)
+    if one and q.ndim != 2:
+        raise ShapeError(function, one, q.shape[1:], f"({model.nq},)", "one position")
     if q.ndim != 2 or len(q) < 2:
         raise FreebodyError(
             f"{function}: the waypoints have shape {q.shape}, expected at least two rows: "

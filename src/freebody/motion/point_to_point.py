@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.arrays import Array
+from freebody.arrays import Array, above_zero
 from freebody.errors import FreebodyError
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
@@ -92,8 +92,7 @@ def dwell(model: Model, q: Vector, duration: float, *, step: float | None = None
 
     step: s between samples, by default a tenth.
     """
-    if not (np.isfinite(duration) and duration > 0.0):
-        raise FreebodyError(f"dwell: duration is {duration:g}, expected seconds above 0.")
+    duration = above_zero("dwell", "duration", duration, "seconds")
     limits = planning_limits("dwell", model)
     at = read_waypoints("dwell", model, [q, q], limits, "q")[:1]
     still = PiecewisePolynomial(np.array([0.0, duration]), at[None])

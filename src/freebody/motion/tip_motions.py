@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import make_interp_spline
 
-from freebody.arrays import Array, as_floats, refuse_not_finite
+from freebody.arrays import Array, above_zero, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError
 from freebody.inverse.numerical_solver import NumericalSolver
 from freebody.inverse.task import Task, read_target
@@ -121,8 +121,7 @@ def blend(
     rounding begins and ends; the path passes the corner at up to 3/8 of it. All else as in `line`.
     """
     plan = _TipPlan("blend", model, q0, frame, task, velocity, acceleration)
-    if not (np.isfinite(radius) and radius > 0.0):
-        raise FreebodyError(f"blend: radius is {radius:g}, expected m above 0.")
+    radius = above_zero("blend", "radius", radius, "m")
     poses = plan.poses(targets, 1)
     path = rounded_lines("blend", [plan.start, *poses], radius, plan.solver.length)
     return plan.motion(path, duration, speed, step)
@@ -161,10 +160,12 @@ class _TipPlan:
             wanted = f"{'(k, ' if axes else '('}{d}) or {'(k, ' if axes else '('}{d + 1}, {d + 1})"
             name = "targets" if axes else "target"
             raise ShapeError(self.function, name, given.shape, wanted, "points or poses")
+        self.start = self.start.copy()
         if not task.angular:
-            self.start = self.start.copy()
             self.start[:d, :d] = np.eye(d)
             poses[..., :d, :d] = np.eye(d)
+        free = [row for row in range(d) if row not in task.linear]
+        poses[..., free, d] = self.start[free, d]
         self.solver = NumericalSolver(model, self.frame, Task(d, task.rows))
         return poses
 
@@ -172,9 +173,10 @@ class _TipPlan:
         self, path: TipPath, duration: float | None, speed: float | None, step: float | None
     ) -> Motion:
         """Along a path from rest to rest."""
-        for name, value in (("duration", duration), ("speed", speed)):
-            if value is not None and not (np.isfinite(value) and value > 0.0):
-                raise FreebodyError(f"{self.function}: {name} is {value:g}, expected above 0.")
+        if duration is not None:
+            duration = above_zero(self.function, "duration", duration, "seconds")
+        if speed is not None:
+            speed = above_zero(self.function, "speed", speed, "m/s")
         off = np.inf
         for doubling in range(_DOUBLINGS + 1):
             found = self._along(path, duration, speed, step, 2**doubling)

@@ -101,7 +101,10 @@ def rounded_lines(
             marks.append(marks[-1] + 2.0 * radius)
     whole = sum(float(np.linalg.norm(leg.shift)) * leg.length for leg in legs)
     words = f"a line of {whole:.4g} m"
-    if corners:
+    if whole < 1e-12 * arm_length:
+        turns = sum(float(np.linalg.norm(leg.turn)) * leg.length for leg in legs)
+        words = f"a turn of {np.degrees(turns):.4g} °"
+    elif corners:
         words = f"{len(legs)} lines of {whole:.4g} m with corners rounded within {radius:.4g} m"
     return TipPath(np.array(marks), tuple(stretches), words)
 

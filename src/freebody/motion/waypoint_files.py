@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FileError, FreebodyError
+from freebody.errors import FileError
 from freebody.model.model import Model
 from freebody.motion.csv_columns import quoted, read_columns
-from freebody.motion.motion import Motion
+from freebody.motion.motion import Motion, require_motion
 from freebody.motion.motion_columns import check_names
 from freebody.motion.ranges import position_columns
 from freebody.outputs.files import write
@@ -59,10 +59,5 @@ def write_motion(model: Model, motion: Motion, path: str | os.PathLike[str]) -> 
 
     Raises FileError where it cannot be written.
     """
-    if motion.q.shape[1] != model.nq or motion.qd.shape[1] != model.nv:
-        raise FreebodyError(
-            f"write_motion: the motion has {motion.q.shape[1]} positions, {model.name!r} has "
-            f"nq = {model.nq}."
-        )
-    header, rows = motion_table(model, motion)
+    header, rows = motion_table(model, require_motion("write_motion", model, motion))
     return write(path, csv_text([header, *rows]))

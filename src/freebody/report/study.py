@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from freebody.errors import FreebodyError, KindError, SingularError, listed
 from freebody.model.model import Model
 from freebody.motion.default_motion import default_motion
-from freebody.motion.motion import Motion
+from freebody.motion.motion import Motion, require_motion
 from freebody.motion.paced import Progress
 from freebody.motion.ranges import ranges
 from freebody.motion.read_motion import read_motion
@@ -236,13 +236,7 @@ def _motion(model: Model, motion: Motion | Table | str | os.PathLike[str] | None
     if motion is None:
         return _unhurried(model, default_motion(model))
     if isinstance(motion, Motion):
-        if motion.q.shape[-1] != model.nq or motion.qd.shape[-1] != model.nv:
-            raise FreebodyError(
-                f"study: the motion has {motion.q.shape[-1]} positions and {motion.qd.shape[-1]} "
-                f"rates, "
-                f"{model.name!r} has nq = {model.nq} and nv = {model.nv}."
-            )
-        return motion
+        return require_motion("study", model, motion)
     if isinstance(motion, str | os.PathLike):
         return read_motion(model, motion)
     if not hasattr(motion, "items"):

@@ -250,12 +250,16 @@ _VECTORS = {
 """By the dimension of an input (`kernels.formulas.INPUTS`)."""
 
 
+_ALIKE = {"about": "point", "waypoints": "q"}
+"""Arguments that are vectors as an input of another name is."""
+
+
 def _dimension(name: str) -> str:
     """Of an argument: inputs of formulas have theirs in the table, all others are along the
     rates."""
     if name.startswith("wrenches"):
         return "six"
-    given = INPUTS.get("point" if name == "about" else name)
+    given = INPUTS.get(_ALIKE.get(name, name))
     return "nv" if given is None else str(given.dims[0])
 
 
