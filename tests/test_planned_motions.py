@@ -14,6 +14,7 @@ import xarray as xr
 import freebody as fb
 from freebody.cli.app import run
 from freebody.cli.plan import PlannerChoice
+from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planners import PLANNERS as PLANNERS_BY_NAME
 from freebody.motion.profiles import PROFILES
 from support.extras import extra
@@ -93,6 +94,9 @@ def test_planned_motions_pass_their_waypoints_at_the_quickest_within_limits(name
     )
     assert used == pytest.approx(1.0, rel=1e-6) or (name == "s_curve" and used < 1.0)
     assert fb.exceeded_limits(ARM, motion, acceleration=3.0) == ()
+    (over,) = fb.exceeded_limits(ARM, motion, np.inf, 0.999 * peaks.acceleration.size)[:1]
+    assert over.quantity == "acceleration"
+    assert over.value == pytest.approx(over.limit / 0.999)
     assert np.abs(motion.qd[[0, -1]]).max() == 0.0
     for q in WAY:
         dense = motion.at(np.linspace(*motion.t[[0, -1]], 20001))[0]
@@ -146,6 +150,8 @@ def test_motions_in_a_row():
     thrice = both.repeated(3)
     assert thrice.duration == pytest.approx(3 * both.duration)
     np.testing.assert_allclose(thrice.at(2 * both.duration + 0.3)[0], there.at(0.3)[0], atol=1e-12)
+    assert np.isin(thrice.t, thrice.knots).all()
+    assert np.diff(thrice.knots).min() > 1e-9 * thrice.duration
     slow = both.faster(0.5)
     np.testing.assert_allclose(slow.at(1.0)[1], 0.5 * both.at(0.5)[1], atol=1e-12)
     with pytest.raises(fb.FreebodyError, match=r"^then: the first motion ends with q\[\d\] ="):
@@ -169,9 +175,19 @@ def test_motions_of_joints_with_quaternions_follow_each_other():
 
 
 def test_the_work_along_jumping_accelerations_is_exact():
-    study = fb.study(fb.load("2R"), fb.trapezoid(fb.load("2R"), [[0, 0], [1, 0.7]], acceleration=3))
+    arm = fb.load("2R")
+    study = fb.study(arm, fb.trapezoid(arm, [[0, 0], [1, 0.7], [0.3, 0.2]], acceleration=3))
     (balance,) = (check for check in study.checks if check.name == "energy balance")
     assert balance.value < 1e-12
+
+
+@pytest.mark.parametrize("off", [-1e-13, 1e-13])
+def test_a_break_beside_a_sample_is_that_sample(off: float):
+    t, still = np.array([0.0, 0.25, 0.5, 1.0]), np.zeros((4, 2))
+    pieces = PiecewisePolynomial(np.array([0.0, 0.5 + off, 0.8, 1.0]), np.zeros((2, 3, 2)))
+    layout = fb.default_motion(fb.load("2R")).layout
+    motion = fb.Motion(t, still, still, still, "", layout, pieces=pieces)
+    assert motion.knots.tolist() == [0.0, 0.25, 0.5, 0.8, 1.0]
 
 
 def test_samples_lie_on_the_pieces():

@@ -124,6 +124,15 @@ def test_what_passes_near_a_singular_position_says_so():
     assert any("nearly singular" in text for text in motion.notices)
 
 
+def test_a_branch_ends_where_the_arm_is_singular():
+    """A wrist whose first and last axes meet in one line on the way, by its middle joint alone."""
+    rows = [{"alpha": -np.pi / 2}, {"alpha": np.pi / 2}, {"d": 0.1}]
+    wrist = fb.dh(rows, convention="standard")
+    target = fb.forward_kinematics(wrist, [0.3, 0.5, 0.2])
+    with pytest.raises(fb.FreebodyError, match=r"at s = 0\.444 of the way.*becomes singular"):
+        fb.line(wrist, [0.3, -0.4, 0.2], target, 1.0, task="orientation")
+
+
 def of_planar(q0: list[float], point: list[float], **given: float) -> Callable[[], object]:
     return lambda: fb.line(PLANAR, q0, point, 1.0, **given)
 
