@@ -135,7 +135,7 @@ def test_vectors_are_bold_and_entries_numbered() -> None:
         ),
         (mul(ex.transposed("J"), vec("f")), "Jᵀ f", r"J^{\mathsf{T}} \mathbf{f}"),
         (eq("H12", "H21", "a"), "H₁₂ = H₂₁ = a", "H_{12} = H_{21} = a"),
-        (ex.Words("with"), "with", r"\text{with}"),
+        (ex.words("with"), "with", r"\text{with}"),
     ],
 )
 def test_print(expression: ex.Expression, text: str, latex: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from freebody.derivations.expressions.expression import Words
+from freebody.derivations.expressions.nodes import Words
 from freebody.derivations.render.prose import markdown_prose
 from freebody_notes.item import SOURCE, ExecutedItem
 from freebody_notes.text import shown

@@ -12,7 +12,7 @@ import jinja2
 from markupsafe import Markup
 
 import freebody
-from freebody.derivations.expressions.expression import Equation, Words
+from freebody.derivations.expressions.nodes import Equation, Words
 from freebody.derivations.render import page as formulas
 from freebody.derivations.render.mathml import mathml
 from freebody.derivations.render.prose import web_prose

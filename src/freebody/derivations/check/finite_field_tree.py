@@ -57,7 +57,10 @@ class Workspace:
             whole = found[node]
             for part in node.parts:
                 own = None if whole is None else self._slope(node, part)
-                found[part] = None if own is None else whole * own % PRIME  # type: ignore[operator]
+                if whole is None or own is None:
+                    found[part] = None
+                else:
+                    found[part] = whole * own % PRIME
         return found
 
     def _slope(self, node: Expression, part: Expression) -> int | None:

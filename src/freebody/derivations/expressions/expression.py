@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from fractions import Fraction
 from numbers import Rational
 
-from freebody.derivations.expressions.nodes import (  # noqa: F401  (the nodes are asked for here, with what builds them)
+from freebody.derivations.expressions.nodes import (
     Arguments,
     Cross,
     Derivative,
@@ -180,6 +180,16 @@ def vector(*entries: Like) -> Expression:
 def matrix(rows: Iterable[Iterable[Like]]) -> Expression:
     """A matrix from its rows."""
     return Matrix(tuple(tuple(map(expr, row)) for row in rows))
+
+
+def words(text: str) -> Expression:
+    """Upright words."""
+    return Words(text)
+
+
+def arguments(*entries: Like) -> Expression:
+    """Several arguments of one function."""
+    return Arguments(tuple(map(expr, entries)))
 
 
 def eq(*sides: Like) -> Equation:

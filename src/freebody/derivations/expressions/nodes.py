@@ -33,10 +33,10 @@ class Expression:
     """Names of the fields that are its content, as `dataclass` lists them."""
 
     def __eq__(self, other: object) -> bool:
-        if self is other or type(self) is not type(other):
+        if self is other or type(self) is not type(other) or not isinstance(other, Expression):
             return self is other
-        apart = self.span != NOWHERE or other.span != NOWHERE  # type: ignore[attr-defined]
-        return not apart and self._content() == other._content()  # type: ignore[attr-defined]
+        apart = self.span != NOWHERE or other.span != NOWHERE
+        return not apart and self._content() == other._content()
 
     def __hash__(self) -> int:
         if self.span != NOWHERE:

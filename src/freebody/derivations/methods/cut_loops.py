@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from freebody.algorithms import loop_constraints
 from freebody.algorithms.kinematics import frame_pose
 from freebody.derivations.closed_chains.first_kind import FirstKind, multiplier_names
+from freebody.derivations.closed_chains.linear import Ratio, product, quotient
 from freebody.derivations.closed_chains.loops import LoopEquations
 from freebody.derivations.derivation import Step
 from freebody.derivations.expressions import expression as ex
@@ -251,7 +252,26 @@ class Loops:
             lines.append(eq(self.moment_name(loop), s.angular(moment)))
         return lines
 
-    # ------------------------------------------------------------ symbols
+    # ------------------------------------------------------------ how it is shown
+    def ratio(self, x: Ratio, common: Trig | None = None) -> Expression:
+        """A quotient as it is printed, over Δ where its denominator is a multiple of `common`; a long
+        one is told by its length."""
+        layout, below = self.equations.layout, ex.ONE
+        if x.is_polynomial:
+            shown = x.form(layout)
+        elif common is not None:
+            number = x.below.leading_coefficient / common.leading_coefficient
+            below = sym("Delta")
+            shown = quotient(product(x.above / number, layout), below)
+        else:
+            below, shown = product(x.below, layout), x.form(layout)
+        if ex.size(shown) <= 2 * LONG:
+            return shown
+        told = ex.words(f"({len(x.above)} terms)")
+        return ex.div(
+            told, below if ex.size(below) <= LONG else ex.words(f"({len(x.below)} terms)")
+        )
+
     @property
     def phi_q(self) -> Expression:
         """Φ_q."""

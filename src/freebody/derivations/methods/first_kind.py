@@ -7,11 +7,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from freebody.derivations.closed_chains.first_kind import Reduction
-from freebody.derivations.closed_chains.linear import Ratio, product, quotient
+from freebody.derivations.closed_chains.linear import Ratio
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.equations.equation_views import symmetric
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq
+from freebody.derivations.expressions.nodes import Words
 from freebody.derivations.expressions.printed_names import entry, sym
 from freebody.derivations.methods import glossary, lagrange
 from freebody.derivations.methods.cut_loops import LONG, Loops
@@ -166,8 +167,8 @@ class _FirstKindSteps:
     def _named_rest(self, k: int, i: int) -> Equation:
         rest = self.system.rest[k] - self.works.get(i, self.s.symbols.zero())
         shown = self.s.show(rest)
-        if isinstance(shown, ex.Words):
-            shown = ex.Words(shown.text.strip("()"))  # brackets come with the sign
+        if isinstance(shown, Words):
+            shown = ex.words(shown.text.strip("()"))  # brackets come with the sign
         return eq(entry("n", k + 1), ex.add(self.s.motor(i), ex.neg_each(shown)))
 
     # ------------------------------------------------------------ the second kind
@@ -210,7 +211,7 @@ class _FirstKindSteps:
             ),
         ]
         lines += [
-            eq(self._entry(r, k, j), self._ratio(x))
+            eq(self._entry(r, k, j), self.loops.ratio(x, self._common))
             for k in r.dependent
             for j, x in enumerate(r.N[k])
             if not _is_plain(x)
@@ -241,7 +242,7 @@ class _FirstKindSteps:
             )
         ]
         lines += [
-            eq(entry("gamma", k + 1), self._ratio(r.drift[k]))
+            eq(entry("gamma", k + 1), self.loops.ratio(r.drift[k], self._common))
             for k in r.dependent
             if not r.drift[k].is_zero
         ]
@@ -321,19 +322,6 @@ class _FirstKindSteps:
             ]
             total.append(ex.mul(weight, ex.add(entry("n", i + 1), *moved)))
         return ex.add(*total)
-
-    def _ratio(self, x: Ratio) -> Expression:
-        layout = self.loops.equations.layout
-        if self._common is not None and not x.is_polynomial:
-            above = product(x.above / x.below.leading_coefficient, layout)
-            shown = quotient(above, sym("Delta"))
-        else:
-            shown = x.form(layout)
-        return (
-            shown
-            if ex.size(shown) <= 2 * LONG
-            else ex.Words(f"({len(x.above)} terms over {len(x.below)})")
-        )
 
 
 def _squared(factors: tuple[Expression, ...]) -> list[Expression]:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from freebody.derivations.closed_chains.input_output import ClosedInputOutput
-from freebody.derivations.closed_chains.linear import product, quotient
+from freebody.derivations.closed_chains.linear import product
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.equations.singularities import Determinant
 from freebody.derivations.expressions import expression as ex
@@ -86,24 +86,15 @@ class _TipAndDrives:
         below = [x.below for row in J for x in row if not x.is_polynomial]
         layout = self.loops.equations.layout
         common = below[0] if below and all(x == below[0] for x in below) else None
-        sign = -1 if common is not None and layout.is_negative(common) else 1
+        if common is not None and layout.is_negative(common):
+            common = -common
         lines = [rule]
         for i, row in enumerate(J, 1):
             for k, x in enumerate(row, 1):
-                if x.is_zero:
-                    continue
-                shared = common is not None and not x.is_polynomial
-                shown = (
-                    quotient(product(x.above * sign, layout), sym("Delta"))
-                    if shared
-                    else x.form(layout)
-                )
-                small = ex.size(shown) <= 2 * LONG
-                lines.append(
-                    eq(entry("J", i, k), shown if small else ex.Words(f"({len(x.above)} terms)"))
-                )
+                if not x.is_zero:
+                    lines.append(eq(entry("J", i, k), self.loops.ratio(x, common)))
         if common is not None:
-            lines.append(eq(sym("Delta"), product(common * sign, layout)))
+            lines.append(eq(sym("Delta"), product(common, layout)))
         reason = "Solved for the tip's velocity where J_a can be inverted."
         return Step("The robot's Jacobian", reason, tuple(lines), ("2.36",), result=True)
 
@@ -121,7 +112,7 @@ class _TipAndDrives:
     def _where(self, found: Determinant, low: str) -> list[Equation]:
         shown = found.expression
         if ex.size(shown) > 2 * LONG:
-            shown = ex.Words(f"({len(found.polynomial)} terms)")
+            shown = ex.words(f"({len(found.polynomial)} terms)")
         lines = [eq(ex.Function("det", _j(low)), shown)]
         for condition in found.conditions:
             if all(ex.size(e) <= LONG for e in condition.solutions):

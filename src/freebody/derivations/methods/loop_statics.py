@@ -8,11 +8,11 @@ from dataclasses import replace
 
 from freebody.algorithms import loop_constraints
 from freebody.algorithms.kinematics import frame_pose
-from freebody.derivations.closed_chains.linear import Ratio, product
 from freebody.derivations.closed_chains.statics import LoopStatics
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq
+from freebody.derivations.expressions.nodes import Words
 from freebody.derivations.expressions.printed_names import entry, sym
 from freebody.derivations.methods import glossary
 from freebody.derivations.methods.cut_loops import LONG, Loops
@@ -214,7 +214,7 @@ class _Balance(Equilibrium):
             lines += [eq("k", ex.Vector(tuple(map(self.s.show, system.right))))]
             return Step("The forces in the loops", reason, tuple(lines))
         lines = [
-            eq(name, self._ratio(x)) for name, x in zip(names, system.multipliers, strict=True)
+            eq(name, self.loops.ratio(x)) for name, x in zip(names, system.multipliers, strict=True)
         ]
         reason = (
             "Linear equations, solved by determinants. Where the denominator vanishes the robot "
@@ -233,11 +233,9 @@ class _Balance(Equilibrium):
             sides = [s.show(self.reactions.motor(i))]
             found = self.system.torque(s.index(i))
             if found is not None:
-                shown = self._ratio(found)
+                shown = self.loops.ratio(found)
                 sides += (
-                    [shown]
-                    if not isinstance(shown, ex.Words) and ex.size(shown) <= 2 * LONG
-                    else []
+                    [shown] if not isinstance(shown, Words) and ex.size(shown) <= 2 * LONG else []
                 )
             lines.append(ex.chain(s.motor(i), *sides))
         reason = (
@@ -263,13 +261,3 @@ class _Balance(Equilibrium):
             "body on each."
         )
         return Step("The forces in the joints", reason, tuple(lines))
-
-    def _ratio(self, x: Ratio) -> Expression:
-        shown = x.form(self.loops.equations.layout)
-        if ex.size(shown) <= 2 * LONG:
-            return shown
-        below = product(x.below, self.loops.equations.layout)
-        short = ex.size(below) <= LONG
-        return ex.div(
-            ex.Words(f"{len(x.above)} terms"), below if short else ex.Words(f"{len(x.below)} terms")
-        )

@@ -276,7 +276,7 @@ class Setting:
             shown = form(element)
             if ex.size(shown) <= LONGEST:
                 return shown
-        return ex.Words(f"({len(element)} terms)")
+        return ex.words(f"({len(element)} terms)")
 
     def column(self, v: Vector) -> Expression:
         """A vector written out; 0 where all of it vanishes."""

@@ -58,7 +58,8 @@ def _halves(a: Angle, b: Angle) -> tuple[Angle, Angle] | None:
     if any(k % 2 for k in total.values()):
         return None
     difference = {x: a.get(x, 0) - b.get(x, 0) for x in names}
-    return tuple({x: k // 2 for x, k in d.items() if k} for d in (total, difference))  # type: ignore[return-value]
+    plus, minus = ({x: k // 2 for x, k in d.items() if k} for d in (total, difference))
+    return plus, minus
 
 
 def _product(f: str, plus: Angle, minus: Angle, equal: bool) -> tuple[int, Wave]:

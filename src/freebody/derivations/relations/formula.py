@@ -37,7 +37,7 @@ _RULES: dict[str, tuple[int, Callable[..., Expression]]] = {
     "cross": (2, ex.cross),
     "dot": (2, ex.dot),
     "partial": (2, ex.partial),
-    "atan2": (2, lambda y, x: ex.Function("atan2", ex.Arguments((y, x)))),
+    "atan2": (2, lambda y, x: ex.Function("atan2", ex.arguments(y, x))),
     "transpose": (1, ex.transposed),
     "d_dt": (1, ex.d_dt),
 }
@@ -189,7 +189,7 @@ def as_printed(text: str, bold: Collection[str] = (), primed: Collection[str] = 
     try:
         return parse(text, bold, primed)
     except FormulaError:
-        return ex.Words(text)
+        return ex.words(text)
 
 
 def names_in(node: Expression) -> list[str]:
