@@ -254,8 +254,8 @@ class Loops:
 
     # ------------------------------------------------------------ how it is shown
     def ratio(self, x: Ratio, common: Trig | None = None) -> Expression:
-        """A quotient as it is printed, over Δ where its denominator is a multiple of `common`; by its
-        length where it is long."""
+        """A quotient as it is printed, over Δ where `common` divides its denominator; a long one is
+        told by its length."""
         layout, below = self.equations.layout, ex.ONE
         if x.is_polynomial:
             shown = x.form(layout)
