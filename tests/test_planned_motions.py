@@ -303,6 +303,49 @@ def test_a_plan_is_written_and_studied(
     assert fb.read_motion(fb.load("2R"), "motion.csv").q[-1] == pytest.approx([0.5, -0.4])
 
 
+@pytest.mark.parametrize("name", PLANNERS)
+def test_what_is_written_is_read_as_it_was_planned(name: str, tmp_path: Path):
+    motion = PLANNERS[name](WAY)
+    path = fb.write_motion(ARM, motion, tmp_path / "planned.csv")
+    # a rate below a millionth of the fastest is read as rest
+    slacks = (1e-7, 4e-6, 1e-2) if name == "s_curve" else (1e-12, 1e-8, 1e-5)
+    for again in (fb.read_motion(ARM, path), fb.Motion.of(ARM, pd.read_csv(path))):
+        assert again.notices == ()
+        t = np.linspace(0.0, motion.duration, 7001)
+        for mine, given, slack in zip(again.at(t), motion.at(t), slacks, strict=True):
+            near = np.abs(t[:, None] - motion.pieces.breaks).min(axis=1) > 1e-9  # type: ignore[union-attr]
+            np.testing.assert_allclose(mine[near], given[near], atol=slack)
+        assert fb.exceeded_limits(ARM, again) == ()
+    even = fb.read_motion(ARM, fb.write_motion(ARM, motion, tmp_path / "even.csv", "samples"))
+    assert (even.t == motion.t).all()
+    with pytest.raises(fb.FreebodyError, match="no choice 'all' in write_motion: rows="):
+        fb.write_motion(ARM, motion, path, "all")  # type: ignore[arg-type]
+
+
+def test_a_time_stands_twice_only_where_accelerations_jump(tmp_path: Path):
+    arm = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.1])
+    t = np.array([0.0, 1.0, 2.0, 2.0, 3.0, 4.0])
+    table = {
+        "t": t,
+        "joint1": np.array([0.0, 0.5, 2.0, 2.0, 3.5, 4.0]),
+        "joint1.v": np.array([0.0, 1.0, 2.0, 2.0, 1.0, 0.0]),
+        "joint1.a": np.array([1.0, 1.0, 1.0, -1.0, -1.0, -1.0]),
+    }
+    motion = fb.Motion.of(arm, table)
+    assert motion.t.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+    assert motion.qdd[:, 0].tolist() == [1.0, 1.0, -1.0, -1.0, -1.0]
+    assert motion.at([1.9, 2.1])[2][:, 0] == pytest.approx([1.0, -1.0])
+    assert motion.peaks.velocity.high == pytest.approx(2.0)
+    for name in ("joint1", "joint1.v"):
+        other = {**table, name: table[name] + 0.1 * (np.arange(6) == 3)}
+        with pytest.raises(fb.FreebodyError, match=r"t must increase; t\[3\] = 2 follows 2"):
+            fb.Motion.of(arm, other)
+    with pytest.raises(fb.FreebodyError, match=r"t must increase"):
+        fb.Motion.of(arm, {k: np.insert(x, 3, x[3]) for k, x in table.items()})
+    with pytest.raises(fb.FreebodyError, match=r"t must increase"):
+        fb.Motion.of(arm, {k: x for k, x in table.items() if k != "joint1.a"})
+
+
 MISTAKEN = [
     ("a,b\n1,2", [], "way.csv:1: no column 'a' in a motion of '2R'"),
     ("joint1,joint2.v\n1,2", [], "waypoints have positions alone"),

@@ -55,7 +55,8 @@ def plan(
     acceleration: Annotated[float | None, _limit("Limit of each joint, rad/s² or m/s².")] = None,
     jerk: Annotated[float | None, _limit("Limit of each joint, rad/s³ or m/s³.")] = None,
     step: Annotated[
-        float | None, _limit("Seconds between samples. Default: a 400th of the motion.")
+        float | None,
+        _limit("Seconds between rows. Default: 400 even steps, and where polynomials meet."),
     ] = None,
     base: options.Base = None,
     mimic: options.Mimic = MimicChoice.follow,
@@ -84,7 +85,7 @@ def plan(
             )
     q, times = _read(model, waypoints)
     motion = planner.plan(model, q, times, **limits, step=step)
-    path = write_motion(model, motion, out)
+    path = write_motion(model, motion, out, "knots" if step is None else "samples")
     _print(model, motion, path)
 
 

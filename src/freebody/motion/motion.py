@@ -153,7 +153,9 @@ class Motion(Tabled, ByValue):
         breaks of the pieces."""
         if self.pieces is None:
             return self.t
-        every = np.union1d(self.t, self.pieces.breaks)
+        breaks = self.pieces.breaks
+        breaks = breaks[np.append(True, np.diff(breaks) > _NEAR * self.duration)]
+        every = np.union1d(self.t, breaks)
         own = np.isin(every, self.t)
         near = np.diff(every) <= _NEAR * self.duration
         twin = np.append(False, near & own[:-1]) | np.append(near & own[1:], False)

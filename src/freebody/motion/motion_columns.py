@@ -16,6 +16,7 @@ from freebody.motion.csv_columns import quoted
 from freebody.motion.implausible_units import implausible_units
 from freebody.motion.measured_motions import ROUNDED, along_rates, rested
 from freebody.motion.motion import FEWEST, Motion, derivatives, motion_of
+from freebody.motion.piecewise import hermite
 from freebody.motion.ranges import angular, position_columns
 from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import layout, state_of
@@ -84,6 +85,39 @@ def _check_leaders(model: Model, header: list[str], problem: Any) -> None:
         raise problem(
             f"there is no position; a motion gives at least those of the driven joints: {drives}."
         )
+
+
+def without_jumps(
+    model: Model, t: Array, columns: dict[str, Array]
+) -> tuple[Array, dict[str, Array], Array | None]:
+    """(t, columns, accelerations (T, n) with which the times are reached, or None) of columns in
+    which a time stands twice where the accelerations jump: the first row has those before it.
+
+    Rows that differ in more than accelerations are left as they are.
+    """
+    rates = [f"{name}.v" for name in model.position_names]
+    seconds = [f"{name}.a" for name in model.position_names]
+    twice = np.flatnonzero(np.diff(t) == 0.0)
+    same = [columns[name] for name in (*model.position_names, *rates) if name in columns]
+    if (
+        not len(twice)
+        or (np.diff(twice) == 1).any()
+        or not {*rates, *seconds} <= set(columns)
+        or any((column[twice] != column[twice + 1]).any() for column in same)
+    ):
+        return t, columns, None
+    kept = np.append(np.diff(t) != 0.0, True)
+    first = np.append(True, np.diff(t) != 0.0)
+    before = np.stack([columns[name][first] for name in seconds], axis=-1)
+    return t[kept], {name: column[kept] for name, column in columns.items()}, before
+
+
+def with_jumps(motion: Motion, before: Array | None) -> Motion:
+    """The motion whose accelerations `before` (T, n) its times are not those behind them."""
+    if before is None:
+        return motion
+    pieces = hermite(motion.t, motion.q, motion.qd, motion.qdd, before)
+    return replace(motion, pieces=pieces)
 
 
 def motion_from_columns(

@@ -48,6 +48,14 @@ class PiecewisePolynomial(Titled, ByValue):
         """Values (..., n) at t (...)."""
         return self._pieces(t)
 
+    def before(self, t: Array) -> Array:
+        """Values (k, n) at t (k,) of the pieces that end there, or go on there."""
+        piece = np.clip(np.searchsorted(self.breaks, t, side="left") - 1, 0, len(self.breaks) - 2)
+        u, value = (t - self.breaks[piece])[:, None], np.zeros((len(t), 1))
+        for c in self.coefficients:
+            value = value * u + c[piece]
+        return value
+
     def derivative(self, order: int = 1) -> PiecewisePolynomial:
         """With respect to t."""
         return PiecewisePolynomial(self.breaks, self._pieces.derivative(order).c)
@@ -131,14 +139,16 @@ def interpolated(
     return PiecewisePolynomial(knots, np.stack(powers))
 
 
-def hermite(t: Array, x: Array, xd: Array, xdd: Array) -> PiecewisePolynomial:
+def hermite(
+    t: Array, x: Array, xd: Array, xdd: Array, before: Array | None = None
+) -> PiecewisePolynomial:
     """The quintic in each interval of t (T,) with value, rate and acceleration (T, n) given at its
-    ends."""
+    ends; before: the accelerations (T, n) with which the times are reached, where they jump."""
     h = np.diff(t)[:, None]
     x0, v0, a0 = x[:-1], xd[:-1] * h, xdd[:-1] * h**2 / 2
     rest = x[1:] - x0 - v0 - a0
     slope = xd[1:] * h - v0 - 2 * a0
-    bend = xdd[1:] * h**2 / 2 - a0
+    bend = (xdd if before is None else before)[1:] * h**2 / 2 - a0
     c3 = 10 * rest - 4 * slope + bend
     c4 = -15 * rest + 7 * slope - 2 * bend
     c5 = 6 * rest - 3 * slope + bend

@@ -17,7 +17,13 @@ from freebody.errors import FileError
 from freebody.model.model import Model
 from freebody.motion.csv_columns import read_columns
 from freebody.motion.motion import FEWEST, Motion
-from freebody.motion.motion_columns import check_names, doubted, motion_from_columns
+from freebody.motion.motion_columns import (
+    check_names,
+    doubted,
+    motion_from_columns,
+    with_jumps,
+    without_jumps,
+)
 from freebody.outputs.numbers import compared
 
 
@@ -42,13 +48,14 @@ def read_motion(model: Model, path: str | os.PathLike[str]) -> Motion:
         raise problem(f"{_count(count)} of numbers; a motion needs at least {FEWEST}.")
     table = read.values()
     columns = {name: table[:, k] for k, name in enumerate(read.header)}
-    t = columns.pop("t")
+    t, columns, before = without_jumps(model, columns.pop("t"), columns)
     late = np.flatnonzero(np.diff(t) <= 0)
     if len(late):
         k = int(late[0]) + 1
         now, before = compared(t[k], t[k - 1], digits=6)
         raise problem(f"t = {now} does not come after {before}; times must increase.", k)
     motion = motion_from_columns(model, t, columns, f"read from {file.name}, {count} rows", problem)
+    motion = with_jumps(motion, before)
     return doubted(model, motion, columns, read.told, "'{} ({})' in the header")
 
 

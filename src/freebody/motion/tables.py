@@ -15,7 +15,13 @@ from freebody.model.model_argument import require_model
 from freebody.motion.csv_columns import TIMES, factor, kinds, named_unit
 from freebody.motion.measured_motions import rested
 from freebody.motion.motion import Motion, motion_of, vector_of_times
-from freebody.motion.motion_columns import check_names, doubted, motion_from_columns
+from freebody.motion.motion_columns import (
+    check_names,
+    doubted,
+    motion_from_columns,
+    with_jumps,
+    without_jumps,
+)
 from freebody.trees.public_calls import finite_vector
 
 
@@ -79,11 +85,13 @@ def motion_from_table(model: Model, table: Any) -> Motion:
     if "t" not in columns:
         raise _problem("it needs a one-dimensional 'time' or 't' (s).")
     check_names(model, list(columns), _problem)
-    t = vector_of_times(columns.pop("t"))
+    times = columns.pop("t")
     for name, column in columns.items():
-        if len(column) != len(t):
-            raise _problem(f"{name!r} has {len(column)} samples, 't' has {len(t)}.")
-    motion = motion_from_columns(model, t, columns, "a table", _problem)
+        if len(column) != len(times):
+            raise _problem(f"{name!r} has {len(column)} samples, 't' has {len(times)}.")
+    times, columns, before = without_jumps(model, times, columns)
+    t = vector_of_times(times)
+    motion = with_jumps(motion_from_columns(model, t, columns, "a table", _problem), before)
     where = "attrs['units'] of '{}' as '{}'" if hasattr(table, "data_vars") else "'{} ({})'"
     return doubted(model, motion, columns, frozenset(told), where)
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
+from typing import Literal, get_args
 
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FileError
+from freebody.errors import FileError, UnknownNameError
 from freebody.model.model import Model
 from freebody.motion.csv_columns import quoted, read_columns
 from freebody.motion.motion import Motion, require_motion
@@ -16,6 +18,9 @@ from freebody.motion.motion_columns import check_names
 from freebody.motion.ranges import position_columns
 from freebody.outputs.files import write
 from freebody.outputs.text import csv_text
+
+Rows = Literal["knots", "samples"]
+_JUMP = 1e-9  # of the largest acceleration
 
 
 def read_waypoint_file(model: Model, path: str | os.PathLike[str]) -> tuple[Array, Array | None]:
@@ -45,19 +50,49 @@ def read_waypoint_file(model: Model, path: str | os.PathLike[str]) -> tuple[Arra
 
 
 def motion_table(model: Model, motion: Motion) -> tuple[list[str], Array]:
-    """(header, rows) of a motion as `read_motion` reads it: positions, and rates and accelerations
-    where they have a column."""
+    """(header, rows) of a motion's samples as `read_motion` reads it: positions, and rates and
+    accelerations where they have a column."""
     iq, iv = position_columns(model)
     names = [model.position_names[k] for k in iq]
     header = ["t", *model.position_names, *(f"{n}.v" for n in names), *(f"{n}.a" for n in names)]
     return header, np.column_stack([motion.t, motion.q, motion.qd[:, iv], motion.qdd[:, iv]])
 
 
-def write_motion(model: Model, motion: Motion, path: str | os.PathLike[str]) -> Path:
-    """Write the samples of a motion as a CSV file that `read_motion` and `freebody study` read; the
-    path.
+def write_motion(
+    model: Model,
+    motion: Motion,
+    path: str | os.PathLike[str],
+    rows: Rows = "knots",
+) -> Path:
+    """Write a motion as a CSV file that `read_motion` and `freebody study` read; the path.
 
+    rows: "knots", the samples and the times at which polynomials of a planned motion meet, twice
+    where its accelerations jump, so that the motion is read as it was planned; or "samples" alone.
     Raises FileError where it cannot be written.
     """
-    header, rows = motion_table(model, require_motion("write_motion", model, motion))
-    return write(path, csv_text([header, *rows]))
+    if rows not in get_args(Rows):
+        raise UnknownNameError("choice", rows, "write_motion: rows=", get_args(Rows))
+    whole = require_motion("write_motion", model, motion)
+    header, table = motion_table(model, whole if rows == "samples" else at_knots(whole))
+    if rows == "knots" and whole.pieces is not None and whole.layout.flat:
+        before = whole.pieces.derivative(2).before(table[:, 0])
+        after = table[:, 1 + 2 * model.nq :]
+        jumps = np.abs(after - before).max(axis=1) > _JUMP * np.abs(after).max(initial=0.0)
+        jumps[[0, -1]] = False
+        twice = table[jumps]
+        twice[:, 1 + 2 * model.nq :] = before[jumps]
+        table = np.insert(table, np.flatnonzero(jumps), twice, axis=0)
+    return write(path, csv_text([header, *table]))
+
+
+def at_knots(motion: Motion) -> Motion:
+    """The motion with samples also where its polynomials meet."""
+    t = motion.knots
+    if len(t) == len(motion.t):
+        return motion
+    states = motion.at(t)
+    own = np.isin(t, motion.t)
+    for found, given in zip(states, (motion.q, motion.qd, motion.qdd), strict=True):
+        found[own] = given
+    q, qd, qdd = states
+    return replace(motion, t=t, q=q, qd=qd, qdd=qdd)
