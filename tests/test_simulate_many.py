@@ -211,6 +211,24 @@ def test_implicit_steps_take_the_slopes_of_a_compiled_law():
     assert "2 of 2 motions could not go on and are NaN" in str(told[1].message)
     assert {w.filename for w in told} == {__file__}
     assert np.isnan(lost.q.values[:, -1]).all()
+    spring = fb.compile(lambda q: [-1e8 * q[0]], {"q": 1}, {"tau": 1})  # without any damping
+    found = fb.simulate(ROD, start, [0.0], [0, 0.5], spring, method="implicit", step=0.01)
+    assert np.abs(found.q.values[:, -1]).max() < 1e-3
+
+
+def test_motions_that_diverge_leave_the_others_alone():
+    """ẍ = x³ has the solution √2 / (1 - t), which is gone at t = 1 s."""
+    cubic = fb.compile(lambda q: [q[0] ** 3], {"q": 1}, {"tau": 1})
+    start = np.array([[2.0**0.5], [0.0], [0.1]])
+    rates = np.array([[1.0], [0.0], [0.0]])
+    for options in ({}, {"threads": 1}):
+        with pytest.warns(
+            FreebodyWarning, match=r"1 of 3 motions could .*sample 0 after t = 0\.9 s"
+        ):
+            found = fb.simulate(ROD, start, rates * 2.0**0.5, [0, 0.5, 0.9, 1.1], cubic, **options)
+        np.testing.assert_allclose(found.q[0, :3, 0], 2.0**0.5 / np.array([1, 0.5, 0.1]), rtol=1e-8)
+        assert np.isnan(found.q.values[0, 3]).all()
+        assert np.isfinite(found.q.values[1:]).all()
 
 
 def test_coulomb_friction_is_smooth_in_all_methods():
@@ -261,7 +279,8 @@ def test_what_is_recorded():
     expected -= np.linalg.solve(M, friction[..., None])[..., 0]
     np.testing.assert_allclose(whole.qdd[:, 0], expected, rtol=1e-9)
     one = fb.simulate(ARM, Q[0], QD[0], T, every=5, record="q", **WIDE)
-    assert one.q.shape == (2, 2)
+    full = fb.simulate(ARM, Q[0], QD[0], T, record="q", **WIDE)
+    np.testing.assert_array_equal(one.q, full.q[::5])
     assert whole.attrs["step"] == pytest.approx(1e-3)
 
 
