@@ -221,7 +221,6 @@ ONE_ROBOT = {
         "input_output",
     ),
     *(
-        "inverse_kinematics",
         "inverse_velocity",
         "inverse_acceleration",
         "free_body_diagram",

@@ -41,7 +41,7 @@ def _by_steps(problem: Problem, form: ClosedFormArm) -> tuple[Found, np.ndarray]
     joints (n,) could stand anywhere."""
     solver, chain = problem.solver, form.chain
     at_rest = chain.positions(np.zeros(solver.model.nq) if problem.q0 is None else problem.q0)
-    x, free = _candidates(form, at_rest, problem)
+    x, free, _ = candidates(form, at_rest, problem)
     q = chain.coordinates(x, problem.rest)
     if form.held is not None and problem.held is not None:
         q[..., form.held] = problem.held[:, None]
@@ -53,9 +53,12 @@ def _by_steps(problem: Problem, form: ClosedFormArm) -> tuple[Found, np.ndarray]
     return replace(found, names=form.names), loose
 
 
-def _candidates(form: ClosedFormArm, at_rest: Array, problem: Problem) -> tuple[Array, np.ndarray]:
+def candidates(
+    form: ClosedFormArm, at_rest: Array, problem: Problem
+) -> tuple[Array, np.ndarray, Array]:
     """The branches' joint positions x (N, k, n), none of them verified, NaN where there is none;
-    which joints could stand anywhere (N, k, n) and are at rest."""
+    which joints could stand anywhere (N, k, n) and are at rest; how clear the branches are (N,
+    k)."""
     arm, N = form.branches, len(problem.target)
     chain = arm.chain.resting(at_rest)
     recipe = recipe_for(chain, arm.kind, arm.dim == 2)
@@ -66,7 +69,8 @@ def _candidates(form: ClosedFormArm, at_rest: Array, problem: Problem) -> tuple[
         ways = resting.ways(R, p, problem.held)
         x = [[np.broadcast_to(place.value(), N) for place in places] for places, _ in ways]
     free = [[np.broadcast_to(place.free, N) != 0.0 for place in places] for places, _ in ways]
-    return np.moveaxis(np.array(x), -1, 0), np.moveaxis(np.array(free), -1, 0)
+    clear = [np.broadcast_to(clear, N) for _, clear in ways]
+    return tuple(np.moveaxis(np.array(part), -1, 0) for part in (x, free, clear))  # type: ignore[return-value]
 
 
 def notes(problem: Problem, form: ClosedFormArm, free: np.ndarray) -> list[str]:

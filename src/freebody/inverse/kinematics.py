@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -15,6 +16,8 @@ from freebody.inverse.answer import gathered
 from freebody.inverse.by_closed_form import by_closed_form
 from freebody.inverse.closed_chains import of_closed_chain
 from freebody.inverse.closed_form import ClosedFormArm, closed_form_for
+from freebody.inverse.families import of_family
+from freebody.inverse.from_nearby import by_nearby, nearby_form
 from freebody.inverse.many_starts import by_search
 from freebody.inverse.numerical_solver import NumericalSolver
 from freebody.inverse.problem import Found, Problem, nothing
@@ -22,6 +25,7 @@ from freebody.inverse.quick_answer import quick_answer, remember
 from freebody.inverse.self_motion import by_self_motion
 from freebody.inverse.solutions import Solutions
 from freebody.inverse.task import read_target
+from freebody.model.families import FamilyError
 from freebody.model.model import Model
 from freebody.trees.public_calls import Vector, finite_vector
 
@@ -59,6 +63,10 @@ def inverse_kinematics(
     `notes`. Every solution has been put through forward kinematics. Raises ShapeError,
     NotFiniteError, UnknownNameError, MissingValueError.
 
+    Of a family (..., *family, k, nq): branches of the first member, or of an arm that it nearly
+    is, are followed to all members side by side; members for which that is not sure are solved one
+    by one.
+
     Of a closed chain these are the working modes, at which the loops are closed too: all of them,
     and named by the sides on which elbows lie, where a planar robot comes apart into dyads, else
     those found from many starts.
@@ -84,10 +92,22 @@ def inverse_kinematics(
         raise FreebodyError(
             f"inverse_kinematics: q0 has shape {start.shape}, expected ({model.nq},)."
         )
+    if model.family:
+        if redundancy is not None:
+            raise FamilyError("inverse_kinematics: redundancy=", model.name, model.family)
+        one = partial(
+            inverse_kinematics,
+            frame=frame, task=chosen.names, q0=start, limits=limits, starts=starts, seed=seed,
+        )  # fmt: skip
+        given = Problem(
+            replace(solver, model=model[(0,) * len(model.family)]), flat, start, limits, starts,
+            seed,
+        )  # fmt: skip
+        return of_family(model, given, poses.shape[:-2], one)
     problem = Problem(solver, flat, start, limits, starts, seed)
-    if model.loops:
+    if model.loops and redundancy is None:
         return of_closed_chain(problem, poses.shape[:-2])
-    form = closed_form_for(model, solver.frame, chosen)
+    form = None if model.loops else closed_form_for(model, solver.frame, chosen)
     if form is not None and not form.serves(flat):
         form = None
     batch = poses.shape[:-2]
@@ -96,7 +116,7 @@ def inverse_kinematics(
     if not len(problem.target):
         found = nothing(problem, form.method if form is not None else "Levenberg–Marquardt")
     elif form is None:
-        found = by_search(problem)
+        found = _without_form(problem)
     elif form.held is not None and redundancy is None:
         found = by_self_motion(problem, form) or by_search(problem)
     else:
@@ -105,6 +125,20 @@ def inverse_kinematics(
         found = _with_families(problem, form, found)
         remember(problem, form, frame, task)
     return gathered(problem, form, found, batch)
+
+
+def _without_form(problem: Problem) -> Found:
+    """From the branches of an arm nearby where there is one, else from many starts."""
+    solver = problem.solver
+    known = None
+    if problem.starts is None:
+        known = nearby_form(solver.model, solver.frame, solver.task)
+    if known is None:
+        return by_search(problem)
+    found, rows = by_nearby(problem, known)
+    if len(rows) == len(problem.target):
+        return by_search(problem)
+    return found.with_rows(rows, by_search(problem.part(rows))) if len(rows) else found
 
 
 def _held(

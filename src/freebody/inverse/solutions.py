@@ -61,16 +61,16 @@ class Solutions(Tabled, ByValue):
     def lazily_named(cls, names: Names, **fields: Any) -> Solutions:
         """With all fields but the branches' names, which are found when they are asked for."""
         made = object.__new__(cls)
-        made.__dict__.update(fields, _names=names)
+        vars(made).update(fields, _names=names)
         for name in ("q", "residual", "within_limits", "distance"):
             fields[name].flags.writeable = False
         return made
 
     def __getattr__(self, name: str) -> Any:
-        if name == "branches" and "_names" in self.__dict__:
-            found = named(self.__dict__["_names"], self.q, self.valid)
+        if name == "branches" and "_names" in vars(self):
+            found = named(vars(self)["_names"], self.q, self.valid)
             found.flags.writeable = False
-            return self.__dict__.setdefault("branches", found)
+            return vars(self).setdefault("branches", found)
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     def __len__(self) -> int:

@@ -26,7 +26,7 @@ def require_one(name: str, model: Model) -> None:
         raise FamilyError(name, model.name, model.family)
 
 
-_OF_FAMILIES = ("parameters", "kernel", "reactions", "simulate")
+_OF_FAMILIES = ("parameters", "kernel", "reactions", "simulate", "inverse_kinematics")
 """Public functions of families, besides those that look themselves what they are given."""
 
 
