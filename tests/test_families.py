@@ -227,8 +227,8 @@ ONE_ROBOT = {
     ),
     *("kinematic_diagram",),
 }
-WHOLE_RUNS = {"simulate"}
-"""Of test_simulate_many.py: they return more than arrays."""
+WHOLE_RUNS = {"simulate", "inverse_kinematics"}
+"""Of test_simulate_many.py, test_calibrated_arms.py: they return more than arrays."""
 OF_STRUCTURE = {"neutral", "random_state", "parameters", "integrate", "difference"}
 """Functions of no number of a model."""
 

@@ -16,6 +16,7 @@ from freebody.arrays import Array
 from freebody.inverse.by_closed_form import candidates
 from freebody.inverse.closed_form import ClosedFormArm, closed_form_for
 from freebody.inverse.levenberg_marquardt import descend
+from freebody.inverse.many_starts import by_search
 from freebody.inverse.numerical_solver import EXACT, NumericalSolver
 from freebody.inverse.problem import Found, Problem
 from freebody.inverse.solutions import APART, wrapped
@@ -80,17 +81,20 @@ def difference(form: ClosedFormArm, solver: NumericalSolver, q: Array, T: Array)
     return float(np.abs(error).max(initial=0.0))
 
 
-def by_nearby(problem: Problem, known: NearbyForm) -> tuple[Found, np.ndarray]:
-    """What the branches lead to, and the targets (rows) for which this is not sure."""
+def by_nearby(problem: Problem, known: NearbyForm) -> Found:
+    """What the branches lead to, and for targets for which this is not sure many starts too."""
     solver = problem.solver
     found, sure = followed(problem, known, lambda q, _: solver.pose_and_jacobian(q))
-    return found, np.flatnonzero(~sure)
+    rows = np.flatnonzero(~sure)
+    if not len(rows):
+        return found
+    searched = by_search(problem.part(rows), found.q[rows])
+    return searched if len(rows) == len(sure) else found.with_rows(rows, searched)
 
 
 def followed(problem: Problem, known: NearbyForm, poses: Poses) -> tuple[Found, np.ndarray]:
     """The solutions (N, branches) that the branches of the arm nearby lead to, and whether this is
-    sure (N,): each of them led to a solution of its own, or led to none and was
-    none itself."""
+    sure (N,): each of them led to one of its own, or is none there either."""
     solver, form = problem.solver, known.form
     chain, nq = form.chain, solver.model.nq
     x, _, clear = candidates(form, chain.positions(problem.reference), problem)
@@ -110,9 +114,9 @@ def followed(problem: Problem, known: NearbyForm, poses: Poses) -> tuple[Found, 
         good = left[tried] <= EXACT
         q[tried], miss[tried] = np.where(good[:, None], at, np.nan), left[tried]
     there = left <= EXACT
+    # what leads to no solution has none where the branch is none of the arm nearby either
     settled = there | ~tried | (lost & (left > _MISSED))
     sure = np.logical_and(settled.all(axis=-1), ~_merged(q).any(axis=-1))
-    there &= sure[:, None]
     q[~there], miss[~there] = np.nan, np.nan
     notes = [
         "The arm is nearly one with a closed form: what its branches lead to, perhaps not all."

@@ -133,12 +133,7 @@ def _without_form(problem: Problem) -> Found:
     known = None
     if problem.starts is None:
         known = nearby_form(solver.model, solver.frame, solver.task)
-    if known is None:
-        return by_search(problem)
-    found, rows = by_nearby(problem, known)
-    if len(rows) == len(problem.target):
-        return by_search(problem)
-    return found.with_rows(rows, by_search(problem.part(rows))) if len(rows) else found
+    return by_search(problem) if known is None else by_nearby(problem, known)
 
 
 def _held(

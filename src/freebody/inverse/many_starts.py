@@ -15,8 +15,11 @@ _SHOWN = 8
 """How many of the infinitely many solutions of a redundant arm are returned."""
 
 
-def by_search(problem: Problem) -> Found:
-    """What the starts lead to: within the limits, and beyond them where nothing is found within."""
+def by_search(problem: Problem, known: Array | None = None) -> Found:
+    """What the starts lead to: within the limits, and beyond them where nothing is found within.
+
+    known: (N, k, nq), positions to be looked at besides, NaN where there is none.
+    """
     solver, N = problem.solver, len(problem.target)
     redundant = solver.freedom > 0
     K = problem.starts or (32 if redundant else 96)
@@ -24,7 +27,10 @@ def by_search(problem: Problem) -> Found:
     goals = np.repeat(problem.target, K, axis=0)
     keep = problem.limits != "ignore"
     q, _ = solver.solve(goals, np.tile(starts, (N, 1)), within=keep)
-    solutions = _sorted_out(problem, q.reshape(N, K, -1), keep)
+    q = q.reshape(N, K, -1)
+    if known is not None:
+        q = np.concatenate([q, known], axis=1)
+    solutions = _sorted_out(problem, q, keep)
     lost = [i for i, s in enumerate(solutions) if not len(s.q)]
     if lost and keep:  # perhaps beyond the limits
         q, _ = solver.solve(
