@@ -70,7 +70,8 @@ def candidates(
         x = [[np.broadcast_to(place.value(), N) for place in places] for places, _ in ways]
     free = [[np.broadcast_to(place.free, N) != 0.0 for place in places] for places, _ in ways]
     clear = [np.broadcast_to(clear, N) for _, clear in ways]
-    return tuple(np.moveaxis(np.array(part), -1, 0) for part in (x, free, clear))  # type: ignore[return-value]
+    x, free, clear = (np.moveaxis(np.array(part), -1, 0) for part in (x, free, clear))
+    return x, free, clear
 
 
 def notes(problem: Problem, form: ClosedFormArm, free: np.ndarray) -> list[str]:

@@ -110,7 +110,8 @@ class _Nearest:
         """The same of each branch at its own positions (N, branches, G)."""
         q, miss, far = self._solved(held)
         b = np.arange(held.shape[1])
-        return tuple(np.moveaxis(x[:, b, :, b], 0, 1) for x in (q, miss, far))  # type: ignore[return-value]
+        q, miss, far = (np.moveaxis(x[:, b, :, b], 0, 1) for x in (q, miss, far))
+        return q, miss, far
 
     def _vertex(self, tried: Array) -> Array:
         """Where the parabola through the squares of three distances has its vertex (N, branches,
