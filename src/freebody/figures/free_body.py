@@ -122,20 +122,22 @@ def diagrams(
             if scale.force:
                 drawing.ruler(scale.force / 2.5, scale.longest / 2.5, "N", "reaction")
             drawing.ruler(scale.longest / 3.75, scale.longest / 3.75, "m", "length")
-        notes = _notes(loads, scale, labels, missing)
+        longer = [] if missing else scale.lengthened(drawing.arrows)
+        notes = _notes(loads, longer, labels, missing)
         drawing.notes = [*notes, *unheld.get(loads.body.index, ())]
         drawings.append(drawing)
     to_one_scale(drawings, PANEL, TALLEST, [scale.longest for scale in scales])
     return tuple(drawings)
 
 
-def _notes(loads: BodyLoads, scale: forces.Scale, labels: str, missing: Sequence[str]) -> list[str]:
+def _notes(
+    loads: BodyLoads, longer: Sequence[str], labels: str, missing: Sequence[str]
+) -> list[str]:
     """What is nothing, what is drawn longer than to scale, and the balance; or what was assumed."""
     small = [x.name for x in loads.loads if not any(x.force)]
     small += [x.moment_name for x in loads.loads if x.moment_name and not any(x.moment)]
     notes = [f"≈ 0: {', '.join(small)}"] if small else []
-    longer = [name for load in loads.loads for name in scale.lengthened(load)]
-    if longer and not missing:
+    if longer:
         notes.append(f"longer than to scale: {', '.join(longer)}")
     n, residuals = loads.body.number, (loads.force_residual, loads.moment_residual)
     force, moment = (significant(x, 2) for x in residuals)

@@ -51,14 +51,12 @@ class Scale:
         share = max(size / largest, _SHORTEST) * (0.75 if turning else 1.0)
         return place + share * self.longest * value / size
 
-    def lengthened(self, load: Load) -> list[str]:
-        """Names of the arrows that are drawn longer than to scale, lest they be too short to be
-        seen; moments in the plane are no arrows."""
-        arrows = [(load.name, load.force, self.force)]
-        if len(load.moment) == 3:
-            arrows.append((load.moment_name, load.moment, self.moment))
-        sizes = [(name, float(np.linalg.norm(value)), most) for name, value, most in arrows]
-        return [name for name, size, most in sizes if name and 0 < size < _SHORTEST * most]
+    def lengthened(self, arrows: Iterable[Arrow]) -> list[str]:
+        """Names of the forces and moments among arrows that are drawn longer than to scale, lest
+        they be too short to be seen."""
+        largest = {"N": self.force, "N m": self.moment}
+        loads = [arrow for arrow in arrows if arrow.unit in largest]
+        return [x.name for x in loads if np.linalg.norm(x.value) < _SHORTEST * largest[x.unit]]
 
 
 def scale_of(bodies: Iterable[BodyLoads], longest: float) -> Scale:
