@@ -14,34 +14,23 @@ FORCES = {
 }
 """The colour, one of those below, of what acts on a body, by its role (`body_loads.Load`)."""
 
-_LIGHT = {
-    "paper": "#ffffff", "ink": "#1c2430", "soft": "#66707d", "dimension": "#66707d",
-    "faint": "#c9d0d8",
-    "hair": "#e6eaee",
-    "link": "#dfe6ee", "link-edge": "#4a5a6e", "link-far": "#eff3f6", "link-far-edge": "#9aa7b5",
-    "joint": "#ffffff", "joint-side": "#9fb2c8", "ghost": "#c3cdd8", "shadow": "#e4e8ec",
-    "path": "#c4570a",
-    "reaction": "#1459b8", "moment": "#b01e5c", "weight": "#2b7a3d", "external": "#c4570a",
-    "inertia": "#7d8792",
-    "velocity": "#0b7d8c", "acceleration": "#7048c6", "position": "#1c2430", "solid": "#edf1f5",
-    "x": "#c22f2f", "y": "#2b7a3d", "z": "#1459b8", "limit": "#b3261e",
-    "s0": "#1459b8", "s1": "#d1600a", "s2": "#1b8a5a", "s3": "#b01e5c",
-    "s4": "#7048c6", "s5": "#0f8ea6", "s6": "#8a6a00", "s7": "#5b6672",
+_PALETTE = {
+    "paper joint": "#ffffff #14181e", "ink position": "#1c2430 #e8ecf1",
+    "soft dimension": "#66707d #9aa5b1", "faint": "#c9d0d8 #48525e", "hair": "#e6eaee #2a313a",
+    "link": "#dfe6ee #2d3947", "link-edge": "#4a5a6e #9db0c6", "link-far": "#eff3f6 #20272f",
+    "link-far-edge": "#9aa7b5 #5d6b7a", "joint-side": "#9fb2c8 #53677e",
+    "ghost": "#c3cdd8 #3b4754", "shadow": "#e4e8ec #20262d", "path external": "#c4570a #f2a15f",
+    "reaction z s0": "#1459b8 #7db0ff", "moment s3": "#b01e5c #ff86b3",
+    "weight y": "#2b7a3d #74cf8a", "inertia": "#7d8792 #8b96a3", "velocity": "#0b7d8c #55d0e0",
+    "acceleration s4": "#7048c6 #b79cff", "solid": "#edf1f5 #232b35", "x": "#c22f2f #ff8a80",
+    "limit": "#b3261e #ff8a80", "s1": "#d1600a #f2a15f", "s2": "#1b8a5a #5fd3a0",
+    "s5": "#0f8ea6 #5ccfe6", "s6": "#8a6a00 #d9bd55", "s7": "#5b6672 #a7b2be",
 }  # fmt: skip
-_DARK = {
-    "paper": "#14181e", "ink": "#e8ecf1", "soft": "#9aa5b1", "dimension": "#9aa5b1",
-    "faint": "#48525e",
-    "hair": "#2a313a",
-    "link": "#2d3947", "link-edge": "#9db0c6", "link-far": "#20272f", "link-far-edge": "#5d6b7a",
-    "joint": "#14181e", "joint-side": "#53677e", "ghost": "#3b4754", "shadow": "#20262d",
-    "path": "#f2a15f",
-    "reaction": "#7db0ff", "moment": "#ff86b3", "weight": "#74cf8a", "external": "#f2a15f",
-    "inertia": "#8b96a3",
-    "velocity": "#55d0e0", "acceleration": "#b79cff", "position": "#e8ecf1", "solid": "#232b35",
-    "x": "#ff8a80", "y": "#74cf8a", "z": "#7db0ff", "limit": "#ff8a80",
-    "s0": "#7db0ff", "s1": "#f2a15f", "s2": "#5fd3a0", "s3": "#ff86b3",
-    "s4": "#b79cff", "s5": "#5ccfe6", "s6": "#d9bd55", "s7": "#a7b2be",
-}  # fmt: skip
+"""Names, and their colour in the light and in the dark."""
+_LIGHT, _DARK = (
+    {name: pair.split()[k] for names, pair in _PALETTE.items() for name in names.split()}
+    for k in (0, 1)
+)
 
 _RULES = """
 .fig{font-family:system-ui,-apple-system,"Segoe UI",Roboto,"Helvetica Neue",Arial,sans-serif}

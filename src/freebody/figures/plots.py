@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from html import escape
+from itertools import count
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -37,61 +38,58 @@ class Plot:
     peaks: bool = True
     """Whether the point of the first curve farthest from zero is marked."""
     legend: bool = True
-    colours: Sequence[int] = field(default_factory=tuple)
     size: tuple[float, float] = (340.0, 210.0)
     log: bool = False
 
 
 def plot(what: Plot) -> Picture:
     """The picture of a plot."""
-    w, h = what.size
-    rows = _legend_rows(what)
-    power = _power(what)
-    what = replace(
-        what,
-        curves={name: np.asarray(curve) / 10.0**power for name, curve in what.curves.items()},
-        limits=tuple(level / 10.0**power for level in what.limits),
-        unit=f"10{superscript(power)} {what.unit}" if power else what.unit,
-    )
-    low, high = _range(what)
+    what, rows, w, h = _to_print(what), _legend(what), *what.size
     h += _ROW * max(len(rows) - 2, 0)
     box = (_LEFT, _TOP + _ROW * max(len(rows), 1), w - _RIGHT, h - _BOTTOM)
+    low, high = _range(what)
     axes = _Axes(box, (float(what.t[0]), float(what.t[-1])), (low, high), what.log)
     body = [words("name", 6 + 16j, escape(what.title)), *_grid(axes, what.unit)]
     if what.now is not None:
-        body.append(axes.upright("now", what.now, f"t = {what.now:.4g} s"))
+        d = f"M{axes.x(what.now):.1f} {box[1]:.1f}V{box[3]:.1f}"
+        body.append(line("now", d, f"t = {what.now:.4g} s"))
     for level in what.limits:
         if low <= level <= high:
             body.append(axes.level("limit", level, f"limit {significant(level)}"))
-    drawn = [(name, axes.scaled(what.curves[name]), colour) for name, colour in _coloured(what)]
-    for name, curve, colour in drawn:
+    for k, (name, curve) in enumerate(what.curves.items()):
         x, y = axes.x(what.t), axes.y(curve)
-        kept = thin(x, y)
-        d = path((x + 1j * y)[kept].tolist())
-        body.append(line(f"curve s{colour}", d, name))
+        d = path((x + 1j * y)[thin(x, y)].tolist())
+        body.append(line(f"curve s{k % SERIES}", d, name))
     if what.peaks and not what.log:
-        body += [_peak(axes, what, curve, colour) for _, curve, colour in drawn[:1]]
+        body.append(_peak(axes, what, next(iter(what.curves.values()))))
+    colours = count()
     for k, row in enumerate(rows):
-        for name, x, colour in row:
-            y = _TOP + 4 + _ROW * k
-            body.append(line(f"curve s{colour}", f"M{x:.1f} {y - 4:.1f}h14"))
-            body.append(words("num", complex(x + 19, y), escape(name)))
+        for name, x in row:
+            at = complex(x, _TOP + 4 + _ROW * k)
+            d = f"M{at.real:.1f} {at.imag - 4:.1f}h14"
+            body.append(line(f"curve s{next(colours) % SERIES}", d))
+            body.append(words("num", at + 19, escape(name)))
     return Picture("".join(body), w, h, f"{what.title}, {what.unit} over time")
 
 
-def _coloured(what: Plot) -> list[tuple[str, int]]:
-    """Each curve and its colour."""
-    colours = what.colours or range(len(what.curves))
-    return [(name, k % SERIES) for name, k in zip(what.curves, colours, strict=False)]
-
-
-def _power(what: Plot) -> int:
-    """The power of ten that is taken out of values too small or large to be printed at an axis."""
-    finite = (np.abs(curve[np.isfinite(curve)]) for curve in what.curves.values())
+def _to_print(what: Plot) -> Plot:
+    """Values as the axis has them: logarithms, or with a power of ten taken out of what is too
+    small or large to be printed there."""
+    curves = {name: np.asarray(curve, dtype=float) for name, curve in what.curves.items()}
+    if what.log:
+        logs = {k: np.log10(np.maximum(np.abs(x), 1e-300)) for k, x in curves.items()}
+        return replace(what, curves=logs)
+    finite = (np.abs(curve[np.isfinite(curve)]) for curve in curves.values())
     size = max((float(values.max(initial=0.0)) for values in finite), default=0.0)
-    if what.log or size == 0 or 1e-2 <= size < 1e5:
-        return 0
-    return math.floor(math.log10(size))
+    if size == 0 or 1e-2 <= size < 1e5:
+        return replace(what, curves=curves)
+    power = math.floor(math.log10(size))
+    return replace(
+        what,
+        curves={name: curve / 10.0**power for name, curve in curves.items()},
+        limits=tuple(level / 10.0**power for level in what.limits),
+        unit=f"10{superscript(power)} {what.unit}",
+    )
 
 
 def thin(x: Array, y: Array, tolerance: float = _SEEN) -> NDArray[np.intp]:
@@ -146,24 +144,11 @@ class _Axes:
         left, _, right, _ = self.box
         return line(css, f"M{left:.1f} {float(self.y(value)):.1f}H{right:.1f}", title)
 
-    def upright(self, css: str, t: float, title: str) -> str:
-        """A line from top to bottom at an instant."""
-        _, top, _, bottom = self.box
-        return line(css, f"M{float(self.x(t)):.1f} {top:.1f}V{bottom:.1f}", title)
-
-    def scaled(self, curve: Array) -> Array:
-        """Values as the axis has them."""
-        return _scaled(curve, self.log)
-
-
-def _scaled(curve: Array, log: bool) -> Array:
-    return np.log10(np.maximum(np.abs(curve), 1e-300)) if log else np.asarray(curve, dtype=float)
-
 
 def _range(what: Plot) -> tuple[float, float]:
     """Lowest and highest of the axis: all curves, zero where it is near, a limit where a curve
     comes near it."""
-    values = np.concatenate([_scaled(c, what.log) for c in what.curves.values()])
+    values = np.concatenate(list(what.curves.values()))
     values = values[np.isfinite(values)]
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
     if what.log:
@@ -226,32 +211,27 @@ def _tick(value: float, all_values: Sequence[float]) -> str:
     return fixed(value, decimals)
 
 
-def _peak(axes: _Axes, what: Plot, curve: Array, colour: int) -> str:
-    """The value farthest from zero."""
+def _peak(axes: _Axes, what: Plot, curve: Array) -> str:
+    """The value of the first curve farthest from zero."""
     k = int(np.argmax(np.abs(curve)))
-    x, y = float(axes.x(what.t[k])), float(axes.y(curve[k]))
     if abs(curve[k]) < 1e-12:
         return ""
-    text = significant(float(curve[k]))
-    half = width(text, 11) / 2
-    at = min(max(x, axes.box[0] + half + 4), axes.box[2] - half)
-    title = f"{text} {what.unit} at {what.t[k]:.4g} s"
-    beside = complex(at, y - 7 if curve[k] > 0 else y + 15)
-    beside = words("tick halo", beside, text, "middle")
-    return circle(f"peak f{colour}", complex(x, y), 3.4, title) + beside
+    at, text = complex(axes.x(what.t[k]), axes.y(curve[k])), significant(float(curve[k]))
+    half, below = width(text, 11) / 2, -7 if curve[k] > 0 else 15
+    inside = min(max(at.real, axes.box[0] + half + 4), axes.box[2] - half)
+    beside = words("tick halo", complex(inside, at.imag + below), text, "middle")
+    return circle("peak f0", at, 3.4, f"{text} {what.unit} at {what.t[k]:.4g} s") + beside
 
 
-def _legend_rows(what: Plot) -> list[list[tuple[str, float, int]]]:
-    """(name, x, colour) of the legend's entries, in rows that fit."""
-    if not what.legend:
-        return []
-    rows: list[list[tuple[str, float, int]]] = [[]]
+def _legend(what: Plot) -> list[list[tuple[str, float]]]:
+    """(name, x) of the legend's entries, in rows that fit."""
+    rows: list[list[tuple[str, float]]] = [[]] if what.legend else []
     x = 8.0
-    for name, colour in _coloured(what):
+    for name in what.curves if what.legend else ():
         needed = width(name, 12) + 40
         if rows[-1] and x + needed > what.size[0]:
             rows.append([])
             x = 8.0
-        rows[-1].append((name, x, colour))
+        rows[-1].append((name, x))
         x += needed
     return rows
