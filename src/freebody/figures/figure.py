@@ -97,11 +97,10 @@ def to_one_scale(
 ) -> None:  # fmt: skip
     """Give drawings the largest scale at which each of them fits. alike: of each, how many metres
     of it are to be as long on the page as those of the others; default: 1."""
-    metres = alike or [1.0] * len(drawings)
-    pairs = list(zip(drawings, metres, strict=True))
-    length = min(natural_scale(drawing, wide, tall) * one for drawing, one in pairs)
+    pairs = list(zip(drawings, alike or [1.0] * len(drawings), strict=True))
+    lengths = [natural_scale(drawing, wide, tall) * one for drawing, one in pairs]
     for drawing, one in pairs:
-        drawing.scale = length / one
+        drawing.scale = min(lengths) / one
 
 
 def save(svg: str, path: str | os.PathLike[str], what: str) -> Path:

@@ -75,18 +75,17 @@ def illustrations(derivation: Derivation, labels: str = "names") -> dict[str, Dr
         seen = replace(moving, names=replace(moving.names, weights=weights))
         drawing = _drawn(seen, name, scales)
         if drawing is not None:
-            if _is_free_body(name) and not weights and np.any(seen.model.gravity):
+            loaded = name.startswith(("free-body", "carried"))
+            if loaded and not weights and np.any(seen.model.gravity):
                 drawing.notes = ["No weights: gravity is in the accelerations"]
             if labels != "names" and step is None:
                 drawing.notes += _state(seen)
             drawing.labels = labels
             drawing.elements = [e for e in drawing.elements if _is_spoken_of(e, spoken)]
             found[name] = drawing
-    single = {k: found.get(f"free-body {k}") for k in range(1, len(scales) + 1)}
-    drawings = {k: drawing for k, drawing in single.items() if drawing is not None}
-    if drawings:
-        alike = [scales[k - 1].longest for k in drawings]
-        to_one_scale(list(drawings.values()), WIDE, TALL, alike)
+    single = [name for name in found if name.startswith("free-body")]
+    alike = [scales[int(name.split()[1]) - 1].longest for name in single]
+    to_one_scale([found[name] for name in single], WIDE, TALL, alike)
     return found
 
 
@@ -100,23 +99,12 @@ def _state(seen: Snapshot) -> list[str]:
     return [f"Values in these drawings: {rows[0]}", *rows[1:]]
 
 
-def _is_free_body(name: str) -> bool:
-    return name.startswith(("free-body", "carried"))
-
-
 def _spoken(derivation: Derivation) -> set[str]:
     """Labels of all symbols in the derivation's equations and in its table of symbols."""
-    equations = [line for step in derivation.steps for line in step.equations]
-    printed: list[Expression] = [
-        *equations,
-        *(x for row in derivation.glossary for x in row.symbols),
-    ]
-    return {
-        canonical(label(symbol))
-        for line in printed
-        for symbol in nodes(line)
-        if isinstance(symbol, Symbol)
-    }
+    printed: list[Expression] = [line for step in derivation.steps for line in step.equations]
+    printed += [x for row in derivation.glossary for x in row.symbols]
+    symbols = (x for line in printed for x in nodes(line) if isinstance(x, Symbol))
+    return {canonical(label(symbol)) for symbol in symbols}
 
 
 def _has_weights(step: Step) -> bool:
@@ -129,11 +117,8 @@ _QUANTITIES = ("position", "velocity", "acceleration", "dimension", "angle", "z"
 
 def _is_spoken_of(element: Element, spoken: set[str]) -> bool:
     """Whether an element is no vector, length or coordinate, or one that is spoken of."""
-    free = (
-        element.role not in _QUANTITIES
-        or element.name in ("X", "Y", "Z")
-        or not getattr(element, "label", "")
-    )
+    named = getattr(element, "label", "") and element.name not in ("X", "Y", "Z")
+    free = element.role not in _QUANTITIES or not named
     return free or canonical(element.name) in spoken
 
 
@@ -203,25 +188,24 @@ _BESIDE: tuple[Layer, ...] = (
     geometry.centres, partial(geometry.links, aside=geometry.BESIDE),
     geometry.to_centres, geometry.directions,
 )  # fmt: skip
-_SAID = {
-    2: {
-        "centres": "Where the centres of mass are",
-        "velocities": "Joint rates and velocities of the centres of mass",
-        "accelerations": "Joint accelerations and accelerations of the centres of mass",
-    },
-    3: {"vectors": "Vectors from joint to joint, and centres of mass"},
-}
-"""Views of `kinematic_diagram` that steps ask for, and what stands below them."""
+_PLANE, _SPACE = VIEWS[2], VIEWS[3]
 _RECIPES: dict[int, dict[str, tuple[str, tuple[Layer, ...]]]] = {
-    dim: {name: (words, VIEWS[dim][name]) for name, words in _SAID[dim].items()} for dim in (2, 3)
-}
+    2: {
+        "overview": ("Coordinates, lengths and centres of mass", (*_PLANE["geometry"], _load)),
+        "vectors": ("The vectors, drawn beside the bodies they lie on", _BESIDE),
+        "centres": ("Where the centres of mass are", _PLANE["centres"]),
+        "velocities": (
+            "Joint rates and velocities of the centres of mass", _PLANE["velocities"]
+        ),
+        "accelerations": (
+            "Joint accelerations and accelerations of the centres of mass", _PLANE["accelerations"]
+        ),
+        **_tip(geometry.angles, geometry.slides),
+    },
+    3: {
+        "overview": ("Joint axes and joint variables", _SPACE["frames"]),
+        "vectors": ("Vectors from joint to joint, and centres of mass", _SPACE["vectors"]),
+        **_tip(geometry.variables),
+    },
+}  # fmt: skip
 """By dimension and by the name that steps give them: a line of words, and the layers."""
-_RECIPES[2] |= {
-    "overview": ("Coordinates, lengths and centres of mass", (*VIEWS[2]["geometry"], _load)),
-    "vectors": ("The vectors, drawn beside the bodies they lie on", _BESIDE),
-    **_tip(geometry.angles, geometry.slides),
-}
-_RECIPES[3] |= {
-    "overview": ("Joint axes and joint variables", VIEWS[3]["frames"]),
-    **_tip(geometry.variables),
-}
