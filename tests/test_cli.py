@@ -154,15 +154,6 @@ def test_version_and_help(capsys: pytest.CaptureFixture[str]):
     assert "Usage: freebody" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("command", [[], ["study"], ["show"], ["derive"], ["models"]])
-def test_the_example_of_each_help_runs(command: list[str]):
-    help_text = program(*command, "--help").stdout
-    (example,) = re.findall(r"Example: freebody (.*?)\s*$", help_text, re.MULTILINE)
-    done = program(*example.split())
-    assert done.returncode == 0, done.stderr
-    assert done.stderr == ""
-
-
 def test_help_needs_nothing_heavy():
     code = (
         "import sys, freebody.cli.app as a; a.run(['--help']); "

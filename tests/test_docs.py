@@ -14,7 +14,7 @@ import typer
 import xarray
 
 import freebody as fb
-from freebody.cli.app import app
+from freebody.cli.app import app, run
 from freebody.model.joints import KINDS
 from freebody.model.loop_kinds import LOOP_KINDS
 
@@ -46,10 +46,12 @@ def examples(page: Path):
             yield language, text.count("\n", 0, block.start(3)), body
 
 
-def freebody(command: str, cwd: Path) -> None:
+def freebody(command: str, cwd: Path) -> str:
+    """Run it; returns what it warns of."""
     words = [sys.executable, "-m", *shlex.split(command)]
     done = subprocess.run(words, cwd=cwd, capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, f"$ {command}\n{done.stdout[-2000:]}{done.stderr[-2000:]}"
+    return done.stderr
 
 
 def run_doctest(text: str, names: dict, page: str, line: int) -> None:
@@ -77,7 +79,7 @@ def test_examples_run(
             exec(compile("\n" * line + text, page, "exec"), names)
         else:
             for command in re.findall(r"^\$ (freebody .*)$", text, re.MULTILINE):
-                freebody(command, tmp_path)
+                assert run(shlex.split(command)[1:]) == 0, command
 
 
 def anchors(page: Path) -> set[str]:
@@ -106,7 +108,7 @@ def test_help_has_an_example_that_runs(command: str, tmp_path: Path):
     examples = re.findall(rf"Example: (freebody {command}.*)", help_text)
     assert examples, f"freebody {command} --help shows no example"
     for example in examples:
-        freebody(example, tmp_path)
+        assert freebody(example, tmp_path) == ""
 
 
 def test_every_public_name_is_in_the_list_of_functions():

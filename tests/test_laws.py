@@ -37,7 +37,10 @@ TREES = range(200)
 FLAT_TREES = range(60)
 CASES = [(seed, 3) for seed in TREES] + [(seed, 2) for seed in FLAT_TREES]
 IDS = [f"{dim}D-{seed}" for seed, dim in CASES]
-every_tree = pytest.mark.parametrize(("seed", "dim"), CASES, ids=IDS)
+SOON = [  # every second one, the others where there is time
+    pytest.param(*case, marks=() if k % 2 else pytest.mark.long) for k, case in enumerate(CASES)
+]
+every_tree = pytest.mark.parametrize(("seed", "dim"), SOON, ids=IDS)
 every_fourth = pytest.mark.parametrize(("seed", "dim"), CASES[::4], ids=IDS[::4])
 
 EPS = np.finfo(float).eps
@@ -47,7 +50,7 @@ H2 = 6e-3  # s, of second ones
 
 def test_the_trees_hold_every_joint_kind_often():
     counts: Counter[str] = Counter()
-    for seed in TREES:
+    for seed in TREES[1::2]:
         description = generate.tree(seed)
         counts.update(joint.kind for joint in description.joints)
         mimics = {joint.name: joint.mimic for joint in description.joints if joint.mimic}
@@ -83,7 +86,7 @@ def test_the_trees_hold_every_joint_kind_often():
         "child before parent in the file",
     )
     rest += ("viscous", "coulomb", "rotor", "stiffness", "base mass", "branching")
-    assert not {k: counts[k] for k in rest if counts[k] < 20}
+    assert not {k: counts[k] for k in rest if counts[k] < 15}
 
 
 def condition(M: np.ndarray) -> float:
@@ -915,21 +918,13 @@ def test_lumped_mass_is_the_combined_inertia():
 
 
 # ---------------------------------------------------------------- compiled kernels
-KERNELS = [
-    (3, 3),
-    (4, 3),
-    (6, 3),
-    (13, 3),
-    (14, 3),
-    (23, 3),
-    (29, 3),
-    (35, 3),
-    (41, 3),
-    (59, 3),
-    (7, 2),
-    (11, 2),
-    (24, 2),
-]
+KERNELS = [(3, 3), (4, 3), (29, 3), (41, 3), (7, 2), (24, 2)]
+
+
+def test_kernels_of_every_joint_kind_are_compared():
+    bodies = [body for seed, dim in KERNELS for body in generate.model(seed, dim).bodies]
+    assert {body.joint.kind for body in bodies} == set(generate.MOVING)
+    assert any(body.joint.mimic for body in bodies)
 
 
 @pytest.mark.parametrize(("seed", "dim"), KERNELS, ids=[f"{dim}D-{seed}" for seed, dim in KERNELS])

@@ -18,6 +18,8 @@ from freebody.kernels.inputs import inputs_of
 from freebody.kernels.options import chosen_option
 from support import generate
 
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
 STEP = 1e-40
 QUANTITIES = ("inverse_dynamics", "forward_dynamics", "mass_matrix", "forward_kinematics")
 TERMS = {"viscous": 0.3, "coulomb": 0.2, "rotor": 1e-4, "gear": 50.0, "stiffness": 2.0}

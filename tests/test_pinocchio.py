@@ -117,7 +117,7 @@ def test_some_files_have_friction():
 
 @every_robot
 def test_frames(name: str, base: str):
-    frames(name, base, most=8)
+    frames(name, base, most=3)
 
 
 @pytest.mark.long

@@ -57,7 +57,12 @@ def is_blank(picture: dict) -> bool:
     return size < 60 or picture["shown"] < 200 or picture["drawn"] < 4 or picture["texts"] < 3
 
 
-@pytest.mark.parametrize("name", FILES)
+LATER = ("panda", "xarm7", "kinova")
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(x, marks=pytest.mark.long if x in LATER else ()) for x in FILES]
+)
 @pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
 def test_report_of_a_real_robot(name, chromium, tmp_path):
     source = ROBOTS / FILES[name]
