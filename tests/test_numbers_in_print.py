@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import ast
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import freebody as fb
 from freebody.motion.motion import vector_of_times
-from freebody.outputs.numbers import compared, fixed, shortest, significant
+from freebody.outputs.numbers import compared, fixed, rounded_up, shortest, significant
 from freebody.report.results import LimitUse
 
 
@@ -117,3 +119,56 @@ def test_a_limit_that_is_exceeded_prints_so() -> None:
     assert by_rounding.text == (
         "elbow goes to 3.142 rad at t = 0.5 s, its nearest limit being 3.142 rad"
     )
+
+
+COMPARING = re.compile(
+    r"\b(above|below|limits?|allowed|expected|exceed\w*|beyond|outside|at (most|least)|range"
+    r"|must be|(more|less|faster) than|needs|ends with|follows|after|two values)\b|<|>"
+)
+NOT_COMPARED = {
+    "model/number_editors.py": "a factor, and the limit of what it multiplies",
+    "motion/geometric_path.py": "a place, and the size of a jump there",
+    "motion/tip_following.py": "a place, and a ratio there",
+    "motion/tip_paths.py": "a length, and a radius that must be half of it",
+    "report/checks.py": "a time and a time",
+    "report/replay.py": "a time and a distance",
+    "report/summary.py": "a time and a torque",
+}
+"""Files with a message of several numbers that are not compared with each other."""
+
+
+def sentences_of_several_numbers(text: str) -> Iterator[str]:
+    """F-strings with two or more rounded numbers and a word of comparison."""
+    for node in ast.walk(ast.parse(text)):
+        if not isinstance(node, ast.JoinedStr):
+            continue
+        specs = [
+            ast.unparse(part.format_spec).strip("f'\"")
+            for part in node.values
+            if isinstance(part, ast.FormattedValue) and part.format_spec is not None
+        ]
+        words = "".join(str(x.value) for x in node.values if isinstance(x, ast.Constant))
+        if sum(spec[-1:] in ("g", "f", "e") for spec in specs) >= 2 and COMPARING.search(words):
+            yield words
+
+
+def test_what_a_message_compares_goes_through_compared() -> None:
+    root = Path(fb.__file__).parent
+    found = {
+        path.relative_to(root).as_posix(): list(
+            sentences_of_several_numbers(path.read_text("utf-8"))
+        )
+        for path in root.rglob("*.py")
+        if not {"figures", "targets", "render"} & set(path.relative_to(root).parts)
+    }
+    assert {name: said for name, said in found.items() if said and name not in NOT_COMPARED} == {}
+    assert [*sentences_of_several_numbers("f'{x:.4g} is above {y:g}'")] == [" is above "]
+
+
+def test_what_has_to_be_given_at_least_is_never_rounded_down() -> None:
+    assert rounded_up(1.234501, 4) == "1.235"
+    assert rounded_up(1.2349, 4) == "1.235"
+    assert rounded_up(1.25, 4) == "1.25"
+    rng = np.random.default_rng(3)
+    for x in np.exp(rng.uniform(-20, 20, 200)):
+        assert x <= float(rounded_up(float(x), 5)) <= x * (1 + 1e-4)

@@ -18,6 +18,7 @@ from freebody.motion.piecewise import PiecewisePolynomial, interpolated
 from freebody.motion.planning_limits import SLACK, PlanningLimits, read_waypoints
 from freebody.motion.ranges import position_columns
 from freebody.motion.speed_profile import timed_pieces
+from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import layout
 
 _SAME = 1e-9  # of the length of a path: positions nearer to each other are one
@@ -98,10 +99,11 @@ def refuse_out_of_range(
         (1.0, of.high[iq], high, of.high_at[iq]),
     ):
         for k in np.flatnonzero(way * (value - limit) > SLACK * np.maximum(1.0, np.abs(value))):
+            there, least, most = compared(value[k], low[k], high[k], digits=5)
             raise FreebodyError(
                 f"{function}: at s = {s[k]:.4g} of the path {model.velocity_names[iv[k]]} is at "
-                f"{value[k]:.5g}, outside its range from {low[k]:.5g} to {high[k]:.5g}; move the "
-                f"path, or give more waypoints."
+                f"{there}, outside its range from {least} to {most}; move the path, or give more "
+                f"waypoints."
             )
 
 

@@ -255,9 +255,10 @@ def _refuse_gap(first: Motion, second: Motion) -> None:
         off = np.abs(after - before)
         k = int(np.argmax(off))
         if off[k] > slack:
+            end, start = compared(before[k], after[k], digits=6)
             raise FreebodyError(
-                f"then: the first motion ends with {what}[{k}] = {before[k]:.6g}, the second "
-                f"begins with {after[k]:.6g}; plan a motion between them, such as "
+                f"then: the first motion ends with {what}[{k}] = {end}, the second begins with "
+                f"{start}; plan a motion between them, such as "
                 f"fb.quintic(model, [first.q[-1], second.q[0]], acceleration=...)."
             )
 

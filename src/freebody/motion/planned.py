@@ -11,6 +11,7 @@ from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planning_limits import PlanningLimits
+from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import layout
 
 SAMPLES = 401
@@ -33,9 +34,9 @@ def sample_times(function: str, start: float, end: float, step: float | None) ->
     if step is None:
         return np.linspace(start, end, SAMPLES)
     if above_zero(function, "step", step, "seconds") > (end - start) / 3.0:
+        given, most = compared(step, (end - start) / 3.0)
         raise FreebodyError(
-            f"{function}: step is {step:g} s, expected at most a third of the "
-            f"motion, {(end - start) / 3.0:.4g} s."
+            f"{function}: step is {given} s, expected at most a third of the motion, {most} s."
         )
     count = int(np.ceil((end - start) / step - 1e-6))
     return np.append(start + step * np.arange(count), end)

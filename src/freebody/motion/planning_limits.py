@@ -13,6 +13,7 @@ from freebody.errors import FreebodyError, ShapeError
 from freebody.model.model import Model
 from freebody.motion.motion import Motion, require_motion
 from freebody.motion.ranges import Ranges, position_columns, ranges
+from freebody.outputs.numbers import compared
 from freebody.trees.public_calls import Vector, finite_vector, vector
 
 SLACK = 1e-9
@@ -39,9 +40,10 @@ class LimitExcess:
     @property
     def text(self) -> str:
         """A clause."""
+        value, limit = compared(self.value, self.limit, digits=5)
         return (
-            f"the {self.quantity} of {self.name} is {self.value:.5g} {self.unit} at "
-            f"t = {self.time:.4g} s, its limit {self.limit:.5g} {self.unit}"
+            f"the {self.quantity} of {self.name} is {value} {self.unit} at t = {self.time:.4g} s, "
+            f"its limit {limit} {self.unit}"
         )
 
 
@@ -95,9 +97,10 @@ def _read(function: str, model: Model, name: str, value: Limit) -> Array:
     small = ~(array >= _LEAST)  # NaN too
     if small.any():
         k = int(np.argmax(small))
+        given, least = compared(array[k], _LEAST, digits=6)
         raise FreebodyError(
-            f"{function}: {name} of {model.velocity_names[k]} is {array[k]:g}, expected a limit "
-            f"above 0, of at least {_LEAST:g}."
+            f"{function}: {name} of {model.velocity_names[k]} is {given}, expected a limit above "
+            f"0, of at least {least}."
         )
     return array
 
@@ -205,8 +208,9 @@ def read_waypoints(
     beyond = np.maximum(low - x, x - high)
     k, j = np.unravel_index(np.argmax(beyond), beyond.shape)
     if beyond[k, j] > SLACK * max(1.0, abs(x[k, j])):
+        there, least, most = compared(x[k, j], low[j], high[j], digits=5)
         raise FreebodyError(
             f"{function}: {one or f'waypoint {k}'} has {model.velocity_names[iv[j]]} at "
-            f"{x[k, j]:.5g}, outside its range from {low[j]:.5g} to {high[j]:.5g}."
+            f"{there}, outside its range from {least} to {most}."
         )
     return q

@@ -20,6 +20,7 @@ from freebody.motion.planning_limits import (
     within_limits,
 )
 from freebody.motion.profiles import PROFILES
+from freebody.outputs.numbers import compared, rounded_up
 from freebody.trees.public_calls import Vector
 
 
@@ -155,9 +156,10 @@ def _move(
     slowest = max(curves, key=lambda i: curves[i].breaks[-1])
     shortest = float(curves[slowest].breaks[-1])
     if wanted is not None and wanted < shortest * (1.0 - 1e-9):
+        needed, given = compared(float(rounded_up(shortest, 5)), wanted, digits=5)
         raise FreebodyError(
             f"{function}: from waypoint {k} to {k + 1} {model.position_names[slowest]} needs "
-            f"{shortest:.5g} s within its limits, times give {wanted:.5g} s."
+            f"{needed} s within its limits, times give {given} s."
         )
     duration = shortest if wanted is None else wanted
     columns = []

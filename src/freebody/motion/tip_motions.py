@@ -27,6 +27,7 @@ from freebody.motion.planning_limits import (
 )
 from freebody.motion.tip_following import TipFollower
 from freebody.motion.tip_paths import TipPath, arc_path, rounded_lines
+from freebody.outputs.numbers import compared, rounded_up
 from freebody.trees.kinematics import forward_kinematics
 from freebody.trees.kinematics import velocity as tip_velocity
 from freebody.trees.position_rates import layout
@@ -219,9 +220,10 @@ class _TipPlan:
         if duration is not None:
             factor = min(1.0 / duration, factor)
             if factor < 1.0 / duration:
+                given, needed = compared(duration, float(rounded_up(1.0 / factor, 5)), digits=5)
                 raise FreebodyError(
-                    f"{self.function}: in {duration:g} s the tip is faster than {speed:g} m/s; "
-                    f"give at least {1.0 / factor:.5g} s."
+                    f"{self.function}: in {given} s the tip is faster than {speed:g} m/s; give at "
+                    f"least {needed} s."
                 )
         else:
             peaks = unit.peaks

@@ -13,6 +13,7 @@ from freebody.model.model import Model
 from freebody.motion.path_limits import PathProblem, RobotLimits, unlimited
 from freebody.motion.ranges import angular
 from freebody.motion.speed_profile import SpeedProfile
+from freebody.outputs.numbers import compared
 
 _BINDING = 1e-6
 _FAST = 0.25  # of `unlimited`
@@ -45,9 +46,10 @@ def _held_still(problem: PathProblem, path: int) -> str:
     if over[i, row] <= 0.0:
         return ""
     name, unit, what = _row(problem.limits, int(row))
+    needed, largest = compared(size[row] + over[i, row], size[row])
     return (
-        f"{_at(problem, int(i), path)} {name} needs {size[row] + over[i, row]:.4g} {unit} to move "
-        f"slowly, and its largest {what} is {size[row]:.4g} {unit}"
+        f"{_at(problem, int(i), path)} {name} needs {needed} {unit} to move slowly, and its "
+        f"largest {what} is {largest} {unit}"
     )
 
 

@@ -52,6 +52,15 @@ def compared(
     return texts
 
 
+def rounded_up(value: float, digits: int = 4) -> str:
+    """A positive number as one types it, with up to so many digits and never less than it is: for
+    what has to be given at least."""
+    text = f"{value:.{digits}g}"
+    if float(text) >= value:
+        return text
+    return f"{value + 0.5 * 10.0 ** (decade(value) - digits + 1):.{digits}g}"
+
+
 def fixed(value: float, decimals: int) -> str:
     """A number with so many decimals."""
     return signed(f"{value:.{decimals}f}")
