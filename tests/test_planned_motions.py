@@ -243,7 +243,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: fb.Motion.of(ARM, {"t": T, "elbow": T}), "no column 'elbow'"),
     (lambda: fb.Motion.of(ARM, {"t": T, "elbow_joint": 1.0}), "has shape (), expected one number"),
     (lambda: fb.Motion.of(ARM, {"elbow_joint": T}), "it needs a one-dimensional 'time' or 't'"),
-    (lambda: fb.quintic(ARM, WAY, [0.0, 0.1, 0.2, 0.3]), "needs 1.6446 s within its limits"),
+    (lambda: fb.quintic(ARM, WAY, [0.0, 0.1, 0.2, 0.3]), "needs 1.6447 s within its limits"),
     (lambda: fb.quintic(ARM, WAY[:1]), "expected at least two rows: (k, 6)"),
     (lambda: fb.quintic(ARM, WAY, [0.0, 1.0]), "times has shape (2,), expected (4,)"),
     (lambda: fb.quintic(ARM, WAY, [0.0, 1.0, 1.0, 2.0]), "times must be finite and increase"),
