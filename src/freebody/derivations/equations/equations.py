@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
-from html import escape
 from typing import Any
 
 from freebody.derivations.equations import equation_views, source_code
@@ -83,38 +82,32 @@ class Equations(Titled, ClosedForm):
         names: "notes" (H_ij, h, G_i) or "standard" (M_ij, c_i, g_i).
         """
         if view == "auto" and not self.is_short:
-            return self._too_long()
+            return "\n".join(map(str, self._told()))
         return page.text(self.groups(view, names), width)
 
     def latex(self, view: str = "auto", names: str = "notes", environment: str = "aligned") -> str:
         """The same as an amsmath environment, without dollar signs; "align*" in a document breaks
         across pages."""
         if view == "auto" and not self.is_short:
-            lines = " \\\\ ".join(
-                f"\\text{{{line}}}" for line in self._too_long().replace("_", "\\_").splitlines()
-            )
+            lines = " \\\\ ".join(line.latex() for line in self._told())
             return f"\\begin{{gathered}} {lines} \\end{{gathered}}"
         return page.latex(self.groups(view, names), environment)
 
     def mathml(self, view: str = "auto", names: str = "notes") -> str:
         """The same as one `<math>` element."""
         if view == "auto" and not self.is_short:
-            lines = "".join(
-                f"<mtr><mtd><mtext>{escape(line)}</mtext></mtd></mtr>"
-                for line in self._too_long().splitlines()
-            )
-            return (
-                '<math xmlns="http://www.w3.org/1998/Math/MathML" '
-                f'display="block"><mtable>{lines}</mtable></math>'
-            )
+            return ex.matrix([line] for line in self._told()).mathml()
         return page.html(self.groups(view, names))
 
-    def _too_long(self) -> str:
-        return (
-            f"{self.symbols.model.name}: {self.length}: too long to read.\n"
-            f'view="intermediates": the recursion, in {len(self.intermediates())} lines; '
-            'view="named" or "expanded": all terms.'
-        )
+    def _told(self) -> list[ex.Expression]:
+        """How long they are that nobody reads."""
+        return [
+            ex.words(f"{self.symbols.model.name}: {self.length}: too long to read."),
+            ex.words(
+                f"view='intermediates': the recursion, in {len(self.intermediates())} lines; "
+                "view='named' or 'expanded': all terms."
+            ),
+        ]
 
     def __str__(self) -> str:
         return self.text()

@@ -19,7 +19,6 @@ from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.lazy import cached_property
-from freebody.scalars.trig import Trig
 
 
 def work_out(setting: Setting) -> Worked:
@@ -69,50 +68,28 @@ class _Tip:
         """Numbers of the notes' 2R arm."""
         return numbers if self.s.cited == "RR" else ()
 
-    def _named(self, name: str, values: list[Trig]) -> Equation:
-        return eq(vec(name), self.s.column(tuple(values[: self.s.tree.space.dim])))
-
     # ------------------------------------------------------------ forward
     def position(self) -> Step:
         """Sum of the vectors along the arm."""
-        s, closed = self.s, self.closed
-        lines = [*self._along(), *self._sum(), *([self._angle()] if self.turning else [])]
-        reason = (
-            "The vectors along the bodies, added one after the other, lead from the base to the "
-            "tip P."
-        )
-        if not s.planar:
-            reason = (
-                "The poses of the bodies, added one after the other, lead from the base to the "
-                "tip P."
-            )
-        position = self._named("r_P", closed.position)
-        last = [] if s.planar else [position]
+        s, chain = self.s, self._chain()
+        what, position = "vectors along", s.column(tuple(self.closed.position))
+        if s.planar:
+            lines = [eq(name, s.column(value)) for name, value in chain]
+            lines += [self._angle()] if self.turning else []
+            lines.append(eq(vec("r_P"), position))
+        else:
+            what, first = "poses of", s.column(s.world[self._path()[0]][1])
+            start = [vec("r_1")] if first != ex.ZERO else []
+            lines = [eq(name, first) for name in start]
+            total = ex.add(*start, *(name for name, _ in chain))
+            lines.append(eq(vec("r_P"), total, position))
         return Step(
             "Position of the tip",
-            reason,
-            (*lines, *last),
+            f"The {what} the bodies, added one after the other, lead from the base to the tip P.",
+            tuple(lines),
             self.cited("2.10", "2.11", "2.12", "2.13"),
             figure="tip",
         )
-
-    def _along(self) -> list[Equation]:
-        """The vectors from joint to joint, in the plane."""
-        return (
-            [eq(name, self.s.column(value)) for name, value in self._chain()]
-            if self.s.planar
-            else []
-        )
-
-    def _sum(self) -> list[Equation]:
-        s = self.s
-        if not s.planar:
-            return []
-        first = s.world[self._path()[0]][1]
-        start: list[Expression] = [] if s.column(first) == ex.ZERO else [vec("r_1")]
-        opening = [eq(vec("r_1"), s.column(first))] if start else []
-        total = ex.add(*start, *(name for name, _ in self._chain()))
-        return [*opening, eq(vec("r_P"), total, s.column(tuple(self.closed.position)))]
 
     def _chain(self) -> list[tuple[Expression, tuple]]:
         s, path = self.s, self._path()
@@ -136,28 +113,16 @@ class _Tip:
 
     def velocity(self) -> Step:
         """The derivative of the position."""
-        lines = [
-            eq(
-                ex.d_dt(vec("r_P")),
-                self.s.column(tuple(self.closed.velocity[: self.s.tree.space.dim])),
-            )
-        ]
-        if not self.turning:
-            return self._velocity(lines)
-        omega = self.s.show_moved(self.closed.velocity[2])
-        return self._velocity([*lines, eq(ex.d_dt("phi"), omega)])
-
-    def _velocity(self, lines: list[Equation]) -> Step:
-        name = vec("r_P_d")
-        first = eq(name, *lines[0].sides)
-        reason = (
-            "Differentiating with respect to time; a sine's derivative is the cosine times "
-            "the rate of its angle."
-        )
+        s, velocity = self.s, self.closed.velocity
+        value = s.column(tuple(velocity[: s.tree.space.dim]))
+        lines = [eq(vec("r_P_d"), ex.d_dt(vec("r_P")), value)]
+        if self.turning:
+            lines.append(eq(ex.d_dt("phi"), s.show_moved(velocity[2])))
         return Step(
             "Velocity of the tip",
-            reason,
-            (first, *lines[1:]),
+            "Differentiating with respect to time; a sine's derivative is the cosine times the "
+            "rate of its angle.",
+            tuple(lines),
             self.cited("2.16", "2.17"),
             figure="tip velocity",
         )
