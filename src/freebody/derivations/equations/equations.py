@@ -15,6 +15,7 @@ from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, operations
 from freebody.derivations.polynomials.symbols import symbols
 from freebody.derivations.render import page
+from freebody.derivations.render.mathml import MATHML, NAMESPACE
 from freebody.derivations.render.sympy import to_sympy
 from freebody.errors import UnknownNameError
 from freebody.model.model import Model
@@ -96,7 +97,8 @@ class Equations(Titled, ClosedForm):
     def mathml(self, view: str = "auto", names: str = "notes") -> str:
         """The same as one `<math>` element."""
         if view == "auto" and not self.is_short:
-            return ex.matrix([line] for line in self._told()).mathml()
+            rows = (f"<mtr><mtd>{MATHML.line(line)}</mtd></mtr>" for line in self._told())
+            return f'<math {NAMESPACE} display="block"><mtable>{"".join(rows)}</mtable></math>'
         return page.html(self.groups(view, names))
 
     def _told(self) -> list[ex.Expression]:

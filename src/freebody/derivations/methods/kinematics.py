@@ -71,18 +71,16 @@ class _Tip:
     # ------------------------------------------------------------ forward
     def position(self) -> Step:
         """Sum of the vectors along the arm."""
-        s, chain = self.s, self._chain()
-        what, position = "vectors along", s.column(tuple(self.closed.position))
+        s, position = self.s, self.s.column(tuple(self.closed.position))
+        what, lines = "poses of", [eq(vec("r_P"), position)]
         if s.planar:
-            lines = [eq(name, s.column(value)) for name, value in chain]
-            lines += [self._angle()] if self.turning else []
-            lines.append(eq(vec("r_P"), position))
-        else:
-            what, first = "poses of", s.column(s.world[self._path()[0]][1])
+            what, chain = "vectors along", self._chain()
+            first = s.column(s.world[self._path()[0]][1])
             start = [vec("r_1")] if first != ex.ZERO else []
-            lines = [eq(name, first) for name in start]
             total = ex.add(*start, *(name for name, _ in chain))
-            lines.append(eq(vec("r_P"), total, position))
+            lines = [eq(name, s.column(value)) for name, value in chain]
+            lines += [*(eq(name, first) for name in start), eq(vec("r_P"), total, position)]
+            lines += [self._angle()] if self.turning else []
         return Step(
             "Position of the tip",
             f"The {what} the bodies, added one after the other, lead from the base to the tip P.",

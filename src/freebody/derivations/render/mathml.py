@@ -10,6 +10,7 @@ from freebody.derivations.expressions.nodes import Expression, Symbol
 from freebody.derivations.render.lines import BREAK
 from freebody.derivations.render.typesetter import Notation, Typesetter, is_call
 
+NAMESPACE = 'xmlns="http://www.w3.org/1998/Math/MathML"'
 _OPEN, _CLOSE = '<mo stretchy="false">(</mo>', '<mo stretchy="false">)</mo>'
 _THIN, _APPLY, _TIMES = '<mspace width="0.17em"/>', "<mo>&#x2061;</mo>", "<mo>&#x2062;</mo>"
 _DOTS = ("", "˙", "¨")
@@ -19,7 +20,7 @@ _TAGS = re.compile(r"<[^>]*>|&[^;]*;|[˙¨]")
 def mathml(node: Expression, display: bool = True) -> str:
     """A `<math>` element, set as a line of its own unless `display` is false."""
     kind = ' display="block"' if display else ""
-    return f'<math xmlns="http://www.w3.org/1998/Math/MathML"{kind}>{MATHML.line(node)}</math>'
+    return f"<math {NAMESPACE}{kind}>{MATHML.line(node)}</math>"
 
 
 def _width(string: str) -> float:

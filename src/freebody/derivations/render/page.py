@@ -15,7 +15,7 @@ from freebody.derivations.expressions.nodes import (
     Vector,
 )
 from freebody.derivations.render.latex import LATEX, width_of
-from freebody.derivations.render.mathml import MATHML
+from freebody.derivations.render.mathml import MATHML, NAMESPACE
 from freebody.derivations.render.rows import Row, rows
 from freebody.derivations.render.text import TEXT
 from freebody.derivations.render.typesetter import Typesetter
@@ -112,7 +112,4 @@ def html(groups: Groups, width: int = 74) -> str:
                 f'<mtr><mtd style="{space}{_RIGHT}">{"" if goes_on else left + "<mo>=</mo>"}</mtd>'
                 f'<mtd style="{space}{_LEFT}">{indent}{right}</mtd></mtr>'
             )
-    return (
-        '<math xmlns="http://www.w3.org/1998/Math/MathML" display="block">'
-        f'<mtable displaystyle="true">{cells}</mtable></math>'
-    )
+    return f'<math {NAMESPACE} display="block"><mtable displaystyle="true">{cells}</mtable></math>'
