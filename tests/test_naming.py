@@ -17,9 +17,9 @@ from freebody.derivations.methods import METHODS
 from freebody.derivations.naming import Naming
 from freebody.errors import FreebodyError
 from freebody.figures import illustrate
-from freebody.figures.drawing import Arc, Arrow, Dimension, Drawing, Label, Turn, canonical
+from freebody.figures.drawing import Arc, Arrow, Dimension, Drawing, Label, Turn
 from freebody.figures.illustrate import illustrations
-from freebody.figures.text import label
+from freebody.figures.text import canonical, label
 from freebody.model.build import build_model
 from freebody.model.description import Drive, Joint, Link, Mount, RobotDescription
 from freebody.model.inertia import Inertia

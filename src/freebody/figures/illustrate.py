@@ -17,7 +17,7 @@ from freebody.derivations.expressions.expression import Expression, Symbol, node
 from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.methods import METHODS
 from freebody.figures import colours
-from freebody.figures.drawing import Drawing, Element, canonical
+from freebody.figures.drawing import Drawing, Element
 from freebody.figures.figure import save, to_one_scale
 from freebody.figures.kinematic import VIEWS
 from freebody.figures.labelling import labels_of
@@ -25,7 +25,7 @@ from freebody.figures.layers import forces, geometry, motion
 from freebody.figures.layers.structure import Layer, drawn
 from freebody.figures.snapshot import Snapshot, resting_pose, snapshot, with_values
 from freebody.figures.svg import picture
-from freebody.figures.text import label
+from freebody.figures.text import canonical, label
 from freebody.model.model import Model
 from freebody.outputs.numbers import significant
 

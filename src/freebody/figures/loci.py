@@ -9,10 +9,11 @@ from typing import Literal
 import numpy as np
 
 from freebody.errors import FreebodyError
-from freebody.figures.drawing import FLAT, Drawing
+from freebody.figures.drawing import Drawing
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.layers.structure import structure
 from freebody.figures.snapshot import snapshot
+from freebody.figures.view import FLAT
 from freebody.loops.singularity_loci import Locus, singularity_loci
 from freebody.model.model import Model
 from freebody.trees.kinematics import forward_kinematics

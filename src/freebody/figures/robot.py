@@ -7,10 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.figures.drawing import FLAT, Drawing, best_view
+from freebody.figures.drawing import Drawing
 from freebody.figures.layers import geometry, structure
 from freebody.figures.skeleton import extent, skeleton
 from freebody.figures.snapshot import Snapshot, snapshot
+from freebody.figures.view import FLAT, best_view
 from freebody.model.model import Model
 
 _GEOMETRY = (geometry.angles, geometry.slides, geometry.centres, geometry.lengths)

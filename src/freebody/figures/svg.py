@@ -25,10 +25,10 @@ from freebody.figures.drawing import (
     Mark,
     Prism,
     Turn,
-    View,
     places,
 )
 from freebody.figures.label_placement import Box, Crowd, Wanted
+from freebody.figures.view import View
 from freebody.outputs.numbers import significant
 from freebody.outputs.text import legal
 

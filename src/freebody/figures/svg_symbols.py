@@ -12,7 +12,8 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from freebody.arrays import Array
-from freebody.figures.drawing import Prism, View
+from freebody.figures.drawing import Prism
+from freebody.figures.view import View
 
 Pixel = complex
 

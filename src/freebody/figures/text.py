@@ -63,6 +63,19 @@ def indexed(symbol: str, low: str) -> str:
     return f"{symbol}_{{{low}}}" if len(low) > 1 else f"{symbol}_{low}" if low else symbol
 
 
+def bold(name: str) -> str:
+    """A vector's label: its letters bold; a sign in front, a subscript and what is in brackets stay
+    as they are."""
+    sign, rest = (name[0], name[1:]) if name[:1] in ("−", "-") else ("", name)
+    letters = re.split(r"[_^(]", rest, maxsplit=1)[0]
+    return f"{sign}*{letters}*{rest[len(letters) :]}"
+
+
+def canonical(name: str) -> str:
+    """A name without braces around a single letter, its accents composed."""
+    return re.sub(r"_\{(\w)\}", r"_\1", unicodedata.normalize("NFC", name))
+
+
 def runs(formula: str) -> Iterator[Run]:
     """The pieces of a formula."""
     for bold, mark, group, single, rest in _TOKEN.findall(formula):

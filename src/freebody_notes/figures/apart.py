@@ -9,21 +9,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures.drawing import (
-    FLAT,
-    Arrow,
-    Dimension,
-    Drawing,
-    Element,
-    Label,
-    Line,
-    Point,
-    point,
-)
+from freebody.figures.drawing import Arrow, Dimension, Drawing, Element, Label, Line, point
 from freebody.figures.layers import forces
 from freebody.figures.layers.structure import of_each
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot
+from freebody.figures.view import FLAT, Point
 
 _GAP = 0.34  # of the arm's size
 

@@ -9,9 +9,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures.drawing import Drawing, Label, Line, Mark, Prism, axonometric, point
+from freebody.figures.drawing import Drawing, Label, Line, Mark, Prism, point
 from freebody.figures.figure import Figure
 from freebody.figures.snapshot import snapshot
+from freebody.figures.view import axonometric
 from freebody.formats.loading import load
 from freebody.trees.dynamics import joint_wrenches
 

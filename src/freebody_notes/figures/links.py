@@ -7,12 +7,13 @@ import math
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures.drawing import FLAT, Arc, Drawing, Label, Line, Mark, Turn, point
+from freebody.figures.drawing import Arc, Drawing, Label, Line, Mark, Turn, point
 from freebody.figures.figure import Figure
 from freebody.figures.layers import forces, geometry, structure
 from freebody.figures.layers.geometry import BESIDE
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot, snapshot
+from freebody.figures.view import FLAT
 from freebody.model.planar_arms import planar
 from freebody.trees.public_calls import Vector
 from freebody_notes.figures.names import called

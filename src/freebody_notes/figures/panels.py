@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from freebody.figures.drawing import FLAT, Drawing
+from freebody.figures.drawing import Drawing
 from freebody.figures.layers import geometry
 from freebody.figures.layers.structure import Layer, structure
 from freebody.figures.snapshot import Snapshot, snapshot
+from freebody.figures.view import FLAT
 from freebody.formats.loading import load
 from freebody.trees.public_calls import Vector, Wrenches
 

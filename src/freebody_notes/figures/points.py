@@ -8,9 +8,11 @@ import numpy as np
 from numpy.polynomial import Polynomial
 
 from freebody.arrays import Array
-from freebody.figures.drawing import FLAT, Arrow, Drawing, Label, Line, Mark, bold, point
+from freebody.figures.drawing import Arrow, Drawing, Label, Line, Mark, point
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.layers.structure import axes
+from freebody.figures.text import bold
+from freebody.figures.view import FLAT
 
 _X, _Y = (0.8, 2.6), (1.0, 3.4, -1.5)
 _MASSES = (2.0, 1.0, 1.5, 2.5, 1.0)

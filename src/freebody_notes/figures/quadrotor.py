@@ -8,20 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures.drawing import (
-    Drawing,
-    Element,
-    Label,
-    Line,
-    Mark,
-    Prism,
-    View,
-    axonometric,
-    point,
-)
+from freebody.figures.drawing import Drawing, Element, Label, Line, Mark, Prism, point
 from freebody.figures.figure import Figure
 from freebody.figures.layers import structure
 from freebody.figures.snapshot import Snapshot, snapshot
+from freebody.figures.view import View, axonometric
 from freebody.formats.loading import load
 
 _EULER = (math.pi / 4, 0.1, 0.2)

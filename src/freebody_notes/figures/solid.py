@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from freebody.figures.drawing import Drawing, Label, Line, Mark, View, axonometric, point
+from freebody.figures.drawing import Drawing, Label, Line, Mark, point
 from freebody.figures.figure import Figure
 from freebody.figures.layers import structure
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import snapshot
+from freebody.figures.view import View, axonometric
 from freebody.formats.loading import load
 from freebody.trees.dynamics import forward_dynamics
 

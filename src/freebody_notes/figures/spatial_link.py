@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from freebody.figures.drawing import Arrow, Drawing, Label, Line, Mark, axonometric, point
+from freebody.figures.drawing import Arrow, Drawing, Label, Line, Mark, point
 from freebody.figures.figure import Figure
 from freebody.figures.layers import structure
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot, snapshot
+from freebody.figures.view import axonometric
 from freebody.model.dh import dh
 from freebody.model.model import Model
 

@@ -12,20 +12,12 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.figures.body_loads import BodyLoads, Load
 from freebody.figures.colours import FORCES
-from freebody.figures.drawing import (
-    SAME,
-    Arrow,
-    Drawing,
-    Element,
-    Turn,
-    View,
-    best_view,
-    point,
-)  # fmt: skip
+from freebody.figures.drawing import SAME, Arrow, Drawing, Element, Turn, point
 from freebody.figures.layers import geometry, structure
 from freebody.figures.layers.structure import Layer, of_each, view_of
 from freebody.figures.skeleton import BodyPlace, DrawnJoint
 from freebody.figures.snapshot import Snapshot
+from freebody.figures.view import View, best_view
 
 _BESIDE = geometry.BESIDE + 2
 _AXIS, _ANGLE = 0.45, 0.4  # the longest axis and arc beside the forces, of the size of the body

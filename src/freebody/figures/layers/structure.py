@@ -12,23 +12,11 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.figures.drawing import (
-    FLAT,
-    SAME,
-    Drawing,
-    Element,
-    Line,
-    Mark,
-    Point,
-    Prism,
-    View,
-    best_view,
-    point,
-    round_down,
-)  # fmt: skip
+from freebody.figures.drawing import SAME, Drawing, Element, Line, Mark, Prism, point, round_down
 from freebody.figures.names import is_letter
 from freebody.figures.skeleton import BodyPlace, DrawnJoint, LoopPlace, Skeleton
 from freebody.figures.snapshot import Snapshot
+from freebody.figures.view import FLAT, Point, View, best_view
 from freebody.model.joints.kind import Solid
 
 _AXIS = 0.3

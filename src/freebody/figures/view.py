@@ -1,0 +1,69 @@
+"""From where a drawing is seen: places of the world, plane or space, on the page."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from freebody.arrays import Array
+
+Point = tuple[float, ...]
+"""Of the world, metres."""
+
+
+@dataclass(frozen=True)
+class View:
+    """How the world is seen: rows to the right and up on the page, and towards the viewer."""
+
+    rows: tuple[Point, Point]
+    towards: Point = ()
+
+    def project(self, points: Iterable[Sequence[float]]) -> Array:
+        """Page coordinates (k, 2) in metres, y up."""
+        return np.asarray(list(points), dtype=float) @ np.asarray(self.rows).T
+
+    def on_page(self, place: Sequence[float] | Array) -> complex:
+        """x + iy on the page in metres, y down: of a place, or of a direction."""
+        x, y = np.asarray(self.rows) @ np.asarray(place, dtype=float)
+        return complex(x, -y)
+
+    def depth(self, points: Iterable[Sequence[float]]) -> float:
+        """How near the viewer the middle of some points is, metres."""
+        if not self.towards:
+            return 0.0
+        return float(np.mean(np.asarray(list(points), dtype=float) @ np.asarray(self.towards)))
+
+    def shown(self, a: Array, b: Array) -> float:
+        """What part of its length is seen of a segment; 1 where nothing is foreshortened."""
+        length = float(np.linalg.norm(b - a))
+        return float(np.linalg.norm(np.asarray(self.rows) @ (b - a)) / length) if length else 1.0
+
+
+FLAT = View(((1.0, 0.0), (0.0, 1.0)))
+
+
+def axonometric(azimuth: float, elevation: float = 24.0) -> View:
+    """Parallel projection of space with z up; azimuth of the viewer from x, elevation above the
+    ground, degrees."""
+    a, e = math.radians(azimuth), math.radians(elevation)
+    towards = (math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e))
+    right = (-math.sin(a), math.cos(a), 0.0)
+    up = (-math.sin(e) * math.cos(a), -math.sin(e) * math.sin(a), math.cos(e))
+    return View((right, up), towards)
+
+
+def best_view(
+    segments: Sequence[tuple[Array, Array]],
+    azimuths: Sequence[float] = (-60, -30, 30, 60, 120, 150, -150, -120),
+) -> View:
+    """The axonometric view that shows the given segments least foreshortened."""
+    ways = [b - a for a, b in segments] or [np.ones(3)]
+
+    def shown(view: View) -> float:
+        lengths = [np.linalg.norm(np.asarray(view.rows) @ way) for way in ways]
+        return float(sum(lengths) + 2.0 * min(lengths))
+
+    return max(map(axonometric, azimuths), key=shown)
