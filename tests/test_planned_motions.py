@@ -179,6 +179,19 @@ def test_the_work_along_jumping_accelerations_is_exact():
     study = fb.study(arm, fb.trapezoid(arm, [[0, 0], [1, 0.7], [0.3, 0.2]], acceleration=3))
     (balance,) = (check for check in study.checks if check.name == "energy balance")
     assert balance.value < 1e-12
+    assert study.replay is not None
+    assert np.nanmax(study.replay.misses) < 1e-11
+
+
+def test_torques_that_jump_hundreds_of_times_lead_back_to_the_motion():
+    limits = [fb.Limits(-3.0, 3.0, 3.0, 60.0), fb.Limits(-3.0, 3.0, 3.0, 20.0)]
+    arm = fb.planar("RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1], limits=limits)
+    motion = fb.time_optimal(arm, [[0, 0], [1, 0.7], [0.3, 0.2]], points=301)
+    assert len(motion.jumps) > 200
+    study = fb.study(arm, motion)
+    assert all(check.passed for check in study.checks)
+    assert study.replay is not None
+    assert np.nanmax(study.replay.misses) < 1e-11
 
 
 @pytest.mark.parametrize("off", [-1e-13, 1e-13])

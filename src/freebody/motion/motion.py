@@ -33,6 +33,7 @@ FEWEST = 4
 """Samples that a motion needs: fewer do not determine an acceleration."""
 _ON_CURVE = 1e-9  # rad, m: how far samples may lie from the curve that they are samples of
 _NEAR = 1e-9  # of the duration: a break this near to a sample is that
+_JUMP = 1e-9  # of the largest acceleration
 _MEET = 1e-9  # of the largest position or rate: by how much motions in a row may miss each other
 
 
@@ -128,10 +129,15 @@ class Motion(Tabled, ByValue):
         """s."""
         return float(self.t[-1] - self.t[0])
 
-    def at(self, t: ArrayLike) -> tuple[Array, Array, Array]:
-        """(q, qd, qdd) at any times t (...) within the motion: (..., nq), (..., nv), (..., nv)."""
-        curve, rate, second = self._curves
-        return state_of(self.layout, curve(t), rate(t), second(t))
+    def at(self, t: ArrayLike, around: Array | None = None) -> tuple[Array, Array, Array]:
+        """(q, qd, qdd) at any times t (...) within the motion: (..., nq), (..., nv), (..., nv).
+
+        around: (...) other times, whose polynomials are taken, as on the near side of a jump.
+        """
+        if around is None:
+            return state_of(self.layout, *(curve(t) for curve in self._curves))
+        times = np.asarray(t, dtype=float)
+        return state_of(self.layout, *(x.continued(times, around) for x in self._curves))
 
     @cached_property
     def curve(self) -> PiecewisePolynomial:
@@ -160,6 +166,15 @@ class Motion(Tabled, ByValue):
         near = np.diff(every) <= _NEAR * self.duration
         twin = np.append(False, near & own[:-1]) | np.append(near & own[1:], False)
         return every[own | ~twin]
+
+    @cached_property
+    def jumps(self) -> Array:
+        """Times (k,) within the motion at which accelerations jump."""
+        if self.pieces is None:
+            return np.empty(0)
+        t, second = self.knots[1:-1], self._curves[2]
+        size = np.abs(second.before(t) - second(t)).max(axis=1)
+        return t[size > _JUMP * second.extremes.size.max()]
 
     @cached_property
     def peaks(self) -> Peaks:

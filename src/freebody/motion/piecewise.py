@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import comb, factorial
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -49,9 +49,18 @@ class PiecewisePolynomial(Titled, ByValue):
         return self._pieces(t)
 
     def before(self, t: Array) -> Array:
-        """Values (k, n) at t (k,) of the pieces that end there, or go on there."""
-        piece = np.clip(np.searchsorted(self.breaks, t, side="left") - 1, 0, len(self.breaks) - 2)
-        u, value = (t - self.breaks[piece])[:, None], np.zeros((len(t), 1))
+        """Values (..., n) at t (...) of the pieces that end there, or go on there."""
+        return self._of(np.searchsorted(self.breaks, t, side="left") - 1, t)
+
+    def continued(self, t: Array, around: Array) -> Array:
+        """Values (..., n) at t (...) of the pieces at other times `around` (...), wherever they
+        end."""
+        return self._of(np.searchsorted(self.breaks, around, side="right") - 1, t)
+
+    def _of(self, piece: Any, t: Array) -> Array:
+        """Values of given pieces."""
+        piece = np.clip(piece, 0, len(self.breaks) - 2)
+        u, value = (t - self.breaks[piece])[..., None], np.zeros((*np.shape(t), 1))
         for c in self.coefficients:
             value = value * u + c[piece]
         return value

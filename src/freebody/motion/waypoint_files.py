@@ -20,7 +20,6 @@ from freebody.outputs.files import write
 from freebody.outputs.text import csv_text
 
 Rows = Literal["knots", "samples"]
-_JUMP = 1e-9  # of the largest acceleration
 
 
 def read_waypoint_file(model: Model, path: str | os.PathLike[str]) -> tuple[Array, Array | None]:
@@ -75,12 +74,9 @@ def write_motion(
     whole = require_motion("write_motion", model, motion)
     header, table = motion_table(model, whole if rows == "samples" else at_knots(whole))
     if rows == "knots" and whole.pieces is not None and whole.layout.flat:
-        before = whole.pieces.derivative(2).before(table[:, 0])
-        after = table[:, 1 + 2 * model.nq :]
-        jumps = np.abs(after - before).max(axis=1) > _JUMP * np.abs(after).max(initial=0.0)
-        jumps[[0, -1]] = False
+        jumps = np.isin(table[:, 0], whole.jumps)
         twice = table[jumps]
-        twice[:, 1 + 2 * model.nq :] = before[jumps]
+        twice[:, 1 + 2 * model.nq :] = whole.pieces.derivative(2).before(twice[:, 0])
         table = np.insert(table, np.flatnonzero(jumps), twice, axis=0)
     return write(path, csv_text([header, *table]))
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, NoReturn
 
 import numpy as np
@@ -97,8 +98,8 @@ class _Reference:
     system: System
     motion: Motion
 
-    def torque(self, t: Array) -> Array:
-        return self.system.torque(t, *self.motion.at(t))
+    def torque(self, t: Array, around: Array | None = None) -> Array:
+        return self.system.torque(t, *self.motion.at(t, around))
 
     def state(self, t: Array) -> Array:
         q, qd, _ = self.motion.at(t)
@@ -220,36 +221,48 @@ def _land(
     length = end - start
     count, n = len(length), whole.size
 
+    cuts = _cuts(motion.jumps, start, length)
+    around: Array | None = None  # within the stretch between cuts
+
     def rate(s: float, y: Array) -> Array:
         t = start + s * length
         states = y.reshape(count, n)
-        return (whole.rate(t, states, reference.torque(t)) * length[:, None]).ravel()
+        return (whole.rate(t, states, reference.torque(t, around)) * length[:, None]).ravel()
 
     def slope(s: float, y: Array) -> Any:
         t = start + s * length
-        A = whole.jacobian(t, y.reshape(count, n), reference.torque(t)) * length[:, None, None]
+        torque = reference.torque(t, around)
+        A = whole.jacobian(t, y.reshape(count, n), torque) * length[:, None, None]
         return block_diag(A, format="csc") if count > 1 else A[0]
 
-    implicit: dict[str, Any] = {"jac": slope} if method != "DOP853" else {}
-    y0 = reference.state(start).ravel()
-    try:
-        found = solve_ivp(
-            _limited(rate, _MOST_EVALUATIONS),
-            (0.0, 1.0),
-            y0,
-            method=method,
-            **_tolerances(method),
-            **implicit,
-        )
-    except _Spent:
-        return np.full(count, np.inf)
-    if not found.success:
-        return np.full(count, np.inf)
-    reached = whole.normalised(found.y[:, -1].reshape(count, n))
+    options: dict[str, Any] = {"jac": slope} if method != "DOP853" else {}
+    y, counted = reference.state(start).ravel(), _limited(rate, _MOST_EVALUATIONS)
+    for s0, s1 in pairwise(cuts):
+        if len(cuts) > 2:
+            around = start + 0.5 * (s0 + s1) * length
+            options["first_step"] = s1 - s0
+        try:
+            found = solve_ivp(counted, (s0, s1), y, method=method, **_tolerances(method), **options)
+        except _Spent:
+            return np.full(count, np.inf)
+        if not found.success:
+            return np.full(count, np.inf)
+        y = found.y[:, -1]
+    reached = whole.normalised(y.reshape(count, n))
     off = difference(whole.model, motion.at(end)[0], whole.split(reached)[0])
     return np.abs(off / allowed.width).max(axis=-1)
 
 
+def _cuts(jumps: Array, start: Array, length: Array) -> list[float]:
+    """Fractions of the pieces, from 0 to 1, at which the accelerations of one of them jump: no step
+    of an integrator goes across."""
+    inside = (jumps[:, None] - start) / length
+    cuts = np.unique(inside[(inside > _SAME) & (inside < 1.0 - _SAME)])
+    apart = np.diff(cuts, prepend=0.0) > _SAME
+    return [0.0, *cuts[apart].tolist(), 1.0]
+
+
+_SAME = 1e-9  # of a piece
 _ASTRAY = "astray"
 
 
