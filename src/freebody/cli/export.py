@@ -20,68 +20,79 @@ class NumberChoice(StrEnum):
     float32 = "float32"
 
 
+_Quantities = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="QUANTITY…",
+        help="What the function computes: inverse_dynamics, mass_matrix, jacobian, …",
+    ),
+]
+_Language = Annotated[
+    str,
+    typer.Option(
+        help="c, cpp, javascript, javascript-script, rust, julia, matlab, numpy, jax, "
+        "casadi or cuda (PTX)."
+    ),
+]
+_Out = Annotated[
+    Path | None,
+    typer.Option(metavar="DIR", help="Folder for the files. Default: export-ROBOT."),
+]
+_Name = Annotated[
+    str | None,
+    typer.Option(metavar="WORD", help="Name of the function. Default: from the quantities."),
+]
+_NumberType = Annotated[
+    NumberChoice, typer.Option(help="Number type (float32 only for c, rust, julia and cuda).")
+]
+_Frame = Annotated[
+    str | None, typer.Option(help="Frame of kinematic quantities. Default: the tip.")
+]
+_Reference = Annotated[
+    str, typer.Option(help="Axes of Jacobians and wrenches: world, body or child.")
+]
+_Wrenches = Annotated[
+    list[str] | None,
+    typer.Option(metavar="FRAME", help="A frame that carries a wrench; may be repeated."),
+]
+_Inputs = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--input",
+        metavar="NAME",
+        help="A number of the robot that is given at each call, such as '*.mass'; may be repeated.",
+    ),
+]
+_By = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="ARGUMENT",
+        help="Derivatives by this argument as well, such as q, "
+        "or p for the numbers of --input; may be repeated.",
+    ),
+]
+_Rows = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="ROW",
+        help="Restrict operational-space quantities to vx, vy, vz, wx, wy or wz; may be repeated.",
+    ),
+]
+
+
 def export(
     robot: options.Robot,
-    quantities: Annotated[
-        list[str],
-        typer.Argument(
-            metavar="QUANTITY…",
-            help="What the function computes: inverse_dynamics, mass_matrix, jacobian, …",
-        ),
-    ],
-    language: Annotated[
-        str,
-        typer.Option(
-            help="c, cpp, javascript, javascript-script, rust, julia, matlab, numpy, jax, "
-            "casadi or cuda (PTX)."
-        ),
-    ] = "c",
-    out: Annotated[
-        Path | None,
-        typer.Option(metavar="DIR", help="Folder for the files. Default: export-ROBOT."),
-    ] = None,
-    name: Annotated[
-        str | None,
-        typer.Option(metavar="WORD", help="Name of the function. Default: from the quantities."),
-    ] = None,
-    dtype: Annotated[
-        NumberChoice, typer.Option(help="Number type (float32 only for c, rust, julia and cuda).")
-    ] = NumberChoice.float64,
-    frame: Annotated[
-        str | None, typer.Option(help="Frame of kinematic quantities. Default: the tip.")
-    ] = None,
-    reference: Annotated[
-        str, typer.Option(help="Axes of Jacobians and wrenches: world, body or child.")
-    ] = "world",
-    wrench: Annotated[
-        list[str] | None,
-        typer.Option(metavar="FRAME", help="A frame that carries a wrench; may be repeated."),
-    ] = None,
-    inputs: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--input",
-            metavar="NAME",
-            help="A number of the robot that is given at each call, such as '*.mass'; "
-            "may be repeated.",
-        ),
-    ] = None,
-    by: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="ARGUMENT",
-            help="Derivatives by this argument as well, such as q, "
-            "or p for the numbers of --input; may be repeated.",
-        ),
-    ] = None,
-    row: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="ROW",
-            help="Restrict operational-space quantities to vx, vy, vz, wx, wy or wz; may be "
-            "repeated.",
-        ),
-    ] = None,
+    quantities: _Quantities,
+    language: _Language = "c",
+    out: _Out = None,
+    name: _Name = None,
+    dtype: _NumberType = NumberChoice.float64,
+    frame: _Frame = None,
+    reference: _Reference = "world",
+    wrench: _Wrenches = None,
+    inputs: _Inputs = None,
+    by: _By = None,
+    row: _Rows = None,
     tip: options.Tip = None,
     base: options.Base = None,
     convention: options.Convention = None,

@@ -31,98 +31,19 @@ def text(program: Program, real: Real) -> str:
     `@kernel`, and of `@fastcall.checked`, which also looks whether the outputs are finite and
     quaternions of unit length; `self` is the tuple that `fastcall.Definition.function` makes."""
     inputs, outputs = program.inputs, program.outputs
-    arguments = (*inputs, *outputs)
+    entries = zip(EXPORTS, ("false", "true"), strict=True)
     lines = [
-        "@freebody.PyArray_Type = external global i8",
+        *_EXTERNALS,
         f"@{_descr(real)} = external global i8",
-        "@freebody.PyFloat_Type = external global i8",
-        "@freebody.PyTuple_Type = external global i8",
-        "@freebody.name.out = external global i8",
-        "declare ptr @PyObject_Vectorcall(ptr, ptr, i64, ptr)",
-        "declare ptr @freebody.PyArray_New(ptr, i32, ptr, i32, ptr, ptr, i32, i32, ptr)",
-        "declare ptr @freebody.PyArray_Scalar(ptr, ptr, ptr)",
-        "declare ptr @PyTuple_New(i64)",
-        "declare i32 @PyTuple_SetItem(ptr, i64, ptr)",
-        "declare void @Py_IncRef(ptr)",
-        "declare void @Py_DecRef(ptr)",
-        _numbers("fast.dims", [1, *(n for a in arguments for n in a.shape)]),
-        _numbers(
-            "fast.steps",
-            [real.size * a.size for a in arguments]
-            + [s for a in arguments for s in _strides(a, real.size)],
-        ),
-        *(_numbers(f"fast.shape{k}", list(a.shape)) for k, a in enumerate(outputs) if a.shape),
-        *(_entry(name, checked) for name, checked in zip(EXPORTS, ("false", "true"), strict=True)),
+        *_tables(inputs, outputs, real),
+        *(_entry(name, checked) for name, checked in entries),
         "define internal ptr @fast(ptr %self, ptr %args, i64 %nargs, ptr %kwnames, i1 %checked) "
         "noinline {",
-        "entry:",
-        f"  %data = alloca [{len(arguments)} x ptr], align 16",
-        *(
-            f"  %cell{k} = alloca {real.name}, align 8"
-            for k, a in enumerate(outputs)
-            if not a.shape
-        ),
-        f"  %all = icmp eq i64 %nargs, {len(inputs)}",
-        f"  %but.last = icmp eq i64 %nargs, {len(inputs) - 1}",
-        "  %right.count = or i1 %all, %but.last",
-        f"  %held.at = getelementptr i8, ptr %self, i64 {_HELD}",
-        "  %no.names = icmp eq ptr %kwnames, null",
-        "  br i1 %right.count, label %counted, label %general",
+        *_counted(inputs, outputs, real),
         *_named_out(len(outputs)),
-    ]
-    for k, argument in enumerate(inputs):
-        is_number = not argument.shape and real is DOUBLE
-        otherwise = f"float{k}" if is_number else "general"
-        last = k == len(inputs) - 1
-        lines += _look(
-            k,
-            argument,
-            real,
-            f"%args, i64 {k}",
-            _CONTIGUOUS_ALIGNED,
-            otherwise=otherwise,
-            last=last,
-        )
-        lines += _float(k) if is_number else []
-    lines += [
-        f"look{len(inputs)}:",
-        "  br i1 %checked, label %lengths, label %looked",
-        "lengths:",
-        f"  %units.at = getelementptr i8, ptr %self, i64 {_UNITS}",
-        "  %units = load ptr, ptr %units.at, align 8",
-        "  %are.unit = call i1 @fast.unit(ptr %units, ptr %data)",
-        "  br i1 %are.unit, label %looked, label %general",
-        "looked:",
-        "  br i1 %no.names, label %make, label %taken",
-    ]
-    lines += _taken(len(outputs))
-    lines.append(f"  br label %look{len(inputs) + 1}")
-    for k, argument in enumerate(outputs, len(inputs) + 1):
-        lines += _look(
-            k,
-            argument,
-            real,
-            f"%outs, i64 {k - len(inputs) - 1}",
-            _CONTIGUOUS_ALIGNED | _WRITEABLE,
-            -1,
-        )
-    lines += [
-        f"look{len(arguments) + 1}:",
-        *_apart(arguments, len(inputs), real.size),
-        "run:",
-        "  call void @kernel(ptr %data, ptr @fast.dims, ptr @fast.steps, ptr null)",
-        "  call void @Py_IncRef(ptr %given)",
-        "  ret ptr %given",
-        "make:",
-    ]
-    for k, argument in enumerate(outputs):
-        lines += (_make if argument.shape else _cell)(k, len(inputs) + k, argument, real)
-    lines.append("  call void @kernel(ptr %data, ptr @fast.dims, ptr @fast.steps, ptr null)")
-    lines += fastchecks.checked(outputs)
-    for k, argument in enumerate(outputs):
-        lines += [] if argument.shape else _scalar(k, real)
-    lines += ["  ret ptr %out0"] if len(outputs) == 1 else _tuple(len(outputs))
-    lines += [
+        *_inputs_seen(inputs, real),
+        *_outputs_given(inputs, outputs, real),
+        *_outputs_made(inputs, outputs, real),
         "general:",
         f"  %callable.at = getelementptr i8, ptr %self, i64 {_GENERAL}",
         "  %callable = load ptr, ptr %callable.at, align 8",
@@ -134,6 +55,105 @@ def text(program: Program, real: Real) -> str:
         "}",
     ]
     return "\n".join(lines) + "\n"
+
+
+_EXTERNALS = (
+    "@freebody.PyArray_Type = external global i8",
+    "@freebody.PyFloat_Type = external global i8",
+    "@freebody.PyTuple_Type = external global i8",
+    "@freebody.name.out = external global i8",
+    "declare ptr @PyObject_Vectorcall(ptr, ptr, i64, ptr)",
+    "declare ptr @freebody.PyArray_New(ptr, i32, ptr, i32, ptr, ptr, i32, i32, ptr)",
+    "declare ptr @freebody.PyArray_Scalar(ptr, ptr, ptr)",
+    "declare ptr @PyTuple_New(i64)",
+    "declare i32 @PyTuple_SetItem(ptr, i64, ptr)",
+    "declare void @Py_IncRef(ptr)",
+    "declare void @Py_DecRef(ptr)",
+)
+_RUN = "  call void @kernel(ptr %data, ptr @fast.dims, ptr @fast.steps, ptr null)"
+_Arguments = tuple[Argument, ...]
+
+
+def _tables(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[str]:
+    """What the loop is told of one sample, and the shapes of outputs."""
+    arguments = (*inputs, *outputs)
+    steps = [real.size * a.size for a in arguments]
+    strides = [s for a in arguments for s in _strides(a, real.size)]
+    return [
+        _numbers("fast.dims", [1, *(n for a in arguments for n in a.shape)]),
+        _numbers("fast.steps", steps + strides),
+        *(_numbers(f"fast.shape{k}", list(a.shape)) for k, a in enumerate(outputs) if a.shape),
+    ]
+
+
+def _counted(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[str]:
+    """Room for what the loop takes; on to `counted` with as many arguments as there are inputs, or
+    all but the last."""
+    cells = [k for k, a in enumerate(outputs) if not a.shape]
+    return [
+        "entry:",
+        f"  %data = alloca [{len(inputs) + len(outputs)} x ptr], align 16",
+        *(f"  %cell{k} = alloca {real.name}, align 8" for k in cells),
+        f"  %all = icmp eq i64 %nargs, {len(inputs)}",
+        f"  %but.last = icmp eq i64 %nargs, {len(inputs) - 1}",
+        "  %right.count = or i1 %all, %but.last",
+        f"  %held.at = getelementptr i8, ptr %self, i64 {_HELD}",
+        "  %no.names = icmp eq ptr %kwnames, null",
+        "  br i1 %right.count, label %counted, label %general",
+    ]
+
+
+def _inputs_seen(inputs: _Arguments, real: Real) -> list[str]:
+    """The inputs one after the other, and whether quaternions are of unit length; on to `taken`
+    where there is an `out`, else to `make`."""
+    lines = []
+    for k, argument in enumerate(inputs):
+        is_number = not argument.shape and real is DOUBLE
+        otherwise = f"float{k}" if is_number else "general"
+        last = k == len(inputs) - 1
+        place = f"%args, i64 {k}"
+        lines += _look(k, argument, real, place, _CONTIGUOUS_ALIGNED, 0, otherwise, last)
+        lines += _float(k) if is_number else []
+    return [
+        *lines,
+        f"look{len(inputs)}:",
+        "  br i1 %checked, label %lengths, label %looked",
+        "lengths:",
+        f"  %units.at = getelementptr i8, ptr %self, i64 {_UNITS}",
+        "  %units = load ptr, ptr %units.at, align 8",
+        "  %are.unit = call i1 @fast.unit(ptr %units, ptr %data)",
+        "  br i1 %are.unit, label %looked, label %general",
+        "looked:",
+        "  br i1 %no.names, label %make, label %taken",
+    ]
+
+
+def _outputs_given(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[str]:
+    """From `taken`: run into the arrays given as `out`, and return what was given."""
+    lines = [*_taken(len(outputs)), f"  br label %look{len(inputs) + 1}"]
+    flags = _CONTIGUOUS_ALIGNED | _WRITEABLE
+    for k, argument in enumerate(outputs):
+        lines += _look(len(inputs) + 1 + k, argument, real, f"%outs, i64 {k}", flags, -1)
+    return [
+        *lines,
+        f"look{len(inputs) + len(outputs) + 1}:",
+        *_apart((*inputs, *outputs), len(inputs), real.size),
+        "run:",
+        _RUN,
+        "  call void @Py_IncRef(ptr %given)",
+        "  ret ptr %given",
+    ]
+
+
+def _outputs_made(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[str]:
+    """From `make`: run into new arrays, and return them, if asked for only where all is finite."""
+    lines = ["make:"]
+    for k, argument in enumerate(outputs):
+        lines += (_make if argument.shape else _cell)(k, len(inputs) + k, argument, real)
+    lines += [_RUN, *fastchecks.checked(outputs)]
+    for k, argument in enumerate(outputs):
+        lines += [] if argument.shape else _scalar(k, real)
+    return [*lines, "  ret ptr %out0"] if len(outputs) == 1 else [*lines, *_tuple(len(outputs))]
 
 
 def _entry(name: str, checked: str) -> str:

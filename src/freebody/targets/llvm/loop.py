@@ -13,7 +13,7 @@ than once with the same values.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from freebody.program.program import Argument, Program
 from freebody.program.segments import SegmentedProgram
@@ -81,19 +81,19 @@ def _loop(
 ) -> str:
     """The uniform numbers, then rounds of `tiles` groups: all in, those of the round before out,
     `@compute`."""
-    lanes, width, checks = machine.lanes, machine.width, check_slots(program, layout)
-    slots = layout.slots + len(checks)
-    arguments = program.inputs + program.outputs
-    addresses = 8 * width * len(arguments)
-    sizes = {
-        "tile.a": lanes.size * slots * tiles,
-        "tile.b": lanes.size * slots * tiles,
-        "lanes": addresses,
-        "lanes.short": addresses,
-        "offsets": 8 * sum(argument.size for argument in arguments),
-        "uniform": lanes.real.size * (shared.slots + 1) if shared else 0,
-    }
-    get, give_back = _workspace(sizes)
+    lanes, checks = machine.lanes, check_slots(program, layout)
+    arguments, slots = program.inputs + program.outputs, layout.slots + len(checks)
+    tile, addresses = lanes.size * slots * tiles, 8 * machine.width * len(arguments)
+    get, give_back = _workspace(
+        {
+            "tile.a": tile,
+            "tile.b": tile,
+            "lanes": addresses,
+            "lanes.short": addresses,
+            "offsets": 8 * sum(argument.size for argument in arguments),
+            "uniform": lanes.real.size * (shared.slots + 1) if shared else 0,
+        }
+    )
     lines = [
         f"define {'internal void @loop' if shared else 'void @kernel'}"
         "(ptr %args, ptr %dims, ptr %steps, ptr %data) #0 {",
@@ -101,9 +101,26 @@ def _loop(
         "  %n = load i64, ptr %dims, align 8",
         _FLAGS[machine.x86]["save"],
         *get,
+        *_prepared(arguments, lanes),
     ]
-    core, first = len(arguments), 0
-    number = 0
+    if shared:
+        lines.append("  call void @uniform.finite(ptr %uniform)\n  call void @once(ptr %uniform)")
+    lines += [
+        *_rounds(program, lanes, slots, tiles, checks),
+        *give_back,
+        _FLAGS[machine.x86]["restore"],
+        "  ret void",
+        "}",
+        *(f"@shape{k} = internal constant {integers(x.shape)}" for k, x in enumerate(arguments)),
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def _prepared(arguments: Sequence[Argument], lanes: Lanes) -> list[str]:
+    """How each argument is read or written; uniform ones are read at once."""
+    lines: list[str] = []
+    core, first, number = len(arguments), 0, 0
     for k, argument in enumerate(arguments):
         lines += _contiguous(k, argument, core, lanes.real.size)
         if argument.uniform:
@@ -113,9 +130,18 @@ def _loop(
             lines += _prepare(k, argument, first, lanes)
         core += len(argument.shape)
         first += argument.size
-    if shared:
-        lines.append("  call void @uniform.finite(ptr %uniform)\n  call void @once(ptr %uniform)")
-    lines.append(f"""\
+    return lines
+
+
+def _rounds(
+    program: Program, lanes: Lanes, slots: int, tiles: int, checks: Mapping[int, int]
+) -> list[str]:
+    """Until the last round is out."""
+    samples = lanes.width * tiles
+    inputs = [(k, argument) for k, argument in enumerate(program.inputs) if not argument.uniform]
+    outputs = list(enumerate(program.outputs, len(program.inputs)))
+    return [
+        f"""\
   br label %begin
 begin:
   br label %head
@@ -123,18 +149,14 @@ head:
   %i = phi i64 [ 0, %begin ], [ %i.next, %tail ]
   %tile = phi ptr [ %tile.a, %begin ], [ %before.tile, %tail ]
   %before.tile = phi ptr [ %tile.b, %begin ], [ %tile, %tail ]
-  %before = sub i64 %i, {width * tiles}
+  %before = sub i64 %i, {samples}
   %more = icmp slt i64 %before, %n
-  br i1 %more, label %choose, label %end""")
-    inputs = [(k, argument) for k, argument in enumerate(program.inputs) if not argument.uniform]
-    outputs = list(enumerate(program.outputs, len(program.inputs)))
-    lines += _whole_round(inputs, outputs, lanes, slots, tiles)
-    lines += _phase("in", "%i", "%tile", inputs, lanes, slots, tiles, checks)
-    lines.append(
-        "in.done:\n  %started = icmp ne i64 %i, 0\n  br i1 %started, label %out, label %out.done"
-    )
-    lines += _phase("out", "%before", "%before.tile", outputs, lanes, slots, tiles, {})
-    lines.append(f"""\
+  br i1 %more, label %choose, label %end""",
+        *_whole_round(inputs, outputs, lanes, slots, tiles),
+        *_phase("in", "%i", "%tile", inputs, lanes, slots, tiles, checks),
+        "in.done:\n  %started = icmp ne i64 %i, 0\n  br i1 %started, label %out, label %out.done",
+        *_phase("out", "%before", "%before.tile", outputs, lanes, slots, tiles, {}),
+        f"""\
 out.done:
   %some = icmp ne i64 %in.g, 0
   br i1 %some, label %run, label %tail
@@ -143,13 +165,10 @@ run:
   call void @compute(ptr %tile, ptr %uniform, i64 %groups)
   br label %tail
 tail:
-  %i.next = add i64 %i, {width * tiles}
+  %i.next = add i64 %i, {samples}
   br label %head
-end:""")
-    shapes = [f"@shape{k} = internal constant {integers(x.shape)}" for k, x in enumerate(arguments)]
-    return "\n".join(
-        [*lines, *give_back, _FLAGS[machine.x86]["restore"], "  ret void", "}", *shapes, ""]
-    )
+end:""",
+    ]
 
 
 def _whole_round(
