@@ -169,10 +169,6 @@ class Naming:
         """s_{n,name}: from joint n to a point of that name."""
         return Symbol(f"s{n}_{name}", "s", (str(n), name), bold=True)
 
-    def to_centre(self, n: int) -> Symbol:
-        """s_cn, from joint n to the centre of mass of body n."""
-        return vec(f"sc{n}")
-
     def length(self, child: int | None, frame: str = "") -> Symbol | None:
         """The model's name for the way from a joint to that of the next body, or to a frame; None
         where it has none."""

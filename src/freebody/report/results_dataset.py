@@ -17,10 +17,8 @@ if TYPE_CHECKING:
 
 
 def facts(study: Study) -> xr.Dataset:
-    """(body,): body_mass. (body, axis): body_com_local, body_weight. (coordinate,): lower_limit,
-    upper_limit, velocity_limit, effort_limit (infinite without), worst_gravity_torque,
-    worst_gravity_fraction and (coordinate, position): worst_gravity_pose, NaN where gravity loads
-    nothing. (check,): check_value, check_bar, check_passed (1 or 0)."""
+    """Of bodies mass, centre and weight; of coordinates limits (infinite without) and the worst
+    pose, NaN where gravity loads nothing; value and bar of each check."""
     model = study.model
     masses, centres = _inertias(study)
     allowed = ranges(model)

@@ -49,9 +49,9 @@ class Study(Tabled, ByValue):
     Names of dimensions: `time` (T samples), `coordinate` (nv; model.velocity_names), `position`
     (nq; position_names), `joint` (model.joint_names; joint i carries body i; then the loops),
     `body` (names of the bodies), `axis` (x, y, z; x, y in the plane), `moment_axis` (x, y, z; z in
-    the plane). Every variable has the attributes `units` and `long_name`; where units differ by
-    coordinate they are "rad|m" and the like, and the coordinate arrays `unit` (rad or m) and
-    `effort_unit` (N m or N) along `coordinate` say which.
+    the plane). Every variable has the attributes `units` and `long_name`, as the page on studies
+    lists them; where units differ by coordinate they are "rad|m" and the like, and the coordinate
+    arrays `unit` (rad or m) and `effort_unit` (N m or N) along `coordinate` say which.
     """
 
     model: Model
@@ -61,31 +61,12 @@ class Study(Tabled, ByValue):
     """One sentence: which frame is the tip and why."""
     motion: Motion
     data: xr.Dataset
-    """Time series.
-
-    (time, position): q. (time, coordinate): qd, qdd, tau and its parts tau_inertial (M q̈ of the
-    bodies), tau_coriolis, tau_gravity, tau_friction, tau_springs, tau_rotors, which sum to tau;
-    tau_viscous, part of the friction; power. (time, joint, axis | moment_axis): reaction_force,
-    reaction_moment (world axes, on the child, by the parent, at the child's joint origin), and with
-    suffix _child in the child's axes. (time, joint): axial_force, radial_force, tilting_moment,
-    guide_moment, drive_load (`report.bearings`). (time, body, axis): body_origin, body_com. (time,
-    axis | moment_axis): tip_position, tip_velocity, tip_angular_velocity. (time,): kinetic_energy,
-    potential_energy, motor_power, friction_power, supplied_work, energy_residual,
-    smallest_singular_value, largest_singular_value, manipulability.
-    """
+    """Time series: the motion, torques with their parts, reactions and what bearings carry, bodies,
+    tip, energies, powers."""
     summary: xr.Dataset
-    """Peaks and means.
-
-    (coordinate,): peak_torque, peak_torque_time, rms_torque, peak_speed, peak_speed_time,
-    peak_power, peak_power_time, mean_power, work_done, work_braked, net_work, regenerated_share,
-    lowest, highest, gravity_torque_peak, and with NaN where there is no limit: effort_fraction,
-    velocity_fraction, position_fraction (how far from the middle of the range, 1 at a limit),
-    rms_fraction, power_fraction (over effort times speed limit). (joint,): peak_force, peak_moment,
-    the magnitudes of the reaction, and peak_axial_force, peak_radial_force, peak_tilting_moment,
-    peak_guide_moment, peak_drive_load, each with its time. Of all drives: total_work_done,
-    total_work_braked, total_net_work, total_regenerated_share, total_peak_power, shared_work_done,
-    shared_work_braked.
-    """
+    """Peaks, means and shares of limits: of each drive, of each joint (`joint`: magnitudes of
+    reactions, loads of bearings, each with its time), and of all drives together; NaN where there
+    is no limit."""
     worst: Worst
     static: tuple[StaticPose, ...]
     """For each coordinate that gravity loads."""

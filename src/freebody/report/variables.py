@@ -60,17 +60,11 @@ _BY_DIMENSIONS: dict[str, dict[str, tuple[str, str]]] = {
     },
     "time joint axis": {
         "reaction_force": ("N", "reaction force on the child at its joint, world axes"),
-        "reaction_force_child": (
-            "N",
-            "reaction force on the child at its joint, axes of the child",
-        ),
+        "reaction_force_child": ("N", "reaction force on the child at its joint, child's axes"),
     },
     "time joint moment_axis": {
         "reaction_moment": ("N m", "reaction moment on the child at its joint, world axes"),
-        "reaction_moment_child": (
-            "N m",
-            "reaction moment on the child at its joint, axes of the child",
-        ),
+        "reaction_moment_child": ("N m", "reaction moment on the child at its joint, child's axes"),
     },
     "time joint": _BEARING,
     "time body axis": {
@@ -96,25 +90,16 @@ _BY_DIMENSIONS: dict[str, dict[str, tuple[str, str]]] = {
     "coordinate": {
         "peak_torque": (_EFFORT, "largest torque or force in magnitude, with its sign"),
         "peak_torque_time": ("s", "when the torque is largest"),
-        "rms_torque": (
-            _EFFORT,
-            "root mean square of the torque over the motion: the measure of motor heating",
-        ),
+        "rms_torque": (_EFFORT, "root mean square of the torque: the measure of motor heating"),
         "peak_speed": (_SPEED, "largest speed, between samples too"),
         "peak_speed_time": ("s", "when the speed is largest"),
-        "peak_power": (
-            "W",
-            "torque times speed where it is largest; negative where the drive brakes",
-        ),
+        "peak_power": ("W", "largest mechanical power; negative where the drive brakes"),
         "peak_power_time": ("s", "when the power is largest"),
         "mean_power": ("W", "mean mechanical power, braking counted as negative"),
         "gravity_torque_peak": (_EFFORT, "largest gravity part of the torque"),
         "work_done": ("J", "work that the drive does: torque and speed have the same sign"),
         "work_braked": ("J", "work that the drive absorbs in braking"),
-        "net_work": (
-            "J",
-            "work done less work braked: over a full cycle, the energy lost to friction",
-        ),
+        "net_work": ("J", "work done less braked: over a full cycle, what is lost to friction"),
         "regenerated_share": ("1", "work braked over work done: what could be fed back"),
         "lowest": (_POSITION, "least position"),
         "highest": (_POSITION, "greatest position"),
@@ -127,10 +112,7 @@ _BY_DIMENSIONS: dict[str, dict[str, tuple[str, str]]] = {
         "upper_limit": (_POSITION, "upper limit of the position"),
         "velocity_limit": (_SPEED, "speed limit"),
         "effort_limit": (_EFFORT, "effort limit"),
-        "worst_gravity_torque": (
-            _EFFORT,
-            "largest gravity load found in any pose within the limits",
-        ),
+        "worst_gravity_torque": (_EFFORT, "largest gravity load in any pose within the limits"),
         "worst_gravity_fraction": ("1", "gravity load in the worst pose over the effort limit"),
     },
     "joint": {

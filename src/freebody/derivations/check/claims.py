@@ -49,7 +49,7 @@ def claims(setting: RightEquations, text: str, names: Mapping[str, str]) -> list
         _rename(vocabulary, targets, name, meaning)
     for name in _new_names(source, vocabulary):
         vocabulary.define(name, setting.zero)
-    lines = [_sides(source, line) for line in _lines(source, tokens(source, vocabulary))]
+    lines = [_sides(source, line) for line in _lines(tokens(source, vocabulary))]
     if not lines:
         raise AnswerError(
             "the answer is empty; write an equation such as H12 = m2*(lc2^2 + l1*lc2*cos(theta2)) "
@@ -134,7 +134,7 @@ Line = tuple[tuple[Token, ...], ...]
 """The sides of an equation."""
 
 
-def _lines(source: Source, found: Sequence[Token]) -> list[list[Token]]:
+def _lines(found: Sequence[Token]) -> list[list[Token]]:
     """Tokens by equation: a line that begins with an operator, or stands behind one, continues the
     one before.
 
@@ -146,7 +146,7 @@ def _lines(source: Source, found: Sequence[Token]) -> list[list[Token]]:
         depth += {"open": 1, "begin": 1, "close": -1, "end": -1}.get(token.kind, 0)
         if token.kind in ("line", "row", "stop", "comma") and depth <= 0:
             pieces.append([])
-        elif not (token.kind in ("amp", "line") and (depth <= 0 or not _in_matrix(found, token))):
+        elif not (token.kind in ("amp", "line") and (depth <= 0 or not _in_matrix(token))):
             pieces[-1].append(token)
     lines: list[list[Token]] = []
     for piece in pieces:
@@ -163,7 +163,7 @@ def _lines(source: Source, found: Sequence[Token]) -> list[list[Token]]:
     return lines
 
 
-def _in_matrix(found: Sequence[Token], token: Token) -> bool:
+def _in_matrix(token: Token) -> bool:
     """Whether a token inside brackets separates entries of a matrix: & always, a ; but no line
     break."""
     return token.kind == "amp" or token.text == ";"
@@ -301,11 +301,9 @@ class _ClaimReader:
             return [self._claim(label, single, node)]
         if table is None and single is not None:
             table = [[single]]
-        return self._entries(label, name, node, table or [])
+        return self._entries(label, node, table or [])
 
-    def _entries(
-        self, label: str, name: Token, node: Matrix, table: list[list[AskedQuantity]]
-    ) -> list[Claim]:
+    def _entries(self, label: str, node: Matrix, table: list[list[AskedQuantity]]) -> list[Claim]:
         rows = [list(row) for row in node.rows]
         if len(rows) == 1 and table and len(table[0]) == 1:
             rows = [[entry] for entry in rows[0]]  # a vector written as a row
