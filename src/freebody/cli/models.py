@@ -8,7 +8,7 @@ EXAMPLE = "Example: freebody models"
 
 
 def models() -> None:
-    """List the bundled models, each with what is worth seeing in it and the source of its
+    """List the bundled models, each with what it is an example of and the source of its
     numbers."""
     from rich.padding import Padding
     from rich.text import Text

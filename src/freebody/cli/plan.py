@@ -43,14 +43,14 @@ def plan(
         ),
     ],
     out: Annotated[
-        Path, typer.Option(metavar="FILE", help="Where the motion goes, for study --motion.")
+        Path, typer.Option(metavar="FILE", help="File for the motion, for study --motion.")
     ] = Path("motion.csv"),
     by: Annotated[
         PlannerChoice,
-        typer.Option(help="A spline does not stop at waypoints, the others do."),
+        typer.Option(help="A spline does not stop at waypoints; the others do."),
     ] = PlannerChoice.spline,
     velocity: Annotated[
-        float | None, _limit("Limit of each joint, rad/s or m/s, besides the robot's own.")
+        float | None, _limit("Limit of each joint, rad/s or m/s, beside the robot's own.")
     ] = None,
     acceleration: Annotated[float | None, _limit("Limit of each joint, rad/s² or m/s².")] = None,
     jerk: Annotated[float | None, _limit("Limit of each joint, rad/s³ or m/s³.")] = None,
@@ -64,8 +64,7 @@ def plan(
     snap_angles: options.Snap = 3e-9,
     convention: options.Convention = None,
 ) -> None:
-    """Plan a motion through waypoints, as quick as the limits allow or at given times, and write
-    it.
+    """Plan a motion through waypoints, as fast as the limits allow or at given times, and write it.
 
     Limits are held between samples too. Exit status 2: the limits cannot be kept, or something
     cannot be read or written.

@@ -41,7 +41,9 @@ def study(
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option(metavar="DIR", help="Where the report and the data go. Default: study-ROBOT."),
+        typer.Option(
+            metavar="DIR", help="Folder for the report and the data. Default: study-ROBOT."
+        ),
     ] = None,
     smooth: Annotated[
         str | None,

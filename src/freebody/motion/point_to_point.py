@@ -37,7 +37,7 @@ def quintic(
     """Straight lines in joint space from each waypoint to the next, at rest in each, by polynomials
     of degree 5.
 
-    waypoints: (k, nq), k > 1. times: (k,) s; default as quick as the limits allow. velocity,
+    waypoints: (k, nq), k > 1. times: (k,) s; default as fast as the limits allow. velocity,
     acceleration, jerk: limits, one number for all joints or (nv,), rad/s, rad/s², rad/s³ (m);
     besides them the model's limits of position and speed count. step: s between samples, by default
     a 400th of the motion. Accelerations are continuous, and zero at the waypoints.

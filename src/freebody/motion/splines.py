@@ -37,7 +37,7 @@ def spline(
     """The spline through waypoints, which does not stop at them.
 
     waypoints: (k, nq), k > 1. times: (k,) s; default in proportion to the way of the slowest joint,
-    as quick as the limits allow. ends: "rest", rate zero at both, of degree 5 acceleration too;
+    as fast as the limits allow. ends: "rest", rate zero at both, of degree 5 acceleration too;
     "natural", acceleration zero (of degree 5 the third and fourth derivative); "periodic", begun
     again as it ends. degree: 5, or 3, which sways less between waypoints, and whose acceleration at
     rest jumps. velocity, acceleration: limits, one number or (nv,), rad/s, rad/s² (m); the model's

@@ -54,7 +54,7 @@ def line(
     """From rest at q0 the frame moves straight to a target, to rest, on the branch of q0.
 
     q0: (nq,). target: a point (dim,) in m, or a pose (dim + 1, dim + 1), world axes; a pose's
-    orientation is reached about a fixed axis. duration: s, default as quick as the limits allow.
+    orientation is reached about a fixed axis. duration: s, default as fast as the limits allow.
     frame: default the tip. task: what counts, as in `inverse_kinematics`, of a point its position;
     with "pose" a point keeps the orientation at q0. speed: limit of the frame's speed, m/s.
     velocity, acceleration: of the joints, one number or (nv,); the model's limits of position and

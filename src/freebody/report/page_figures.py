@@ -60,8 +60,8 @@ def robot(study: Study) -> CaptionedDrawing:
     )
     return CaptionedDrawing(
         svg,
-        f"At the worst instant, t = {study.worst.time:.3g} s; fainter: other poses of the motion. "
-        f"Orange: the path of {study.tip}.",
+        f"At the worst instant, t = {study.worst.time:.3g} s; in lighter shades, other poses of the "
+        f"motion. Orange: the path of {study.tip}.",
     )
 
 
@@ -130,13 +130,13 @@ def energies(study: Study) -> Iterator[CaptionedDrawing]:
     total = kinetic + potential - start
     yield _plot(
         study,
-        "Energy since the start",
+        "Energy relative to the start",
         {"kinetic": kinetic, "potential": potential - start, "total": total},
         "J",
     )
     yield _plot(
         study,
-        "Residual of the balance",
+        "Residual of the energy balance",
         {"residual": data["energy_residual"].values},
         "J",
         legend=False,

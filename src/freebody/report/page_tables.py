@@ -153,7 +153,7 @@ def bodies(study: Study) -> ReportTable:
     columns = [
         _words("Joint", [body.joint.name for body in model.bodies]),
         _words("Kind", [_kind(body.joint) for body in model.bodies]),
-        _words("Hangs on", parents),
+        _words("Parent body", parents),
         *(p.column(study, book, "body", names) for p in printed),
     ]
     return _listed("Bodies: links that move as one rigid body", "Body", names, columns)
@@ -181,7 +181,9 @@ def gravity(study: Study) -> ReportTable | None:
         )
         for k, name in enumerate(positions if len(positions) <= _POSE else (), 1)
     ]
-    return _by_coordinate("Torque needed against gravity alone", study, names, columns, pose)
+    return _by_coordinate(
+        "Torque needed to hold the robot against gravity", study, names, columns, pose
+    )
 
 
 def reactions(study: Study) -> ReportTable:
@@ -212,7 +214,7 @@ def checks(study: Study) -> ReportTable:
         for c in study.checks
     ]
     columns: list[Column] = [(Head("Result", number=False), results)]
-    for title, variable in (("Value", "check_value"), ("Bar", "check_bar")):
+    for title, variable in (("Value", "check_value"), ("Allowed", "check_bar")):
         head, cells = Printed(title, variable).column(study, book, "check", names)
         columns.append((head, [alone(x, 2) for x in cells if isinstance(x, PrintedNumber)]))
     columns.append(_words("What is compared", [typeset(c.text) for c in study.checks], "wide"))
@@ -231,7 +233,7 @@ def loads(study: Study, body: BodyLoads) -> ReportTable:
         cells: list[Cell] = [_force(study, body, load, axis, j) for load in body.loads]
         columns.append((Head(f"F{axis}", "N"), cells))
     for j, axis in enumerate(moments):
-        head = Head(f"M{axis}", "N m", "about the place where the force acts")
+        head = Head(f"M{axis}", "N m", "about the point where the force acts")
         columns.append((head, [_moment(study, load, axis, j) for load in body.loads]))
     return _listed("", "Load", symbols, columns)
 
