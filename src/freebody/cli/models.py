@@ -8,8 +8,7 @@ EXAMPLE = "Example: freebody models"
 
 
 def models() -> None:
-    """List the bundled models, each with what it is an example of and the source of its
-    numbers."""
+    """List the bundled models, each with a description and the source of its numbers."""
     from rich.padding import Padding
     from rich.text import Text
 

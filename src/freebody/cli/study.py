@@ -41,9 +41,7 @@ def study(
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option(
-            metavar="DIR", help="Folder for the report and the data. Default: study-ROBOT."
-        ),
+        typer.Option(metavar="DIR", help="Folder for report and data. Default: study-ROBOT."),
     ] = None,
     smooth: Annotated[
         str | None,

@@ -60,8 +60,8 @@ def robot(study: Study) -> CaptionedDrawing:
     )
     return CaptionedDrawing(
         svg,
-        f"At the worst instant, t = {study.worst.time:.3g} s; in lighter shades, other poses of the "
-        f"motion. Orange: the path of {study.tip}.",
+        f"At the worst instant, t = {study.worst.time:.3g} s; paler, other poses of the motion. "
+        f"Orange: the path of {study.tip}.",
     )
 
 

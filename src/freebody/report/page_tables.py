@@ -181,9 +181,7 @@ def gravity(study: Study) -> ReportTable | None:
         )
         for k, name in enumerate(positions if len(positions) <= _POSE else (), 1)
     ]
-    return _by_coordinate(
-        "Torque needed to hold the robot against gravity", study, names, columns, pose
-    )
+    return _by_coordinate("Torque needed to hold against gravity", study, names, columns, pose)
 
 
 def reactions(study: Study) -> ReportTable:
