@@ -12,7 +12,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.figures.body_loads import BodyLoads, Load
 from freebody.figures.colours import FORCES
-from freebody.figures.drawing import SAME, Arrow, Drawing, Element, Turn, point
+from freebody.figures.drawing import SAME, Arrow, Drawing, Turn, point
 from freebody.figures.layers import geometry, structure
 from freebody.figures.layers.structure import Layer, of_each, view_of
 from freebody.figures.skeleton import BodyPlace, DrawnJoint
@@ -24,6 +24,7 @@ _AXIS, _ANGLE = 0.45, 0.4  # the longest axis and arc beside the forces, of the 
 _LONGEST, _SHORTEST = 0.75, 0.12  # the longest arrow, of the size of the body; the shortest, of it
 _ALIKE = 3.0  # bodies whose sizes differ by less than this factor are drawn to one scale
 _LANE = 9.0  # pixels between arrows that would lie on each other
+_LOADS: tuple[str, str] = ("N", "N m")  # units of forces and moments
 _SEEN = 0.7  # of its length: what a view has to show of a body
 
 
@@ -46,7 +47,7 @@ class Scale:
     def lengthened(self, arrows: Iterable[Arrow]) -> list[str]:
         """Names of the forces and moments among arrows that are drawn longer than to scale, lest
         they be too short to be seen."""
-        largest = {"N": self.force, "N m": self.moment}
+        largest = dict(zip(_LOADS, (self.force, self.moment), strict=True))
         loads = [arrow for arrow in arrows if arrow.unit in largest]
         return [x.name for x in loads if np.linalg.norm(x.value) < _SHORTEST * largest[x.unit]]
 
@@ -134,14 +135,13 @@ def alone(
         drawing.mark(body.com, "com", seen.names.on("C", body.number), "com", 6.0)
     for load in loads.loads:
         _reach(drawing, body, load)
-    first = len(drawing.elements)
     act(drawing, seen, body, scale=scale)
     value = loads.inertial_force
     if inertia and np.linalg.norm(value) > 0.01 * scale.force:
         mass, end = loads.mass_name, scale.end(body.com, value)
         label = f"{mass} *a*_{body.number}"
         drawing.arrow(body.com, end, f"{mass} a_{body.number}", "inertia", value, "N", label=label)
-    drawing.elements[first:] = _side_by_side(drawing.elements[first:], drawing.view, scale.longest)
+    _side_by_side(drawing, scale.longest)
     return drawing
 
 
@@ -195,23 +195,22 @@ def _reach(drawing: Drawing, body: BodyPlace, load: Load) -> None:
         drawing.line((nearest, load.place), f"reach {load.name}", "guide")
 
 
-def _side_by_side(elements: Sequence[Element], view: View, longest: float) -> list[Element]:
-    """Arrows that would lie on each other on the page moved apart, across their common line."""
+def _side_by_side(drawing: Drawing, longest: float) -> None:
+    """Move forces and moments that would lie on each other on the page apart, across their common
+    line."""
     lanes: list[tuple[Array, Array, int]] = []
 
-    def moved_aside(arrow: Element) -> Element:
-        if not isinstance(arrow, Arrow):
-            return arrow
-        a, b = view.project((arrow.start, arrow.end))
-        way = b - a
-        length = float(np.hypot(*way))
+    def aside(arrow: Arrow) -> float:
+        a, b = drawing.view.project((arrow.start, arrow.end))
+        length = float(np.linalg.norm(b - a))
         if length < SAME * longest:
-            return arrow
-        u, left = way / length, np.array([-way[1], way[0]]) / length
+            return arrow.aside
+        along = (b - a) / length
+        left = np.array([-along[1], along[0]])
 
         def on(c: Array, d: Array) -> bool:
             across = max(abs(left @ (c - a)), abs(left @ (d - a)))
-            low, high = sorted((float(u @ (c - a)), float(u @ (d - a))))
+            low, high = sorted((float(along @ (c - a)), float(along @ (d - a))))
             overlap = min(high, length) - max(low, 0.0)
             return across < 0.04 * longest and overlap > 0.06 * longest
 
@@ -219,10 +218,12 @@ def _side_by_side(elements: Sequence[Element], view: View, longest: float) -> li
         outwards = sorted(range(-len(lanes), len(lanes) + 1), key=abs)
         lane = next(k for k in outwards if k not in taken)
         lanes.append((a, b, lane))
-        ahead = 1.0 if tuple(u.round(6)) > (0.0, 0.0) else -1.0
-        return replace(arrow, aside=ahead * lane * _LANE + 0.0)
+        ahead = 1.0 if tuple(along.round(6)) > (0.0, 0.0) else -1.0
+        return ahead * lane * _LANE + 0.0
 
-    return [moved_aside(element) for element in elements]
+    for k, element in enumerate(drawing.elements):
+        if isinstance(element, Arrow) and element.unit in _LOADS:
+            drawing.elements[k] = replace(element, aside=aside(element))
 
 
 # ---------------------------------------------------------------- what acts
@@ -280,6 +281,7 @@ def carried(seen: Snapshot, first: BodyPlace) -> Drawing:
         if body is not first and body.mass > 0:
             drawing.position(first.origin, body.com, f"r_{{{first.number},c{body.number}}}")
     geometry.to_centres(drawing, seen, (first,), aside=-_BESIDE)
+    _side_by_side(drawing, 0.38 * seen.size)
     return drawing
 
 
