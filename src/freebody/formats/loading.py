@@ -57,7 +57,7 @@ def load(
     physical: "warn" about, "refuse" or "ignore" an inertia that no rigid body has, and friction,
     rotors and gears that no motor has; the numbers are never changed. snap_angles: URDF angles
     (rad) this close to a multiple of π/2 are read as that multiple; 0 reads them as written.
-    convention: "standard" or "modified", for a DH table that does not say it.
+    convention: "standard" or "modified", for a DH table that does not state it.
     estimate_inertia: the robot's whole mass (kg): all inertias of a URDF are replaced by estimates
     from the shapes in the file, filled evenly at one density; meshes need the extra freebody[mesh].
     Marked as estimated wherever shown. loop_tolerance: (m, rad) by which rounded numbers may keep
@@ -65,8 +65,8 @@ def load(
     loop's size, the smaller, and 1 mrad.
 
     Masses of a URDF that are missing, placeholders or implausible are warned about (MassWarning).
-    These, and what was snapped, ignored or doubtful, stand in `model.notices`. Raises FileError
-    with file and line, or FreebodyError.
+    These, and what was snapped, ignored or doubtful, are listed in `model.notices`. Raises
+    FileError with file and line, or FreebodyError.
     """
     description = read(source, snap_angles=snap_angles, convention=convention)
     if estimate_inertia is not None:

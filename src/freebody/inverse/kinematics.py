@@ -50,14 +50,13 @@ def inverse_kinematics(
     target: a point (..., dim) in m, or a pose (..., dim + 1, dim + 1), world axes. frame: name,
     default the tip. task: what counts of the target: "position" (a point's default), "orientation",
     "pose" (a pose's default), or rows among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy",
-    "w").
-    q0: (nq,), where joints stay that could stand anywhere, next to which angles are wrapped, and
-    near which a redundant arm is sought. limits: "mark" says in `within_limits` which solutions
-    keep to the joints' limits, "drop" leaves out the others, "ignore" takes no notice. redundancy:
-    (...), of an arm with seven joints the position of the last, else of the first (rad, m), for
-    which all branches are returned; without it, of each branch the one nearest to q0, else to the
-    middle of the limits. starts, seed: of the numeric search (default: 32 for redundant arms, else
-    96).
+    "w"). q0: (nq,), where joints stay that could stand anywhere, next to which angles are wrapped,
+    and near which a redundant arm is sought. limits: "mark" says in `within_limits` which solutions
+    keep to the joints' limits, "drop" leaves out the others, "ignore" does not look at them.
+    redundancy: (...), of an arm with seven joints the position of the last, else of the first (rad,
+    m), for which all branches are returned; without it, of each branch the one nearest to q0, else
+    to the middle of the limits. starts, seed: of the numeric search (default: 32 for redundant
+    arms, else 96).
 
     Returns Solutions. Out of reach: k = 0, the distance (m) to the workspace, and a sentence in
     `notes`. Every solution has been put through forward kinematics. Raises ShapeError,

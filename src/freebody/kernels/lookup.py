@@ -75,7 +75,7 @@ def kernel(
     target: where it runs: "cpu" (machine code by LLVM), "numpy" (node by node, without a compiler)
     or "cuda" (NVIDIA's GPUs; it takes arrays in their memory); None: what FREEBODY_TARGET says,
     else the CPU. width: samples in a CPU vector; None: as many as suit it.
-    dtype: "float32" computes with numbers of 32 bits, about twice as quick in batches, to about 6
+    dtype: "float32" computes with numbers of 32 bits, about twice as fast in batches, to about 6
     digits of a sample's largest entry; arrays of other real types are rounded to it, and so are the
     robot's numbers. inputs: numbers of the model that are to be given, by names and patterns of
     `fb.parameters` ("link*.mass"; patterns leave out exact zeros and right angles of placements,

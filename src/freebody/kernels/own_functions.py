@@ -53,7 +53,7 @@ def compile(  # noqa: A001  the name that users look for
     turn, by each. dtype, target, width: as for `fb.kernel`. Returns k(*inputs, out=None,
     threads=None): one output, or a tuple. The function is not kept; a pickle has its program. A
     sample with an input that is not finite has NaN in all outputs. Raises GraphError where the
-    function does what cannot be traced, ProgramError where shapes do not fit.
+    function cannot be traced, ProgramError where shapes do not fit.
     """
     if not callable(function):
         raise KindError("fb.compile", "function", function, "a function of scalars")

@@ -86,9 +86,9 @@ def mobility(model: Model, q: Vector) -> Mobility:
     """Mobility at the closed position q (nq,), and in general: at positions reached from it by
     finite motions.
 
-    A mechanism without loops has nv everywhere. Generic mobility comes from following the motion a
-    little in many directions; where no direction leads anywhere, it is 0. Raises LoopError when q
-    is not closed.
+    A mechanism without loops has nv everywhere. Generic mobility is found by following short
+    motions in many directions; where none is possible, it is 0. Raises LoopError when q is not
+    closed.
     """
     at = finite_vector("mobility", model, "q", q)
     if at.shape != (model.nq,):

@@ -133,9 +133,9 @@ def parameters(model: Model) -> Parameters:
     elbow.friction.viscous, elbow.rotor.gear, elbow.spring.stiffness, elbow.limits.upper; elbow.a,
     elbow.alpha of a DH table; gravity (the field's size), gravity.direction.z; loop.distance;
     tool.placement.z of frames; payload.mass at the tip, zero where there is no load; and the
-    model's own symbols (l1), by which the places are known where they stand. Joints' axes and mimic
-    ratios are structure and have no name. Names shared by two things are told apart by what they
-    belong to: "joint:elbow.placement.x".
+    model's own symbols (l1), which stand for the names of the places where they occur. Joints' axes
+    and mimic ratios are structure and have no name. Names shared by two things are told apart by
+    what they belong to: "joint:elbow.placement.x".
     """
     return Parameters(model)
 

@@ -128,7 +128,7 @@ def _missing(model: Model, start: Array, q: Array, leading: Sequence[int], reach
 
 def completed(model: Model, t: Array, columns: Mapping[str, Array], source: str) -> Motion:
     """The motion (T samples) in which the positions named follow their columns (T,) and the loops
-    lead the others.
+    determine the others.
 
     The positions named must determine the others; those that they do not need are held against what
     the loops say. Raises LoopError.

@@ -58,9 +58,9 @@ def smoothed(model: Model, motion: Motion, cutoff: float | None = None) -> Motio
     The filter is the quintic smoothing spline: of a frequency f it passes 1 / (1 + (f / cutoff)⁶),
     the zero-phase Butterworth filter of order 3. It acts on the positions; where rates were given,
     on the rates, which positions then follow. cutoff: default by the residual analysis of Winter.
-    Of a closed chain the positions of the driven joints are smoothed and the loops lead the others.
-    A rate within three standard deviations of the noise left in it is rest. Raises FreebodyError
-    where no noise is recognised and no cutoff given.
+    Of a closed chain the positions of the driven joints are smoothed and the loops determine the
+    others. A rate within three standard deviations of the noise left in it is rest. Raises
+    FreebodyError where no noise is found and no cutoff given.
     """
     samples = _samples(motion)
     chosen = cutoff

@@ -112,7 +112,7 @@ def exceeded_limits(
     where it keeps all.
 
     velocity, acceleration: further limits, one number or (nv,), rad/s, m/s and rad/s², m/s². Those
-    of the model count too (zero means not given, see `Limits`). Torques are the matter of `study`.
+    of the model count too (zero means not given, see `Limits`). Torques are judged by `study`.
     """
     limits = planning_limits("exceeded_limits", model, velocity, acceleration)
     return tuple(excesses(model, require_motion("exceeded_limits", model, motion), limits))

@@ -38,11 +38,11 @@ def spline(
 
     waypoints: (k, nq), k > 1. times: (k,) s; default in proportion to the way of the slowest joint,
     as fast as the limits allow. ends: "rest", rate zero at both, of degree 5 acceleration too;
-    "natural", acceleration zero (of degree 5 the third and fourth derivative); "periodic", begun
-    again as it ends. degree: 5, or 3, which sways less between waypoints, and whose acceleration at
-    rest jumps. velocity, acceleration: limits, one number or (nv,), rad/s, rad/s² (m); the model's
-    limits of position and speed count too. step: s between samples, by default a 400th of the
-    motion.
+    "natural", acceleration zero (of degree 5 the third and fourth derivative); "periodic", the end
+    joined smoothly to the start. degree: 5, or 3, which oscillates less between waypoints, but
+    whose acceleration jumps at the ends. velocity, acceleration: limits, one number or (nv,),
+    rad/s, rad/s² (m); the model's limits of position and speed count too. step: s between samples,
+    by default a 400th of the motion.
 
     Raises FreebodyError with joint and time where a limit is not kept, between waypoints too.
     """

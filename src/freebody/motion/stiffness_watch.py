@@ -53,8 +53,8 @@ class StiffnessWatch:
             self.method = "LSODA"
         else:
             warnings.warn(
-                f"simulate: the motion is stiff: at t = {now:.3g} s a part of it dies away within "
-                f"{1.0 / decay:.1g} s, and explicit steps stay stable only if they are as short, "
+                f"simulate: the motion is stiff: at t = {now:.3g} s part of it decays within "
+                f"{1.0 / decay:.1g} s. Explicit methods are stable only with steps as short as "
                 f"{step:.1g} s, about {self.duration / step:.1g} in all. method='auto' or 'Radau' "
                 f"takes far fewer.",
                 FreebodyWarning,

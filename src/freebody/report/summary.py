@@ -114,7 +114,7 @@ def energy_text(found: xr.Dataset, duration: float) -> str:
         return "The drives do no work."
     kept = 0.0 if abs(net) < _CANCELLED * done else net
     return (
-        f"In {duration:.3g} s the drives do {done:.4g} J of work and take up {braked:.4g} J in "
+        f"In {duration:.3g} s the drives do {done:.4g} J of work and absorb {braked:.4g} J in "
         f"braking "
         f"({100 * braked / done:.0f} %): net {kept:.4g} J. A supply shared by all drives delivers "
         f"{shared:.4g} J. "

@@ -25,7 +25,7 @@ def check(model: Model, answer: Any, names: Mapping[str, str] | None = None) -> 
     J_ij, T, V, the tip's x and y, or for whole vectors and matrices: "H12 = m2*(lc2^2 +
     l1*lc2*cos(theta2)) + I2"; a SymPy equation; or a dict {"H12": expression}. In the notes'
     symbols: theta1, θ₁, q1; θ̇₁, theta1_d, dtheta1; l1, lc1, m1, I1, g; on the right c12 is
-    cos(θ1+θ2). names: what names of the user's own stand for, {"L1": "l1"}.
+    cos(θ1+θ2). names: what the user's own names stand for, {"L1": "l1"}.
 
     Where joints are passive, "0 = …" is the equation of one of them (up to a factor that does not
     move) and "u = …" the only drive. C may be any matrix with C q̇ = c, given by whole rows. Where
