@@ -94,7 +94,7 @@ class PiecewisePolynomial(Titled, ByValue):
         """Lowest and highest values, also between breaks, and where they are."""
         low, low_at = _lowest(self)
         high, high_at = _lowest(PiecewisePolynomial(self.breaks, -self.coefficients))
-        return Extremes(low, low_at, -high, high_at)
+        return Extremes(low, low_at, 0.0 - high, high_at)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
