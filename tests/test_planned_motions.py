@@ -301,6 +301,10 @@ def test_a_plan_is_written_and_studied(
     header = "t [ms],shoulder_pan_joint (deg)," + ",".join(ARM.position_names[1:])
     rows = ["0,10,-1,1,-1,-1,0", "1500,30,-1.2,1.5,-1,-1,0", "3000,30,-1.3,1.0,-1,-.5,0.4"]
     Path("way.csv").write_text("\n".join([header, *rows]))
+    q, times = fb.read_waypoints(ARM, "way.csv")
+    assert times is not None
+    assert times.tolist() == [0.0, 1.5, 3.0]
+    assert q[1] == pytest.approx([np.radians(30.0), -1.2, 1.5, -1.0, -1.0, 0.0])
     for by in ("spline", "trapezoid", "s-curve"):
         more = ["--acceleration", "8"] if by != "s-curve" else ["--jerk", "80"]
         assert run(["plan", "ur5e", "way.csv", "--by", by, *more, "--out", f"{by}.csv"]) == 0

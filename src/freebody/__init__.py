@@ -104,7 +104,7 @@ _PLACES = {
     "freebody.motion.point_to_point": ("quintic", "trapezoid", "s_curve", "dwell"),
     "freebody.motion.splines": ("spline",),
     "freebody.motion.tip_motions": ("line", "arc", "blend"),
-    "freebody.motion.waypoint_files": ("write_motion",),
+    "freebody.motion.waypoint_files": ("read_waypoints", "write_motion"),
     "freebody.motion.planning_limits": ("exceeded_limits",),
     "freebody.motion.simulate": ("simulate",),
     "freebody.motion.time_optimal": ("time_optimal",),

@@ -65,6 +65,7 @@ from freebody.motion.time_optimal import time_optimal as time_optimal
 from freebody.motion.tip_motions import arc as arc
 from freebody.motion.tip_motions import blend as blend
 from freebody.motion.tip_motions import line as line
+from freebody.motion.waypoint_files import read_waypoints as read_waypoints
 from freebody.motion.waypoint_files import write_motion as write_motion
 from freebody.report.study import Study as Study
 from freebody.report.study import study as study

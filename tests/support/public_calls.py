@@ -32,6 +32,7 @@ NOT_OF_STATES = frozenset(
         "quantities",
         "quintic",
         "read_motion",
+        "read_waypoints",
         "relation",
         "s_curve",
         "save",

@@ -91,9 +91,9 @@ def plan(
 def _read(model: Model, text: str) -> tuple[Any, Any]:
     """Positions, and times where there are some."""
     if ";" not in text:
-        from freebody.motion.waypoint_files import read_waypoint_file
+        from freebody.motion.waypoint_files import read_waypoints
 
-        return read_waypoint_file(model, text)
+        return read_waypoints(model, text)
     rows = [options.values("waypoints", row) for row in text.split(";") if row.strip()]
     for k, row in enumerate(rows):
         if len(row) != model.nq:

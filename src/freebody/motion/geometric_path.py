@@ -15,7 +15,7 @@ from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.path_limits import PathCurve, PathSamples, sampled
 from freebody.motion.piecewise import PiecewisePolynomial, interpolated
-from freebody.motion.planning_limits import SLACK, PlanningLimits, read_waypoints
+from freebody.motion.planning_limits import SLACK, PlanningLimits, checked_waypoints
 from freebody.motion.ranges import position_columns
 from freebody.motion.speed_profile import timed_pieces
 from freebody.outputs.numbers import compared
@@ -29,7 +29,7 @@ def path_curve(function: str, model: Model, given: Any, limits: PlanningLimits) 
     positions the natural cubic spline, s being the distance along the chords, 1 in all."""
     if isinstance(given, PPoly):
         return _with_derivatives(_of_scipy(function, model, given))
-    q = read_waypoints(function, model, given.q if isinstance(given, Motion) else given, limits)
+    q = checked_waypoints(function, model, given.q if isinstance(given, Motion) else given, limits)
     length = np.linalg.norm(np.diff(q, axis=0), axis=1)
     moves = length > _SAME * length.sum()
     if not moves.any():

@@ -182,7 +182,7 @@ def within_limits(function: str, model: Model, motion: Motion, limits: PlanningL
     raise FreebodyError(f"{function}: {found[0].text}{more}; {' and '.join(remedies)}.")
 
 
-def read_waypoints(
+def checked_waypoints(
     function: str, model: Model, given: Any, limits: PlanningLimits, one: str = ""
 ) -> Array:
     """Waypoints (k, nq), k > 1, within the limits; refuses robots that no such motion is planned

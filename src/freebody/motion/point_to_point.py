@@ -14,8 +14,8 @@ from freebody.motion.planned import planned, read_times
 from freebody.motion.planning_limits import (
     Limit,
     PlanningLimits,
+    checked_waypoints,
     planning_limits,
-    read_waypoints,
     unlimited,
     within_limits,
 )
@@ -95,7 +95,7 @@ def dwell(model: Model, q: Vector, duration: float, *, step: float | None = None
     """
     duration = above_zero("dwell", "duration", duration, "seconds")
     limits = planning_limits("dwell", model)
-    at = read_waypoints("dwell", model, [q, q], limits, "q")[:1]
+    at = checked_waypoints("dwell", model, [q, q], limits, "q")[:1]
     still = PiecewisePolynomial(np.array([0.0, duration]), at[None])
     words = f"at rest for {duration:g} s"
     return planned("dwell", model, still, words, limits, 0.1 * duration if step is None else step)
@@ -110,7 +110,7 @@ def _stopping(
     limits: PlanningLimits,
     step: float | None,
 ) -> Motion:
-    q = read_waypoints(function, model, waypoints, limits)
+    q = checked_waypoints(function, model, waypoints, limits)
     given = None if times is None else read_times(function, times, len(q))
     whole = None
     for k in range(len(q) - 1):

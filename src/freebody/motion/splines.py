@@ -16,9 +16,9 @@ from freebody.motion.planned import planned, read_times
 from freebody.motion.planning_limits import (
     Limit,
     PlanningLimits,
+    checked_waypoints,
     planning_limits,
     quickest,
-    read_waypoints,
     within_limits,
 )
 
@@ -51,7 +51,7 @@ def spline(
     if degree not in get_args(Degree):
         raise FreebodyError(f"spline: degree is {degree}, expected 3 or 5.")
     limits = planning_limits("spline", model, velocity, acceleration)
-    q = read_waypoints("spline", model, waypoints, limits)
+    q = checked_waypoints("spline", model, waypoints, limits)
     if ends == "periodic" and (len(q) < degree + 1 or (q[0] != q[-1]).any()):
         raise FreebodyError(
             f"spline: a periodic one needs at least {degree + 1} waypoints, the last equal to the "

@@ -20,9 +20,9 @@ from freebody.motion.planned import SAMPLES, sample_times
 from freebody.motion.planning_limits import (
     Limit,
     PlanningLimits,
+    checked_waypoints,
     planning_limits,
     quickest,
-    read_waypoints,
     within_limits,
 )
 from freebody.motion.tip_following import TipFollower
@@ -143,7 +143,7 @@ class _TipPlan:
     ):
         self.function, self.model, self.task = function, model, task
         self.limits: PlanningLimits = planning_limits(function, model, velocity, acceleration)
-        self.q0 = read_waypoints(function, model, [q0, q0], self.limits, "q0")[0]
+        self.q0 = checked_waypoints(function, model, [q0, q0], self.limits, "q0")[0]
         self.frame = model.frame(frame).name
         self.start = forward_kinematics(model, self.q0, self.frame)
 

@@ -22,11 +22,11 @@ from freebody.outputs.text import csv_text
 Rows = Literal["knots", "samples"]
 
 
-def read_waypoint_file(model: Model, path: str | os.PathLike[str]) -> tuple[Array, Array | None]:
-    """(q (k, nq), times (k,) or None) from a CSV file: a header with the model's position names,
-    perhaps with `t`, units as in `read_motion`; then a row for each waypoint.
+def read_waypoints(model: Model, path: str | os.PathLike[str]) -> tuple[Array, Array | None]:
+    """Waypoints from a CSV file: positions (k, nq), and times (k,) or None.
 
-    Raises FileError with the line.
+    A header with the model's position names, perhaps with `t`, units as in `read_motion`; then a
+    row for each waypoint. For `quintic`, `spline` and the like. Raises FileError with the line.
     """
     file = Path(path)
     read = read_columns(model, file, timed=False)
