@@ -95,7 +95,7 @@ def test_a_pendulum_with_friction_is_as_quick_as_its_equation_says(viscous: floa
     model = pendulum(viscous=viscous, coulomb=dry)
     exact = pendulum_duration(-1.2, 1.7, 15.0, viscous, dry)
     motion = fb.time_optimal(model, [[-1.2], [1.7]], torque=15.0, points=4001)
-    assert exact < motion.duration < exact * (1.001 if viscous else 1.0002)  # on the safe side
+    assert exact < motion.duration < exact * (1.001 if viscous else 1.0005)  # on the safe side
     torque = fb.inverse_dynamics(model, *fine(motion))
     assert np.abs(torque).max() < 15.0 * (1 + 5e-4)
     assert np.mean(np.abs(torque) > 14.9) > 0.97
@@ -278,18 +278,44 @@ def paths(model: fb.Model, count: int) -> list[CubicSpline]:
 
 # ---------------------------------------------------------------- refused
 STEP = PPoly([[[0.0, 0.0], [0.0, 0.0]], [[1.0, 0.0], [1.0, 1.0]]], [0.0, 1.0, 2.0])
+DWELL = PPoly(
+    [
+        [[-2.0, 0.0], [0.0, 0.0], [-2.0, 0.0]],
+        [[3.0, 0.0], [0.0, 0.0], [3.0, 0.0]],
+        [[0.0, 0.0], [0.0, 0.0], [0.0, 0.0]],
+        [[0.0, 0.0], [1.0, 0.0], [1.0, 0.0]],
+    ],
+    [0.0, 1.0, 2.0, 3.0],
+)
+"""Smooth, with a pause."""
+TURNS = CubicSpline([0.0, 0.1, 0.2, 1.0], [[0.0], [1.0], [0.9], [2.0]], bc_type="natural")
 REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: fb.time_optimal(arm(), WAY[:1]), "expected at least two rows: (k, 2)"),
     (lambda: fb.time_optimal(arm(), [[0.3, 0.3]] * 3), "3 positions, all the same"),
-    (lambda: fb.time_optimal(arm(), [[0.0, np.nan], [1, 1]]), "q is nan at sample 0 for 'joint2'"),
-    (lambda: fb.time_optimal(arm(), np.zeros((3, 5))), "time_optimal: q has shape (3, 5)"),
-    (lambda: fb.time_optimal(arm(), []), "time_optimal: q has shape (0,), expected (..., 2)"),
+    (
+        lambda: fb.time_optimal(arm(), [[0.0, np.nan], [1, 1]]),
+        "waypoints is nan at sample 0 for 'joint2'",
+    ),
+    (lambda: fb.time_optimal(arm(), np.zeros((3, 5))), "time_optimal: waypoints has shape (3, 5)"),
+    (
+        lambda: fb.time_optimal(arm(), []),
+        "time_optimal: waypoints has shape (0,), expected (..., 2)",
+    ),
     (lambda: fb.time_optimal(arm(), WAY, points=1), "points is 1, expected a whole number from 2"),
     (lambda: fb.time_optimal(arm(), WAY, points=9.5), "points is 9.5, expected a whole number"),  # type: ignore[arg-type]
     (lambda: fb.time_optimal(arm(), WAY, torque=-1.0), "torque of joint1 is -1, expected a limit"),
     (lambda: fb.time_optimal(arm(), WAY, torque=np.ones(3)), "torque has shape (3,)"),
     (lambda: fb.time_optimal(arm(), WAY, acceleration={"joint1": 1.0}), "acceleration lacks"),
     (lambda: fb.time_optimal(fb.load("2R"), WAY), "has no quickest motion: at s = 0"),
+    (
+        lambda: fb.time_optimal(arm(), PPoly([[[0.0, 0.0]], [[1.0, 2.0]]], [0.0, 1.0])),
+        "the path does not move",
+    ),
+    (lambda: fb.time_optimal(arm(), DWELL), "stands still at s = 1"),
+    (
+        lambda: fb.time_optimal(slider(), TURNS, torque=5.0, points=8),
+        "between points of the grid the path exceeds a limit by",
+    ),
     (lambda: fb.time_optimal(arm(), STEP), "the path jumps at s = 1: itself of joint2 by 1"),
     (
         lambda: fb.time_optimal(arm(), PPoly([[[1.0]], [[0.0]]], [0.0, 1.0])),

@@ -25,6 +25,8 @@ ROUNDS = 6
 
 FAR = 1e100
 """In place of an infinite bound."""
+_MOVING = 1e-3
+"""Of x: what y is at least, lest a motion brake to rest on the way; not before the end."""
 _NEGLIGIBLE = 1e-12
 """A coefficient beside the other one of its row, whose line is then parallel to an axis."""
 
@@ -52,20 +54,20 @@ def polygon(
     end: RowsAtEnd,
     least: Scalar,
     most: Scalar,
-    most_between: Scalar,
     most_next: Scalar,
     h: Scalar,
 ) -> tuple[Scalar, ...]:
     """What is allowed in one interval: (lines of x over y, lines of y over x, corners).
 
-    least, most: between which the largest and the smallest x are looked for. most_between: largest
-    (x + y) / 2. most_next: largest y. h: twice the interval's length in s. Corners: (largest x, a y
-    that goes with it, last step of the search for it; the same of the smallest x), where the
-    largest is below the smallest if nothing is allowed.
+    least, most: between which the largest and the smallest x are looked for. most_next: largest y.
+    h: twice the interval's length in s. Corners: (largest x, a y that goes with it, last step of
+    the search for it; the same of the smallest x), where the largest is below the smallest if
+    nothing is allowed.
     """
     scale = 1.0 / maximum(most, most_next)
-    halfway = -FAR, 2.0 * most_between, -1.0
-    over_y, over_x = [halfway], [halfway]
+    goes_on = less(0.0, most_next)
+    over_y = [(-FAR, where(goes_on, 0.0, FAR), where(goes_on, 1.0 / _MOVING, 0.0))]
+    over_x = [(0.0, FAR, where(goes_on, _MOVING, 0.0))]
     rows = [
         *((h * b - a, a, h * lo, h * hi) for a, b, lo, hi in zip(*start, strict=True)),
         *((-a, h * b + a, h * lo, h * hi) for a, b, lo, hi in zip(*end, strict=True)),
@@ -118,7 +120,7 @@ def _corner(
         step = where(shut, where(opens, found, -way * FAR), 0.0)
         x = x + step
     high, _, low, _ = _room(lines, x, most_y)
-    return x, 0.5 * (high + low), step
+    return x, 0.5 * (high + low) if way > 0.0 else low, step  # there is often no highest y
 
 
 def _room(lines: LimitLines, x: Scalar, most_y: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
@@ -158,6 +160,26 @@ def forward(before: Vector, lines: LimitLines, allowed: Vector) -> tuple[Scalar,
         y = minimum(y, most + slope * x)
         least_y = maximum(least_y, least + slope * x)
     return maximum(y, 0.0), maximum(least_y - y, 0.0)
+
+
+def excess(
+    start: RowsAtEnd, end: RowsAtEnd, middle: Vector, size: Vector, x: Scalar, y: Scalar, h: Scalar
+) -> list[Scalar]:
+    """By how much each row is above its limit `size` within an interval, or negative below -size.
+
+    middle: the values halfway; between them and those at the ends a parabola.
+    """
+    found = []
+    u = (y - x) / h
+    for a, b, lo, hi, c, d, low, high, half, most in zip(*start, *end, middle, size, strict=True):
+        first = a * u + b * x - 0.5 * (lo + hi)
+        last = c * u + d * y - 0.5 * (low + high)
+        lean, bend = last - first, first + last - 2.0 * half
+        inside = less(absolute(lean), 2.0 * absolute(bend))
+        peak = half - where(inside, lean * lean / (8.0 * where(inside, bend, 1.0)), 0.0)
+        top, bottom = maximum(half, peak), minimum(half, peak)
+        found.append(maximum(top - most, 0.0) + minimum(bottom + most, 0.0))
+    return found
 
 
 def timed(derivatives: Sequence[Vector], speed: Scalar, half: Scalar) -> list[Vector]:

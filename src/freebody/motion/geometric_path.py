@@ -60,6 +60,8 @@ def _of_scipy(function: str, model: Model, given: PPoly) -> PiecewisePolynomial:
     curve = PiecewisePolynomial(np.array(given.x), np.array(given.c))
     for order, what in ((0, "itself"), (1, "its first derivative")):
         _refuse_jump(function, model, curve.derivative(order) if order else curve, what)
+    if not given.c[:-1].any():
+        raise FreebodyError(f"{function}: the path does not move: all its derivatives are 0.")
     return curve
 
 

@@ -24,7 +24,7 @@ from freebody.model.model import Model
 from freebody.motion.friction import drive_arrays
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.ranges import Flags
-from freebody.motion.speed_profile import PathRows
+from freebody.motion.speed_profile import PathRows, excess
 from freebody.trees.dynamics import inverse_dynamics
 
 _INSTANT = 1e-6
@@ -106,6 +106,8 @@ class PathProblem:
     """Halfway in each interval."""
     rows: PathRows
     viscous: Array | None
+    margin: tuple[Array, Array] | None = None
+    """(N, P, m) by how much lower and upper limits of an interval are to be stricter."""
 
     def with_friction(self, x: Array) -> PathRows:
         """The rows with the viscous torque's tangent at x (N + 1, P)."""
@@ -122,6 +124,15 @@ class PathProblem:
             hi=(hi - rest[:-1], hi_end - rest[1:]),
         )
 
+    def strict(self, x: Array) -> PathRows:
+        """The same with the margins."""
+        rows = self.with_friction(x)
+        if self.margin is None:
+            return rows
+        below, above = self.margin
+        (lo, lo_end), (hi, hi_end) = rows.lo, rows.hi
+        return rows._replace(lo=(lo + below, lo_end + below), hi=(hi - above, hi_end - above))
+
     def tangent_error(self, x: Array, before: Array) -> Array:
         """(P,) the largest error of the tangents at `before`, at x, as a fraction of the limits."""
         if self.viscous is None:
@@ -132,33 +143,33 @@ class PathProblem:
         return share.max(axis=(0, 2), initial=0.0)
 
     def excess(self, x: Array) -> Array:
-        """(N, P, m) by how much a motion with x (N + 1, P) exceeds limits halfway in the intervals:
+        """(N, P, m) by how much a motion with x (N + 1, P) exceeds limits within the intervals:
         above the upper one, or negative below the lower one."""
         middle, u = 0.5 * (x[:-1] + x[1:]), np.diff(x, axis=0) / self.rows.h
         qd, qdd = self.between.rates(middle, u)
         values = self.limits.row(self.limits.dynamics(self.between.q, qd, qdd), qdd)
-        return np.maximum(np.abs(values) - self.limits.size, 0.0) * np.sign(values)
+        return excess(self.with_friction(x), x, values, self.limits.size)
 
     def tightened(self, by: Array, paths: Flags) -> PathProblem:
-        """With limits that are smaller by what they are exceeded by (N, P, m), of those paths."""
+        """With margins larger by what limits are exceeded by (N, P, m), of those paths."""
         most = 0.25 * self.limits.size  # a grid so coarse is told, not mended
         rows = np.clip(np.where(paths[:, None], by, 0.0), -most, most)
-        above, below = np.maximum(rows, 0.0), np.minimum(rows, 0.0)
-        (lo, lo_end), (hi, hi_end) = self.rows.lo, self.rows.hi
-        ends = {"lo": (lo - below, lo_end - below), "hi": (hi - above, hi_end - above)}
-        return replace(self, rows=self.rows._replace(**ends))
+        below, above = self.margin or (0.0, 0.0)
+        margin = below - np.minimum(rows, 0.0), above + np.maximum(rows, 0.0)
+        return replace(self, margin=margin)
 
     def only(self, paths: Flags) -> PathProblem:
         """Of some paths."""
         if paths.all():
             return self
-        h, most, most_between, a, b, lo, hi = self.rows
+        h, most, a, b, lo, hi = self.rows
         lo, hi = ((start[:, paths], end[:, paths]) for start, end in (lo, hi))
-        grid = (x[:, paths] for x in (h, most, most_between, a, b))
+        grid = (x[:, paths] for x in (h, most, a, b))
         rows = PathRows(*grid, lo=lo, hi=hi)
         at, between = (PathSamples(*(x[:, paths] for x in of)) for of in (self.at, self.between))
         drag = None if self.viscous is None else self.viscous[:, paths]
-        return PathProblem(self.limits, at, between, rows, drag)
+        margin = self.margin and (self.margin[0][:, paths], self.margin[1][:, paths])
+        return PathProblem(self.limits, at, between, rows, drag, margin)
 
     def coarse(self, every: int) -> PathProblem:
         """On a grid of each `every`-th point; their number less 1 is a multiple of it."""
@@ -166,8 +177,7 @@ class PathProblem:
         starts, ends = cut, slice(every - 1, None, every)
         h = rows.h.reshape(-1, every, rows.h.shape[1]).sum(axis=1)
         lo, hi = ((x[0][starts], x[1][ends]) for x in (rows.lo, rows.hi))
-        middle = rows.most[every // 2 :: every][: len(h)]
-        fewer = PathRows(h, rows.most[cut], middle, rows.a[cut], rows.b[cut], lo, hi)
+        fewer = PathRows(h, rows.most[cut], rows.a[cut], rows.b[cut], lo, hi)
         drag = None if self.viscous is None else self.viscous[cut]
         return replace(self, rows=fewer, viscous=drag)
 
@@ -192,15 +202,28 @@ def path_problem(limits: RobotLimits, curves: Sequence[PathCurve], s: Array) -> 
         signs = np.stack([np.sign(x) for x in (at.first[:-1], between.first, at.first[1:])])
         drag = [limits.row(coulomb * f(signs, axis=0), still[:-1]) for f in (np.min, np.max)]
         ends = [(lo - drag[0], hi - drag[1]) for lo, hi in ends]
-    columns = np.moveaxis((found[2] / limits.velocity) ** 2, -1, 0)
-    fastest = reduce(np.maximum, columns)  # several times as quick as max over a short last axis
-    most = 1.0 / np.maximum(fastest, 1.0 / unlimited(s))
-    speeds = (most[part] for part in _parts(len(s)))
     (lo, hi), (lo_end, hi_end) = ends
-    bounds = {"lo": (lo, lo_end), "hi": (hi, hi_end)}
-    rows = PathRows(2.0 * np.diff(s, axis=0), *speeds, a, b, **bounds)
+    h = 2.0 * np.diff(s, axis=0)
+    speed = _speed_limits(limits, found[2], s)
+    rows = PathRows(h, speed, a, b, (lo, lo_end), (hi, hi_end))
     drag = limits.row(viscous * at.first, still) if viscous.any() else None
     return PathProblem(limits, at, between, rows, drag)
+
+
+def _speed_limits(limits: RobotLimits, first: Array, s: Array) -> Array:
+    """Largest ṡ² (N + 1, P) at a grid, 0 at its end, with which speeds are within their limits
+    halfway in the intervals too. first: q' at the grid, then halfway."""
+    columns = np.moveaxis((first / limits.velocity) ** 2, -1, 0)
+    fastest = reduce(np.maximum, columns)  # several times as quick as max over a short last axis
+    most = 1.0 / np.maximum(fastest, 1.0 / unlimited(s))
+    points, halfway = (most[part] for part in _parts(len(s)))
+    lower = np.minimum(np.minimum(points[:-1], points[1:]), halfway)
+    bound = 2.0 * halfway - lower  # ṡ² is a straight line between two points
+    found = points.copy()
+    found[:-1] = np.minimum(found[:-1], bound)
+    found[1:] = np.minimum(found[1:], bound)
+    found[-1] = 0.0
+    return found
 
 
 def _parts(count: int) -> tuple[slice, slice]:

@@ -16,6 +16,7 @@ import numpy as np
 from freebody.algorithms import path_timing
 from freebody.arrays import Array
 from freebody.elementary import Scalar
+from freebody.motion.ranges import Flags
 from freebody.program import Argument, trace
 from freebody.targets import Kernel, compile_program
 from freebody.targets.recurrence import recurrence
@@ -27,14 +28,12 @@ _CLOSE = 1e-9  # of the largest x: steps, and gaps between what is wanted and al
 class PathRows(NamedTuple):
     """Limits over a grid of N intervals and P paths.
 
-    h: (N, P) twice the intervals' lengths. most: (N + 1, P) largest x; most_between: (N, P) halfway
-    in the intervals. a, b: (N + 1, P, m). lo, hi:
-    (2, N, P, m) at the intervals' starts and ends.
+    h: (N, P) twice the intervals' lengths. most: (N + 1, P) largest x, 0 at the end. a, b: (N + 1,
+    P, m). lo, hi: (2, N, P, m) at the intervals' starts and ends.
     """
 
     h: Array
     most: Array
-    most_between: Array
     a: Array
     b: Array
     lo: tuple[Array, Array]
@@ -43,40 +42,42 @@ class PathRows(NamedTuple):
 
 class SpeedProfile(NamedTuple):
     """x: (N + 1, P), NaN in a path without solution. reachable: (N + 1, P, 2) between which x may
-    be with the end still to be reached at rest; NaN where it cannot be. lowest, highest: (N, P) x
-    at the intervals' starts that the limits of the interval alone allow."""
+    be with the end still to be reached at rest; NaN where it cannot be."""
 
     x: Array
     reachable: Array
-    lowest: Array
-    highest: Array
+
+    @property
+    def moves(self) -> Flags:
+        """(P,) whether the end is reached, without a rest on the way."""
+        return np.all(np.isfinite(self.x), axis=0) & np.all(self.x[1:-1] > 0.0, axis=0)
+
+    @property
+    def starts(self) -> Flags:
+        """(P,) whether the end can be reached from rest."""
+        return ~(self.reachable[0, :, 0] > _CLOSE * self.reachable[0, :, 1])
 
 
 def quickest_profile(rows: PathRows) -> SpeedProfile:
     """The largest speeds from rest to rest."""
     kernels = _kernels(rows.a.shape[-1])
-    count, paths = rows.h.shape
+    paths = rows.h.shape[1]
     *lines, corners = _polygons(kernels.polygon, rows)
     over_y, over_x = lines[:3], lines[3:]
     rest = np.zeros((paths, 2))
-    tolerance = _CLOSE * rows.most[:-1]
+    tolerance = _CLOSE * np.maximum(corners[..., 0], 0.0)
     back = [x[::-1] for x in (*over_y, corners, tolerance)]
     reachable = recurrence(kernels.backward, rest, *back)[::-1]
     x = recurrence(kernels.forward, rest, *over_x, reachable[1:])[..., 0]
-    starts = reachable[0, :, 0] <= tolerance[0] if count else np.ones(paths, dtype=bool)
-    x = np.where(starts, x, np.nan)
-    return SpeedProfile(x, reachable, corners[..., 3], corners[..., 0])
+    return SpeedProfile(x, reachable)
 
 
 def _polygons(kernel: Kernel, rows: PathRows) -> tuple[Array, ...]:
     """What `path_timing.polygon` finds in each interval; where its search has not ended, it goes on
     from there."""
-    given = (
-        rows.a[:-1], rows.b[:-1], rows.lo[0], rows.hi[0],
-        rows.a[1:], rows.b[1:], rows.lo[1], rows.hi[1],
-    )  # fmt: skip
-    ends = np.empty((*rows.h.shape, 5))
-    for k, x in enumerate((0.0, rows.most[:-1], rows.most_between, rows.most[1:], rows.h)):
+    given = _both_ends(rows)
+    ends = np.empty((*rows.h.shape, 4))
+    for k, x in enumerate((0.0, rows.most[:-1], rows.most[1:], rows.h)):
         ends[..., k] = x
     flat = (x.reshape(rows.h.size, x.shape[-1]) for x in (*given, ends))  # one axis is quickest
     *lines, corners = (x.reshape(*rows.h.shape, x.shape[-1]) for x in kernel(*flat))
@@ -89,6 +90,41 @@ def _polygons(kernel: Kernel, rows: PathRows) -> tuple[Array, ...]:
         again[:, 0], again[:, 1] = corners[open_][:, 3], corners[open_][:, 0]
         corners[open_] = kernel(*(x[open_] for x in given), again)[-1]
     return (*lines, corners)
+
+
+def _both_ends(rows: PathRows) -> tuple[Array, ...]:
+    """(N, P, m) each, as `_row_arguments` names them."""
+    return (
+        rows.a[:-1], rows.b[:-1], rows.lo[0], rows.hi[0],
+        rows.a[1:], rows.b[1:], rows.lo[1], rows.hi[1],
+    )  # fmt: skip
+
+
+def _row_arguments(m: int) -> list[Argument]:
+    names = ("a", "b", "lo", "hi")
+    return [Argument(f"{name}{end}", (m,)) for end in ("", "_end") for name in names]
+
+
+def excess(rows: PathRows, x: Array, middle: Array, size: Array) -> Array:
+    """(N, P, m) by how much the rows of a motion with x (N + 1, P) are above their limit `size`
+    (m,) within the intervals, or negative below -size; middle: their values halfway."""
+    ends = np.stack([x[:-1], x[1:], rows.h], axis=-1)
+    given = (*_both_ends(rows), middle, ends)
+    flat = [a.reshape(rows.h.size, a.shape[-1]) for a in given]
+    return _excess(len(size))(*flat[:-1], size, flat[-1]).reshape(middle.shape)
+
+
+@lru_cache(maxsize=8)
+def _excess(m: int) -> Kernel:
+    """`path_timing.excess` of m rows."""
+
+    def excess(*given: Scalar) -> tuple[Scalar]:
+        start, end = path_timing.RowsAtEnd(*given[:4]), path_timing.RowsAtEnd(*given[4:8])
+        return (path_timing.excess(start, end, *given[8:10], *given[10]),)
+
+    inputs = [*_row_arguments(m), Argument("middle", (m,)), Argument("size", (m,))]
+    outputs = [Argument("excess", (m,))]
+    return compile_program(trace("path_excess", excess, [*inputs, Argument("ends", (3,))], outputs))
 
 
 def timed_pieces(derivatives: Sequence[Array], x: Array, h: Array) -> tuple[Array, Array]:
@@ -146,7 +182,7 @@ def _kernels(m: int) -> _Kernels:
     lines = vectors(2 * m + 1, "low", "high", "slope")
     over = [Argument(f"{x.name}_{of}", x.shape) for of in ("x", "y") for x in lines]
     state, corners = Argument("state", (2,)), Argument("corners", (6,))
-    rows = vectors(m, "a", "b", "lo", "hi", "a_end", "b_end", "lo_end", "hi_end")
+    rows = _row_arguments(m)
 
     def compiled(
         name: str,
@@ -157,7 +193,7 @@ def _kernels(m: int) -> _Kernels:
         return compile_program(trace(name, function, inputs, outputs))
 
     return _Kernels(
-        compiled("path_polygon", polygon, [*rows, Argument("ends", (5,))], [*over, corners]),
+        compiled("path_polygon", polygon, [*rows, Argument("ends", (4,))], [*over, corners]),
         compiled(
             "path_backward",
             backward,

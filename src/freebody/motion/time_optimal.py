@@ -29,6 +29,7 @@ _BLOCK = 16  # paths computed side by side: what is known of them stays in the p
 _ROUNDS = 12
 _TANGENT = 1e-4  # of a limit: error of the viscous torque
 _HELD = 2e-4  # of a limit: what it may be exceeded by halfway between two points of the grid
+_FAR_FROM_HELD = 0.05
 _COARSE = (10, 8, 5, 4, 3, 2)
 _SOURCE = "the quickest along a path within the limits"
 
@@ -53,7 +54,8 @@ def time_optimal(
     N m, N. The model's own count too (zero means not given, see `Limits`). Torques contain friction
     (viscous, Coulomb), rotors, springs and the payload. wrenches: constant ones by frame, world
     axes. points: of the grid over s; at least one interval in each piece of the path. Limits are
-    kept at both ends of each interval, and halfway to 0.02 %; s̈ is constant in it. Returns the
+    kept at both ends of each interval and to 0.02 % within it, or else notices say by how much they
+    are exceeded (above 5 % it raises); s̈ is constant in it. Returns the
     motion with its exact curve, samples at the grid; of many, a tuple. Raises FreebodyError where
     the path leaves the joints' ranges, or where the robot cannot hold or move it: at which s, which
     joint, which limit.
@@ -122,6 +124,13 @@ def _motions(
         refuse_out_of_range(_NAME, robot.model, curve, problem.at, k, limits)
     labels = ["the path"] if len(curves) == 1 else [f"path {k}" for k in block.paths]
     found = _solved(problem, labels)
+    for label, worst in zip(labels, found.worst, strict=True):
+        if worst > _FAR_FROM_HELD:
+            raise FreebodyError(
+                f"{_NAME}: between points of the grid {label} exceeds a limit by "
+                f"{100 * worst:.2g} %; give more points than {block.intervals + 1}, or larger "
+                f"limits."
+            )
     notices = [_told(worst) if worst > _HELD else () for worst in found.worst]
     return motions_along(robot.model, own, problem.at, found.x, _SOURCE, notices)
 
@@ -134,24 +143,27 @@ class _Quickest(NamedTuple):
 
 
 def _solved(problem: PathProblem, labels: list[str]) -> _Quickest:
-    """Repeated where viscous friction or what bulges between the points asks for it; each path as
-    if it were alone."""
+    """Repeated where viscous friction asks for it, then where limits are exceeded between the
+    points, unless stricter ones leave nothing; each path as if it were alone."""
     before = _first_guess(problem, labels)
-    found = _Quickest(np.zeros_like(problem.rows.most), np.zeros(len(labels)))
+    found = _Quickest(np.zeros_like(problem.rows.most), np.full(len(labels), np.inf))
     left = np.arange(len(labels))
     for _ in range(_ROUNDS):
-        profile = quickest_profile(problem.with_friction(before))
-        refuse_unreachable(_NAME, problem, profile, labels)
+        profile = quickest_profile(problem.strict(before))
+        if problem.margin is None:
+            refuse_unreachable(_NAME, problem, profile, labels)
         excess = problem.excess(profile.x)
         worst = (np.abs(excess) / problem.limits.size).max(axis=(0, 2), initial=0.0)
-        error = problem.tangent_error(profile.x, before)
-        found.x[:, left], found.worst[left] = profile.x, worst
-        again = (worst > _HELD) | (error > _TANGENT)
+        turning = problem.tangent_error(profile.x, before) > _TANGENT
+        better = profile.moves & (turning | (worst < found.worst[left]))
+        found.x[:, left[better]], found.worst[left[better]] = profile.x[:, better], worst[better]
+        again = better & (turning | (worst > _HELD))
         if not again.any():
             break
-        problem = problem.tightened(excess, worst > _HELD).only(again)
+        if not turning.any():
+            problem = problem.tightened(excess, again)
         labels = list(compress(labels, again))
-        before, left = profile.x[:, again], left[again]
+        problem, before, left = problem.only(again), profile.x[:, again], left[again]
     return found
 
 

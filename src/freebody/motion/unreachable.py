@@ -23,7 +23,9 @@ def refuse_unreachable(
     function: str, problem: PathProblem, profile: SpeedProfile, labels: list[str]
 ) -> None:
     """Raise FreebodyError for the first path without a motion; `labels` name the paths."""
-    moves = np.all(np.isfinite(profile.x), axis=0) & np.all(profile.x[1:-1] > 0.0, axis=0)
+    moves = profile.moves
+    if problem.viscous is None:  # its tangent says nothing of rest
+        moves &= profile.starts
     free = np.any(profile.x > _FAST * unlimited(problem.at.s), axis=0)
     for path in map(int, np.flatnonzero(~moves | free)):
         start = f"{function}: {labels[path]}"
@@ -84,6 +86,8 @@ def _excluded(problem: PathProblem, profile: SpeedProfile, path: int) -> str:
     if not found.success:
         return f"{place} no speed is within all limits"
     close = found.slack[: len(limits)] <= _BINDING * np.tile(size, 4)
+    if found.x[2] <= _BINDING or not close.any():
+        return f"{place} no speed within all limits leads on to rest at its end"
     names = [_row(problem.limits, int(k) % len(size)) for k in np.flatnonzero(close)]
     texts = dict.fromkeys(f"the {what} of {name}" for name, _, what in names)
     return (
@@ -94,7 +98,9 @@ def _excluded(problem: PathProblem, profile: SpeedProfile, path: int) -> str:
 
 def _without_limit(problem: PathProblem, profile: SpeedProfile, path: int) -> str:
     i = int(np.argmax(profile.x[:, path]))
-    names = _moving(problem.limits.model, problem.at.first[i, path])
+    names = list(_moving(problem.limits.model, problem.at.first[i, path]))
+    if not names:
+        return f"stands still {_at(problem, i, path)}; leave that piece out."
     return (
         f"has no quickest motion: {_at(problem, i, path)} {listed(names, 3)} may move as fast as "
         f"they like; give velocity=, acceleration= or torque=."
