@@ -524,6 +524,8 @@ def test_names_are_those_of_the_equations():
     carried = illustrations(fb.derive(fb.planar("RR"), route="pivot"))["carried 1"]
     np.testing.assert_allclose(carried.named("r_{1,c2}").end, carried.named("C_2").at)
     assert "f_{1,2}" not in {e.name for e in carried.elements}, "inner reactions cancel"
+    letters = [e.text for e in carried.elements if isinstance(e, Label)]
+    assert len(letters) == len(set(letters)), "where two links meet, the joint is named once"
 
 
 def test_markdown_refers_to_drawings_beside_it(tmp_path, capsys):

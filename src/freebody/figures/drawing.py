@@ -174,8 +174,11 @@ class Drawing:
         self.add(Mark(point(at), kind, name, role, size=size))
 
     def write(self, at: Iterable[float], text: str, direction: Iterable[float]) -> None:
-        """Write a formula near a place, in that direction if there is room."""
-        self.add(Label(point(at), text, f"label {text}", direction=point(direction)))
+        """Write a formula near a place, in that direction if there is room; once."""
+        at, name = point(at), f"label {text}"
+        written = (e.at for e in self.elements if isinstance(e, Label) and e.name == name)
+        if all(math.dist(at, other) > SAME for other in written):
+            self.add(Label(at, text, name, direction=point(direction)))
 
     def centre(self, at: Iterable[float], name: str, direction: Iterable[float]) -> None:
         """Draw a centre of mass, with its name."""
