@@ -33,7 +33,7 @@ TAKES_NUMBERS = (
 
 BY_NAME = {
     "q": "positions", "q0": "positions", "q1": "positions", "qd": "rates", "qdd": "rates",
-    "tau": "rates",
+    "tau": "rates", "effort": "rates",
     "v": "rates", "rates": "rates", "accelerations": "rates", "torque": "rates", "V": "rows",
     "A": "rows",
     "waypoints": "positions", "wrenches": "wrench", "point": "point", "about": "point",

@@ -1,0 +1,1 @@
+"""What an arm can do where: maps over many postures."""

@@ -1,0 +1,65 @@
+"""The largest mass that an arm holds at rest: by the torques of the arm that carries it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import freebody as fb
+
+
+@pytest.mark.parametrize(("name", "point"), [("ur5e", [0.1, -0.05, 0.2]), ("2R", [0.2, 0.1])])
+def test_that_mass_and_no_more(name, point):
+    """With the payload, some joint is at its effort limit, and none is beyond; that joint is the
+    one named."""
+    model = fb.load(name)
+    effort = np.linspace(60.0, 30.0, model.nv)
+    q, _, _ = fb.random_state(model, 2, 20)
+    found = fb.payload_map(model, q, effort=effort, point=point)
+    assert (found.mass > 0).any()
+    for k in range(20):
+        mass = found.mass[k]
+        carrying = model.with_payload(mass=max(mass, 1e-12), com=point)
+        share = np.abs(fb.static_torque(carrying, q[k])) / effort
+        if found.overloaded[k]:
+            assert mass == 0.0
+            assert share[found.joint[k]] > 1.0
+        else:
+            assert share.max() == pytest.approx(1.0, abs=1e-12)
+            assert int(np.argmax(share)) == found.joint[k]
+    assert fb.payload_map(model, q[3], effort=effort, point=point).mass == found.mass[3]
+
+
+def test_a_pendulum_by_hand():
+    """m g l cos q and M g L cos q together at the motor's torque; hanging, nothing limits it."""
+    arm = fb.planar("R", l=[2.0], lc=[1.0], m=[3.0], I=[0.1])
+    found = fb.payload_map(arm, [[0.0], [np.pi / 3], [-np.pi / 2]], effort=[100.0])
+    by_hand = [(100.0 / (9.81 * c) - 3.0 * 1.0) / 2.0 for c in (1.0, 0.5)]
+    assert np.allclose(found.mass[:2], by_hand, rtol=1e-13)
+    assert found.mass[2] > 1e10 or np.isinf(found.mass[2])
+    weak = fb.payload_map(arm, [0.0], effort={"joint1": 10.0})
+    assert weak.mass == 0.0
+    assert weak.overloaded
+    assert weak.joint == 0
+    assert "1 postures overload a joint without payload." in weak._table().notes
+
+
+def test_limits_of_the_model_are_taken():
+    model = fb.load("ur5e")
+    q, _, _ = fb.random_state(model, 0, 50)
+    efforts = model.limits.effort
+    assert fb.payload_map(model, q) == fb.payload_map(model, q, effort=efforts)
+    assert repr(fb.payload_map(model, q)).startswith("<PayloadMap: 50 postures, ")
+
+
+def test_refusals():
+    arm = fb.planar("R", l=[2.0], lc=[1.0], m=[3.0], I=[0.1])
+    for words, call in (
+        ("no joint of 'R' has an effort limit", lambda: fb.payload_map(arm, [0.0])),
+        ("without gravity", lambda: fb.payload_map(arm.replace(gravity=0), [0.0], effort=[1.0])),
+        ("one positive number", lambda: fb.payload_map(arm, [0.0], effort=[-1.0])),
+        ("closed chain", lambda: fb.payload_map(fb.load("five_bar"), np.zeros(5))),
+        ("point has shape", lambda: fb.payload_map(arm, [0.0], effort=[1.0], point=[1.0])),
+    ):
+        with pytest.raises(fb.FreebodyError, match=words):
+            call()
