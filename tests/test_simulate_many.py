@@ -357,6 +357,14 @@ def test_what_is_refused(case: int):
         fb.simulate(ARM, Q, QD, T, **(WIDE | options))
 
 
+def test_a_compiled_torque_at_a_passive_joint_is_refused():
+    model = ARM.replace(actuated=["joint1"])
+    push = fb.compile(lambda qd: [0.0, -qd[1]], {"qd": 2}, {"tau": 2})
+    for options in ({"step": 1e-3}, {}, {"method": "DOP853"}):
+        with pytest.raises(fb.FreebodyError, match="the torque of 'joint2' is .* passive"):
+            fb.simulate(model, Q, QD, T, push, **WIDE, **options)
+
+
 def test_progress_is_told():
     for torque, options in ((None, {"step": 1e-5}), (None, {"threads": 1}), (python(0), {})):
         parts: list[float] = []

@@ -39,6 +39,8 @@ def stepped(asked: Simulation, method: str, result: Simulated) -> None:
         calls = instants(float(asked.t[0]), float(asked.t[-1]), asked.sample_time)
     way = course(asked.t, asked.every, asked.breakpoints, calls)
     drive, torque = _torque(asked)
+    if isinstance(asked.torque, CompiledTorque):
+        drive(asked.t[0], asked.q, asked.qd)  # refused here, where it acts at a passive joint
     stepper = _stepper(asked, fixed, torque, drive)
     if method != "auto":
         _warn_unstable(asked, fixed, way, drive)
