@@ -361,7 +361,7 @@ def test_a_compiled_torque_at_a_passive_joint_is_refused():
     model = ARM.replace(actuated=["joint1"])
     push = fb.compile(lambda qd: [0.0, -qd[1]], {"qd": 2}, {"tau": 2})
     for options in ({"step": 1e-3}, {}, {"method": "DOP853"}):
-        with pytest.raises(fb.FreebodyError, match="the torque of 'joint2' is .* passive"):
+        with pytest.raises(fb.FreebodyError, match=r"the torque of 'joint2' is .* passive"):
             fb.simulate(model, Q, QD, T, push, **WIDE, **options)
 
 
