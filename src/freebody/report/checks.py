@@ -108,21 +108,15 @@ def _bodies(model: Model, motion: Motion, data: xr.Dataset) -> list[Check]:
     )
     found = balance(model, motion.q, motion.qd, motion.qdd, wrenches, {})
     how = "accelerations from the poses differentiated twice, not from the recursion"
+    rows = (
+        ("forces", found.force, found.largest_force, "Joint reactions and weight against mass "
+         f"times acceleration of every body; {how}; over the largest force."),
+        ("moments", found.moment, found.largest_moment, "The same for moments and the rate of "
+         f"angular momentum; {how}; over the largest moment."),
+    )  # fmt: skip
     return [
-        check(
-            "forces on each body",
-            relative(found.force, np.array([found.largest_force])),
-            1e-10,
-            f"Joint reactions and weight compared with mass times acceleration of every body; "
-            f"{how}; relative to the largest force.",
-        ),
-        check(
-            "moments on each body",
-            relative(found.moment, np.array([found.largest_moment])),
-            1e-10,
-            f"The same for moments and the rate of change of angular momentum; {how}; relative to "
-            f"the largest moment.",
-        ),
+        check(f"{what} on each body", relative(off, np.array([largest])), 1e-10, text)
+        for what, off, largest, text in rows
     ]
 
 

@@ -112,14 +112,7 @@ def powers(study: Study) -> Iterator[CaptionedDrawing]:
     for group in _groups(study.model.driven_names):
         curves = {short: data["power"].sel(coordinate=name).values for name, short in group}
         yield _plot(study, "Power of each drive", curves, "W")
-    yield _plot(
-        study,
-        "Power of all drives",
-        {"all": data["motor_power"].values},
-        "W",
-        legend=False,
-        peaks=True,
-    )
+    yield _single(study, "Power of all drives", "all", data["motor_power"].values, "W")
 
 
 def energies(study: Study) -> Iterator[CaptionedDrawing]:
@@ -127,35 +120,21 @@ def energies(study: Study) -> Iterator[CaptionedDrawing]:
     data = study.data
     kinetic, potential = data["kinetic_energy"].values, data["potential_energy"].values
     start = float(potential[0])
-    total = kinetic + potential - start
-    yield _plot(
-        study,
-        "Energy relative to the start",
-        {"kinetic": kinetic, "potential": potential - start, "total": total},
-        "J",
-    )
-    yield _plot(
-        study,
-        "Residual of the energy balance",
-        {"residual": data["energy_residual"].values},
-        "J",
-        legend=False,
-        peaks=True,
-    )
+    curves = {"kinetic": kinetic, "potential": potential - start}
+    curves["total"] = kinetic + potential - start
+    yield _plot(study, "Energy relative to the start", curves, "J")
+    residual = data["energy_residual"].values
+    yield _single(study, "Residual of the energy balance", "residual", residual, "J")
 
 
 def kinematics(study: Study) -> Iterator[CaptionedDrawing]:
     """The tip's path and speed, and how near the arm is to a singular pose."""
     data = study.data
     position = data["tip_position"]
-    yield _plot(
-        study,
-        f"Position of {study.tip}",
-        {str(a): position.sel(axis=a).values for a in position["axis"].values},
-        "m",
-    )
+    curves = {str(a): position.sel(axis=a).values for a in position["axis"].values}
+    yield _plot(study, f"Position of {study.tip}", curves, "m")
     speed = np.linalg.norm(data["tip_velocity"].values, axis=-1)
-    yield _plot(study, f"Speed of {study.tip}", {"speed": speed}, "m/s", legend=False, peaks=True)
+    yield _single(study, f"Speed of {study.tip}", "speed", speed, "m/s")
     smallest = data["smallest_singular_value"]
     curve = {"smallest singular value": smallest.values}
     yield _plot(
@@ -233,6 +212,11 @@ def _groups(names: Sequence[str]) -> Iterator[Sequence[tuple[str, str]]]:
     size = -(-len(names) // count) if count else 1
     for k in range(0, len(names), size):
         yield called[k : k + size]
+
+
+def _single(study: Study, title: str, name: str, curve: np.ndarray, unit: str) -> CaptionedDrawing:
+    """One curve, its peak marked."""
+    return _plot(study, title, {name: curve}, unit, legend=False, peaks=True)
 
 
 def _plot(

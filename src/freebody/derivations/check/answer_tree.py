@@ -3,7 +3,6 @@ the text that it stands for."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 
 from freebody.derivations.expressions.nodes import Expression
@@ -13,7 +12,6 @@ Angle = tuple[tuple[str, int], ...]
 """A sum of angles: names and whole factors."""
 
 
-@dataclass(frozen=True, eq=False)
 class Named(Expression):
     """A name and what it stands for."""
 
@@ -23,7 +21,6 @@ class Named(Expression):
     """Whether the name is the ring's own for the value."""
 
 
-@dataclass(frozen=True, eq=False)
 class Wave(Expression):
     """sin or cos of a sum of angles and a constant."""
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, dataclass_transform
 
 Span = tuple[int, int]
 """Start and end of a piece of text."""
@@ -18,6 +18,7 @@ STYLES: dict[str, Callable[[Expression], str]] = {}
 fill it in."""
 
 
+@dataclass_transform(frozen_default=True, eq_default=False)
 @dataclass(frozen=True, eq=False)
 class Expression:
     """A node; `str` gives its text for a terminal.
@@ -31,6 +32,10 @@ class Expression:
 
     __match_args__: ClassVar[tuple[str, ...]] = ()
     """Names of the fields that are its content, as `dataclass` lists them."""
+
+    def __init_subclass__(cls) -> None:
+        """Every node is a frozen data class."""
+        dataclass(frozen=True, eq=False)(cls)
 
     def __eq__(self, other: object) -> bool:
         if self is other or type(self) is not type(other) or not isinstance(other, Expression):
@@ -108,7 +113,6 @@ def replaced(x: Expression, new: Mapping[Expression, Expression]) -> Expression:
     return new[x] if x in new else x.mapped(lambda part: replaced(part, new))
 
 
-@dataclass(frozen=True, eq=False)
 class Number(Expression):
     """An exact number; `decimal` prints 1/2 as 0.5."""
 
@@ -116,7 +120,6 @@ class Number(Expression):
     decimal: bool = False
 
 
-@dataclass(frozen=True, eq=False)
 class Symbol(Expression):
     """A letter with subscripts, dots and a superscript; `name` is what it is called in code. Bold
     for vectors."""
@@ -129,28 +132,24 @@ class Symbol(Expression):
     high: str = ""
 
 
-@dataclass(frozen=True, eq=False)
 class Sum(Expression):
     """Terms added up; a `Negative` term prints with its minus."""
 
     terms: tuple[Expression, ...]
 
 
-@dataclass(frozen=True, eq=False)
 class Negative(Expression):
     """- operand."""
 
     operand: Expression
 
 
-@dataclass(frozen=True, eq=False)
 class Product(Expression):
     """Factors side by side."""
 
     factors: tuple[Expression, ...]
 
 
-@dataclass(frozen=True, eq=False)
 class Quotient(Expression):
     """above / below."""
 
@@ -158,7 +157,6 @@ class Quotient(Expression):
     below: Expression
 
 
-@dataclass(frozen=True, eq=False)
 class Power(Expression):
     """base to a whole exponent; -1 of a matrix is its inverse."""
 
@@ -166,14 +164,12 @@ class Power(Expression):
     exponent: int
 
 
-@dataclass(frozen=True, eq=False)
 class Transposed(Expression):
     """Transpose of a vector or matrix."""
 
     operand: Expression
 
 
-@dataclass(frozen=True, eq=False)
 class Function(Expression):
     """sin, cos, sgn, … of one argument."""
 
@@ -181,14 +177,12 @@ class Function(Expression):
     argument: Expression
 
 
-@dataclass(frozen=True, eq=False)
 class Arguments(Expression):
     """Several arguments of one function, atan2(y, x)."""
 
     entries: tuple[Expression, ...]
 
 
-@dataclass(frozen=True, eq=False)
 class Derivative(Expression):
     """∂ of / ∂ by, or d of / d by; by the time where `by` is the symbol t."""
 
@@ -197,7 +191,6 @@ class Derivative(Expression):
     partial: bool = False
 
 
-@dataclass(frozen=True, eq=False)
 class Cross(Expression):
     """left × right: in space a vector, in the plane the scalar a₁b₂ - a₂b₁."""
 
@@ -205,7 +198,6 @@ class Cross(Expression):
     right: Expression
 
 
-@dataclass(frozen=True, eq=False)
 class Dot(Expression):
     """left · right."""
 
@@ -213,21 +205,18 @@ class Dot(Expression):
     right: Expression
 
 
-@dataclass(frozen=True, eq=False)
 class Vector(Expression):
     """A column of components."""
 
     entries: tuple[Expression, ...]
 
 
-@dataclass(frozen=True, eq=False)
 class Matrix(Expression):
     """Rows of entries."""
 
     rows: tuple[tuple[Expression, ...], ...]
 
 
-@dataclass(frozen=True, eq=False)
 class Equation(Expression):
     """Sides that are equal: two, or more in a chain."""
 
@@ -244,7 +233,6 @@ class Equation(Expression):
         return self.sides[-1]
 
 
-@dataclass(frozen=True, eq=False)
 class Words(Expression):
     """Upright words inside a formula."""
 

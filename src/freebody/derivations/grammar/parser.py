@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import NoReturn
@@ -164,20 +164,20 @@ class Parser(ABC):
     # ------------------------------------------------------------ expressions
     def expression(self) -> Expression:
         """term ± term …"""
-        terms = [self._signed_term()]
+        terms = [self._signed(self.product)]
         while self.is_operator("+", "-"):
-            terms.append(self._signed_term())
+            terms.append(self._signed(self.product))
         if len(terms) == 1:
             return terms[0]
         return Sum(tuple(terms), span=around(terms[0], terms[-1]))
 
-    def _signed_term(self) -> Expression:
-        """A term with the signs before it."""
+    def _signed(self, read: Callable[[], Expression]) -> Expression:
+        """What `read` reads, with the signs before it."""
         start, negative = self.token.start, False
         while self.is_operator("+", "-"):
             negative ^= self.take().text == "-"
-        term = self.product()
-        return Negative(term, span=(start, term.span[1])) if negative else term
+        node = read()
+        return Negative(node, span=(start, node.span[1])) if negative else node
 
     def product(self) -> Expression:
         """Factors with * and / between them or nothing."""
@@ -187,10 +187,10 @@ class Parser(ABC):
             token = self.token
             if self.is_operator("*"):
                 self.take()
-                factors.append(self._signed_factor())
+                factors.append(self._signed(self.factor))
             elif self.is_operator("/"):
                 self.take()
-                above, below = product_of(factors), self._signed_factor()
+                above, below = product_of(factors), self._signed(self.factor)
                 factors = [self.quotient(above, below)]
             elif not self.implied_products:
                 return product_of(factors)
@@ -209,13 +209,6 @@ class Parser(ABC):
             f"{before}*{token.text} for a product",
             token.span,
         )
-
-    def _signed_factor(self) -> Expression:
-        start, negative = self.token.start, False
-        while self.is_operator("+", "-"):
-            negative ^= self.take().text == "-"
-        factor = self.factor()
-        return Negative(factor, span=(start, factor.span[1])) if negative else factor
 
     def factor(self) -> Expression:
         """A primary with its powers."""
