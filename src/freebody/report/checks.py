@@ -109,10 +109,10 @@ def _bodies(model: Model, motion: Motion, data: xr.Dataset) -> list[Check]:
     found = balance(model, motion.q, motion.qd, motion.qdd, wrenches, {})
     how = "accelerations from the poses differentiated twice, not from the recursion"
     rows = (
-        ("forces", found.force, found.largest_force, "Joint reactions and weight against mass "
-         f"times acceleration of every body; {how}; over the largest force."),
+        ("forces", found.force, found.largest_force, "Joint reactions and weight compared with mass "
+         f"times acceleration of every body; {how}; relative to the largest force."),
         ("moments", found.moment, found.largest_moment, "The same for moments and the rate of "
-         f"angular momentum; {how}; over the largest moment."),
+         f"change of angular momentum; {how}; relative to the largest moment."),
     )  # fmt: skip
     return [
         check(f"{what} on each body", relative(off, np.array([largest])), 1e-10, text)
