@@ -109,8 +109,8 @@ def _bodies(model: Model, motion: Motion, data: xr.Dataset) -> list[Check]:
     found = balance(model, motion.q, motion.qd, motion.qdd, wrenches, {})
     how = "accelerations from the poses differentiated twice, not from the recursion"
     rows = (
-        ("forces", found.force, found.largest_force, "Joint reactions and weight compared with mass "
-         f"times acceleration of every body; {how}; relative to the largest force."),
+        ("forces", found.force, found.largest_force, "Joint reactions and weight compared with "
+         f"mass times acceleration of every body; {how}; relative to the largest force."),
         ("moments", found.moment, found.largest_moment, "The same for moments and the rate of "
          f"change of angular momentum; {how}; relative to the largest moment."),
     )  # fmt: skip
