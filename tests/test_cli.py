@@ -380,4 +380,4 @@ def test_derive_takes_a_universal_joint_apart_and_refuses_a_spherical_one(tmp_pa
     text = path.read_text(encoding="utf-8").replace("spherical", "universal")
     path.write_text(text, encoding="utf-8")
     assert run(["derive", str(path), "--method", "lagrange"]) == 0
-    assert "is taken apart into joint 1 and joint 2" in capsys.readouterr().out.replace("\n", " ")
+    assert "is replaced by joint 1 and joint 2" in capsys.readouterr().out.replace("\n", " ")

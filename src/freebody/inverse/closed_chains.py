@@ -238,8 +238,8 @@ class _Held:
             return f"No solution was found for {frame}, at best {distance:.6g} m from it. {unseen}"
         if distance > near:
             return (
-                f"Out of reach: the target is about {distance:.6g} m from what {frame} can "
-                "reach with loops closed."
+                f"Out of reach: the target is about {distance:.6g} m from the nearest point that "
+                f"{frame} can reach with the loops closed."
             )
         if turned > 1e-6:
             return (

@@ -66,8 +66,8 @@ def _sentence(solver: NumericalSolver, distance: float, out: bool, how: str, als
     if out:
         oriented = f" with this orientation{also}" if solver.task.angular else ""
         return (
-            f"Out of reach: the target is {how}{distance:.6g} m from what {frame} can "
-            f"reach{oriented}."
+            f"Out of reach: the target is {how}{distance:.6g} m from the nearest point that "
+            f"{frame} can reach{oriented}."
         )
     if solver.task.angular:
         return (

@@ -44,7 +44,7 @@ def time_optimal(
     wrenches: Wrenches = None,
     points: int = 1001,
 ) -> Motion | tuple[Motion, ...]:
-    """The quickest motion along a path, from rest to rest, within limits of speed, acceleration and
+    """The time-optimal motion along a path, from rest to rest, within limits of speed, acceleration and
     torque.
 
     path: waypoints (k, nq), or a motion, of which the positions count: the natural cubic spline

@@ -70,7 +70,7 @@ def _composed(s: Setting) -> list[str]:
             joints = listed([f"joint {k}" for k in range(first, n + 1)])
             links = [f"body {k}" for k in range(first, n)]
             told.append(
-                f"The {body.kind.name} joint {literal(body.joint.name)} is taken apart into "
+                f"The {body.kind.name} joint {literal(body.joint.name)} is replaced by "
                 f"{joints}; between them {'is' if len(links) == 1 else 'are'} {listed(links)}, "
                 "without mass."
             )
