@@ -153,7 +153,8 @@ def test_out_of_reach(point, distance):
     assert found.q.shape == (0, 2)
     assert abs(found.distance - distance) < 1e-9
     assert found.notes == (
-        f"Out of reach: the target is {distance:.6g} m from the nearest point that frame 'tip' of 'RR' can reach.",
+        f"Out of reach: the target is {distance:.6g} m from the nearest point that frame 'tip' of "
+        f"'RR' can reach.",
     )
 
 
@@ -575,6 +576,6 @@ def test_prints_as_a_table():
         "(2,) targets, 0 to 2 solutions each; closed form: RR across parallel axes (2.14, 2.15)"
     )
     assert (
-        "Target 1: Out of reach: the target is 7.3 m from the nearest point that frame 'tip' of 'RR' can reach."
-        in text
+        "Target 1: Out of reach: the target is 7.3 m from the nearest point that frame 'tip' of "
+        "'RR' can reach." in text
     )

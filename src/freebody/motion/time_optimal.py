@@ -44,8 +44,8 @@ def time_optimal(
     wrenches: Wrenches = None,
     points: int = 1001,
 ) -> Motion | tuple[Motion, ...]:
-    """The time-optimal motion along a path, from rest to rest, within limits of speed, acceleration and
-    torque.
+    """The time-optimal motion along a path, from rest to rest, within limits of speed, acceleration
+    and torque.
 
     path: waypoints (k, nq), or a motion, of which the positions count: the natural cubic spline
     through them, s from 0 to 1 along its chords; or a path of your own, q(s) as a scipy PPoly of nq
