@@ -235,13 +235,15 @@ def test_a_motion_of_samples_whatever_they_come_in():
     assert (rated.qd[:, 0] == 2 * t).all()
 
 
-def test_a_closed_chain_follows_its_drives():
+def test_a_closed_chain_follows_its_drives(tmp_path: Path):
     linkage = fb.load("four_bar")
     motion = fb.default_motion(linkage, samples=41)
     drive = linkage.driven_names[0]
     k = linkage.position_names.index(drive)
     again = fb.Motion.of(linkage, {"t": motion.t, drive: motion.q[:, k]})
     np.testing.assert_allclose(again.q, motion.q, atol=1e-9)
+    path = fb.write_motion(linkage, motion, tmp_path / "crank.csv")
+    np.testing.assert_allclose(fb.read_motion(linkage, path).q, motion.q, atol=1e-9)
     whole = fb.Motion.of(linkage, motion.t, motion.q)
     np.testing.assert_allclose(whole.q, motion.q, atol=1e-9)
 

@@ -50,7 +50,9 @@ def read_waypoints(model: Model, path: str | os.PathLike[str]) -> tuple[Array, A
 
 def motion_table(model: Model, motion: Motion) -> tuple[list[str], Array]:
     """(header, rows) of a motion's samples as `read_motion` reads it: positions, and rates and
-    accelerations where they have a column."""
+    accelerations where they have a column; of a closed chain, whose loops give them, none."""
+    if model.loops:
+        return ["t", *model.position_names], np.column_stack([motion.t, motion.q])
     iq, iv = position_columns(model)
     names = [model.position_names[k] for k in iq]
     header = ["t", *model.position_names, *(f"{n}.v" for n in names), *(f"{n}.a" for n in names)]
@@ -73,7 +75,8 @@ def write_motion(
         raise UnknownNameError("choice", rows, "write_motion: rows=", get_args(Rows))
     whole = require_motion("write_motion", model, motion)
     header, table = motion_table(model, whole if rows == "samples" else at_knots(whole))
-    if rows == "knots" and whole.pieces is not None and whole.layout.flat:
+    rated = whole.layout.flat and not model.loops
+    if rows == "knots" and whole.pieces is not None and rated:
         jumps = np.isin(table[:, 0], whole.jumps)
         twice = table[jumps]
         twice[:, 1 + 2 * model.nq :] = whole.pieces.derivative(2).before(twice[:, 0])
