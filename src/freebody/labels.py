@@ -10,7 +10,7 @@ caller's; inputs with different times are refused.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -31,7 +31,7 @@ def aligned(
     if type(value) is np.ndarray or isinstance(value, (str, bytes)):
         return value
     if isinstance(value, tuple) and hasattr(value, "_asdict"):
-        value = value._asdict()  # type: ignore[attr-defined]
+        value = cast("NamedTuple", value)._asdict()
     if isinstance(value, (list, tuple)):
         if not any(map(is_labelled, value)):
             return value
@@ -67,7 +67,7 @@ def is_labelled(value: Any) -> bool:
 def labels_of(value: Any) -> list[Any]:
     """The labels that a labelled vector has; none where there are none."""
     if isinstance(value, tuple) and hasattr(value, "_fields"):
-        return list(value._fields)  # type: ignore[attr-defined]
+        return list(cast("NamedTuple", value)._fields)
     if isinstance(value, Mapping):
         return list(value)
     if not is_labelled(value):
@@ -212,11 +212,11 @@ def _from_data_array(where: str, value: Any, names: Sequence[str], dims: Sequenc
 
 def _from_mapping(where: str, given: Mapping[str, Any], names: Sequence[str]) -> Any:
     """A vector from {name: value or batch}; every entry must be there."""
-    if hasattr(
-        given, "to_dataarray"
-    ):  # a Dataset: its variables may have their dimensions in any order
+    if hasattr(given, "to_dataarray"):
+        # a Dataset: its variables may have their dimensions in any order
         _taken(where, np.empty(len(given)), list(given), names)
-        return given[list(names)].to_dataarray("_entry").transpose(..., "_entry").values  # type: ignore[index]
+        dataset: Any = given
+        return dataset[list(names)].to_dataarray("_entry").transpose(..., "_entry").values
     _taken(where, np.empty(len(given)), list(given), names)
     _refuse_other_rows(where, given)
     for name in names:

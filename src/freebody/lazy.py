@@ -14,7 +14,12 @@ class Keeps:
     from them since."""
 
     def __getstate__(self) -> dict[str, Any]:
-        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}  # type: ignore[arg-type]
+        return by_field(self)
+
+
+def by_field(instance: Any) -> dict[str, Any]:
+    """What the fields of a dataclass hold, by their names."""
+    return {field.name: getattr(instance, field.name) for field in dataclasses.fields(instance)}
 
 
 def kept(instance: object, name: str, find: Callable[..., T], *arguments: Any) -> T:

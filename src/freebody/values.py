@@ -9,6 +9,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from freebody.lazy import by_field
+
 
 class ByValue:
     """A frozen dataclass (`eq=False`) whose `==` compares type, structure and numbers exactly,
@@ -34,20 +36,21 @@ class ByValue:
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        return self is other or self._key() == other._key()  # type: ignore[attr-defined]
+        return self is other or self._key() == other._key()
 
     def __hash__(self) -> int:
         return hash(self._key())
 
     def _key(self) -> tuple[Any, ...]:
+        kind: Any = type(self)
         return tuple(
             key(getattr(self, field.name))
-            for field in dataclasses.fields(self)  # type: ignore[arg-type]
+            for field in dataclasses.fields(kind)
             if field.compare and field.name not in self._aside
         )
 
     def __getstate__(self) -> dict[str, Any]:
-        return {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}  # type: ignore[arg-type]
+        return by_field(self)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         for name, value in state.items():

@@ -70,7 +70,7 @@ def _options_of(methods: Iterable[Method]) -> list[Any]:
         """Never called."""
 
     owned = [(method, option) for method in methods for option in method.options]
-    command.__signature__ = Signature([_parameter(*pair) for pair in owned])  # type: ignore[attr-defined]
+    command.__signature__ = Signature([_parameter(*pair) for pair in owned])
     parser = typer.Typer(add_completion=False)
     parser.command()(command)
     made = [param for param in typer.main.get_command(parser).params if param.name != "help"]

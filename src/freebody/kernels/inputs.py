@@ -232,7 +232,7 @@ class InputKernel:
         others."""
         numbers = self.values.copy()
         for name, value in given.items():
-            at = self.named.at.get(name)  # type: ignore[arg-type]
+            at = self.named.at.get(name) if isinstance(name, str) else None
             if at is None or not isinstance(value, float):
                 return None
             numbers[at] = value
@@ -254,7 +254,7 @@ class _QuickInputKernel(InputKernel):
 
     def __init__(self, plain: InputKernel, call: Callable[..., Any]):
         self.__dict__.update(plain.__dict__)
-        self.__call__ = call  # type: ignore[method-assign]
+        self.__call__ = call
 
 
 def input_kernel(

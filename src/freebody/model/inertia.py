@@ -79,13 +79,14 @@ class Inertia:
     ) -> Inertia:
         """From a mass, a com and a tensor about it: a number (plane), 6 entries ixx, ixy, ixz, iyy,
         iyz, izz or 3×3."""
+        given: Any = tensor
         entries: tuple[object, ...]
-        if isinstance(tensor, str | Parameter) or np.ndim(tensor) == 0:  # type: ignore[arg-type]
-            entries = (tensor,)
-        elif len(tensor) == 3 and np.shape(tensor) == (3, 3):  # type: ignore[arg-type]
-            entries = _upper(np.asarray(tensor, dtype=float))
+        if isinstance(given, str | Parameter) or np.ndim(given) == 0:
+            entries = (given,)
+        elif len(given) == 3 and np.shape(given) == (3, 3):
+            entries = _upper(np.asarray(given, dtype=float))
         else:
-            entries = tuple(tensor)  # type: ignore[arg-type]
+            entries = tuple(given)
         return Inertia(
             quantity(mass, "Inertia: mass"),
             tuple(quantity(c, "Inertia: com") for c in com),
@@ -256,7 +257,9 @@ def _are_plain(values: tuple[Any, ...]) -> bool:
 def _number(x: Any, owner: str) -> Quantity:
     if type(x) is float and -LARGEST <= x <= LARGEST:  # most are
         return x
-    if isinstance(x, (Parameter, Members, ParameterProduct)):
+    if isinstance(x, (Parameter, Members)):
+        return x
+    if isinstance(x, ParameterProduct):  # until the parameters it is made of have values
         return x  # type: ignore[return-value]
     return members(x, owner, LARGEST) if isinstance(x, np.ndarray) and x.ndim else finite(x, owner)
 

@@ -266,7 +266,7 @@ class Model(NamedParts, Tabled, ByValue):
             changes["bodies"] = changed.actuated(self, actuated)
         if loop_tolerance is not None:
             changes["loop_tolerance"] = checked_tolerance(loop_tolerance, "Model.replace")
-        result = dataclasses.replace(self, **changes)  # type: ignore[arg-type]
+        result = dataclasses.replace(self, **changes)
         if gravity is not None:
             result = changed.with_symbols_known(result, result.gravity_size)
         return one_family(result, self, *changes.values())
@@ -375,7 +375,8 @@ class Model(NamedParts, Tabled, ByValue):
         ModelError, UnknownNameError.
         """
         along = tuple(np.atleast_1d(axis).tolist())
-        looped = changed.with_loop(self, Loop(name, kind, frames, along, distance))  # type: ignore[arg-type]
+        given: Any = distance  # a name becomes a parameter where the loop is checked
+        looped = changed.with_loop(self, Loop(name, kind, frames, along, given))
         return looped if loop_tolerance is None else looped.replace(loop_tolerance=loop_tolerance)
 
     def to_space(self) -> Model:

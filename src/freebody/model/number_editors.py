@@ -80,11 +80,11 @@ class Leaves:
         old = get(model, self.paths[0])
         if not isinstance(value, Parameter):
             if isinstance(old, Parameter):
-                value = Parameter(old.name, value)  # type: ignore[arg-type]
+                value = Parameter(old.name, value)
             elif isinstance(value, Members):
                 value = Members(value.array, old.name)
             else:
-                value = NamedNumber(value, old.name)  # type: ignore[arg-type]
+                value = NamedNumber(value, old.name)
         return put_at(model, self.paths, value)
 
 

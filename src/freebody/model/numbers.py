@@ -166,7 +166,7 @@ def _plain(value: Quantity | None) -> float | Array | None:
         value = value.value
     if isinstance(value, Members):
         return value.array
-    return None if value is None else float(value)  # type: ignore[arg-type]
+    return None if value is None else float(value)  # type: ignore[arg-type]  # a parameter's value is no parameter
 
 
 def _is_structural(value: float | Array | None, unit: str) -> bool:

@@ -52,7 +52,7 @@ def real(value: object, owner: str) -> float:
     try:
         if isinstance(value, str | bytes):  # float() would read some
             raise TypeError
-        return float(value)  # type: ignore[arg-type]
+        return float(value)  # type: ignore[arg-type]  # whatever float() refuses is told below
     except (TypeError, ValueError):
         raise ModelError(f"{owner}: {shown(value)} is not a number.") from None
     except OverflowError:  # an integer

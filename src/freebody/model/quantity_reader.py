@@ -30,7 +30,7 @@ class QuantityReader:
         """The scalar of a number or parameter; of a family an array of its shape."""
         kind = type(q)
         if kind is float or kind is NamedNumber:  # most are
-            return q  # type: ignore[return-value]
+            return q
         if isinstance(q, Parameter):
             if q.value is None:
                 raise ModelError(f"parameter {q.name!r} has no value.")
@@ -64,7 +64,7 @@ class Values(QuantityReader):
 
     def quantities(self, qs: Sequence[Quantity]) -> Sequence[Scalar]:
         if {*map(type, qs)} <= _NUMBERS:
-            return qs  # type: ignore[return-value]
+            return qs
         return super().quantities(qs)
 
 

@@ -320,7 +320,7 @@ def derivatives(t: Array, x: Array, at_rest: bool = False) -> tuple[Array, Array
     """
     degree = 5 if len(t) >= 6 else 3
     ends = [(k, np.zeros(x.shape[1])) for k in range(1, (degree + 1) // 2)]
-    spline = make_interp_spline(t, x, k=degree, bc_type=(ends, ends) if at_rest else None)  # type: ignore[arg-type]
+    spline = make_interp_spline(t, x, k=degree, bc_type=(ends, ends) if at_rest else None)
     return spline.derivative()(t), spline.derivative(2)(t)
 
 

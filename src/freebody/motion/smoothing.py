@@ -118,7 +118,7 @@ def _roughness(knots: Array, inner: Array) -> csr_array:
     for degree in range(_DEGREE, _DEGREE - 3, -1):
         n = len(at) - degree - 1
         rate = degree / (at[degree + 1 : degree + n] - at[1:n])
-        step = diags_array([-rate, rate], offsets=[0, 1], shape=(n - 1, n))  # type: ignore[arg-type]
+        step = diags_array([-rate, rate], offsets=[0, 1], shape=(n - 1, n))  # type: ignore[arg-type]  # scipy's stub knows one diagonal
         derivative = csr_array(step) @ derivative
         at = at[1:-1]
     points, weights = np.polynomial.legendre.leggauss(3)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import html
 import re
-from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from freebody.outputs.text import legal
 
@@ -48,13 +47,18 @@ class TextTable:
         return above + table + below
 
 
-class Titled(ABC):
-    """Shows itself in a shell as one line, instead of all that it holds."""
-
-    @abstractmethod
+class _HasTitle(Protocol):
     def _title(self) -> str: ...
 
-    def __repr__(self) -> str:
+
+class _HasTable(_HasTitle, Protocol):
+    def _table(self) -> TextTable: ...
+
+
+class Titled:
+    """Shows itself in a shell as one line, its `_title()`, instead of all that it holds."""
+
+    def __repr__(self: _HasTitle) -> str:
         title = legal(" ".join(self._title().split()))
         return f"<{title if len(title) <= _LONGEST else title[: _LONGEST - 1] + '…'}>"
 
@@ -67,12 +71,9 @@ class InWords(Titled):
 
 
 class Tabled(Titled):
-    """Shows itself in a notebook as a table too."""
+    """Shows itself in a notebook as a table too, its `_table()`."""
 
-    @abstractmethod
-    def _table(self) -> TextTable: ...
-
-    def _repr_html_(self) -> str:
+    def _repr_html_(self: _HasTable) -> str:
         return self._table().html(self._title())
 
 

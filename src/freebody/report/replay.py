@@ -307,7 +307,7 @@ def _open_loop(
         off = difference(model, motion.at(t)[0], q)
         return 1.0 - float(np.abs(off / allowed.width).max())
 
-    astray.terminal = True  # type: ignore[attr-defined]
+    astray.terminal = True
     stepper: dict[str, Any] = {"jac": slope} if method != "DOP853" else {}
     counted, ended = _limited(rate, _EVALUATIONS), ""
     times, states = [motion.t[0]], [reference.state(motion.t[0])]

@@ -39,7 +39,8 @@ def facts(study: Study) -> xr.Dataset:
         "check_bar": [c.bar for c in study.checks],
         "check_passed": [c.passed for c in study.checks],
     }
-    named = {name: study.data[name].values for name in ("body", "coordinate", "position", "axis")}
+    axes = ("body", "coordinate", "position", "axis")
+    named = {name: list(study.data[name].values) for name in axes}
     named["check"] = [c.name for c in study.checks]
     return dataset(values, named, estimated=", estimated" if model.is_estimated else "")
 

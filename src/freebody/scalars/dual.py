@@ -113,7 +113,7 @@ class Dual:
     def __ge__(self, other: Any) -> bool:
         return self.value >= value(other, type(self))
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None  # type: ignore[assignment]  # as Python has it where == is no equality
 
     def __abs__(self) -> Any:
         return self.elementary("absolute", (self,))

@@ -42,7 +42,7 @@ class _QuickKernel(Kernel):
             for symbol in fastcode.EXPORTS
         )
         # what is not plain goes to the kernel without them
-        self.__call__ = self._plain.function(kernel.__call__)  # type: ignore[method-assign]
+        self.__call__ = self._plain.function(kernel.__call__)
 
     def quick(self, general: Callable[..., Any], held: Any = None) -> Callable[..., Any]:
         return self._plain.function(general, held)
