@@ -20,6 +20,7 @@ from freebody.figures.snapshot import snapshot
 from freebody.figures.svg import picture
 from freebody.figures.svg_symbols import MARKS
 from freebody.figures.text import plain
+from freebody.figures.view import best_view
 from freebody.model.joints import KINDS
 from freebody.outputs.numbers import significant
 
@@ -379,6 +380,15 @@ def test_every_body_is_seen_in_its_length():
             if isinstance(e, Line) and e.role == "link":
                 a, b = map(np.array, (e.points[0], e.points[-1]))
                 assert drawing.view.shown(a, b) > 0.6
+
+
+def test_views_that_show_alike_are_chosen_without_rounding():
+    """Opposite ways are seen alike from opposite sides, whatever the last bits say."""
+    rng = np.random.default_rng(5)
+    for way in rng.normal(size=(20, 3)):
+        way[2] = 0.0
+        views = {best_view([(np.zeros(3), s * way)]).rows for s in (1.0, -1.0, 1.0 + 1e-13)}
+        assert len(views) == 1
 
 
 def test_lengths_that_are_lost_in_rounding_are_refused():

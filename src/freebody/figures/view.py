@@ -59,11 +59,14 @@ def best_view(
     segments: Sequence[tuple[Array, Array]],
     azimuths: Sequence[float] = (-60, -30, 30, 60, 120, 150, -150, -120),
 ) -> View:
-    """The axonometric view that shows the given segments least foreshortened."""
-    ways = [b - a for a, b in segments] or [np.ones(3)]
+    """The axonometric view that shows the given segments least foreshortened; of views that do so
+    alike, whatever rounding says, the first."""
+    ways = np.array([b - a for a, b in segments] or [np.ones(3)])
+
+    total = float(np.linalg.norm(ways, axis=1).sum()) or 1.0
 
     def shown(view: View) -> float:
-        lengths = [np.linalg.norm(np.asarray(view.rows) @ way) for way in ways]
-        return float(sum(lengths) + 2.0 * min(lengths))
+        lengths = np.linalg.norm(ways @ np.asarray(view.rows).T, axis=1)
+        return round(float(lengths.sum() + 2.0 * lengths.min()) / total, 9)
 
     return max(map(axonometric, azimuths), key=shown)
