@@ -13,6 +13,10 @@ import pytest
 import freebody as fb
 from freebody.errors import FreebodyError, FreebodyWarning, ShapeError, UnknownNameError
 from freebody.math import less
+from freebody.model.build import build_model
+from freebody.model.description import Joint, Link, RobotDescription
+from freebody.model.gravity import gravity_of
+from freebody.model.placement import Placement, Shift
 from support import generate
 
 T = np.linspace(0.0, 0.1, 6)
@@ -383,3 +387,43 @@ def test_progress_is_told():
         assert parts
         assert parts == sorted(parts)
         assert 0.0 < parts[0] <= parts[-1] <= 1.0
+
+
+# ---------------------------------------------------------------- printed results of others
+def baby_boot() -> fb.Model:
+    """A plate that turns about a pendulum's rod (Kane 1974)."""
+    moments = (5e-6, 5e-6, 5e-6), (2.5e-4, 5e-5, 2e-4)
+    rod, plate = (
+        Link(name, fb.Inertia(mass, (0, 0, z), (xx, 0.0, 0.0, yy, 0.0, zz)))
+        for name, mass, z, (xx, yy, zz) in zip(
+            ("rod", "plate"), (0.01, 0.1), (-0.075, 0.0), moments, strict=True
+        )
+    )
+    joints = (
+        Joint("pin", "revolute", "world", "rod", axis=(1, 0, 0)),
+        Joint(
+            "shaft",
+            "revolute",
+            "rod",
+            "plate",
+            Placement((Shift((0.0, 0.0, -0.2)),)),
+            axis=(0, 0, 1),
+        ),
+    )
+    links = (Link("world"), rod, plate)
+    return build_model(RobotDescription("baby boot", 3, links, joints, gravity_of(9.81, 3)))
+
+
+@pytest.mark.parametrize("options", [{"tolerance": 1e-12}, {"step": 2e-4}])
+def test_the_baby_boot_after_10_s(options: dict):
+    """Drake, multibody/benchmarks/chaotic_babyboot: from three integrations, which agree to 7
+    digits in the angles and 6 in the rates. The start is an unstable one."""
+    q = np.deg2rad([[90.0, 1.0], [90.0, 1.0], [90.0, 0.5]])
+    found = fb.simulate(baby_boot(), q, [0.0, 0.0], [0.0, 10.0], record=["q", "qd"], **options)
+    for k in range(2):
+        np.testing.assert_allclose(
+            np.rad2deg(found.q[k, 1]), [-61.3129833, -929.477897], rtol=0, atol=5e-6
+        )
+        np.testing.assert_allclose(found.qd[k, 1], [-6.7440081, -2.779569], rtol=0, atol=2e-6)
+    alone = fb.simulate(baby_boot(), q[0], [0.0, 0.0], [0.0, 10.0], tolerance=1e-12)
+    np.testing.assert_allclose(alone.q[1], found.q[0, 1], rtol=0, atol=5e-8)
