@@ -12,16 +12,19 @@ lines, because the corners of the polygon with the largest and smallest x are fo
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import comb, factorial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from freebody.elementary import Scalar, absolute, less, less_equal, maximum, minimum, where
 
 Vector = Sequence[Scalar]
+Sloped = tuple[Scalar, Scalar]
+"""A value of a line, and its slope."""
 
-ROUNDS = 6
-"""Steps of Newton's method that one call makes; it ends after finitely many, seldom more."""
+LARGEST_ROUNDS, SMALLEST_ROUNDS = 5, 1
+"""Steps of Newton's method that one call makes; it ends after finitely many, seldom more. The
+smallest x is 0 wherever a robot can stand still."""
 
 FAR = 1e100
 """In place of an infinite bound."""
@@ -111,7 +114,7 @@ def _corner(
     """(x, y, last step): the largest x (way 1), or the smallest (way -1), at which some y is
     allowed, by Newton's method from the outside; the room for y is concave in x."""
     step: Scalar = 0.0
-    for _ in range(ROUNDS):
+    for _ in range(LARGEST_ROUNDS if way > 0.0 else SMALLEST_ROUNDS):
         high, high_slope, low, low_slope = _room(lines, x, most_y)
         shut = less(high, low)
         slope = high_slope - low_slope
@@ -125,15 +128,28 @@ def _corner(
 
 def _room(lines: LimitLines, x: Scalar, most_y: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
     """(highest y, its slope, lowest y, its slope) that the lines allow at x."""
-    high, low = most_y, 0.0 * x
-    high_slope = low_slope = 0.0 * x
+    zero = 0.0 * x
+    tops, bottoms = [(most_y, zero)], [(zero, zero)]
     for least, most, slope in zip(*lines, strict=True):
-        top, bottom = most + slope * x, least + slope * x
-        high_slope = where(less(top, high), slope, high_slope)
-        high = minimum(top, high)
-        low_slope = where(less(low, bottom), slope, low_slope)
-        low = maximum(bottom, low)
-    return high, high_slope, low, low_slope
+        tops.append((most + slope * x, slope))
+        bottoms.append((least + slope * x, slope))
+    return (*balanced(_lower, tops), *balanced(_higher, bottoms))
+
+
+def _lower(a: Sloped, b: Sloped) -> Sloped:
+    return minimum(a[0], b[0]), where(less(b[0], a[0]), b[1], a[1])
+
+
+def _higher(a: Sloped, b: Sloped) -> Sloped:
+    return maximum(a[0], b[0]), where(less(a[0], b[0]), b[1], a[1])
+
+
+def balanced(function: Callable[[Any, Any], Any], values: Sequence[Any]) -> Any:
+    """Of all values, as a tree of few levels, since a processor computes its branches at once."""
+    while len(values) > 1:
+        pairs = zip(values[::2], values[1::2], strict=False)
+        values = [*(function(a, b) for a, b in pairs), *values[len(values) // 2 * 2 :]]
+    return values[0]
 
 
 def backward(
@@ -143,23 +159,18 @@ def backward(
     reached; NaN if none."""
     top, y_top, _, bottom, y_bottom, _ = corners
     y_top, y_bottom = (minimum(maximum(y, after[0]), after[1]) for y in (y_top, y_bottom))
-    for least, most, slope in zip(*lines, strict=True):
-        top = minimum(top, most + slope * y_top)
-        bottom = maximum(bottom, least + slope * y_bottom)
+    rows = list(zip(*lines, strict=True))
+    top = balanced(minimum, [top, *(most + slope * y_top for _, most, slope in rows)])
+    bottom = balanced(maximum, [bottom, *(least + slope * y_bottom for least, _, slope in rows)])
     nothing = less(top + tolerance, bottom)
     gap = 0.0 * top / where(nothing, 0.0, 1.0)  # NaN where nothing
     return minimum(bottom, maximum(top, 0.0)) + gap, maximum(top, 0.0) + gap
 
 
-def forward(before: Vector, lines: LimitLines, allowed: Vector) -> tuple[Scalar, Scalar]:
-    """(largest y from x, by how much it is too small for some limit): `before` is what the interval
-    before gave, `allowed` the range of y."""
-    x = before[0]
-    y, least_y = allowed[1], allowed[0]
-    for least, most, slope in zip(*lines, strict=True):
-        y = minimum(y, most + slope * x)
-        least_y = maximum(least_y, least + slope * x)
-    return maximum(y, 0.0), maximum(least_y - y, 0.0)
+def forward(x: Scalar, high: Vector, slope: Vector, most: Scalar) -> Scalar:
+    """The largest y from x that the lines of y over x and its own limit `most` allow."""
+    bounds = [top + rise * x for top, rise in zip(high, slope, strict=True)]
+    return maximum(balanced(minimum, [most, *bounds]), 0.0)
 
 
 def excess(

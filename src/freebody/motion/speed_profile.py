@@ -21,7 +21,7 @@ from freebody.program import Argument, trace
 from freebody.targets import Kernel, compile_program
 from freebody.targets.recurrence import recurrence
 
-_SEARCHES = 40  # calls of `path_timing.ROUNDS` steps each: far more than there are lines
+_SEARCHES = 40  # calls of some steps each: far more than there are lines
 _CLOSE = 1e-9  # of the largest x: steps, and gaps between what is wanted and allowed, of no account
 
 
@@ -68,7 +68,7 @@ def quickest_profile(rows: PathRows) -> SpeedProfile:
     tolerance = _CLOSE * np.maximum(corners[..., 0], 0.0)
     back = [x[::-1] for x in (*over_y, corners, tolerance)]
     reachable = recurrence(kernels.backward, rest, *back)[::-1]
-    x = recurrence(kernels.forward, rest, *over_x, reachable[1:])[..., 0]
+    x = recurrence(kernels.forward, rest[:, :1], *over_x[1:], reachable[1:, :, 1])[..., 0]
     return SpeedProfile(x, reachable)
 
 
@@ -176,8 +176,8 @@ def _kernels(m: int) -> _Kernels:
     def backward(state: Scalar, *given: Scalar) -> tuple[Scalar]:
         return (path_timing.backward(state, path_timing.LimitLines(*given[:3]), *given[3:]),)
 
-    def forward(state: Scalar, *given: Scalar) -> tuple[Scalar]:
-        return (path_timing.forward(state, path_timing.LimitLines(*given[:3]), *given[3:]),)
+    def forward(state: Scalar, *given: Scalar) -> tuple[tuple[Scalar]]:
+        return ((path_timing.forward(state[0], *given),),)
 
     lines = vectors(2 * m + 1, "low", "high", "slope")
     over = [Argument(f"{x.name}_{of}", x.shape) for of in ("x", "y") for x in lines]
@@ -203,7 +203,7 @@ def _kernels(m: int) -> _Kernels:
         compiled(
             "path_forward",
             forward,
-            [state, *lines, Argument("reachable", (2,))],
-            [Argument("x", (2,))],
+            [Argument("x", (1,)), *lines[1:], Argument("most", ())],
+            [Argument("y", (1,))],
         ),
     )
