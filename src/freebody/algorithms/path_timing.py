@@ -30,6 +30,8 @@ FAR = 1e100
 """In place of an infinite bound."""
 _MOVING = 1e-3
 """Of x: what y is at least, lest a motion brake to rest on the way; not before the end."""
+_CLOSE = 1e-9
+"""Of the largest x: by how much it may be below the smallest."""
 _NEGLIGIBLE = 1e-12
 """A coefficient beside the other one of its row, whose line is then parallel to an axis."""
 
@@ -60,7 +62,8 @@ def polygon(
     most_next: Scalar,
     h: Scalar,
 ) -> tuple[Scalar, ...]:
-    """What is allowed in one interval: (lines of x over y, lines of y over x, corners).
+    """What is allowed in one interval: (lines of x over y, (high, slope) of those of y over x,
+    corners).
 
     least, most: between which the largest and the smallest x are looked for. most_next: largest y.
     h: twice the interval's length in s. Corners: (largest x, a y that goes with it, last step of
@@ -90,7 +93,7 @@ def polygon(
     of_x, of_y = (LimitLines(*zip(*lines, strict=True)) for lines in (over_y, over_x))
     largest = _corner(of_y, most, most_next, 1.0)
     smallest = _corner(of_y, least, most_next, -1.0)
-    return (*of_x, *of_y, (*largest, *smallest))
+    return of_x, of_y[1:], (*largest, *smallest)
 
 
 def _line(
@@ -152,12 +155,11 @@ def balanced(function: Callable[[Any, Any], Any], values: Sequence[Any]) -> Any:
     return values[0]
 
 
-def backward(
-    after: Vector, lines: LimitLines, corners: Vector, tolerance: Scalar
-) -> tuple[Scalar, Scalar]:
+def backward(after: Vector, lines: LimitLines, corners: Vector) -> tuple[Scalar, Scalar]:
     """(smallest, largest) x at the interval's start from which the range `after` of y can be
     reached; NaN if none."""
     top, y_top, _, bottom, y_bottom, _ = corners
+    tolerance = _CLOSE * maximum(top, 0.0)
     y_top, y_bottom = (minimum(maximum(y, after[0]), after[1]) for y in (y_top, y_bottom))
     rows = list(zip(*lines, strict=True))
     top = balanced(minimum, [top, *(most + slope * y_top for _, most, slope in rows)])

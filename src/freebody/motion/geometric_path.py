@@ -28,7 +28,7 @@ def path_curve(function: str, model: Model, given: Any, limits: PlanningLimits) 
     """The curve of one path: a polynomial in pieces as it is; of waypoints (k, nq) or a motion's
     positions the natural cubic spline, s being the distance along the chords, 1 in all."""
     if isinstance(given, PPoly):
-        return _with_derivatives(_of_scipy(function, model, given))
+        return _of_scipy(function, model, given)
     q = checked_waypoints(function, model, given.q if isinstance(given, Motion) else given, limits)
     length = np.linalg.norm(np.diff(q, axis=0), axis=1)
     moves = length > _SAME * length.sum()
@@ -47,7 +47,7 @@ def _with_derivatives(curve: PiecewisePolynomial) -> PathCurve:
     return PathCurve((curve, *(curve.derivative(k + 1) for k in range(count))))
 
 
-def _of_scipy(function: str, model: Model, given: PPoly) -> PiecewisePolynomial:
+def _of_scipy(function: str, model: Model, given: PPoly) -> PathCurve:
     if given.c.shape[2:] != (model.nq,):
         raise FreebodyError(
             f"{function}: the path has values of shape {given.c.shape[2:]}, expected "
@@ -57,9 +57,9 @@ def _of_scipy(function: str, model: Model, given: PPoly) -> PiecewisePolynomial:
         raise FreebodyError(f"{function}: the path has a coefficient that is not finite.")
     if not (np.diff(given.x) > 0.0).all():
         raise FreebodyError(f"{function}: the breaks of the path must increase.")
-    curve = PiecewisePolynomial(np.array(given.x), np.array(given.c))
-    for order, what in ((0, "itself"), (1, "its first derivative")):
-        _refuse_jump(function, model, curve.derivative(order) if order else curve, what)
+    curve = _with_derivatives(PiecewisePolynomial(np.array(given.x), np.array(given.c)))
+    for of, what in zip(curve.orders, ("itself", "its first derivative"), strict=False):
+        _refuse_jump(function, model, of, what)
     if not given.c[:-1].any():
         raise FreebodyError(f"{function}: the path does not move: all its derivatives are 0.")
     return curve

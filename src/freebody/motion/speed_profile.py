@@ -62,13 +62,10 @@ def quickest_profile(rows: PathRows) -> SpeedProfile:
     """The largest speeds from rest to rest."""
     kernels = _kernels(rows.a.shape[-1])
     paths = rows.h.shape[1]
-    *lines, corners = _polygons(kernels.polygon, rows)
-    over_y, over_x = lines[:3], lines[3:]
+    over_y, over_x, corners = _polygons(kernels.polygon, rows)
     rest = np.zeros((paths, 2))
-    tolerance = _CLOSE * np.maximum(corners[..., 0], 0.0)
-    back = [x[::-1] for x in (*over_y, corners, tolerance)]
-    reachable = recurrence(kernels.backward, rest, *back)[::-1]
-    x = recurrence(kernels.forward, rest[:, :1], *over_x[1:], reachable[1:, :, 1])[..., 0]
+    reachable = recurrence(kernels.backward, rest, over_y[::-1], corners[::-1])[::-1]
+    x = recurrence(kernels.forward, rest[:, :1], over_x, reachable[1:, :, 1])[..., 0]
     return SpeedProfile(x, reachable)
 
 
@@ -80,7 +77,7 @@ def _polygons(kernel: Kernel, rows: PathRows) -> tuple[Array, ...]:
     for k, x in enumerate((0.0, rows.most[:-1], rows.most[1:], rows.h)):
         ends[..., k] = x
     flat = (x.reshape(rows.h.size, x.shape[-1]) for x in (*given, ends))  # one axis is quickest
-    *lines, corners = (x.reshape(*rows.h.shape, x.shape[-1]) for x in kernel(*flat))
+    *lines, corners = (x.reshape(*rows.h.shape, *x.shape[1:]) for x in kernel(*flat))
     for _ in range(_SEARCHES):
         steps = np.abs(corners[..., 2::3]).max(axis=-1)
         open_ = (steps > _CLOSE * np.abs(corners[..., 0])) & (steps < path_timing.FAR)
@@ -166,23 +163,19 @@ class _Kernels(NamedTuple):
 def _kernels(m: int) -> _Kernels:
     """Of m rows at each end of an interval."""
 
-    def vectors(size: int, *names: str) -> list[Argument]:
-        return [Argument(name, (size,)) for name in names]
-
     def polygon(*given: Scalar) -> tuple[Scalar, ...]:
         start, end = path_timing.RowsAtEnd(*given[:4]), path_timing.RowsAtEnd(*given[4:8])
         return path_timing.polygon(start, end, *given[8])
 
-    def backward(state: Scalar, *given: Scalar) -> tuple[Scalar]:
-        return (path_timing.backward(state, path_timing.LimitLines(*given[:3]), *given[3:]),)
+    def backward(after: Scalar, over: Scalar, corners: Scalar) -> tuple[Scalar]:
+        return (path_timing.backward(after, path_timing.LimitLines(*over), corners),)
 
-    def forward(state: Scalar, *given: Scalar) -> tuple[tuple[Scalar]]:
-        return ((path_timing.forward(state[0], *given),),)
+    def forward(x: Scalar, over: Scalar, most: Scalar) -> tuple[tuple[Scalar]]:
+        high, slope = over
+        return ((path_timing.forward(x[0], high, slope, most),),)
 
-    lines = vectors(2 * m + 1, "low", "high", "slope")
-    over = [Argument(f"{x.name}_{of}", x.shape) for of in ("x", "y") for x in lines]
-    state, corners = Argument("state", (2,)), Argument("corners", (6,))
-    rows = _row_arguments(m)
+    over_y, over_x = (Argument(f"over_{x}", (k, 2 * m + 1)) for x, k in (("y", 3), ("x", 2)))
+    corners = Argument("corners", (6,))
 
     def compiled(
         name: str,
@@ -193,17 +186,22 @@ def _kernels(m: int) -> _Kernels:
         return compile_program(trace(name, function, inputs, outputs))
 
     return _Kernels(
-        compiled("path_polygon", polygon, [*rows, Argument("ends", (4,))], [*over, corners]),
+        compiled(
+            "path_polygon",
+            polygon,
+            [*_row_arguments(m), Argument("ends", (4,))],
+            [over_y, over_x, corners],
+        ),
         compiled(
             "path_backward",
             backward,
-            [state, *lines, corners, Argument("tolerance", ())],
+            [Argument("after", (2,)), over_y, corners],
             [Argument("reachable", (2,))],
         ),
         compiled(
             "path_forward",
             forward,
-            [Argument("x", (1,)), *lines[1:], Argument("most", ())],
+            [Argument("x", (1,)), over_x, Argument("most", ())],
             [Argument("y", (1,))],
         ),
     )
