@@ -20,6 +20,7 @@ from freebody.motion.motion import Motion
 from freebody.motion.ranges import ranges
 from freebody.motion.simulate import simulate
 from freebody.report.results import Check, Replay
+from freebody.report.variables import PARTS
 from freebody.trees import dynamics
 from freebody.trees.newton_euler_residuals import balance
 from freebody.trees.passive_joints import all_driven
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _STRETCH = 0.4, 0.5  # of the duration: errors of a longer simulation grow too far
-_PARTS = ("inertial", "coriolis", "gravity", "friction", "springs", "rotors")
 
 
 def checks(
@@ -74,9 +74,9 @@ def relative(difference: Array, reference: Array) -> float:
 
 
 def _parts(data: xr.Dataset) -> Check:
-    parts = sum(data[f"tau_{part}"].values for part in _PARTS)
+    parts = sum(data[part].values for part in PARTS)
     tau = data["tau"].values
-    size = np.max([np.abs(data[f"tau_{part}"].values).max() for part in _PARTS])
+    size = np.max([np.abs(data[part].values).max() for part in PARTS])
     return check(
         "equation of motion",
         relative(parts - tau, np.array([size])),

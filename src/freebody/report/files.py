@@ -28,16 +28,7 @@ DATA, REPORT = "study.nc", "report.html"
 _Table = tuple[list[str], Iterable[Iterable[Any]]]
 """Header and rows."""
 
-_DRIVES = (
-    "tau",
-    "tau_inertial",
-    "tau_coriolis",
-    "tau_gravity",
-    "tau_friction",
-    "tau_springs",
-    "tau_rotors",
-    "power",
-)
+_DRIVES = ("tau", *variables.PARTS, "power")
 
 
 def save(study: Study, directory: Path, report: bool) -> list[Path]:

@@ -61,19 +61,7 @@ def page(study: Study) -> str:
             reactions=tables.reactions(study),
             checks=tables.checks(study),
             equations=equations.shown(study.model),
-            plots={
-                name: list(getattr(figures, name)(study))
-                for name in (
-                    "kinematics",
-                    "gravity",
-                    "motion",
-                    "torques",
-                    "powers",
-                    "energies",
-                    "reactions",
-                    "drift",
-                )
-            },
+            plots={plots.__name__: list(plots(study)) for plots in figures.PLOTS},
             free_bodies=list(
                 zip(diagrams, (tables.loads(study, body) for body in loads), strict=True)
             ),

@@ -16,6 +16,7 @@ from freebody.figures.snapshot import snapshot
 from freebody.figures.svg import picture
 from freebody.motion.ranges import ranges as allowed
 from freebody.report.tables import shortened
+from freebody.report.variables import PARTS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,15 +24,6 @@ if TYPE_CHECKING:
     from freebody.report.study import Study
 
 _TOGETHER = 8  # curves that one picture holds
-_PARTS = {
-    "tau": "total",
-    "tau_inertial": "inertia",
-    "tau_coriolis": "Coriolis",
-    "tau_gravity": "gravity",
-    "tau_friction": "friction",
-    "tau_springs": "springs",
-    "tau_rotors": "rotors",
-}
 
 
 @dataclass(frozen=True)
@@ -101,7 +93,7 @@ def parts(study: Study) -> dict[str, str]:
     """Variables of the torque and its parts that are there at all, and what they are called."""
     return {
         name: words
-        for name, words in _PARTS.items()
+        for name, words in {"tau": "total", **PARTS}.items()
         if name == "tau" or np.abs(study.data[name].values).max() > 0
     }
 
@@ -227,3 +219,7 @@ def _plot(
     at = study.worst.time if now is None else now
     what = Plot(title, study.motion.t, curves, unit, limits, at, peaks, legend)
     return CaptionedDrawing(plot(what).text(css=False))
+
+
+PLOTS = (kinematics, gravity, motion, torques, powers, energies, reactions, drift)
+"""Those of the page, by the names of their functions."""

@@ -41,6 +41,16 @@ LOADS = tuple(_BEARING)
 """What a bearing or guide and its drive carry; of joints without one axis, and where a plane has no
 such load, NaN."""
 
+PARTS = {
+    "tau_inertial": "inertia",
+    "tau_coriolis": "Coriolis",
+    "tau_gravity": "gravity",
+    "tau_friction": "friction",
+    "tau_springs": "springs",
+    "tau_rotors": "rotors",
+}
+"""The parts that a torque is the sum of, and what they are called in a legend."""
+
 _CONDITION = "singular value of the tip's Jacobian, lengths over the characteristic length"
 
 _BY_DIMENSIONS: dict[str, dict[str, tuple[str, str]]] = {

@@ -16,6 +16,7 @@ from freebody.derivations.grammar.source import Source, Span
 from freebody.derivations.grammar.words import DOT, PRIME, spell
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.errors import likely
+from freebody.identifiers import word_set
 from freebody.scalars.trig import Trig
 
 if TYPE_CHECKING:
@@ -26,21 +27,7 @@ FUNCTIONS = {
     "sgn": "sgn", "sign": "sgn",
     "Derivative": "Derivative", "diff": "Derivative", "Matrix": "Matrix", "array": "Matrix",
 }  # fmt: skip
-_NOT_POLYNOMIAL = {
-    "tan",
-    "cot",
-    "sqrt",
-    "exp",
-    "log",
-    "ln",
-    "arctan",
-    "atan",
-    "atan2",
-    "asin",
-    "acos",
-    "arcsin",
-    "arccos",
-}
+_NOT_POLYNOMIAL = word_set("tan cot sqrt exp log ln arctan atan atan2 asin acos arcsin arccos")
 _SYNONYMS = {
     "lc": ("lC", "lG", "lg"),
     "I": ("Ic", "IC", "IG", "Izz", "IC"),

@@ -14,6 +14,7 @@ from itertools import pairwise
 
 from freebody.derivations.expressions.printed_names import GREEK
 from freebody.derivations.grammar.source import Source
+from freebody.identifiers import word_set
 
 DOT, PRIME = "˙", "'"
 _LETTERS = {letter: name for name, letter in GREEK.items()} | {
@@ -28,18 +29,7 @@ _COMMANDS = {name: name for name in GREEK} | {
     "varphi": "phi",
     "ell": "l",
 }
-_FONTS = (
-    "mathrm",
-    "mathit",
-    "mathbf",
-    "mathsf",
-    "boldsymbol",
-    "bm",
-    "text",
-    "operatorname",
-    "textrm",
-    "rm",
-)
+_FONTS = word_set("mathrm mathit mathbf mathsf boldsymbol bm text operatorname textrm rm")
 _DOTS = {"dot": 1, "ddot": 2}
 MARKS = {"\u0307": DOT, "\u0308": DOT * 2, "˙": DOT, "¨": DOT * 2}
 _PRIMES = {"'": 1, "’": 1, "′": 1, "″": 2}
@@ -55,7 +45,7 @@ _COMMAND = re.compile(r"\\([A-Za-z]+)")
 STARTS = frozenset(_LETTERS) | frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_")
 """Characters that a name may begin with; commands apart."""
 
-COMMANDS = frozenset(_COMMANDS) | frozenset(_FONTS) | frozenset(_DOTS)
+COMMANDS = _FONTS.union(_COMMANDS, _DOTS)
 """LaTeX commands that a name may begin with."""
 
 
