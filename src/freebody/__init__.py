@@ -80,6 +80,7 @@ _PLACES = {
     "freebody.inverse.kinematics": ("inverse_kinematics",),
     "freebody.inverse.rates": ("inverse_velocity", "inverse_acceleration"),
     "freebody.inverse.singularities": ("singularities",),
+    "freebody.reach.dexterity": ("dexterity",),
     "freebody.reach.payload_map": ("payload_map",),
     "freebody.kernels.lookup": ("kernel",),
     "freebody.kernels.exports": ("export", "source"),

@@ -67,6 +67,7 @@ from freebody.motion.tip_motions import blend as blend
 from freebody.motion.tip_motions import line as line
 from freebody.motion.waypoint_files import read_waypoints as read_waypoints
 from freebody.motion.waypoint_files import write_motion as write_motion
+from freebody.reach.dexterity import dexterity as dexterity
 from freebody.reach.payload_map import payload_map as payload_map
 from freebody.report.study import Study as Study
 from freebody.report.study import study as study

@@ -1,0 +1,157 @@
+"""`dexterity`: how well a frame moves in all directions, posture by posture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from freebody.algorithms.screws import arm_length
+from freebody.algorithms.singular_values import sweep
+from freebody.arrays import Array
+from freebody.errors import FreebodyError
+from freebody.inverse.task import row_names, rows_of
+from freebody.kernels import structural
+from freebody.kernels.formulas import Option
+from freebody.model.model import Model
+from freebody.outputs.display import Tabled, TextTable
+from freebody.program import Argument, trace
+from freebody.targets import Kernel, compile_program
+from freebody.trees.public_calls import Vector, finite_vector
+from freebody.values import ByValue
+
+_AT_ONCE = 8192
+"""Postures side by side, whose matrices stay in the processor's cache."""
+_SWEEPS = 16
+"""At most; six do for most matrices of six rows."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Dexterity(Tabled, ByValue):
+    """The singular values of a frame's Jacobian at each posture (...): how far it moves, at joint
+    rates of length 1, along the axes of the velocity ellipsoid; their inverses are the axes of the
+    force ellipsoid.
+
+    singular_values: (..., k), the largest first, k the smaller of rows and joints. rows: names of
+    the rows. length: m, by which linear rows are divided so that they compare with angular ones; 1
+    where all rows are of one kind. frame: its name.
+    """
+
+    singular_values: Array
+    rows: tuple[str, ...]
+    length: float
+    frame: str
+
+    @property
+    def manipulability(self) -> Array:
+        """Product of the singular values (...): the volume of the ellipsoid but for a constant
+        (Yoshikawa 1985)."""
+        return np.asarray(self.singular_values.prod(axis=-1))
+
+    @property
+    def condition(self) -> Array:
+        """Largest over smallest (...); 1 where all directions are alike, infinite where one is
+        lost."""
+        largest, smallest = self.singular_values[..., 0], self.singular_values[..., -1]
+        lost = smallest <= 0.0
+        return np.where(lost, np.inf, largest / np.where(lost, 1.0, smallest))
+
+    @property
+    def smallest(self) -> Array:
+        """The smallest singular value (...): how far the Jacobian is from a singular one, in the
+        norm of matrices."""
+        return self.singular_values[..., -1]
+
+    def _title(self) -> str:
+        count = self.smallest.size
+        return f"Dexterity: {count} postures of frame {self.frame!r}, rows {', '.join(self.rows)}"
+
+    def _table(self) -> TextTable:
+        if not self.smallest.size:
+            return TextTable((), ())
+        measures = {
+            "manipulability": self.manipulability,
+            "condition number": self.condition,
+            "smallest singular value": self.smallest,
+        }
+        rows = [
+            (name, *(f"{f(x):.4g}" for f in (np.min, np.median, np.max)))
+            for name, x in measures.items()
+        ]
+        return TextTable(("measure", "least", "median", "largest"), rows)
+
+
+def dexterity(
+    model: Model,
+    q: Vector,
+    frame: str | None = None,
+    task: str | Sequence[str] = "pose",
+    *,
+    length: float | None = None,
+) -> Dexterity:
+    """How well a frame moves in all directions at each posture: the singular values of its
+    Jacobian.
+
+    q: (..., nq), such as `fb.random_state(model, seed, 10**6)[0]`. frame: name, default the tip.
+    task: what counts of its motion, "pose", "position", "orientation", or rows as for
+    `fb.inverse_kinematics`. length: m, what a radian is worth where linear and angular rows both
+    count; default the arm's length, from joint to joint.
+
+    Returns Dexterity, with manipulability, condition number and distance to singularity. Open
+    chains. Raises FreebodyError, ShapeError, NotFiniteError, UnknownNameError.
+    """
+    function = "dexterity"
+    model.require_values(function)
+    model.require_tree(function)
+    rows = rows_of(function, model, task)
+    name = model.frame(frame).name
+    at = finite_vector(function, model, "q", q)
+    both = any(r < model.dim for r in rows) and any(r >= model.dim for r in rows)
+    if length is not None and not (np.isfinite(length) and length > 0):
+        raise FreebodyError(f"{function}: length is {length}, expected a positive number (m).")
+    if length is not None and not both:
+        raise FreebodyError(
+            f"{function}: length makes linear and angular rows compare; the task has rows of one "
+            f"kind. Leave it out."
+        )
+    scale = (length or arm_length(model.tree, name)) if both else 1.0
+    flat = at.reshape(-1, at.shape[-1])
+    k = min(len(rows), model.nv)
+    values = np.zeros((len(flat), k))
+    jacobian = structural.fetch(model, ("jacobian",), Option(name))
+    kernel = _kernel(model, len(rows))
+    units = np.array([1.0 / scale if r < model.dim else 1.0 for r in rows])[:, None]
+    for start in range(0, len(flat), _AT_ONCE):
+        J = units * jacobian(flat[start : start + _AT_ONCE])[:, list(rows)]
+        values[start : start + _AT_ONCE] = _singular_values(kernel, J)[:, :k]
+    shape = (*at.shape[:-1], k)
+    return Dexterity(
+        values.reshape(shape), tuple(row_names(model.dim)[r] for r in rows), scale, name
+    )
+
+
+def _singular_values(kernel: Kernel, A: Array) -> Array:
+    """Of matrices (N, r, n), the largest first (N, r)."""
+    for _ in range(_SWEEPS):
+        A, left = kernel(A)
+        if not left.any():
+            break
+    return -np.sort(-np.sqrt(np.sum(A * A, axis=-1)), axis=-1)
+
+
+def _kernel(model: Model, rows: int) -> Kernel:
+    """One sweep over matrices (rows, nv), compiled on first use."""
+    key = ("sweep", rows)
+    found = model.compiled.get(key)
+    if found is None:
+        shape = (rows, model.nv)
+
+        def evaluate(A: Any) -> Any:
+            return sweep(A)
+
+        outputs = [Argument("swept", shape), Argument("left", ())]
+        program = trace("sweep", evaluate, [Argument("matrix", shape)], outputs)
+        found = model.compiled[key] = compile_program(program)
+    return found
