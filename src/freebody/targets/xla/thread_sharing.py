@@ -235,18 +235,7 @@ def _work(arguments: tuple[Argument, ...], real: Real, loop: int, x86: bool) -> 
             f"  store i32 {_MODES}, ptr %modes, align 4",
             "  call void @llvm.x86.sse.ldmxcsr(ptr %modes)",
         ]
-    axis = 0
-    for k, argument in enumerate(arguments):
-        lines.field(f"base{k}", "ptr", "%work", BASES + 8 * k)
-        step = lines.field(f"step{k}", "i64", "%work", BASES + 8 * (count + k))
-        lines.field(f"shift{k}", "i64", "%work", BASES + 8 * (2 * count + k))
-        lines.put("i64", step, "%steps", 8 * k)
-        size = real.size * argument.size
-        for length in argument.shape:
-            size //= length
-            lines.put("i64", length, "%dims", 8 * (1 + axis))
-            lines.put("i64", size, "%steps", 8 * (count + axis))
-            axis += 1
+    _read_arrays(lines, arguments, real)
     for name, offset in (("all", _PARTS), ("in.row", _IN_ROW), ("size", _SIZE), ("inner", _INNER)):
         lines.field(name, "i64", "%work", offset)
     lines += [
@@ -285,3 +274,19 @@ def _work(arguments: tuple[Argument, ...], real: Real, loop: int, x86: bool) -> 
         "}",
     ]
     return "\n".join(lines)
+
+
+def _read_arrays(lines: TextLines, arguments: tuple[Argument, ...], real: Real) -> None:
+    """Where each array begins and how far its samples are apart; sizes and strides of its core."""
+    count, axis = len(arguments), 0
+    for k, argument in enumerate(arguments):
+        lines.field(f"base{k}", "ptr", "%work", BASES + 8 * k)
+        step = lines.field(f"step{k}", "i64", "%work", BASES + 8 * (count + k))
+        lines.field(f"shift{k}", "i64", "%work", BASES + 8 * (2 * count + k))
+        lines.put("i64", step, "%steps", 8 * k)
+        size = real.size * argument.size
+        for length in argument.shape:
+            size //= length
+            lines.put("i64", length, "%dims", 8 * (1 + axis))
+            lines.put("i64", size, "%steps", 8 * (count + axis))
+            axis += 1
