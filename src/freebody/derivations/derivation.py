@@ -113,14 +113,17 @@ class Derivation(Titled):
 
         Raises UnknownNameError, and MissingValueError for values that the model does not have.
         """
-        made = self.draw(self, labels) if self.draw else Drawings({}, "")
+        made = self._drawings(labels)
         return documents.html(self, made.svg, made.style)
+
+    def _drawings(self, labels: str = "names") -> Drawings:
+        return self.draw(self, labels) if self.draw else Drawings({}, "")
 
     def __str__(self) -> str:
         return self.text()
 
     def _repr_html_(self) -> str:
-        made = self.draw(self, "names") if self.draw else Drawings({}, "")
+        made = self._drawings()
         return (f"<style>{made.style}</style>" if made.style else "") + documents.body(
             self, made.svg
         )

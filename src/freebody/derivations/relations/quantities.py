@@ -8,17 +8,17 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from freebody.algorithms.kinematics import frame_motion, jacobian
+from freebody.algorithms.kinematics import frame_motion
 from freebody.algorithms.rnea import Recursion
 from freebody.derivations.derive import LOADS
 from freebody.derivations.equations.kinematics import Kinematics
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression
+from freebody.derivations.methods.energies import Energies
 from freebody.derivations.methods.recursive import GRAVITIES
 from freebody.derivations.methods.setting import Setting, require_chain_of_bodies
 from freebody.derivations.polynomials.symbols import symbols
 from freebody.derivations.polynomials.textbook_form import Layout
-from freebody.derivations.relations.formula_values import time_rates
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
@@ -145,13 +145,9 @@ class _QuantityValues:
         k = Kinematics(s.symbols, s.symbols.model.frame().name)
         dim = s.tree.space.dim
         (_, v), (_, a) = frame_motion(s.tree, s.motion, k.frame)
-        J = tuple(
-            tuple(map(self._element, row)) for row in jacobian(s.tree, s.symbols.q, k.frame)[:dim]
-        )
-        rates = time_rates(s.symbols.ring)
         found: Values = {
-            "r": tuple(k.position), "r_d": self._vector(v), "r_dd": self._vector(a), "J": J,
-            "J_d": tuple(tuple(x.along(rates) for x in row) for row in J),
+            "r": tuple(k.position), "r_d": self._vector(v), "r_dd": self._vector(a),
+            "J": tuple(map(tuple, k.J[:dim])), "J_d": tuple(map(tuple, k.J_dot[:dim])),
         }  # fmt: skip
         axes = ("x", "y") if dim == 2 else ("x", "y", "zP")
         for dots, name in (("", "r"), ("_d", "r_d"), ("_dd", "r_dd")):
@@ -212,23 +208,13 @@ class _QuantityValues:
     def _forces(self, i: int) -> Values:
         n, s, record = self.s.numbers[i], self.s, self.record
         spin = "M" if s.planar else "n"
-        w = s.motion.w[i]
-        v = s.centre_velocity(i)
-        twice = s.mass(i) * sum((x * x for x in v), s.symbols.zero())
-        turning = s.tree.space.inertia_times(s.inertia(i), w)
-        twice = twice + sum((a * b for a, b in zip(w, turning, strict=True)), s.symbols.zero())
-        height = sum(
-            (a * b for a, b in zip(s.tree.gravity, s.centre_position(i), strict=True)),
-            s.symbols.zero(),
-        )
-        space = s.tree.space
+        space, energies = s.tree.space, Energies(s, s.motion)
         force, moment = (record.F[i] or [space.zero])[0], (record.N[i] or [space.zero_angular])[0]
         found: Values = {
             f"m{n}": self._element(s.mass(i)),
             f"f{n - 1}{n}": self._axes(i, record.f[i]), f"{spin}{n}": self._angular(record.n[i]),
             f"fc{n}": self._axes(i, force), f"{spin}c{n}": self._angular(moment),
-            f"T{n}": self._element(twice) * Fraction(1, 2),
-            f"V{n}": -self._element(s.mass(i) * height),
+            f"T{n}": energies.kinetic(i), f"V{n}": energies.potential(i),
         }  # fmt: skip
         found[f"I{n}"] = (
             self._element(s.inertia(i)) if s.planar else tuple(map(self._vector, s.inertia(i)))
