@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import freebody as fb
-from freebody.cli.fbd import _values
+from freebody.cli.options import values
 from freebody.errors import FreebodyError, FreebodyWarning
 from freebody.formats.saving import as_toml
 from freebody.motion.read_motion import read_motion
@@ -173,7 +173,7 @@ def readers() -> dict[str, tuple[str, Callable[[Path, bytes], Any]]]:
         "dh": (".csv", lambda path, data: _model(path)),
         "motion": (".csv", lambda path, data: read_motion(arm, path)),
         "check": (".txt", lambda path, data: fb.check(arm, _text(data)).text),
-        "values": (".txt", lambda path, data: _values("q", _text(data))),
+        "values": (".txt", lambda path, data: values("q", _text(data))),
         "word": (".txt", lambda path, data: fb.planar(_text(data)).limits),
         "name": (".txt", lambda path, data: fb.load("2R", tip=_text(data))),
     }
