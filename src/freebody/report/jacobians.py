@@ -13,7 +13,7 @@ from freebody.loops.scaled_equations import null_space, rate_scale
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
 from freebody.report.results import Singularity
-from freebody.report.tip import coordinates_before
+from freebody.report.tip import bodies_before, coordinates_before
 from freebody.trees import kinematics
 
 if TYPE_CHECKING:
@@ -46,20 +46,11 @@ def characteristic_length(model: Model, tip: str, q: Array) -> float:
     where that is zero."""
     d = model.dim
     T = kinematics.forward_kinematics(model, q, tip)[..., :d, d]
-    first = (
-        model.bodies[coordinates_first(model, tip)].name if coordinates_before(model, tip) else tip
-    )
+    bodies = bodies_before(model, tip)
+    first = model.bodies[bodies[-1]].name if bodies else tip
     base = kinematics.forward_kinematics(model, q[:1], first)[..., :d, d]
     length = float(np.sqrt(np.mean(np.sum((T - base) ** 2, axis=-1))))
     return length if length > 1e-9 else 1.0
-
-
-def coordinates_first(model: Model, tip: str) -> int:
-    """Index of the first body on the way from the base to the tip."""
-    body = model.frame(tip).body
-    while model.bodies[body].parent >= 0:
-        body = model.bodies[body].parent
-    return body
 
 
 def scaled(model: Model, tip: str, q: Array) -> Array:

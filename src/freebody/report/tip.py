@@ -17,7 +17,7 @@ def chosen_tip(model: Model, tip: str | None) -> tuple[str, str]:
         why = "the model's own tip" if len(model.leaves) != 1 else "the only end of the robot"
         return model.tip, f"The tip is {model.tip!r}, {why}."
     leaves = model.leaves or model.frame_names
-    depths = {leaf: joints_before(model, leaf) for leaf in leaves}
+    depths = {leaf: len(bodies_before(model, leaf)) for leaf in leaves}
     best = max(leaves, key=lambda leaf: depths[leaf])
     equals = [leaf for leaf in leaves if depths[leaf] == depths[best]]
     n = depths[best]
@@ -31,20 +31,15 @@ def chosen_tip(model: Model, tip: str | None) -> tuple[str, str]:
     return best, f"The tip is {best!r}, {why}; another is chosen with --tip or tip=."
 
 
-def joints_before(model: Model, frame: str) -> int:
-    """Number of movable joints between the base and a frame."""
-    count, body = 0, model.frame(frame).body
+def bodies_before(model: Model, frame: str) -> list[int]:
+    """The body that carries a frame and all that carry it, from there to the ground."""
+    found, body = [], model.frame(frame).body
     while body >= 0:
-        count += 1
+        found.append(body)
         body = model.bodies[body].parent
-    return count
+    return found
 
 
 def coordinates_before(model: Model, frame: str) -> list[int]:
     """Indices of the velocity coordinates that move a frame, in the order of q̇."""
-    found: set[int] = set()
-    body = model.frame(frame).body
-    while body >= 0:
-        found.update(model.coordinates[body].v)
-        body = model.bodies[body].parent
-    return sorted(found)
+    return sorted({k for i in bodies_before(model, frame) for k in model.coordinates[i].v})
