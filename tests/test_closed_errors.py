@@ -178,7 +178,7 @@ def test_names_shapes_and_numbers(four_bar, q):
     )
     for bad in (0.0, -1.0, np.nan):
         with pytest.raises(
-            fb.FreebodyError, match=r"simulate: tolerance is .*, expected more than 0"
+            fb.FreebodyError, match=r"simulate: tolerance is .*, expected a number above 0"
         ):
             fb.simulate(four_bar, q, STILL, [0.0, 1.0], tolerance=bad)
     for name, call in (

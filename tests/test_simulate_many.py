@@ -114,6 +114,13 @@ def test_batches_broadcast_and_a_family_has_its_own_dimension():
     np.testing.assert_allclose(pushed.q[2], one.q, atol=1e-8)
 
 
+def test_none_at_all():
+    for options in ({}, {"step": 1e-3}, {"method": "Radau"}):
+        for torque in (None, lambda t, q, qd: -q):
+            found = fb.simulate(ARM, np.zeros((0, 2)), [0.0, 0.0], T, torque, **options)
+            assert found.qdd.shape == (0, 6, 2)
+
+
 def test_a_sampled_controller_of_many():
     calls = []
 
@@ -326,7 +333,12 @@ def test_a_table_that_may_be_meant_as_one_torque_for_each_is_told():
 EQUAL = {"step": 1e-3}
 GIVEN = {"torque": LAW, "torque_inputs": {"goal": [1.0], "gain": 1.0}}
 REFUSED = [
-    ({"step": 0.0}, FreebodyError, "step is 0, expected seconds above 0"),
+    ({"step": 0.0}, FreebodyError, "step is 0, expected a number of seconds above 0"),
+    ({"step": "1 ms"}, FreebodyError, "step holds <U4 values, expected real"),
+    ({"tolerance": -1.0}, FreebodyError, "tolerance is -1, expected a number above 0"),
+    ({"max_step": np.nan}, FreebodyError, "max_step is nan, expected a number of"),
+    ({"friction_width": 0}, FreebodyError, "friction_width is 0, expected a number above 0"),
+    ({"record": 3}, FreebodyError, "record= is int 3, expected a name or a list of names"),
     ({"method": "DOP853", **EQUAL}, FreebodyError, "step= is of the methods of equal steps, rk4"),
     ({**EQUAL, "tolerance": 1e-6}, FreebodyError, "tolerance= is of methods that choose"),
     ({**EQUAL, "max_step": 1.0}, FreebodyError, "max_step= is of methods that choose"),
@@ -334,7 +346,8 @@ REFUSED = [
     ({"record": "speed"}, UnknownNameError, "no quantity 'speed' in record="),
     ({"record": []}, FreebodyError, "record= names at least one quantity"),
     ({"every": 0}, FreebodyError, "every is 0, expected a whole number above 0"),
-    ({"threads": 0}, FreebodyError, "threads is 0, expected at least 1"),
+    ({"threads": 0}, FreebodyError, "threads is 0, expected a whole number above 0"),
+    ({"threads": 1.5}, FreebodyError, "threads is 1.5, expected a whole number above 0"),
     ({"torque": np.zeros((4, 2))}, FreebodyError, "it is (..., 6, 2), or (..., 1, 2) where"),
     ({"torque": np.zeros((3, 1, 2))}, FreebodyError, "together: q (4,), qd (4,), torque (3,)"),
     ({"torque_inputs": {"a": 1.0}}, FreebodyError, "torque_inputs= is about a torque from fb.comp"),
@@ -344,6 +357,8 @@ REFUSED = [
         "goal and gain besides t, q and qd: give torque_inputs={'goal",
     ),
     ({**GIVEN, "torque_inputs": {"aim": 1}}, UnknownNameError, "no input 'aim' in torque_inputs="),
+    ({**GIVEN, "torque_inputs": [1]}, FreebodyError, "torque_inputs is list [1], expected a dict"),
+    ({"torque": lambda t, q, qd: "x"}, FreebodyError, "what torque(t, q, qd) returns holds <U1"),
     (GIVEN, ShapeError, "torque_inputs['goal'] has shape (1,)"),
     ({"torque": lambda t, q, qd: q[:3]}, ShapeError, "has shape (3, 2), expected (4, 2): it is"),
     ({"torque": lambda t, q, qd: -q, "method": "implicit"}, FreebodyError, "needs the slopes of"),

@@ -128,7 +128,7 @@ def test_a_function_may_return_the_same_array_again():
             {"breakpoints": [0.5]},
             r"simulate: breakpoints= applies only to a torque that is a function",
         ),
-        ("f", {"sample_time": 0.0}, r"simulate: sample_time is 0, expected seconds above 0\."),
+        ("f", {"sample_time": 0.0}, r"simulate: sample_time is 0, expected a number of seconds"),
         (
             "f",
             {"sample_time": 1e-9},
@@ -137,7 +137,7 @@ def test_a_function_may_return_the_same_array_again():
         ("f", {"sample_time": 0.1, "breakpoints": [0.5]}, r"exclude each other; give one of them"),
         ("f", {"breakpoints": 0.5}, r"breakpoints has shape \(\), expected a list of times"),
         ("f", {"breakpoints": [np.nan]}, r"breakpoints is nan"),
-        ("f", {"max_step": 0.0}, r"simulate: max_step is 0, expected seconds above 0\."),
+        ("f", {"max_step": 0.0}, r"simulate: max_step is 0, expected a number of seconds"),
     ],
 )
 def test_options_that_mean_nothing_are_refused(torque, options, problem):

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
-from freebody.errors import FreebodyError, UnknownNameError, listed
+from freebody.errors import FreebodyError, KindError, UnknownNameError, listed
 from freebody.kernels.driven_steps import STATE, law_inputs
 from freebody.lazy import cached_property
 from freebody.model.families import member_at
@@ -57,6 +57,8 @@ class CompiledTorque:
 
 def compiled_torque(model: Model, kernel: Kernel, given: Mapping[str, Any]) -> CompiledTorque:
     """The torque of a kernel, its inputs checked; given: those besides t, q and qd, by name."""
+    if not isinstance(given, Mapping):
+        raise KindError("simulate", "torque_inputs", given, "a dict of names and values")
     law = kernel.program
     sizes = {"t": (), "q": (model.nq,), "qd": (model.nv,)}
     own = [x for x in law.inputs if x.name not in STATE]

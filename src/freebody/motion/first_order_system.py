@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,9 +98,11 @@ class System:
         found = self._eigenvalues(t, y, drive)
         return float(np.abs(found[found.real < 0.1 * np.abs(found)]).max(initial=0.0))
 
-    def _eigenvalues(self, t: Array, y: Array, drive: Drive) -> NDArray[Any]:
+    def _eigenvalues(self, t: Array, y: Array, drive: Drive) -> NDArray[np.complex128]:
         slopes = self.jacobian_under(t, y, drive)
-        return np.linalg.eigvals(slopes) if np.isfinite(slopes).all() else np.zeros(0, complex)
+        if not np.isfinite(slopes).all():
+            return np.zeros(0, dtype=np.complex128)
+        return np.linalg.eigvals(slopes).astype(np.complex128)
 
     def normalised(self, y: Array) -> Array:
         """States with unit quaternions."""

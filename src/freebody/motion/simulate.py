@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.arrays import Array, as_floats, refuse_not_finite
-from freebody.errors import FreebodyError, FreebodyWarning, UnknownNameError
+from freebody.arrays import Array, above_zero, as_floats, refuse_not_finite
+from freebody.errors import FreebodyError, FreebodyWarning, UnknownNameError, shown
 from freebody.kernels.driven_steps import STEP_METHODS
 from freebody.model.model import Model
 from freebody.motion.alone import one_by_one
@@ -95,13 +95,16 @@ def simulate(
     those that cannot go on are NaN from there, with a warning. Ctrl-C raises a KeyboardInterrupt
     whose `result` is the dataset of what there was.
     """
-    if not (isinstance(every, int | np.integer) and every > 0):
-        raise FreebodyError(f"simulate: every is {every!r}, expected a whole number above 0.")
+    _require_count("every", every)
+    if threads is not None:
+        _require_count("threads", threads)
+    above_zero("simulate", "friction_width", friction_width)
+    above_zero("simulate", "step", 1.0 if step is None else step, "seconds")
+    above_zero("simulate", "tolerance", _TOLERANCE if tolerance is None else tolerance)
+    above_zero("simulate", "max_step", 1.0 if max_step == np.inf else max_step, "seconds")
     names = recorded(model, record)
     times = _times(t)
     ends = breakpoints_of(breakpoints, sample_time)
-    if not friction_width > 0.0:
-        raise FreebodyError(f"simulate: friction_width is {friction_width:g}, expected above 0.")
     asked = _asked(
         model,
         (q, qd),
@@ -129,13 +132,20 @@ def simulate(
         _used(model, asked, chosen),
     )
     try:
-        if chosen in STEP_METHODS or (chosen == "auto" and asked.lanes.shape):
+        if not asked.lanes.count:
+            pass
+        elif chosen in STEP_METHODS or (chosen == "auto" and asked.lanes.shape):
             stepped(asked, chosen, result)
         else:
             one_by_one(asked, chosen, result)
     except KeyboardInterrupt:
         raise SimulationInterrupted(dataset(asked, result.until_now(), names)) from None
     return dataset(asked, result, names)
+
+
+def _require_count(name: str, value: Any) -> None:
+    if not (isinstance(value, int | np.integer) and value > 0):
+        raise FreebodyError(f"simulate: {name} is {shown(value)}, expected a whole number above 0.")
 
 
 def _asked(
@@ -188,13 +198,7 @@ def _method(model: Model, method: str, tolerance: float | None, asked: Simulatio
     known, of = (EXPLICIT, "simulate of a closed chain") if model.loops else (METHODS, "simulate")
     if method != "auto" and method not in (*known, *STEP_METHODS):
         raise UnknownNameError("method", method, of, ("auto", *known, *STEP_METHODS))
-    if not asked.tolerance > 0.0:
-        raise FreebodyError(f"simulate: tolerance is {tolerance:g}, expected more than 0.")
-    if not asked.max_step > 0.0:
-        raise FreebodyError(f"simulate: max_step is {asked.max_step:g}, expected seconds above 0.")
     chosen = "rk4" if method == "auto" and asked.step is not None else method
-    if asked.step is not None and not 0.0 < asked.step < np.inf:
-        raise FreebodyError(f"simulate: step is {asked.step:g}, expected seconds above 0.")
     if chosen in STEP_METHODS:
         for name, given in (
             ("tolerance", tolerance is not None),
@@ -210,8 +214,6 @@ def _method(model: Model, method: str, tolerance: float | None, asked: Simulatio
             f"simulate: step= is of the methods of equal steps, {', '.join(STEP_METHODS)}; "
             f"{chosen} chooses its steps: bound them by max_step=."
         )
-    if asked.threads is not None and asked.threads < 1:
-        raise FreebodyError(f"simulate: threads is {asked.threads}, expected at least 1.")
     return chosen
 
 

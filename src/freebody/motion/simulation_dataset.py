@@ -12,6 +12,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.kernels.formulas import Option
+from freebody.kernels.options import several
 from freebody.kernels.structural import Bound, fetch
 from freebody.lazy import cached_property
 from freebody.loops.equations import gaps, scaled_rate, scaled_residual
@@ -104,7 +105,7 @@ def recorded(model: Model, names: Sequence[str] | str | None) -> tuple[str, ...]
     known = [name for name, quantity in RECORDED.items() if model.loops or not quantity.loops]
     if names is None:
         return tuple(known)
-    listed = (names,) if isinstance(names, str) else tuple(names)
+    listed = several("simulate", "record=", names)
     for name in listed:
         if name not in known:
             raise UnknownNameError("quantity", name, "record=", known)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
+from freebody.arrays import Array, above_zero, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError
 from freebody.kernels.column_by_column import ColumnKernel, KernelList
 from freebody.kernels.inputs import InputKernel
@@ -60,7 +60,7 @@ def torque_of(
             "own variables. Leave it out."
         )
     if isinstance(torque, Kernel):
-        return compiled_torque(model, torque, inputs or {})
+        return compiled_torque(model, torque, {} if inputs is None else inputs)
     if isinstance(torque, InputKernel | ColumnKernel | KernelList):
         raise FreebodyError(
             "simulate: a kernel with numbers as inputs, or of a large robot, is no torque by "
@@ -131,8 +131,7 @@ def _of_function(function: Drive, edges: Array) -> Schedule:
 
 def instants(start: float, end: float, sample_time: float) -> Array:
     """When a controller is called."""
-    if not (np.isfinite(sample_time) and sample_time > 0.0):
-        raise FreebodyError(f"simulate: sample_time is {sample_time:g}, expected seconds above 0.")
+    above_zero("simulate", "sample_time", sample_time, "seconds")
     count = (end - start) / sample_time
     if count > _MOST:
         raise FreebodyError(
@@ -209,9 +208,9 @@ def batched(model: Model, function: TorqueFunction, batch: tuple[int, ...]) -> D
 
     def drive(now: Array, q: Array, qd: Array) -> Array:
         tau = function(float(now), q, qd)
-        tau = np.array(
-            vector("simulate", model, "tau", tau) if is_labelled(tau) else tau, dtype=float
-        )
+        if is_labelled(tau):
+            tau = vector("simulate", model, "tau", tau)
+        tau = np.array(as_floats("simulate", "what torque(t, q, qd) returns", tau))
         if tau.shape not in (whole, (model.nv,)):
             raise ShapeError(
                 "simulate",
