@@ -14,7 +14,9 @@ from freebody.derivations.equations.kinematics import Kinematics
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.evaluate import arithmetic, evaluate
 from freebody.derivations.expressions.expression import Expression
+from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.determinant import determinant
+from freebody.derivations.relations.quantities import QuantityValues, branches
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
@@ -59,18 +61,26 @@ _TITLES = {
     "tip_d": "a velocity of the tip",
     "tip_dd": "an acceleration of the tip",
     "det": "the determinant of the tip's Jacobian",
+    "omega": "the angular velocity of body {}",
+    "omega_d": "the angular acceleration of body {}",
+    "vc": "the velocity of the centre of mass of body {}",
+    "vc_d": "the acceleration of the centre of mass of body {}",
+    "rc": "the centre of mass of body {}",
+    "f": "the force on body {} at its joint",
 }
 _LETTERS = {
-    "tau": ("tau", "Q"),
-    "M": ("M", "H", "m", "D"),
+    "tau": ("tau", "Q", "Gamma"),
+    "M": ("M", "H", "m", "D", "d", "B", "b"),
     "C": ("C",),
     "c": ("c", "C", "v", "b"),
-    "g": ("g", "G"),
+    "g": ("g", "G", "phi"),
     "J": ("J",),
-    "T": ("T", "K", "KE", "Ek", "Ekin"),
+    "T": ("T", "K", "k", "KE", "Ek", "Ekin"),
     "V": ("V", "U", "P", "PE", "Ep", "Epot"),
     "L": ("L",),
 }
+RARE = frozenset(("B", "phi"))
+"""Letters of whole matrices and vectors that are as often something else."""
 _TIP = {"x": ("x", "xP", "xp", "xE", "xtip", "px"), "y": ("y", "yP", "yp", "yE", "ytip", "py")}
 _TIP["z"] = ("z", "zP", "zp", "zE", "ztip", "pz")
 
@@ -111,8 +121,9 @@ class Targets:
                 found[letter] = [[self.single[f"{_LETTERS[family][0]}{i}"]] for i in n]
         for letter in ("c", "v"):
             found[letter] = [[self.single[f"v{i}"]] for i in n]
-        for letter in ("M", "H", "D", "C"):
+        for letter in ("M", "H", "D", "B", "C"):
             found[letter] = [[self.single[f"{letter}{i}{j}"] for j in n] for i in n]
+        found |= self._vectors
         if self._tip is not None:
             found["J"] = [[self.single[f"J{i}{j}"] for j in n] for i in self._rows]
         return found
@@ -145,19 +156,25 @@ class Targets:
                     )
                     yield tuple(names), AskedQuantity(family, (i, j), self._entry(family, i, j))
         yield from self._energies()
+        yield from self._entries_of_bodies()
         if self._tip is not None:
             yield from self._of_tip(self._tip)
         if self.velocity and self.setting.equations.is_short:
             yield from self._coefficients()
 
     def _torque_names(self, i: int) -> tuple[str, ...]:
-        """τ_i; without number where it is the only one; F of a slide; u where some joints are
-        passive."""
+        """τ_i; without number where it is the only one; F of a slide; u where there is one joint,
+        or some are passive."""
         driven = [k for k in range(1, self.count + 1) if k not in self.passive]
-        slides = self.setting.symbols.coordinates[i - 1][0] in "dxyz"
-        letters = [*_LETTERS["tau"], *["F"] * slides, *["u"] * bool(self.passive)]
+        own = self.setting.symbols.coordinates[i - 1]
+        letters = [
+            *_LETTERS["tau"],
+            *["F", "f"] * (own[0] in "dxyz"),
+            *["u"] * (bool(self.passive) or self.count == 1),
+        ]
         numbers = (str(i), "") if driven == [i] else (str(i),)
-        return tuple(letter + number for number in numbers for letter in letters)
+        along = (f"F{own}", f"f{own}") if own in ("x", "y", "z") else ()
+        return (*(letter + number for number in numbers for letter in letters), *along)
 
     def _entry(self, name: str, *index: int) -> Callable[[], Trig]:
         def value() -> Trig:
@@ -189,6 +206,54 @@ class Targets:
 
         return value
 
+    # ------------------------------------------------------------ bodies
+    @cached_property
+    def _bodies(self) -> list[dict[str, Any]]:
+        """What `fb.quantities` tells of each body, in the order of their numbers."""
+        s = Setting(self.setting.equations.symbols)
+        values = QuantityValues(s, "explicit")
+        return [values.of_body(i) for i in s.order]
+
+    @cached_property
+    def _vectors(self) -> dict[str, list[list[AskedQuantity]]]:
+        """Vectors of bodies, in the axes in which `fb.quantities` gives them."""
+        tree = self.setting.equations.symbols.tree
+        if tree.follows or branches(tree):
+            return {}
+        found = {}
+        for n in range(1, len(tree.bodies) + 1):
+            for family, known, names in (
+                ("omega", f"omega{n}", (f"omega{n}",)),
+                ("omega_d", f"omega{n}_d", spellings("omega", str(n), 1)),
+                ("vc", f"vc{n}", (f"vc{n}", f"vG{n}")),
+                ("vc_d", f"vc{n}_d", (*spellings("vc", str(n), 1), f"ac{n}", f"aG{n}")),
+                ("rc", f"rc{n}", (f"rc{n}", f"rG{n}", f"pc{n}")),
+                ("f", f"f{n - 1}{n}", (f"f{n - 1}{n}", f"F{n - 1}{n}")),
+            ):
+                scalar = family.startswith("omega") and self.setting.is_planar
+                size = 1 if scalar else self.setting.symbols.model.dim
+                column = [
+                    [AskedQuantity(family, (n,), self._part(n, known, None if scalar else k))]
+                    for k in range(size)
+                ]
+                found |= dict.fromkeys(names, column)
+        return found
+
+    def _entries_of_bodies(self) -> Iterator[tuple[tuple[str, ...], AskedQuantity]]:
+        for name, column in self._vectors.items():
+            if len(column) == 1:
+                yield (name,), column[0][0]
+            else:
+                for axis, (entry,) in zip("xyz", column, strict=False):
+                    yield (f"{name}{axis}",), entry
+
+    def _part(self, n: int, name: str, k: int | None) -> Callable[[], Trig]:
+        def value() -> Trig:
+            found = self._bodies[n - 1][name]
+            return self.setting.element(found if k is None else found[k])
+
+        return value
+
     # ------------------------------------------------------------ the tip
     @cached_property
     def _tip(self) -> Kinematics | None:
@@ -210,14 +275,27 @@ class Targets:
             yield names, AskedQuantity("tip", (), self._element(lambda k=k: tip.position[k]))
             for dots, family, vector in ((1, "tip_d", "velocity"), (2, "tip_dd", "acceleration")):
                 dotted = tuple(s for name in names[:2] for s in spellings(name, "", dots))
+                dotted += ("va"[dots - 1] + "xyz"[k],)
                 value = self._element(lambda k=k, vector=vector: getattr(tip, vector)[k])
                 yield dotted, AskedQuantity(family, (), value)
-        if self.setting.is_planar and self.count in (2, 3):
-            rows = range(self.count)
+        rows = self._square(tip)
+        if rows is not None:
             value = self._element(
                 lambda: determinant([tip.J[i] for i in rows], self.setting.equations.symbols)
             )
             yield ("detJ",), AskedQuantity("det", (), value)
+
+    def _square(self, tip: Kinematics) -> range | None:
+        """The rows of the Jacobian that make it square: in space of three joints those of the
+        position, of a wrist those of the orientation."""
+        if self.setting.is_planar:
+            return range(self.count) if self.count in (2, 3) else None
+        if self.count == 6:
+            return range(6)
+        if self.count != 3:
+            return None
+        moves = any(not self.setting.element(x).is_zero for row in tip.J[:3] for x in row)
+        return range(3) if moves else range(3, 6)
 
     def _element(self, value: Callable[[], Trig]) -> Callable[[], Trig]:
         """A value in the ring of answers."""

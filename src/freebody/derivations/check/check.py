@@ -22,7 +22,8 @@ def check(model: Model, answer: Any, names: Mapping[str, str] | None = None) -> 
     """Whether an answer is equal to the model's own equations, and if not, where and why.
 
     answer: equations as text or LaTeX, one per line, for any of τ_i, H_ij (M_ij), c_i, G_i (g_i),
-    J_ij, T, V, the tip's x and y, or for whole vectors and matrices: "H12 = m2*(lc2^2 +
+    J_ij, det J, T, V, the tip's x and y, of body i ω_i, r_ci, v_ci, v̇_ci and f_hi (the force of
+    the body before), or for whole vectors and matrices, M(q) = [...; ...]: "H12 = m2*(lc2^2 +
     l1*lc2*cos(theta2)) + I2"; a SymPy equation; or a dict {"H12": expression}. In the notes'
     symbols: theta1, θ₁, q1; θ̇₁, theta1_d, dtheta1; l1, lc1, m1, I1, g; on the right c12 is
     cos(θ1+θ2). names: what the user's own names stand for, {"L1": "l1"}.
@@ -39,7 +40,7 @@ def check(model: Model, answer: Any, names: Mapping[str, str] | None = None) -> 
     model.require_tree("check")
     zeros = [name for name, value in model.parameters.items() if value == 0]
     where = setting(equations(model), zeros)
-    found = claims(where, text_of(answer), names or {})
+    found, unused = claims(where, text_of(answer), names or {})
     judge = Judge(
         where, Targets(where, velocity=any(claim.target.family == "h" for claim in found)), found
     )
@@ -47,7 +48,7 @@ def check(model: Model, answer: Any, names: Mapping[str, str] | None = None) -> 
     for claim in found:
         judged.append(judge.verdict(claim, explain=wrong < MOST_EXPLAINED))
         wrong += not judged[-1].equal
-    return Verdict(tuple(judged), model.name)
+    return Verdict(tuple(judged), model.name, unused)
 
 
 def text_of(answer: Any) -> str:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from freebody.derivations.check import undriven_joints
 from freebody.derivations.check.answer_text import AnswerError, AnswerText
 from freebody.derivations.check.answer_tree import Named
-from freebody.derivations.check.asked_quantities import AskedQuantity, Targets
+from freebody.derivations.check.asked_quantities import RARE, AskedQuantity, Targets
 from freebody.derivations.check.circular_answers import GivenQuantity, refuse_circles, uses
 from freebody.derivations.check.exact_polynomials import PolynomialReader
 from freebody.derivations.check.reading import AnswerParser
@@ -40,8 +40,11 @@ class Claim:
     """Quantities that it is given by."""
 
 
-def claims(setting: RightEquations, text: str, names: Mapping[str, str]) -> list[Claim]:
-    """All that an answer states, in its order."""
+def claims(
+    setting: RightEquations, text: str, names: Mapping[str, str]
+) -> tuple[list[Claim], tuple[str, ...]]:
+    """All that an answer states, in its order; and the names of its own that no statement uses, as
+    they are written."""
     source = AnswerText.of(text)
     targets = Targets(setting, velocity=re.search(r"(?<![A-Za-z\\])h(?![a-z])", text) is not None)
     vocabulary = Vocabulary(setting, targets.names)
@@ -73,7 +76,23 @@ def claims(setting: RightEquations, text: str, names: Mapping[str, str]) -> list
             f"write the quantity to be checked, such as tau1 = …"
         )
     refuse_circles(source, found)
-    return found
+    return found, _unused(source, own, lines)
+
+
+def _unused(source: Source, own: Sequence[Line], lines: Sequence[Line]) -> tuple[str, ...]:
+    """The names that lines introduce and no other line uses."""
+    unused = []
+    for line in own:
+        used = {
+            token.text
+            for other in lines
+            if other is not line
+            for side in (other if other not in own else other[1:])
+            for token in side
+        }
+        if line[0][0].text not in used:
+            unused.append(source[line[0][0].span])
+    return tuple(dict.fromkeys(unused))
 
 
 # ---------------------------------------------------------------- names
@@ -120,7 +139,8 @@ def _new_names(source: Source, vocabulary: Vocabulary) -> list[str]:
     """Names before a = that mean nothing else: the user introduces them."""
     found = []
     for match in re.finditer(
-        r"(?m)^[^\S\n]*(?:&\s*)?([^\W\d_][^=\n;,&+*/()-]{0,40}?)(?:\s*&)?\s*=(?!=)", source.text
+        r"(?m)^[^\S\n]*(?:&\s*)?((?:[^\W\d_]|\\[a-zA-Z])[^=\n;,&+*/()-]{0,40}?)(?:\s*&)?\s*=(?!=)",
+        source.text,
     ):
         word = words.spell(source, match.start(1))
         alone = not source.text[word.end : match.end(1)].strip()
@@ -238,12 +258,16 @@ class _ClaimReader:
                 if len(line) == 2 and len(line[0]) == 1 and line[0][0].kind == "name"
                 else ""
             )
-            if not name or (name in self.targets.names and not self._is_own_h(name, line, lines)):
+            if not name or (
+                name in self.targets.names
+                and not self._is_own_h(name, line, lines)
+                and not self._is_own_number(name, line)
+            ):
                 continue
             if (
                 name in self.vocabulary.waves
                 or name in self.setting.zeros
-                or not self.vocabulary.symbols.get(name, self.setting.zero).is_zero
+                or not self._is_free(name)
             ):
                 self.source.fail(
                     f"{self.source[line[0][0].span]} is a symbol of the model, not a result to be "
@@ -255,6 +279,21 @@ class _ClaimReader:
             self.vocabulary.define(name, self.value(node), given)
             found.append(line)
         return found
+
+    def _is_free(self, name: str) -> bool:
+        """Whether a name stands for nothing of the model: for nothing, or for what only other
+        models have."""
+        if name in self.setting.foreign:
+            return True
+        return self.vocabulary.symbols.get(name, self.setting.zero).is_zero
+
+    def _is_own_number(self, name: str, line: Line) -> bool:
+        """Whether a letter that some books have for a matrix or vector stands for one number, and
+        so for something of the user's own."""
+        return name in RARE and name not in self.targets.single and not self._is_matrix(line[1])
+
+    def _is_matrix(self, side: Sequence[Token]) -> bool:
+        return side[0].kind == "begin" or side[0].text == "["
 
     def _is_own_h(self, name: str, line: Line, lines: Sequence[Line]) -> bool:
         """Whether a line defines a velocity coefficient that other lines are written with."""
@@ -299,6 +338,8 @@ class _ClaimReader:
                     f"{label} is a vector or matrix: write it as [[…, …], […, …]]", name.span
                 )
             return [self._claim(label, single, node)]
+        if name.text == "V" and len(node.rows) * len(node.rows[0]) > 1:
+            table = self.targets.tables["v"]  # the potential energy is no vector
         if table is None and single is not None:
             table = [[single]]
         return self._entries(label, node, table or [])

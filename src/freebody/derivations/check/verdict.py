@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from freebody.errors import listed
 from freebody.outputs.display import InWords, counted
 
 
@@ -72,6 +73,9 @@ class Verdict(InWords):
 
     equations: tuple[EquationVerdict, ...]
     model: str = field(default="", repr=False)
+    unchecked: tuple[str, ...] = ()
+    """Names on the left of lines that were read as names of the user's own, and that no other line
+    uses: what they are said to be was not checked."""
 
     def _title(self) -> str:
         right = sum(equation.equal for equation in self.equations)
@@ -94,7 +98,13 @@ class Verdict(InWords):
     @property
     def text(self) -> str:
         """The verdict in words, equation by equation."""
-        return "\n".join(equation.text for equation in self.equations)
+        lines = [equation.text for equation in self.equations]
+        if self.unchecked:
+            names, are = listed(self.unchecked, 8), "are" if len(self.unchecked) > 1 else "is"
+            lines.append(
+                f"Not checked: {names}, which {are} no quantity of the robot's that is known here."
+            )
+        return "\n".join(lines)
 
     def __str__(self) -> str:
         return self.text

@@ -174,13 +174,17 @@ def _subscript(source: Source, word: Word) -> None:
     word.end += 1
     if source.text[word.end : word.end + 1] != "{":
         return
-    close = _closing(source, word.end)
-    for at in range(word.end + 1, close):
-        c = source.text[at]
-        if c.isascii() and c.isalnum():
+    at, close = word.end + 1, _closing(source, word.end)
+    while at < close:
+        c, end = source.text[at], at + 1
+        if command := _COMMAND.match(source.text, at, close):
+            word.add(_COMMANDS.get(command[1], ""), at, cut=False)  # fonts say nothing
+            end = command.end()
+        elif c.isascii() and c.isalnum():
             word.add(c, at, cut=False)
         elif c in _PRIMES:
             word.add(PRIME * _PRIMES[c], at, cut=False)
+        at = end
     word.end = close + 1
 
 

@@ -22,6 +22,7 @@ from freebody.derivations.polynomials.textbook_form import Layout
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
+from freebody.model.tree import Tree
 from freebody.outputs.display import Titled, counted
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, neg, times, transposed
@@ -77,14 +78,19 @@ def quantities(
     made = symbols(model, extra=names)
     require_chain_of_bodies(made, "quantities")
     setting = Setting(made, names, at_rest)
-    if any(len(made.tree.children(i)) > 1 for i in range(-1, len(made.tree.bodies))):
+    if branches(made.tree):
         raise FreebodyError(
             f"quantities: {model.name!r} branches; names such as f12 are defined for serial chains."
         )
-    return Quantities(_QuantityValues(setting, gravity).all(), setting.layout)
+    return Quantities(QuantityValues(setting, gravity).all(), setting.layout)
 
 
-class _QuantityValues:
+def branches(tree: Tree) -> bool:
+    """Whether some body carries several."""
+    return any(len(tree.children(i)) > 1 for i in range(-1, len(tree.bodies)))
+
+
+class QuantityValues:
     """The values, one method a group."""
 
     def __init__(self, setting: Setting, gravity: str):
@@ -95,8 +101,12 @@ class _QuantityValues:
     def all(self) -> Values:
         found = self._symbols() | self._arm()
         for i in self.s.order:
-            found |= self._motion(i) | self._forces(i) | self._geometry(i)
+            found |= self.of_body(i)
         return found
+
+    def of_body(self, i: int) -> Values:
+        """Of one body."""
+        return self._motion(i) | self._forces(i) | self._geometry(i)
 
     @cached_property
     def record(self) -> Recursion:

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from freebody.derivations.check.numeric_example import occurs, typical
 from freebody.derivations.expressions.expression import Equation
+from freebody.derivations.polynomials.typical_values import occurs, typical
 from freebody.derivations.relations.formula import FormulaError, names_in, parse
 from freebody.derivations.relations.formula_values import (
     Each,

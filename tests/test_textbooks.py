@@ -1,0 +1,110 @@
+"""What textbooks print, in their own letters: each line of a result is accepted, and none is with
+one sign changed.
+
+tests/textbooks has a file for each book. A result has its place in the book, the robot that it is
+about, and the book's lines; `names` are what --name takes; `refused` tells why `check` cannot yet
+read it.
+"""
+
+import contextlib
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import freebody as fb
+from freebody.derivations.derive import compare
+from freebody.formats import toml
+from freebody.model.build import build_model
+
+FOLDER = Path(__file__).parent / "textbooks"
+
+
+def results() -> list[dict[str, Any]]:
+    found = []
+    for path in sorted(FOLDER.glob("*.toml")):
+        own = tomllib.loads(path.read_text(encoding="utf-8"))["result"]
+        by_title = {result["title"]: result for result in own}
+        for result in own:
+            base = by_title[result["same"]] if "same" in result else result
+            names = base.get("names", {}) | result.get("names", {})
+            found.append({**result, "robot": base["robot"], "names": names, "book": path.stem})
+    return found
+
+
+RESULTS = results()
+READ = [result for result in RESULTS if "refused" not in result]
+REFUSED = [result for result in RESULTS if "refused" in result]
+
+
+def named(result: dict[str, Any]) -> str:
+    return f"{result['book']}: {result['title']}"
+
+
+def model(result: dict[str, Any]) -> fb.Model:
+    described = toml.describe("robot.toml", result["robot"], name="robot")
+    return build_model(described, physical="ignore")
+
+
+def answered(result: dict[str, Any], lines: list[str]) -> Any:
+    return fb.check(model(result), "\n".join(lines), names=result["names"] or None)
+
+
+@pytest.mark.parametrize("result", READ, ids=named)
+def test_a_books_lines_are_right(result: dict[str, Any]):
+    verdict = answered(result, result["lines"])
+    assert verdict, verdict
+    assert verdict.unchecked in ((), tuple(result.get("unchecked", ())))
+
+
+def wrong(right: str) -> str:
+    """With the first sign between two terms changed, else that of the first term or entry that has
+    a letter."""
+    changed = re.sub(r" ([+-]) ", lambda m: f" {'-+'[m[1] == '-']} ", right, count=1)
+    if changed == right:
+        changed = re.sub(r"(?<= )-(?=[\\w])", "", right, count=1)
+    if changed == right:
+        changed = re.sub(r" (?=[\d ]*(?!\\begin|\\end)[a-zA-Z\\])", " -", right, count=1)
+    return changed if changed != right else f"{right} + 1"
+
+
+@pytest.mark.parametrize("result", READ, ids=named)
+def test_a_books_lines_with_one_sign_changed_are_not(result: dict[str, Any]):
+    """In each line one, see `wrong`."""
+    unchecked = result.get("unchecked", ())
+    for k, line in enumerate(result["lines"]):
+        left, equals, right = line.rpartition("=")
+        if left.strip() in unchecked:
+            continue
+        if right.strip().startswith("0") or len(right) < len(left) - 8:  # an equation of motion
+            left, equals, right = "", "", line
+        changed = wrong(right)
+        lines = [*result["lines"][:k], left + equals + changed, *result["lines"][k + 1 :]]
+        assert not answered(result, lines), lines[k]
+
+
+@pytest.mark.parametrize("result", REFUSED, ids=named)
+def test_what_is_not_read_yet_is_refused_or_found_different(result: dict[str, Any]):
+    """So that this list is right: whoever teaches `check` to read one removes its mark."""
+    with contextlib.suppress(fb.FreebodyError):
+        assert not answered(result, result["lines"])
+
+
+def test_most_published_lines_are_accepted():
+    accepted = sum(len(result["lines"]) for result in READ)
+    total = sum(len(result["lines"]) for result in RESULTS)
+    assert len(RESULTS) >= 59
+    assert accepted >= 0.8 * total
+
+
+ROBOTS = {result["robot"]: result for result in RESULTS}
+
+
+@pytest.mark.parametrize("result", ROBOTS.values(), ids=named)
+def test_the_books_robots_are_derived_equal(result: dict[str, Any]):
+    made = model(result)
+    first = fb.derive(made, "lagrange")
+    assert compare(first, fb.derive(made, "recursive"))
+    assert compare(first, fb.derive(made, "newton-euler"))
