@@ -141,6 +141,16 @@ def test_limits_are_held_between_the_points_and_reached_at_nearly_all(points: in
     assert slower.duration > motion.duration or points == 101
 
 
+def test_no_limit_is_exceeded_as_the_motion_itself_tells():
+    motion = fb.time_optimal(arm(), WAY, points=101)
+    assert fb.exceeded_limits(arm(), motion) == ()
+    rng = np.random.default_rng(5)
+    for motion in fb.time_optimal(arm(), rng.uniform(-1.0, 1.0, (30, 5, 2)), points=301):
+        assert fb.exceeded_limits(arm(), motion) == ()
+        torque = np.abs(fb.inverse_dynamics(arm(), motion.q, motion.qd, motion.qdd))
+        assert (torque <= arm().limits.effort * (1 + 1e-9)).all()
+
+
 def test_the_path_is_followed_and_the_motion_is_its_own_derivative():
     motion = fb.time_optimal(arm(), WAY, points=301)
     chords = np.linalg.norm(np.diff(WAY, axis=0), axis=1)

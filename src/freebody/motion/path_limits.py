@@ -150,6 +150,16 @@ class PathProblem:
         values = self.limits.row(self.limits.dynamics(self.between.q, qd, qdd), qdd)
         return excess(self.with_friction(x), x, values, self.limits.size)
 
+    def top_speed(self, x: Array) -> Array:
+        """(P,) the largest speed as a fraction of its limit, squared: within the intervals by
+        parabolas of q̇² through ends and middle."""
+        squares = [(of.first / self.limits.velocity) ** 2 for of in (self.at, self.between)]
+        ends, half = squares[0] * x[..., None], squares[1] * (0.5 * (x[:-1] + x[1:]))[..., None]
+        lean, bend = np.diff(ends, axis=0), ends[:-1] + ends[1:] - 2.0 * half
+        inside = np.abs(lean) < -2.0 * bend
+        peak = half - np.where(inside, lean**2 / (8.0 * np.where(inside, bend, 1.0)), 0.0)
+        return np.maximum(peak.max(axis=(0, 2)), ends.max(axis=(0, 2)))
+
     def tightened(self, by: Array, paths: Flags) -> PathProblem:
         """With margins larger by what limits are exceeded by (N, P, m), of those paths."""
         most = 0.25 * self.limits.size  # a grid so coarse is told, not mended

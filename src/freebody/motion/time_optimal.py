@@ -29,6 +29,7 @@ _BLOCK = 16  # paths computed side by side: what is known of them stays in the p
 _ROUNDS = 12
 _TANGENT = 1e-4  # of a limit: error of the viscous torque
 _HELD = 2e-4  # of a limit: what it may be exceeded by halfway between two points of the grid
+_ROUNDING = 1e-8
 _FAR_FROM_HELD = 0.05
 _COARSE = (10, 8, 5, 4, 3, 2)
 _SOURCE = "the quickest along a path within the limits"
@@ -131,6 +132,8 @@ def _motions(
                 f"{100 * worst:.2g} %; give more points than {block.intervals + 1}, or larger "
                 f"limits."
             )
+    bulge = np.maximum(problem.top_speed(found.x) - 1.0, 0.0)
+    found.x[:] /= 1.0 + 2.0 * bulge + _ROUNDING  # slower by some millionths
     notices = [_told(worst) if worst > _HELD else () for worst in found.worst]
     return motions_along(robot.model, own, problem.at, found.x, _SOURCE, notices)
 
