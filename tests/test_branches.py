@@ -439,3 +439,21 @@ def test_redundancy_refused():
         T = np.broadcast_to(fb.forward_kinematics(model, fb.neutral(model)), (3, 4, 4))
         with pytest.raises(FreebodyError, match=words):
             fb.inverse_kinematics(model, T, redundancy=value)
+
+
+def test_the_nearest():
+    """Of a batch, of one, and where there is none."""
+    model = fb.load("ur5e")
+    q, _, _ = fb.random_state(model, 4, 5)
+    T = fb.forward_kinematics(model, q)
+    T[4, :3, 3] *= 9
+    guess = q + 0.01
+    found = fb.inverse_kinematics(model, T, q0=guess[0])
+    assert np.abs(found.nearest(guess[0])[0] - q[0]).max() < 1e-9
+    assert np.isnan(found.nearest(guess)[4]).all()
+    assert np.isfinite(found.nearest(guess)[:4]).all()
+    one = fb.inverse_kinematics(model, T[1], q0=guess[1])
+    assert np.abs(one.nearest(guess[1]) - q[1]).max() < 1e-9
+    assert np.isnan(fb.inverse_kinematics(model, T[4]).nearest(q[0])).all()
+    with pytest.raises(FreebodyError, match="q has shape"):
+        one.nearest([0.0])

@@ -579,3 +579,19 @@ def test_prints_as_a_table():
         "Target 1: Out of reach: the target is 7.3 m from the nearest point that frame 'tip' of "
         "'RR' can reach." in text
     )
+
+
+def test_a_pose_by_three_joints():
+    """The position leaves a few candidates, of which the orientation takes one."""
+    model = arm(_puma_like(np.random.default_rng(2))[:3], 2)
+    q, _, _ = fb.random_state(model, 0)
+    T = fb.forward_kinematics(model, q)
+    found = checked(model, T)
+    assert len(found) == 1
+    assert found.method.startswith("closed form: position by three joints")
+    assert holds(model, found.q, q)
+    assert len(checked(model, T[:3, 3])) > 1
+    T[:3, :3] = np.eye(3)
+    none = fb.inverse_kinematics(model, T)
+    assert len(none) == 0
+    assert "but not with this orientation" in none.notes[0]

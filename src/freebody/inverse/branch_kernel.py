@@ -23,7 +23,7 @@ def branch_kernel(
 ) -> Kernel | None:
     """(target, reference (nq,), rest (nq,), held?) -> (q (branches, nq), residual (branches,),
     within limits (branches,), count), compiled on first use; None for a form that takes numbers
-    alone, or a coordinate that moves its joint by a multiple.
+    alone or gives candidates alone, or a coordinate that moves its joint by a multiple.
 
     target: the part that counts, see `counted`. reference: next to it angles are wrapped; rest: of
     joints that do not move the frame. in_front: whether solutions stand before the branches there
@@ -31,7 +31,7 @@ def branch_kernel(
     which branches exist, or the target is no pose.
     """
     arm, model = form.branches, solver.model
-    if not arm.recipe.of_scalars or (np.abs(arm.chain.ratio) != 1.0).any():
+    if not (arm.recipe.of_scalars and form.decides) or (np.abs(arm.chain.ratio) != 1.0).any():
         return None
     key = ("solutions of inverse kinematics", solver.frame, arm.kind, in_front)
     found = model.compiled.get(key)

@@ -38,6 +38,11 @@ class ClosedFormArm:
         return self.branches.held
 
     @property
+    def decides(self) -> bool:
+        """Whether its branches are all that the task asks for, and not candidates alone."""
+        return self.branches.kind != "position" or not self.task.angular
+
+    @property
     def method(self) -> str:
         """What is done, with its source."""
         return f"closed form: {self.branches.recipe.title}"
@@ -85,7 +90,11 @@ def over_arrays(target: Array) -> tuple[tuple[Array, ...], ...]:
 
 def closed_form_for(model: Model, frame: str, task: Task) -> ClosedFormArm | None:
     """The closed form that gives all solutions of a task, or None."""
-    found = branches(model.tree, frame, task.rows) or _level(model, frame, task)
+    found = (
+        branches(model.tree, frame, task.rows)
+        or _level(model, frame, task)
+        or _placed(model, frame, task)
+    )
     if found is None:
         return None
     words = ("up", "down") if model.dim == 2 else _elbows(model, found.chain)
@@ -108,6 +117,15 @@ def _level(model: Model, frame: str, task: Task) -> Branches | None:
     needed = {k for k in range(3) if k not in along or recipe.lift is not None}
     turned = not task.angular or task.turns or bool(along and along[0] in task.angular)
     return Branches(chain, kind, recipe, 3) if needed <= set(task.linear) and turned else None
+
+
+def _placed(model: Model, frame: str, task: Task) -> Branches | None:
+    """Of an arm of three joints in space, whose position leaves no choice of the orientation."""
+    chain = chain_to(model.tree, frame)
+    if chain is None or model.dim == 2 or not task.places or len(chain.screws) != 3:
+        return None
+    recipe = recipe_for(chain, "position", False)
+    return None if recipe is None else Branches(chain, "position", recipe, 3)
 
 
 def _elbows(model: Model, chain: ScrewChain) -> tuple[str, str]:

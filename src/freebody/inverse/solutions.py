@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from freebody.algorithms.loop_scales import repeating
-from freebody.arrays import Array
+from freebody.arrays import Array, as_floats, check_core
 from freebody.inverse.numerical_solver import EXACT, NumericalSolver
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
@@ -86,6 +87,22 @@ class Solutions(Tabled, ByValue):
     def count(self) -> np.ndarray:
         """How many solutions each target has (...)."""
         return np.asarray(self.valid.sum(axis=-1))
+
+    def nearest(self, q: ArrayLike) -> Array:
+        """The solution (..., nq) nearest to q (nq,) or (..., nq), NaN where there is none.
+
+        Angles count as they are, whole turns too: found with q0=q, they are next to it.
+        """
+        size = self.q.shape[-1]
+        at = as_floats("Solutions.nearest", "q", q)
+        check_core("Solutions.nearest", "q", at, (size,), f"the model has nq = {size}")
+        way = self.q - at[..., None, :]
+        far = np.where(self.valid, np.sqrt(np.sum(way * way, axis=-1)), np.inf)
+        none = np.full((*far.shape[:-1], 1), np.inf)
+        best = np.argmin(np.concatenate([far, none], axis=-1), axis=-1)
+        last = np.full((*self.q.shape[:-2], 1, size), np.nan)
+        every = np.concatenate([self.q, last], axis=-2)
+        return np.take_along_axis(every, best[..., None, None], axis=-2)[..., 0, :]
 
     def _found(self) -> str:
         if self.q.ndim > 2:
