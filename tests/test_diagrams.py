@@ -25,6 +25,8 @@ from freebody_notes.figures.catalogue import FIGURES
 from freebody_notes.figures.five_bar import closed, five_bar
 from freebody_notes.figures.quadrotor import zxz
 
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
 Q = [0.6, 0.75]
 
 

@@ -27,6 +27,8 @@ from freebody.model.parameters import Parameter
 from freebody.model.placement import Placement, shift
 from support.printed_values import evaluate
 
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
 OPEN = {
     "newton-euler about pivots": {"route": "pivot"}, "newton-euler loaded": {"load": True},
     "recursive with weights": {"gravity": "explicit"},
