@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from scipy.interpolate import CubicSpline, PPoly
 from scipy.optimize import brentq
 
 import freebody as fb
+from freebody.cli.app import run
 from freebody.targets import recurrence as recurrences
 from support.extras import extra
 
@@ -213,6 +215,20 @@ def test_without_compiled_code_the_same_comes_out(monkeypatch: pytest.MonkeyPatc
 
     monkeypatch.setattr(recurrences, "_stepper", lambda kernel: lambda *x: one_by_one(kernel, *x))
     assert fb.time_optimal(arm(), WAY, points=41) == quick
+
+
+def test_the_command_plans_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    file = tmp_path / "motion.csv"
+    limits = ["--velocity", "2", "--acceleration", "9"]
+    way = "0, 0; 1, -0.5; 0.4, 1"
+    assert run(["plan", "2R", way, "--by", "time-optimal", *limits, "--out", str(file)]) == 0
+    assert "the quickest along a path within the limits" in capsys.readouterr().out
+    model = fb.load("2R")
+    planned = fb.time_optimal(model, [[0, 0], [1, -0.5], [0.4, 1]], velocity=2.0, acceleration=9.0)
+    assert fb.read_motion(model, file).duration == pytest.approx(planned.duration)
+    (tmp_path / "way.csv").write_text("t,joint1,joint2\n0,0,0\n1,1,1\n")
+    assert run(["plan", "2R", str(tmp_path / "way.csv"), "--by", "time-optimal"]) == 2
+    assert "the times of waypoints are what it finds" in capsys.readouterr().err
 
 
 # ---------------------------------------------------------------- beside toppra

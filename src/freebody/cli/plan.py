@@ -27,6 +27,7 @@ class PlannerChoice(StrEnum):
     quintic = "quintic"
     trapezoid = "trapezoid"
     s_curve = "s-curve"
+    time_optimal = "time-optimal"
 
 
 def _limit(what: str) -> Any:
@@ -47,7 +48,10 @@ def plan(
     ] = Path("motion.csv"),
     by: Annotated[
         PlannerChoice,
-        typer.Option(help="A spline does not stop at waypoints; the others do."),
+        typer.Option(
+            help="spline and time-optimal do not stop at waypoints, the others do; time-optimal "
+            "holds the robot's limits of torque too."
+        ),
     ] = PlannerChoice.spline,
     velocity: Annotated[
         float | None, _limit("Limit of each joint, rad/s or m/s, beside the robot's own.")

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from freebody.motion.motion import Motion
 from freebody.motion.point_to_point import quintic, s_curve, trapezoid
 from freebody.motion.splines import spline
+from freebody.motion.time_optimal import time_optimal_through
 
 
 @dataclass(frozen=True)
@@ -23,5 +24,6 @@ PLANNERS = {
     "quintic": Planner(quintic, ("velocity", "acceleration", "jerk")),
     "trapezoid": Planner(trapezoid, ("velocity", "acceleration")),
     "s-curve": Planner(s_curve, ("velocity", "acceleration", "jerk")),
+    "time-optimal": Planner(time_optimal_through, ("velocity", "acceleration")),
 }
 """By name; the first is the command's default."""

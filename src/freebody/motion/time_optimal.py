@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import compress, groupby
 from typing import Any, NamedTuple
 
@@ -17,6 +18,7 @@ from freebody.model.model import Model
 from freebody.motion.geometric_path import grid, motions_along, path_curve, refuse_out_of_range
 from freebody.motion.motion import Motion
 from freebody.motion.path_limits import PathCurve, PathProblem, RobotLimits, path_problem
+from freebody.motion.planned import sample_times
 from freebody.motion.planning_limits import Limit, PlanningLimits, planning_limits
 from freebody.motion.speed_profile import quickest_profile
 from freebody.motion.unreachable import refuse_unreachable
@@ -85,6 +87,29 @@ def time_optimal(
         for motion in _motions(robot, limits, curves, block)
     ]
     return tuple(motions) if many else motions[0]
+
+
+def time_optimal_through(
+    model: Model,
+    waypoints: ArrayLike,
+    times: ArrayLike | None = None,
+    *,
+    velocity: Limit = None,
+    acceleration: Limit = None,
+    step: float | None = None,
+) -> Motion:
+    """`time_optimal` as a planner of motions through waypoints, with samples `step` s apart."""
+    if times is not None:
+        raise FreebodyError(
+            f"{_NAME}: the times of waypoints are what it finds; leave them out, or take a spline."
+        )
+    motion = time_optimal(model, waypoints, velocity=velocity, acceleration=acceleration)
+    assert isinstance(motion, Motion)
+    if step is None:
+        return motion
+    t = sample_times(_NAME, 0.0, motion.duration, step)
+    q, qd, qdd = motion.at(t)
+    return replace(motion, t=t, q=q, qd=qd, qdd=qdd)
 
 
 def _each(path: Any) -> tuple[Sequence[Any], bool]:
