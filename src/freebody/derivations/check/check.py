@@ -26,7 +26,8 @@ def check(model: Model, answer: Any, names: Mapping[str, str] | None = None) -> 
     the body before), or for whole vectors and matrices, M(q) = [...; ...]: "H12 = m2*(lc2^2 +
     l1*lc2*cos(theta2)) + I2"; a SymPy equation; or a dict {"H12": expression}. In the notes'
     symbols: theta1, θ₁, q1; θ̇₁, theta1_d, dtheta1; l1, lc1, m1, I1, g; on the right c12 is
-    cos(θ1+θ2). names: what the user's own names stand for, {"L1": "l1"}.
+    cos(θ1+θ2). names: what the user's own names stand for, {"L1": "l1"}, {"q": "theta"}
+    for all that are numbered, {"C": "cos", "S": "sin"} where C12 is a cosine.
 
     Where joints are passive, "0 = …" is the equation of one of them (up to a factor that does not
     move) and "u = …" the only drive. C may be any matrix with C q̇ = c, given by whole rows. Where

@@ -97,14 +97,17 @@ def _unused(source: Source, own: Sequence[Line], lines: Sequence[Line]) -> tuple
 
 # ---------------------------------------------------------------- names
 def _rename(vocabulary: Vocabulary, targets: Targets, name: str, meaning: str) -> None:
-    """A name of the user's own, for a symbol (and its rates), for a family of them, or for an
-    expression."""
+    """A name of the user's own, for a symbol (and its rates), for a family of them, for an
+    expression, or a letter for the cosines and sines of all angles."""
     plain = _plain(name)
     target = _plain(meaning) if re.fullmatch(r"[\w\\{}']+", meaning) else ""
     if target in (*FAMILIES, "theta", "d", "q") and target not in vocabulary.symbols:
         for k in range(1, vocabulary.setting.joints + 1):
             if f"{target}{k}" in vocabulary.symbols:
                 _rename(vocabulary, targets, f"{plain}{k}", f"{target}{k}")
+        return
+    if target in ("sin", "cos"):
+        vocabulary.also_wave(plain, target)
         return
     source = AnswerText.of(meaning)
     parser = AnswerParser(

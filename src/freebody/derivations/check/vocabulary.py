@@ -74,6 +74,12 @@ class Vocabulary:
         self.functions.pop(plain, None)
         self._known = None
 
+    def also_wave(self, letter: str, function: str) -> None:
+        """A further letter for a function of angles: C12 as c12."""
+        own = [(name, wave) for name, wave in self.waves.items() if wave[0] == function]
+        self.waves.update((letter + name[1:], wave) for name, wave in own)
+        self._known = None
+
     # ------------------------------------------------------------ words of a text
     def begins(self, letter: str) -> bool:
         """Whether a word begins with this character."""
