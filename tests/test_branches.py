@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import freebody as fb
 from freebody.algorithms.closed_form_inverse.solve import branches
@@ -457,3 +458,22 @@ def test_the_nearest():
     assert np.isnan(fb.inverse_kinematics(model, T[4]).nearest(q[0])).all()
     with pytest.raises(FreebodyError, match="q has shape"):
         one.nearest([0.0])
+
+
+def test_what_is_refused_at_first_is_refused_later():
+    """Targets that are no poses, and arguments by names, after good ones have been answered."""
+    for name, more in (("ur5e", {}), ("panda", {"redundancy": 0.3})):
+        model = fb.load(name)
+        good = fb.forward_kinematics(model, fb.random_state(model, 1)[0])
+        fb.inverse_kinematics(model, good, **more)
+        bad = [good.copy() for _ in range(4)]
+        bad[0][3, 3], bad[1][3, 0], bad[2][0, 0], bad[3][0, 3] = 2.0, 1e-5, 3.0, np.nan
+        for T in bad:
+            for target in (T, np.stack([good, T])):
+                with pytest.raises(FreebodyError, match="target"):
+                    fb.inverse_kinematics(model, target, **more)
+        with pytest.raises(FreebodyError, match="q0"):
+            fb.inverse_kinematics(model, good, q0=np.full(model.nq, np.nan), **more)
+    named = xr.DataArray([0.1, 0.2], dims="joint", coords={"joint": ["a", "b"]})
+    with pytest.raises(FreebodyError, match="read by position"):
+        fb.inverse_kinematics(model, np.stack([good] * 2), redundancy=named)

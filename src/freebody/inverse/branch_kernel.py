@@ -7,8 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from freebody.algorithms.closed_form_inverse.near_reference import JointRanges, solutions
+from freebody.algorithms.closed_form_inverse.near_reference import (
+    ORTHOGONAL,
+    JointRanges,
+    solutions,
+)
 from freebody.arrays import Array
+from freebody.elementary import absolute, less, where
 from freebody.inverse.closed_form import ClosedFormArm
 from freebody.inverse.numerical_solver import NumericalSolver
 from freebody.inverse.solutions import turning_coordinates
@@ -66,7 +71,11 @@ def _compiled(model: Model, solver: NumericalSolver, form: ClosedFormArm, in_fro
 
     def evaluate(target: Any, reference: Any, rest: Any, *held: Any) -> tuple[Any, ...]:
         R, p = of_counted(form, target)
-        return solutions(arm, known, R, p, reference, rest, *held, in_front=in_front)
+        *found, count = solutions(arm, known, R, p, reference, rest, *held, in_front=in_front)
+        if arm.kind == "pose":  # its last row too has to be a pose's
+            for x, due in zip(target[d], identity(d + 1)[d], strict=True):
+                count = where(less(absolute(x - due), 0.5 * ORTHOGONAL), count, -1.0)
+        return (*found, count)
 
     shapes = {"pose": (d + 1, d + 1), "position": (d,), "orientation": (d, d)}
     inputs = [

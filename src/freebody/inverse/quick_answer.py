@@ -49,7 +49,9 @@ class _Plain:
                 return None
             q, residual, within, count = self.kernel(target, reference, rest)
         else:
-            if held is None or np.ndim(held) > target.ndim - self.axes:
+            if not (type(held) is float or (type(held) is np.ndarray and held.dtype == np.float64)):
+                return None
+            if np.ndim(held) > target.ndim - self.axes:
                 return None
             q, residual, within, count = self.kernel(target, reference, rest, held)
         if count.ndim:
