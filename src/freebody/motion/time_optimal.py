@@ -185,7 +185,7 @@ def _solved(problem: PathProblem, labels: list[str]) -> _Quickest:
         turning = problem.tangent_error(profile.x, before) > _TANGENT
         better = profile.moves & (turning | (worst < found.worst[left]))
         found.x[:, left[better]], found.worst[left[better]] = profile.x[:, better], worst[better]
-        again = better & (turning | (worst > _HELD))
+        again = profile.moves & (turning | (worst > _HELD))
         if not again.any():
             break
         if not turning.any():
