@@ -3,11 +3,12 @@
     taskset -c 0 python benchmarks/branches.py [--poses 1000000] [--robots ur5e puma560 …]
 
 For each robot, of one thread (the function takes as many as the process has CPUs): nanoseconds a
-pose in batches of 4096 (`out=`), microseconds of one call from Python; the same of `fb.inverse_kinematics` (its batch without the few poses that it looks
-at more closely, since these are next to singular); and for EAIK a pose of its own batch call, in
-turns within one run, the quickest of some rounds. Then, for so many random poses, in pieces: how
-far the position that made each pose is from the nearest branch, and how far forward kinematics
-takes the branches from the pose.
+pose in batches of 4096 (`out=`), microseconds of one call from Python; the same of
+`fb.inverse_kinematics` (its batch without the few poses that it looks at more closely, since these
+are next to singular); and for EAIK a pose of its own batch call, in turns within one run, the
+quickest of some rounds. Then, for so many random poses, in pieces: how far the position that made
+each pose is from the nearest branch, and how far forward kinematics takes the branches from the
+pose.
 """
 
 import argparse
