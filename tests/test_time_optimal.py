@@ -59,11 +59,11 @@ def test_a_mass_on_a_rail_is_pushed_and_braked_with_all_force(way: float, speed:
     exact = 2 * top / a + (way - top**2 / a) / top
     limits = {} if np.isinf(speed) else {"velocity": speed}
     motion = fb.time_optimal(slider(), [[0.0], [way]], torque=5.0, **limits)
-    assert motion.duration == pytest.approx(exact, rel=1e-6)
+    assert motion.duration == pytest.approx(exact, rel=5e-6)
     assert motion.q[[0, -1], 0] == pytest.approx([0.0, way])
     assert np.abs(motion.qd[[0, -1]]).max() == 0.0
-    assert motion.at(0.1 * exact)[2] == pytest.approx(a)
-    assert motion.at(0.9 * exact)[2] == pytest.approx(-a)
+    assert motion.at(0.1 * exact)[2] == pytest.approx(a, rel=1e-5)
+    assert motion.at(0.9 * exact)[2] == pytest.approx(-a, rel=1e-5)
 
 
 def pendulum_duration(start: float, end: float, torque: float, viscous: float, dry: float) -> float:

@@ -187,12 +187,30 @@ def excess(
     for a, b, lo, hi, c, d, low, high, half, most in zip(*start, *end, middle, size, strict=True):
         first = a * u + b * x - 0.5 * (lo + hi)
         last = c * u + d * y - 0.5 * (low + high)
-        lean, bend = last - first, first + last - 2.0 * half
-        inside = less(absolute(lean), 2.0 * absolute(bend))
-        peak = half - where(inside, lean * lean / (8.0 * where(inside, bend, 1.0)), 0.0)
+        peak = _vertex(first, half, last)
         top, bottom = maximum(half, peak), minimum(half, peak)
         found.append(maximum(top - most, 0.0) + minimum(bottom + most, 0.0))
     return found
+
+
+def _vertex(first: Scalar, half: Scalar, last: Scalar) -> Scalar:
+    """The extreme value of the parabola through values at both ends and halfway, or the latter."""
+    lean, bend = last - first, first + last - 2.0 * half
+    inside = less(absolute(lean), 2.0 * absolute(bend))
+    return half - where(inside, lean * lean / (8.0 * where(inside, bend, 1.0)), 0.0)
+
+
+def top_speed(
+    start: Vector, middle: Vector, end: Vector, velocity: Vector, x: Scalar, y: Scalar
+) -> Scalar:
+    """The largest speed in an interval as a fraction of its limit, squared, by parabolas of q̇²;
+    start, middle, end: q' there."""
+    found = []
+    for a, b, c, most in zip(start, middle, end, velocity, strict=True):
+        scale = 1.0 / (most * most)
+        first, half, last = a * a * x * scale, 0.5 * b * b * (x + y) * scale, c * c * y * scale
+        found += [first, maximum(half, _vertex(first, half, last)), last]
+    return balanced(maximum, found)
 
 
 def timed(derivatives: Sequence[Vector], speed: Scalar, half: Scalar) -> list[Vector]:

@@ -24,7 +24,7 @@ from freebody.model.model import Model
 from freebody.motion.friction import drive_arrays
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.ranges import Flags
-from freebody.motion.speed_profile import PathRows, excess
+from freebody.motion.speed_profile import PathRows, excess, top_speed
 from freebody.trees.dynamics import inverse_dynamics
 
 _INSTANT = 1e-6
@@ -151,22 +151,21 @@ class PathProblem:
         return excess(self.with_friction(x), x, values, self.limits.size)
 
     def top_speed(self, x: Array) -> Array:
-        """(P,) the largest speed as a fraction of its limit, squared: within the intervals by
-        parabolas of q̇² through ends and middle."""
-        squares = [(of.first / self.limits.velocity) ** 2 for of in (self.at, self.between)]
-        ends, half = squares[0] * x[..., None], squares[1] * (0.5 * (x[:-1] + x[1:]))[..., None]
-        lean, bend = np.diff(ends, axis=0), ends[:-1] + ends[1:] - 2.0 * half
-        inside = np.abs(lean) < -2.0 * bend
-        peak = half - np.where(inside, lean**2 / (8.0 * np.where(inside, bend, 1.0)), 0.0)
-        return np.maximum(peak.max(axis=(0, 2)), ends.max(axis=(0, 2)))
+        """(N, P) the largest speed in each interval as a fraction of its limit, squared."""
+        return top_speed(self.at.first, self.between.first, self.limits.velocity, x)
 
-    def tightened(self, by: Array, paths: Flags) -> PathProblem:
-        """With margins larger by what limits are exceeded by (N, P, m), of those paths."""
+    def tightened(self, by: Array, speed: Array, paths: Flags) -> PathProblem:
+        """With limits that are stricter by what they are exceeded by, of those paths: rows by (N,
+        P, m), the squares of speeds as many times as `speed` (N, P) tells."""
         most = 0.25 * self.limits.size  # a grid so coarse is told, not mended
         rows = np.clip(np.where(paths[:, None], by, 0.0), -most, most)
         below, above = self.margin or (0.0, 0.0)
         margin = below - np.minimum(rows, 0.0), above + np.maximum(rows, 0.0)
-        return replace(self, margin=margin)
+        slower = 1.0 / np.where(paths, np.maximum(speed, 1.0), 1.0)
+        fastest = self.rows.most.copy()
+        fastest[:-1] *= slower
+        fastest[1:] = np.minimum(fastest[1:], self.rows.most[1:] * slower)
+        return replace(self, margin=margin, rows=self.rows._replace(most=fastest))
 
     def only(self, paths: Flags) -> PathProblem:
         """Of some paths."""

@@ -124,6 +124,28 @@ def _excess(m: int) -> Kernel:
     return compile_program(trace("path_excess", excess, [*inputs, Argument("ends", (3,))], outputs))
 
 
+def top_speed(first: Array, middle: Array, velocity: Array, x: Array) -> Array:
+    """(N, P) the largest speed in each interval as a fraction of its limit (n,), squared; first,
+    middle: q' at the grid (N + 1, P, n) and halfway (N, P, n), x: (N + 1, P)."""
+    n = len(velocity)
+    flat = [a.reshape(-1, n) for a in (first[:-1], middle, first[1:])]
+    finite = np.minimum(velocity, path_timing.FAR)
+    ends = (x[:-1].ravel(), x[1:].ravel())
+    return _top_speed(n)(*flat, finite, *ends).reshape(middle.shape[:2])
+
+
+@lru_cache(maxsize=8)
+def _top_speed(n: int) -> Kernel:
+    """`path_timing.top_speed` of n coordinates."""
+
+    def speed(*given: Scalar) -> tuple[Scalar]:
+        return (path_timing.top_speed(*given),)
+
+    rates = [Argument(name, (n,)) for name in ("start", "middle", "finish", "velocity")]
+    inputs = [*rates, Argument("x", ()), Argument("y", ())]
+    return compile_program(trace("path_speed", speed, inputs, [Argument("top", ())]))
+
+
 def timed_pieces(derivatives: Sequence[Array], x: Array, h: Array) -> tuple[Array, Array]:
     """(polynomials of time, durations (N, P)) of the motion in each interval, where s̈ is constant.
 

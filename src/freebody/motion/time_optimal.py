@@ -31,7 +31,7 @@ _BLOCK = 16  # paths computed side by side: what is known of them stays in the p
 _ROUNDS = 12
 _TANGENT = 1e-4  # of a limit: error of the viscous torque
 _HELD = 2e-4  # of a limit: what it may be exceeded by halfway between two points of the grid
-_ROUNDING = 1e-8
+_MISSED = 1e-6  # of the squares of speeds: what parabolas may miss of them
 _FAR_FROM_HELD = 0.05
 _COARSE = (10, 8, 5, 4, 3, 2)
 _SOURCE = "the quickest along a path within the limits"
@@ -157,8 +157,8 @@ def _motions(
                 f"{100 * worst:.2g} %; give more points than {block.intervals + 1}, or larger "
                 f"limits."
             )
-    bulge = np.maximum(problem.top_speed(found.x) - 1.0, 0.0)
-    found.x[:] /= 1.0 + 2.0 * bulge + _ROUNDING  # slower by some millionths
+    bulge = np.maximum(problem.top_speed(found.x).max(axis=0) - 1.0 + _MISSED, 0.0)
+    found.x[:] /= 1.0 + 2.0 * bulge  # slower by some millionths
     notices = [_told(worst) if worst > _HELD else () for worst in found.worst]
     return motions_along(robot.model, own, problem.at, found.x, _SOURCE, notices)
 
@@ -182,6 +182,8 @@ def _solved(problem: PathProblem, labels: list[str]) -> _Quickest:
             refuse_unreachable(_NAME, problem, profile, labels)
         excess = problem.excess(profile.x)
         worst = (np.abs(excess) / problem.limits.size).max(axis=(0, 2), initial=0.0)
+        speed = problem.top_speed(profile.x)
+        worst = np.maximum(worst, np.sqrt(speed.max(axis=0)) - 1.0)
         turning = problem.tangent_error(profile.x, before) > _TANGENT
         better = profile.moves & (turning | (worst < found.worst[left]))
         found.x[:, left[better]], found.worst[left[better]] = profile.x[:, better], worst[better]
@@ -189,7 +191,7 @@ def _solved(problem: PathProblem, labels: list[str]) -> _Quickest:
         if not again.any():
             break
         if not turning.any():
-            problem = problem.tightened(excess, again)
+            problem = problem.tightened(excess, speed, again)
         labels = list(compress(labels, again))
         problem, before, left = problem.only(again), profile.x[:, again], left[again]
     return found
