@@ -34,6 +34,10 @@ TAKES_NUMBERS = (
 BY_NAME = {
     "q": "positions", "q0": "positions", "q1": "positions", "qd": "rates", "qdd": "rates",
     "tau": "rates", "effort": "rates",
+    "q_ref": "positions", "tau_null": "rates", "integral": "rates",
+    **dict.fromkeys(("qd_ref", "qdd_ref", "kp", "kd", "ko"), "rates"),
+    **dict.fromkeys(("V_ref", "A_ref", "kp_task", "kd_task", "offset", "offset_rate"), "rows"),
+    **dict.fromkeys(("inertia", "stiffness", "damping"), "rows"), "w_ext": "wrench",
     "v": "rates", "rates": "rates", "accelerations": "rates", "torque": "rates", "V": "rows",
     "A": "rows",
     "waypoints": "positions", "wrenches": "wrench", "point": "point", "about": "point",
@@ -50,6 +54,7 @@ BY_POSITION = {
     "planar": {name: [1.0, 1.0] for name in ("l", "lc", "m", "I", "angles")} | {"g": [0.0, -9.81]},
     "inertia_from": {"com": [0.1, 0.2], "about": [0.3, 0.1]},
     "simulate": {"t": [0.0, 0.01, 0.02], "breakpoints": [0.01, 0.02]},
+    **{name: {"pose_ref": np.eye(3)} for name in ("operational_space_control", "impedance")},
     "inverse_kinematics": {"target": [0.3, 0.2], "redundancy": [0.1, 0.2]},
     "dh": {"gravity": [0.0, 0.0, -9.81]},
     "line": {"target": [0.3, 0.2]},

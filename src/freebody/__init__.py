@@ -68,6 +68,14 @@ _PLACES = {
         "inertial_parameters",
         "forward_dynamics_parameter_derivatives",
     ),
+    "freebody.trees.controllers": (
+        "pd_gravity",
+        "computed_torque",
+        "operational_space_control",
+        "impedance",
+        "admittance",
+        "momentum_observer",
+    ),
     "freebody.trees.base_parameters": ("base_parameters",),
     "freebody.trees.states": ("neutral", "random_state", "integrate", "difference"),
     "freebody.trees.attitude": ("quat_wxyz", "rotation"),
@@ -122,6 +130,7 @@ _QUICK = tuple(
         "trees.kinematics",
         "trees.dynamics",
         "trees.operational_space",
+        "trees.controllers",
         "trees.states",
         "inverse.rates",
     )

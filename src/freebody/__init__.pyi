@@ -75,6 +75,12 @@ from freebody.robots import models as models
 from freebody.trees.attitude import quat_wxyz as quat_wxyz
 from freebody.trees.attitude import rotation as rotation
 from freebody.trees.base_parameters import base_parameters as base_parameters
+from freebody.trees.controllers import admittance as admittance
+from freebody.trees.controllers import computed_torque as computed_torque
+from freebody.trees.controllers import impedance as impedance
+from freebody.trees.controllers import momentum_observer as momentum_observer
+from freebody.trees.controllers import operational_space_control as operational_space_control
+from freebody.trees.controllers import pd_gravity as pd_gravity
 from freebody.trees.dynamics import bias as bias
 from freebody.trees.dynamics import coriolis_matrix as coriolis_matrix
 from freebody.trees.dynamics import forward_dynamics as forward_dynamics

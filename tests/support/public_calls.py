@@ -58,6 +58,10 @@ VECTORS = {  # which vector of a state an argument takes
     "q": "q", "q0": "q", "q1": "q1", "qd": "qd", "qdd": "qdd", "tau": "tau", "v": "qd",
     "rates": "qd",
     "accelerations": "qdd", "V": "V", "A": "V", "target": "pose", "t": "t",
+    "q_ref": "q1", "qd_ref": "qd", "qdd_ref": "qdd", "kp": "gain", "kd": "gain", "ko": "gain",
+    "integral": "tau", "h": "h", "pose_ref": "pose",
+    **dict.fromkeys(("V_ref", "A_ref", "offset", "offset_rate", "w_ext"), "V"),
+    **dict.fromkeys(("kp_task", "kd_task", "inertia", "stiffness", "damping"), "V"),
 }  # fmt: skip
 
 NAMED = {
@@ -111,7 +115,7 @@ def state(model: fb.Model, seed: int, batch: tuple[int, ...] = ()) -> dict[str, 
     pose = fb.forward_kinematics(model, q) if model.tip else np.eye(model.dim + 1)
     return {
         "q": q, "qd": qd, "qdd": qdd, "tau": qdd + 1.0, "V": V, "pose": pose,
-        "t": np.linspace(0.0, 0.01, 3), "seed": 7,
+        "t": np.linspace(0.0, 0.01, 3), "seed": 7, "h": 0.01, "gain": 0.1 + np.abs(qd),
         "q1": q[..., ::-1] * 0.5 if model.nq == model.nv else q,
     }  # fmt: skip
 

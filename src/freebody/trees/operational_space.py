@@ -44,9 +44,9 @@ def operational_space_inertia(
     along all of them.
     """
     require_model("operational_space_inertia", model)
-    option = _operational(model, frame, rows, "operational_space_inertia")
-    result = evaluate(("operational_space_inertia", option), model, (q,), _as_it_is)
-    _refuse_dependent_rows("operational_space_inertia", model, q, option)
+    option = operational_option(model, frame, rows, "operational_space_inertia")
+    result = evaluate(("operational_space_inertia", option), model, (q,), as_it_is)
+    refuse_dependent_rows("operational_space_inertia", model, q, option)
     return result
 
 
@@ -59,15 +59,16 @@ def operational_space_bias(
     qd: (..., nv); other arguments and errors as for `operational_space_inertia`.
     """
     require_model("operational_space_bias", model)
-    option = _operational(model, frame, rows, "operational_space_bias")
-    result = evaluate(("operational_space_bias", option), model, (q, qd), _as_it_is)
-    _refuse_dependent_rows("operational_space_bias", model, q, option)
+    option = operational_option(model, frame, rows, "operational_space_bias")
+    result = evaluate(("operational_space_bias", option), model, (q, qd), as_it_is)
+    refuse_dependent_rows("operational_space_bias", model, q, option)
     return result
 
 
-def _operational(
+def operational_option(
     model: Model, frame: str | None, rows: Sequence[str] | None, function: str
 ) -> Option:
+    """Frame and rows, which must be at most as many as there are joint coordinates."""
     refuse_massless(model, function)
     option = Option(model.frame(frame).name, rows=motion_rows(model, rows))
     if len(option.rows) > model.nv:
@@ -79,11 +80,13 @@ def _operational(
     return option
 
 
-def _as_it_is(model: Model, option: Option) -> Option:
+def as_it_is(model: Model, option: Option) -> Option:
+    """An option that is the key's own."""
     return option
 
 
-def _refuse_dependent_rows(function: str, model: Model, q: Vector, option: Option) -> None:
+def refuse_dependent_rows(function: str, model: Model, q: Vector, option: Option) -> None:
+    """Raise SingularError where the arm cannot move the frame along all rows."""
     J = jacobian(model, q, option.frame)[..., option.rows, :]
     values = np.linalg.svd(J, compute_uv=False)
     singular = np.argwhere(values[..., -1] <= 1e-10 * values[..., 0])

@@ -118,7 +118,8 @@ def careful(
     names = _input_names(function, chosen)
     refuse_other_times(function, dict(zip(names, inputs, strict=True)))
     arrays = [
-        vector(function, model, name, value) for name, value in zip(names, inputs, strict=True)
+        vector(function, model, name, value, chosen)
+        for name, value in zip(names, inputs, strict=True)
     ]
     loads = wrenches_by_frame(function, model, wrenches)
     bound = structural.fetch(model, (function,), chosen._replace(wrench_frames=tuple(loads)))
@@ -201,11 +202,15 @@ def _refuse_overflow(function: str, named: Mapping[str, Array]) -> None:
         )
 
 
-def vector(function: str, model: Model, name: str, value: Any) -> Array:
+def vector(
+    function: str, model: Model, name: str, value: Any, option: Option | None = None
+) -> Array:
     """q, qd, qdd, tau or a point as a checked array; one whose entries carry names (`labels`) is
-    put in order. Inputs that are no vectors have their shape checked alone."""
-    if core_axes(name) != 1:
-        array, core = as_floats(function, name, value), shape(model, INPUTS[name].dims, Option())
+    put in order. Inputs that are no vectors have their shape checked alone, and so have those of
+    the rows of an option, which its function puts in order."""
+    if not _has_names(name):
+        array = as_floats(function, name, value)
+        core = shape(model, INPUTS[name].dims, option or Option())
         check_core(function, name, array, core, INPUTS[name].meaning)
         return array
     dimension, names = _dimension(name), labels(model, name)
@@ -227,8 +232,13 @@ def core_axes(name: str) -> int:
 
 
 def _refuse_not_finite(function: str, model: Model, name: str, array: Array) -> None:
-    axes = core_axes(name)
-    refuse_not_finite(function, name, array, axes, labels(model, name) if axes == 1 else ())
+    named = labels(model, name) if _has_names(name) else ()
+    refuse_not_finite(function, name, array, core_axes(name), named)
+
+
+def _has_names(name: str) -> bool:
+    """Whether the entries of an input have names that the model alone tells."""
+    return core_axes(name) == 1 and _dimension(name) in _VECTORS
 
 
 class _VectorNames(NamedTuple):

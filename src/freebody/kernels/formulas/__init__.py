@@ -6,6 +6,7 @@ same text. Each family of formulas has a file, and each formula one record there
 """
 
 from freebody.kernels.formulas import (
+    controllers,
     derivatives,
     dynamics,
     energies,
@@ -31,6 +32,7 @@ FORMULAS: dict[str, Formula] = {
         operational,
         regressors,
         steps,
+        controllers,
         loops,
         energies,
     )

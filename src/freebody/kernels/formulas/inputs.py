@@ -42,8 +42,27 @@ INPUTS = {
     "h": Input((), "length of the step (s)", 1e-2),
     "q_ref": Input(("nq",), "reference positions of the feedback, as q"),
     "qd_ref": Input(("nv",), "reference rates of the feedback (rad/s, m/s)"),
-    "kp": Input(("nv",), "position gains of the feedback (N m/rad, N/m)", 1.0),
-    "kd": Input(("nv",), "rate gains of the feedback (N m s/rad, N s/m)", 1.0),
+    "qdd_ref": Input(("nv",), "reference accelerations (rad/s^2, m/s^2)"),
+    "kp": Input(
+        ("nv",), "position gains of the feedback (N m/rad, N/m; of computed torque 1/s^2)", 1.0
+    ),
+    "kd": Input(
+        ("nv",), "rate gains of the feedback (N m s/rad, N s/m; of computed torque 1/s)", 1.0
+    ),
+    "pose_ref": Input(("pose", "pose"), "reference pose, homogeneous matrix, world axes (m)"),
+    "V_ref": Input(("rows",), "reference velocity of the frame, world axes (m/s, rad/s)"),
+    "A_ref": Input(("rows",), "reference acceleration of the frame, world axes (m/s^2, rad/s^2)"),
+    "kp_task": Input(("rows",), "position gains of the motion of the frame (1/s^2)", 1.0),
+    "kd_task": Input(("rows",), "rate gains of the motion of the frame (1/s)", 1.0),
+    "tau_null": Input(("nv",), "torques of which acts what does not accelerate the frame (N m, N)"),
+    "offset": Input(("rows",), "displacement from the reference (m, rad)"),
+    "offset_rate": Input(("rows",), "rate of the displacement (m/s, rad/s)"),
+    "w_ext": Input(("rows",), "measured wrench on the frame: force, then moment (N, N m)"),
+    "inertia": Input(("rows",), "virtual inertia (kg, kg m^2)", 1.0),
+    "stiffness": Input(("rows",), "stiffness of the motion of the frame (N/m, N m/rad)", 1.0),
+    "damping": Input(("rows",), "damping of the motion of the frame (N s/m, N m s/rad)", 1.0),
+    "integral": Input(("nv",), "what the observer remembers, at first M qd (kg m^2/s, kg m/s)"),
+    "ko": Input(("nv",), "gains of the observer (1/s)", 1.0),
 }
 """By name, all but the wrenches on frames, whose number a call says: wrench0, wrench1, …, which
 come last."""

@@ -1,0 +1,258 @@
+"""Control laws and observers: what they promise of the closed loop, and the same loop in C."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from functools import cache
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import freebody as fb
+from support.generate import model as mechanism
+
+R3 = np.zeros(3)
+"""At rest, or at the origin."""
+
+
+@cache
+def arm() -> fb.Model:
+    """A planar arm with friction and springs."""
+    plain = fb.planar(
+        "RRR", l=[0.5, 0.4, 0.3], lc=[0.2, 0.2, 0.1], m=[3, 2, 1], I=[0.1, 0.05, 0.01]
+    )
+    for joint in plain.joint_names:
+        plain = plain.with_drive(joint, viscous=0.3, stiffness=2.0, rest=0.1)
+    return plain
+
+
+@cache
+def in_space() -> tuple[fb.Model, tuple[np.ndarray, ...]]:
+    """A robot with states of it, computed with by NumPy, so that nothing is compiled."""
+    model = fb.load("iiwa14")
+    return model, fb.random_state(model, seed=3, batch=(5,))
+
+
+def numpy_kernel(model: fb.Model, name: str, **options: Any) -> Any:
+    return fb.kernel(model, name, target="numpy", **options)
+
+
+def pose_error(model: fb.Model, q: np.ndarray, pose: np.ndarray) -> np.ndarray:
+    """By SciPy: what the origin lacks, and the rotation vector of what is left to turn."""
+    T = numpy_kernel(model, "forward_kinematics", frame=model.tip)(q)
+    turn = Rotation.from_matrix(pose[..., :3, :3] @ np.swapaxes(T[..., :3, :3], -1, -2))
+    return np.concatenate([pose[..., :3, 3] - T[..., :3, 3], turn.as_rotvec()], axis=-1)
+
+
+# ---------------------------------------------------------------- in the space of the joints
+def test_pd_with_gravity_rests_at_its_target_alone_and_loses_energy():
+    model, kp, kd = arm(), np.array([60.0, 40.0, 20.0]), np.array([6.0, 4.0, 1.0])
+    goal = np.array([0.4, -0.7, 1.1])
+    at_goal = fb.pd_gravity(model, goal, R3, goal, kp, kd)
+    np.testing.assert_allclose(at_goal, fb.static_torque(model, goal), rtol=1e-14)
+    t = np.linspace(0.0, 8.0, 161)
+    law = fb.kernel(model, "pd_gravity")
+    run = fb.simulate(
+        model, R3, R3, t, law, torque_inputs={"q_ref": goal, "kp": kp, "kd": kd}, tolerance=1e-9
+    )
+    apart = goal - run.q.values
+    stored = run.kinetic_energy.values + 0.5 * np.sum(kp * apart**2, axis=-1)
+    assert all(b < a + 1e-9 for a, b in pairwise(stored))
+    assert stored[-1] < 1e-4 * stored[0]
+
+
+def test_computed_torque_makes_the_error_linear():
+    model, goal, kp = arm(), np.array([0.5, -0.4, 0.3]), 25.0
+    t = np.linspace(0.0, 1.0, 21)
+    given = {
+        "q_ref": goal,
+        "qd_ref": R3,
+        "qdd_ref": R3,
+        "kp": np.full(3, kp),
+        "kd": np.full(3, 10.0),
+    }
+    law = fb.kernel(model, "computed_torque")
+    run = fb.simulate(model, R3, R3, t, law, torque_inputs=given)
+    expected = goal * ((1.0 + 5.0 * t) * np.exp(-5.0 * t))[:, None]  # critically damped
+    np.testing.assert_allclose(goal - run.q.values, expected, rtol=0.0, atol=1e-10)
+    many = fb.simulate(
+        model, np.zeros((4, 3)), R3, t, law, torque_inputs=given, step=1e-2, record="q"
+    )
+    np.testing.assert_allclose(goal - many.q.values[2], expected, rtol=0.0, atol=1e-6)
+
+
+@pytest.mark.parametrize("seed", [24, 3])
+def test_computed_torque_gives_the_wanted_accelerations_of_any_joints(seed):
+    model = mechanism(seed)
+    q, qd, qdd = fb.random_state(model, seed=1)
+    q_ref = fb.integrate(model, q, 0.1 * qdd)
+    tau = numpy_kernel(model, "computed_torque")(
+        q, qd, q_ref, 0.5 * qd, qdd, np.full(model.nv, 3.0), np.full(model.nv, 2.0)
+    )
+    wanted = qdd + 3.0 * 0.1 * qdd - 2.0 * 0.5 * qd
+    needed = numpy_kernel(model, "inverse_dynamics")(q, qd, wanted)
+    np.testing.assert_allclose(tau, needed, rtol=1e-9, atol=1e-9)
+
+
+# ---------------------------------------------------------------- in operational space
+@pytest.mark.parametrize("rows", [None, ("vx", "vz", "wy")])
+def test_operational_space_control_gives_the_frame_the_wanted_acceleration(rows):
+    model, (q, qd, qdd) = in_space()
+    rng = np.random.default_rng(0)
+    chosen = [("vx", "vy", "vz", "wx", "wy", "wz").index(r) for r in rows] if rows else range(6)
+    pose = numpy_kernel(model, "forward_kinematics")(q + 0.3 * qdd)
+    V, A = rng.normal(size=(2, 5, len(chosen)))
+    kp, kd = rng.uniform(1.0, 9.0, size=(2, len(chosen)))
+    null = rng.normal(size=(5, 7))
+    law = numpy_kernel(model, "operational_space_control", rows=rows)
+    free = numpy_kernel(model, "forward_dynamics")(q, qd, law(q, qd, pose, V, A, kp, kd, null))
+    J = numpy_kernel(model, "jacobian")(q)[..., chosen, :]
+    drift = numpy_kernel(model, "acceleration")(q, qd, np.zeros(7))[..., chosen]
+    found = (J @ free[..., None])[..., 0] + drift
+    error = pose_error(model, q, pose)[..., chosen]
+    wanted = A + kd * (V - (J @ qd[..., None])[..., 0]) + kp * error
+    np.testing.assert_allclose(found, wanted, rtol=1e-7, atol=1e-7)
+    still = numpy_kernel(model, "forward_dynamics")(q, qd, law(q, qd, pose, V, A, kp, kd, 0 * null))
+    assert np.abs(free - still).max() > 0.1, "tau_null moves the joints"
+
+
+def test_impedance_balances_a_wrench_by_its_stiffness():
+    model, (q, qd, qdd) = in_space()
+    stiffness = np.array([500.0, 400.0, 300.0, 30.0, 20.0, 10.0])
+    pose = numpy_kernel(model, "forward_kinematics")(q + 0.1 * qdd)
+    law = numpy_kernel(model, "impedance")
+    tau = law(q, 0.0 * qd, pose, np.zeros(6), stiffness, np.ones(6))
+    wrench = -stiffness * pose_error(model, q, pose)
+    held = numpy_kernel(model, "static_torque", wrench_frames=[model.tip])(q, wrench)
+    np.testing.assert_allclose(tau, held, rtol=1e-9, atol=1e-9)
+
+
+def test_a_tip_pushed_gives_way_as_its_stiffness_says():
+    model, rows, start = arm(), ("vx", "vy", "w"), np.array([0.3, 0.9, -0.5])
+    pose, stiffness = fb.forward_kinematics(model, start), np.array([900.0, 600.0, 50.0])
+    push = np.array([9.0, -12.0, 1.0])
+    given = {"pose_ref": pose, "V_ref": R3, "stiffness": stiffness, "damping": stiffness / 5.0}
+    run = fb.simulate(
+        model, start, R3, [0.0, 6.0], fb.kernel(model, "impedance", rows=rows),
+        wrenches=push, torque_inputs=given, tolerance=1e-8, record="q",
+    )  # fmt: skip
+    T = fb.forward_kinematics(model, run.q.values[-1])
+    moved = [*(T - pose)[:2, 2], run.q.values[-1].sum() - start.sum()]
+    np.testing.assert_allclose(moved, push / stiffness, rtol=1e-6)
+
+
+def test_admittance_is_a_mass_with_damper_and_spring():
+    model, (m, d, k, w) = arm(), (2.0, 3.0, 40.0, 8.0)
+    given = np.array([m, m, m]), np.array([k, k, k]), np.array([d, d, d])
+
+    def after(h: float) -> float:
+        x, v = R3, R3
+        for _ in range(round(1.0 / h)):
+            x, v = fb.admittance(model, h, x, v, np.full(3, w), *given)
+        return float(x[0])
+
+    decay, ring = d / (2 * m), np.sqrt(k / m - (d / (2 * m)) ** 2)
+    exact = w / k * (1 - np.exp(-decay) * (np.cos(ring) + decay / ring * np.sin(ring)))
+    coarse, fine = after(0.02) - exact, after(0.01) - exact
+    assert coarse / fine == pytest.approx(4.0, rel=0.05)  # of order 2
+    x, v = R3, R3
+    for _ in range(60):
+        x, v = fb.admittance(model, 5.0, x, v, np.full(3, w), *given)  # however long the step
+    assert np.abs(x).max() < 2.0 * w / k
+
+
+# ---------------------------------------------------------------- the observer
+def test_the_observer_follows_a_constant_torque_with_its_time_constant():
+    model, h, ko = arm(), 1e-3, np.array([20.0, 30.0, 50.0])
+    unknown = np.array([1.0, -0.5, 0.2])
+    q, held = np.array([0.3, 0.4, -0.2]), 40
+    tau, integral, r = fb.static_torque(model, q) - unknown, R3, R3
+    for _ in range(held):  # at rest under it: nothing but the filter's own step is left
+        r, integral = fb.momentum_observer(model, q, R3, tau, h, integral, ko)
+    np.testing.assert_allclose(r, unknown * (1.0 - (1.0 + h * ko) ** -held), rtol=1e-11)
+
+
+def test_the_observer_does_so_while_the_arm_moves():
+    model, h = arm(), 1e-3
+    unknown, ko = np.array([1.0, -0.5, 0.2]), np.full(3, 20.0)
+    step, observe = fb.kernel(model, "rk4_step"), fb.kernel(model, "momentum_observer")
+    q, qd, integral = R3, R3, R3
+    for n in range(400):
+        tau = np.array([30.0, 12.0, 2.0]) * np.cos(5.0 * n * h)
+        q, qd = step(q, qd, tau + unknown, h)
+        r, integral = observe(q, qd, tau, h, integral, ko)
+        expected = unknown * (1.0 - np.exp(-ko * (n + 1) * h))
+        assert np.abs(r - expected).max() < 0.02  # of order h
+    assert np.abs(qd).max() > 1.0
+
+
+# ---------------------------------------------------------------- what is refused
+def test_gains_poses_steps_and_robots_without_drives_are_refused():
+    model = fb.load("2R")
+    z, pose = np.zeros(2), np.eye(3)
+    with pytest.raises(fb.FreebodyError, match=r"kd is -1 for 'joint2'.*negative gain"):
+        fb.pd_gravity(model, z, z, z, 5.0, [1.0, -1.0])
+    with pytest.raises(fb.FreebodyError, match=r"stiffness is -2 for 'vy'"):
+        fb.impedance(model, z, z, pose, z, [1.0, -2.0], 1.0, rows=("vx", "vy"))
+    with pytest.raises(fb.FreebodyError, match="inertia must be above 0"):
+        fb.admittance(model, 0.1, z, z, z, 0.0, 1.0, 1.0, rows=("vx", "vy"))
+    with pytest.raises(fb.FreebodyError, match="h is 0, expected seconds above 0"):
+        fb.momentum_observer(model, z, z, z, 0, z, 10.0)
+    with pytest.raises(fb.FreebodyError, match="pose_ref is no pose"):
+        fb.impedance(model, z, z, 2.0 * pose, np.zeros(3), 1.0, 1.0)
+    with pytest.raises(fb.FreebodyError, match="kp"):
+        fb.pd_gravity(model, z, z, z, np.ones(3), 1.0)
+    with pytest.raises(fb.PassiveJointError, match="nothing drives"):
+        fb.computed_torque(fb.load("acrobot"), z, z, z, z, z, 1.0, 1.0)
+    with pytest.raises(fb.FreebodyError, match="singular"):
+        fb.operational_space_control(model, z, z, pose, z, z, 1.0, 1.0, rows=("vx", "vy"))
+
+
+# ---------------------------------------------------------------- in C
+LOOP = """#include <stdio.h>
+#include "computed_torque.h"
+#include "momentum_observer.h"
+#include "rk4_step.h"
+int main(void)
+{
+    double q[3] = {0}, qd[3] = {0}, integral[3] = {0}, tau[3], acts[3], r[3];
+    const double goal[3] = {0.5, -0.4, 0.3}, still[3] = {0}, load[3] = {1.0, -0.5, 0.2};
+    const double kp[3] = {400, 400, 400}, kd[3] = {40, 40, 40}, ko[3] = {20, 20, 20};
+    for (int k = 0; k < 1000; k++) {
+        if (computed_torque(q, qd, goal, still, still, kp, kd, tau) != 0) return 1;
+        for (int i = 0; i < 3; i++) acts[i] = tau[i] + load[i];
+        rk4_step(q, qd, acts, 0.001, q, qd);
+        momentum_observer(q, qd, tau, 0.001, integral, ko, r, integral);
+    }
+    for (int i = 0; i < 3; i++) printf("%.17g %.17g %.17g\\n", q[i], qd[i], r[i]);
+    return 0;
+}
+"""
+
+
+def test_the_same_closed_loop_in_c(tmp_path):
+    if shutil.which("cc") is None:
+        pytest.skip("no C compiler: the loop is written, not run")
+    model, h = arm(), 1e-3
+    names = ["computed_torque", "momentum_observer", "rk4_step"]
+    for name in names:
+        fb.export(model, name, tmp_path)
+    (tmp_path / "loop.c").write_text(LOOP)
+    command = ["cc", "-std=c99", "-Wall", "-Werror", "-O1", "loop.c", *(f"{n}.c" for n in names)]
+    subprocess.run([*command, "-lm", "-o", "loop"], cwd=tmp_path, check=True, timeout=120)
+    done = subprocess.run(["./loop"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    in_c = np.array([list(map(float, line.split())) for line in done.stdout.splitlines()])
+
+    law, observe, step = (fb.kernel(model, name) for name in names)
+    goal, load = np.array([0.5, -0.4, 0.3]), np.array([1.0, -0.5, 0.2])
+    q, qd, integral, r = R3, R3, R3, R3
+    for _ in range(1000):
+        tau = law(q, qd, goal, R3, R3, np.full(3, 400.0), np.full(3, 40.0))
+        q, qd = step(q, qd, tau + load, h)
+        r, integral = observe(q, qd, tau, h, integral, np.full(3, 20.0))
+    np.testing.assert_allclose(in_c, np.stack([q, qd, r], axis=-1), rtol=0.0, atol=1e-10)
+    assert np.abs(r - load).max() < 0.01
