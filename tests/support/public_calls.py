@@ -115,7 +115,8 @@ def state(model: fb.Model, seed: int, batch: tuple[int, ...] = ()) -> dict[str, 
     pose = fb.forward_kinematics(model, q) if model.tip else np.eye(model.dim + 1)
     return {
         "q": q, "qd": qd, "qdd": qdd, "tau": qdd + 1.0, "V": V, "pose": pose,
-        "t": np.linspace(0.0, 0.01, 3), "seed": 7, "h": np.full(batch, 0.01), "gain": 0.1 + np.abs(qd),
+        "t": np.linspace(0.0, 0.01, 3), "seed": 7, "h": np.full(batch, 0.01),
+        "gain": 0.1 + np.abs(qd),
         "q1": q[..., ::-1] * 0.5 if model.nq == model.nv else q,
     }  # fmt: skip
 
