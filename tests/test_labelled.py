@@ -55,6 +55,7 @@ BY_POSITION = {
     "inertia_from": {"com": [0.1, 0.2], "about": [0.3, 0.1]},
     "simulate": {"t": [0.0, 0.01, 0.02], "breakpoints": [0.01, 0.02]},
     **{name: {"pose_ref": np.eye(3)} for name in ("operational_space_control", "impedance")},
+    "discrete_lqr": {"A": np.eye(2), "B": np.eye(2), "Q": np.eye(2), "R": np.eye(2)},
     "inverse_kinematics": {"target": [0.3, 0.2], "redundancy": [0.1, 0.2]},
     "dh": {"gravity": [0.0, 0.0, -9.81]},
     "line": {"target": [0.3, 0.2]},

@@ -76,6 +76,7 @@ _PLACES = {
         "admittance",
         "momentum_observer",
     ),
+    "freebody.trees.linearization": ("linearize", "discrete_lqr"),
     "freebody.trees.base_parameters": ("base_parameters",),
     "freebody.trees.states": ("neutral", "random_state", "integrate", "difference"),
     "freebody.trees.attitude": ("quat_wxyz", "rotation"),

@@ -105,6 +105,8 @@ from freebody.trees.kinematics import jacobian as jacobian
 from freebody.trees.kinematics import jacobian_derivatives as jacobian_derivatives
 from freebody.trees.kinematics import jacobian_dot as jacobian_dot
 from freebody.trees.kinematics import velocity as velocity
+from freebody.trees.linearization import discrete_lqr as discrete_lqr
+from freebody.trees.linearization import linearize as linearize
 from freebody.trees.operational_space import (
     centroidal_momentum_matrix as centroidal_momentum_matrix,
 )
