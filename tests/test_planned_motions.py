@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -201,6 +202,26 @@ def test_a_break_beside_a_sample_is_that_sample(off: float):
     layout = fb.default_motion(fb.load("2R")).layout
     motion = fb.Motion(t, still, still, still, "", layout, pieces=pieces)
     assert motion.knots.tolist() == [0.0, 0.25, 0.5, 0.8, 1.0]
+
+
+def test_a_jump_beside_a_sample_is_one(tmp_path: Path):
+    """The turn of a triangle of speed, halfway, is a sample but for rounding; so is any break at a
+    multiple of the step."""
+    arm, lost = fb.load("2R"), []
+    for way in np.random.default_rng(0).uniform(0.1, 0.5, size=(60, 2, 2)):
+        motion = fb.trapezoid(arm, way, acceleration=3.0)
+        lost += [motion.source] * (len(motion.jumps) != 1)
+    assert not lost
+    at = motion.jumps[0]
+    for off in (-1e-12, 1e-12):
+        t = np.array([0.0, 0.3 * at, at + off, motion.duration])
+        assert motion.pieces is not None
+        beside = replace(motion, t=t, q=motion.at(t)[0], qd=motion.at(t)[1], qdd=motion.at(t)[2])
+        assert beside.jumps.tolist() == [at + off]
+    read = fb.read_motion(arm, fb.write_motion(arm, motion, tmp_path / "way.csv"))
+    t = np.linspace(0.0, motion.duration, 1001) * (1.0 - 1e-6)
+    for mine, planned in zip(read.at(t), motion.at(t), strict=True):
+        np.testing.assert_allclose(mine, planned, atol=1e-8)
 
 
 def test_samples_lie_on_the_pieces():

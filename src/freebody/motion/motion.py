@@ -32,7 +32,7 @@ from freebody.values import ByValue, key
 FEWEST = 4
 """Samples that a motion needs: fewer do not determine an acceleration."""
 _ON_CURVE = 1e-9  # rad, m: how far samples may lie from the curve that they are samples of
-_NEAR = 1e-9  # of the duration: a break this near to a sample is that
+NEAR = 1e-9  # of the duration: a break this near to a sample is that
 _JUMP = 1e-9  # of the largest acceleration
 _MEET = 1e-9  # of the largest position or rate: by how much motions in a row may miss each other
 
@@ -160,10 +160,10 @@ class Motion(Tabled, ByValue):
         if self.pieces is None:
             return self.t
         breaks = self.pieces.breaks
-        breaks = breaks[np.append(True, np.diff(breaks) > _NEAR * self.duration)]
+        breaks = breaks[np.append(True, np.diff(breaks) > NEAR * self.duration)]
         every = np.union1d(self.t, breaks)
         own = np.isin(every, self.t)
-        near = np.diff(every) <= _NEAR * self.duration
+        near = np.diff(every) <= NEAR * self.duration
         twin = np.append(False, near & own[:-1]) | np.append(near & own[1:], False)
         return every[own | ~twin]
 
@@ -172,8 +172,10 @@ class Motion(Tabled, ByValue):
         """Times (k,) within the motion at which accelerations jump."""
         if self.pieces is None:
             return np.empty(0)
-        t, second = self.knots[1:-1], self._curves[2]
-        size = np.abs(second.before(t) - second(t)).max(axis=1)
+        knots, second = self.knots, self._curves[2]
+        t, between = knots[1:-1], 0.5 * (knots[1:] + knots[:-1])
+        before, after = (second.continued(t, side) for side in (between[:-1], between[1:]))
+        size = np.abs(before - after).max(axis=1)
         return t[size > _JUMP * second.extremes.size.max()]
 
     @cached_property

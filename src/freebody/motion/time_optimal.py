@@ -107,7 +107,7 @@ def time_optimal_through(
     assert isinstance(motion, Motion)
     if step is None:
         return motion
-    t = sample_times(_NAME, 0.0, motion.duration, step)
+    t = sample_times(_NAME, motion.t, step)
     q, qd, qdd = motion.at(t)
     return replace(motion, t=t, q=q, qd=qd, qdd=qdd)
 

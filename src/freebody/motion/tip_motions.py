@@ -234,7 +234,7 @@ class _TipPlan:
                 if speed is None:
                     raise
         T = 1.0 / factor if duration is None else duration
-        t = unit.t * T if step is None else sample_times(self.function, 0.0, T, step)
+        t = unit.t * T if step is None else sample_times(self.function, np.array([0.0, T]), step)
         return within_limits(self.function, self.model, timed(T, t), self.limits)
 
     def _fastest(self, motion: Motion) -> float:
