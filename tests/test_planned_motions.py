@@ -288,7 +288,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: fb.quintic(ARM, WAY, step=9.0), "step is 9 s, expected at most a third of"),
     (lambda: fb.quintic(ARM, 9.0 * WAY), "waypoint 3 has elbow_joint at -12.735, outside"),
     (lambda: fb.quintic(ARM, WAY[[0, 0]]), "waypoints 0 and 1 are the same; leave one out"),
-    (lambda: fb.quintic(fb.load("2R"), [[0, 0], [1, 1]]), "nothing limits how fast '2R'"),
+    (lambda: fb.quintic(fb.load("2R"), [[0, 0], [1, 1]]), "how fast '2R' may move is not known"),
     (lambda: fb.quintic(fb.load("quadrotor"), np.zeros((2, 7))), "positions are quaternions"),
     (lambda: fb.quintic(fb.load("four_bar"), np.zeros((2, 3))), "is a closed chain"),
     (lambda: fb.trapezoid(ARM, WAY), "give acceleration="),
@@ -393,7 +393,7 @@ MISTAKEN = [
     ("joint1\n1", [], "way.csv:1: there is no column for 'joint2'"),
     ("joint1,joint2\n1,2\n2,x", [], "way.csv:3: column 'joint2': 'x' is not a number"),
     ("joint1,joint2\n1,2", ["--acceleration", "1"], "expected at least two rows: (k, 2)"),
-    ("joint1,joint2\n1,2\n2,3", [], "spline: nothing limits how fast '2R' may move so; give"),
+    ("joint1,joint2\n1,2\n2,3", [], "spline: how fast '2R' may move is not known; give times="),
     ("joint1,joint2\n1,2\n2,3", ["--jerk", "1"], "--jerk has no meaning for spline; it takes"),
     ("# none", [], "the file is empty; a file of waypoints has a header, joint names, and"),
 ]  # fmt: skip

@@ -152,7 +152,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: fb.line(ARM, Q0, START), "target 0 is the pose before it"),
     (lambda: fb.line(ARM, Q0, moved([0, 0, 0], [np.pi, 0, 0])), "is half a turn from the one"),
     (lambda: fb.line(ARM, Q0, [[0.1, 0.2, 0.3]]), "line: target has shape (1, 3), expected (3)"),
-    (lambda: fb.line(PLANAR, [0.3, 1.0], [1.0, 0.5]), "nothing limits how fast"),
+    (lambda: fb.line(PLANAR, [0.3, 1.0], [1.0, 0.5]), "is not known; give duration=, speed=, vel"),
     (lambda: fb.line(ARM, Q0, moved([0, 0, 0.1]), -1.0), "duration is -1, expected a number"),
     (lambda: fb.line(ARM, Q0, moved([0, 0, 0.1]), 1.0, speed=0.1), "is faster than 0.1 m/s; give"),
     (lambda: fb.arc(ARM, Q0, HERE + [0, 0, 0.1], HERE + [0, 0, 0.2]), "lie on a line"),

@@ -209,6 +209,7 @@ def path_problem(limits: RobotLimits, curves: Sequence[PathCurve], s: Array) -> 
     ends = [(lo[:-1], hi[:-1]), (lo[1:], hi[1:])]
     if coulomb.any():
         signs = np.stack([np.sign(x) for x in (at.first[:-1], between.first, at.first[1:])])
+        signs[0, 0] = signs[2, -1] = 0.0  # at rest, where no friction helps to brake
         drag = [limits.row(coulomb * f(signs, axis=0), still[:-1]) for f in (np.min, np.max)]
         ends = [(lo - drag[0], hi - drag[1]) for lo, hi in ends]
     (lo, hi), (lo_end, hi_end) = ends

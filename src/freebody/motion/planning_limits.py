@@ -142,26 +142,31 @@ def excesses(model: Model, motion: Motion, limits: PlanningLimits) -> Iterator[L
 
 
 def quickest(
-    function: str, model: Model, velocity: Array, acceleration: Array, limits: PlanningLimits
+    function: str,
+    model: Model,
+    velocity: Array,
+    acceleration: Array,
+    limits: PlanningLimits,
+    sought: str,
 ) -> float:
     """How many times as fast a motion with these peaks (nv,) may be run.
 
-    Raises FreebodyError where nothing limits it.
+    sought: an argument that says how fast. Raises FreebodyError where nothing limits it.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         by_speed = np.where(velocity > 0.0, limits.velocity / velocity, np.inf)
         by_size = np.where(acceleration > 0.0, limits.acceleration / acceleration, np.inf)
     factor = float(min(by_speed.min(), np.sqrt(by_size.min())))
     if not np.isfinite(factor):
-        raise unlimited(function, model, "times=, velocity= or acceleration=")
+        raise unlimited(function, model, f"{sought}=, velocity= or acceleration=")
     return factor
 
 
 def unlimited(function: str, model: Model, needed: str) -> FreebodyError:
     """What to raise where nothing says how fast a motion may be."""
     return FreebodyError(
-        f"{function}: nothing limits how fast {model.name!r} may move so; give {needed} (robot "
-        f"descriptions hold speeds at most)."
+        f"{function}: how fast {model.name!r} may move is not known; give {needed} (descriptions of "
+        f"robots have limits of speed at most)."
     )
 
 

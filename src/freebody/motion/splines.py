@@ -62,7 +62,7 @@ def spline(
     curve = interpolated(knots, q, degree, ends)
     if given is None:
         rate, second = (curve.derivative(order).extremes.size for order in (1, 2))
-        curve = curve.scaled(quickest("spline", model, rate, second, limits))
+        curve = curve.scaled(quickest("spline", model, rate, second, limits, "times"))
     words = f"a spline of degree {degree} through {len(q)} waypoints"
     motion = planned("spline", model, curve, words, limits, step)
     return within_limits("spline", model, motion, limits)

@@ -229,7 +229,10 @@ class _TipPlan:
             peaks = unit.peaks
             sizes = peaks.velocity.size, peaks.acceleration.size
             try:
-                factor = min(factor, quickest(self.function, self.model, *sizes, self.limits))
+                factor = min(
+                    factor,
+                    quickest(self.function, self.model, *sizes, self.limits, "duration=, speed"),
+                )
             except FreebodyError:  # nothing else limits it
                 if speed is None:
                     raise
