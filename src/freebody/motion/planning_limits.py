@@ -165,8 +165,8 @@ def quickest(
 def unlimited(function: str, model: Model, needed: str) -> FreebodyError:
     """What to raise where nothing says how fast a motion may be."""
     return FreebodyError(
-        f"{function}: how fast {model.name!r} may move is not known; give {needed} (descriptions of "
-        f"robots have limits of speed at most)."
+        f"{function}: how fast {model.name!r} may move is not known; give {needed} "
+        f"(descriptions of robots have limits of speed at most)."
     )
 
 
