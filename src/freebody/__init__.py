@@ -119,6 +119,8 @@ _PLACES = {
     "freebody.motion.planning_limits": ("exceeded_limits",),
     "freebody.motion.simulate": ("simulate",),
     "freebody.motion.time_optimal": ("time_optimal",),
+    "freebody.sweeps.samples": ("samples",),
+    "freebody.sweeps.sweep": ("sweep",),
     "freebody.figures.free_body": ("free_body_diagram",),
     "freebody.figures.loci": ("singularity_diagram",),
     "freebody.figures.kinematic": ("kinematic_diagram",),

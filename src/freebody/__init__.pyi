@@ -72,6 +72,8 @@ from freebody.reach.payload_map import payload_map as payload_map
 from freebody.report.study import Study as Study
 from freebody.report.study import study as study
 from freebody.robots import models as models
+from freebody.sweeps.samples import samples as samples
+from freebody.sweeps.sweep import sweep as sweep
 from freebody.trees.attitude import quat_wxyz as quat_wxyz
 from freebody.trees.attitude import rotation as rotation
 from freebody.trees.base_parameters import base_parameters as base_parameters

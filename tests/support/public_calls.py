@@ -43,6 +43,7 @@ NOT_OF_STATES = frozenset(
         "source",
         "spline",
         "study",
+        "sweep",
         "time_optimal",
         "to_jax",
         "trapezoid",

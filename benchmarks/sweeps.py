@@ -1,0 +1,61 @@
+"""Torques of a UR5e over many robots times many states, reduced on the way.
+
+    python benchmarks/sweeps.py [--robots 1000] [--states 10000]
+
+Seconds of `fb.sweep` with the largest absolute value alone, and with quantiles and places too,
+beside the kernel alone on all states of one robot, as often as there are robots; the quickest of
+some rounds, in turns. The memory that was held at most, in MB, at the end.
+"""
+
+import argparse
+import sys
+import time
+from collections.abc import Callable
+
+import freebody as fb
+
+ROUNDS = 3
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--robots", type=int, default=1000)
+    parser.add_argument("--states", type=int, default=10_000)
+    asked = parser.parse_args()
+    arm = fb.load("ur5e")
+    q, qd, qdd = fb.random_state(arm, 0, asked.states)
+    ranges = {"forearm_link.mass": (1.0, 4.0), "upper_arm_link.mass": (4.0, 12.0)}
+    over = {"design": fb.samples(asked.robots, ranges), "state": {"q": q, "qd": qd, "qdd": qdd}}
+    kernel = fb.kernel(arm, "inverse_dynamics", inputs=list(ranges))
+
+    def swept(*reductions: str) -> None:
+        fb.sweep(arm, "inverse_dynamics", over=over, reduce=reductions)
+
+    def alone() -> None:
+        for _ in range(asked.robots):
+            kernel(q, qd, qdd)
+
+    runs: dict[str, Callable[[], object]] = {
+        "peak": lambda: swept("peak"),
+        "peak, rms, p99, argpeak": lambda: swept("peak", "rms", "p99", "argpeak"),
+        "kernel alone": alone,
+    }
+    least = dict.fromkeys(runs, float("inf"))
+    for _ in range(ROUNDS):
+        for name, run in runs.items():
+            start = time.perf_counter()
+            run()
+            least[name] = min(least[name], time.perf_counter() - start)
+    for name, seconds in least.items():
+        each = 1e9 * seconds / (asked.robots * asked.states)
+        print(f"{name:26}{seconds:8.3f} s {each:8.1f} ns a point")
+    if sys.platform != "win32":
+        import resource
+
+        print(f"memory at most {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB")
+
+
+if __name__ == "__main__":
+    main()

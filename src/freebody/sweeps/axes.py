@@ -1,0 +1,144 @@
+"""The axes of a sweep: what varies along each, and the numbers of any part of their grid."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import prod
+from typing import Any
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError, KindError, listed
+from freebody.motion.motion import Motion
+
+Read = Callable[[str, Any], tuple[str, Array]]
+"""(name, values) -> the name in full, and the values (n, *core), checked."""
+
+
+@dataclass(frozen=True)
+class SweepAxis:
+    """One axis of the grid: its name, and all that varies together along it, each (n, *core)."""
+
+    name: str
+    given: dict[str, Array]
+    times: Array | None = None
+    """Of a motion, s."""
+
+    @property
+    def size(self) -> int:
+        """How many points it has."""
+        return len(next(iter(self.given.values())))
+
+
+def read_axes(over: Any, read: Read, inputs: Sequence[str] | None) -> tuple[SweepAxis, ...]:
+    """The axes that `over` names, in its order.
+
+    inputs: those of the function, of which a motion gives positions, rates and accelerations; None
+    where any may be given.
+    """
+    if not isinstance(over, Mapping) or not over:
+        raise KindError(
+            "sweep",
+            "over",
+            over,
+            "a dict of what varies, as {'link2.mass': np.linspace(1, 3, 20), 'motion': motion}",
+        )
+    axes = tuple(_axis(name, value, read, inputs) for name, value in over.items())
+    every = [name for axis in axes for name in axis.given]
+    twice = [name for name in dict.fromkeys(every) if every.count(name) > 1]
+    if twice:
+        raise FreebodyError(f"sweep: {twice[0]!r} varies along two axes of over; give it once.")
+    return axes
+
+
+def _axis(name: Any, value: Any, read: Read, inputs: Sequence[str] | None) -> SweepAxis:
+    if not isinstance(name, str):
+        raise KindError("sweep", "a key of over", name, "a name")
+    times = None
+    if isinstance(value, Motion):
+        times = value.t
+        value = {
+            key: getattr(value, key)
+            for key in ("q", "qd", "qdd")
+            if inputs is None or key in inputs
+        }
+        if not value:
+            raise FreebodyError(
+                f"sweep: over[{name!r}] is a motion, and the function takes neither q, qd nor qdd."
+            )
+    if not isinstance(value, Mapping):
+        full, array = read(name, value)
+        given = {full: array}
+    else:
+        given = dict(read(key, each) for key, each in value.items())
+        if not given or len(given) < len(value):
+            raise FreebodyError(f"sweep: over[{name!r}] must name each thing that varies once.")
+    sizes = {key: len(array) for key, array in given.items()}
+    if len(set(sizes.values())) > 1:
+        raise FreebodyError(
+            f"sweep: what varies together along {name!r} has different lengths: "
+            f"{listed(f'{key} {size}' for key, size in sizes.items())}."
+        )
+    if not min(sizes.values()):
+        raise FreebodyError(f"sweep: over[{name!r}] has no value; give at least one.")
+    return SweepAxis(name, given, times)
+
+
+@dataclass(frozen=True)
+class SweepGrid:
+    """The grid as a table: rows and columns are each the product of some axes, the last of them
+    quickest; along the columns results are reduced."""
+
+    rows: tuple[SweepAxis, ...]
+    columns: tuple[SweepAxis, ...]
+    constants: dict[str, Array]
+    """What is the same at all points."""
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """How many rows and columns."""
+        return prod(axis.size for axis in self.rows), prod(axis.size for axis in self.columns)
+
+    def part(self, rows: range, columns: range) -> dict[str, Array]:
+        """What is given in a part of the table: by name (R or 1, C or 1, *core)."""
+        found = {name: value[None, None] for name, value in self.constants.items()}
+        for axis, index in zip(self.rows, _places(self.rows, rows), strict=True):
+            found |= {name: array[index][:, None] for name, array in axis.given.items()}
+        for axis, index in zip(self.columns, _places(self.columns, columns), strict=True):
+            found |= {name: array[index][None] for name, array in axis.given.items()}
+        return found
+
+    def column(self, index: np.ndarray) -> dict[str, tuple[np.ndarray, dict[str, Array]]]:
+        """Of columns by number, -1 for none: by axis, the place on it, and what is given there,
+        NaN for none."""
+        none = index < 0
+        sizes = [axis.size for axis in self.columns]
+        places = np.unravel_index(np.where(none, 0, index), sizes)
+        found = {}
+        for axis, place in zip(self.columns, places, strict=True):
+            values = {name: array[place] for name, array in axis.given.items()}
+            for array in values.values():
+                array[none] = np.nan
+            found[axis.name] = np.where(none, -1, place), values
+        return found
+
+    def point(self, row: int, column: int) -> dict[str, int]:
+        """The place on each axis of one point."""
+        found = {}
+        for axes, at in ((self.rows, row), (self.columns, column)):
+            places = _places(axes, range(at, at + 1))
+            for axis, place in zip(axes, places, strict=True):
+                found[axis.name] = place.start if isinstance(place, slice) else int(place[0])
+        return found
+
+
+def _places(axes: Sequence[SweepAxis], among: range) -> list[Any]:
+    """Along each axis the places of consecutive points of their product; of one axis a slice, which
+    copies nothing."""
+    if len(axes) == 1:
+        return [slice(among.start, among.stop)]
+    if not axes:
+        return []
+    return list(np.unravel_index(np.arange(among.start, among.stop), [x.size for x in axes]))

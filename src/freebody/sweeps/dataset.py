@@ -1,0 +1,175 @@
+"""The result of a sweep as a dataset: results are joined block by block, and named."""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError, FreebodyWarning
+from freebody.model.model import Model
+from freebody.sweeps.axes import SweepAxis, SweepGrid
+from freebody.sweeps.evaluation import Block, BlockResult, FailedPoint
+from freebody.sweeps.functions import SweptFunction
+from freebody.sweeps.reductions import Gathered, SweepReduction, joined
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_SHOWN = 10
+"""Failed points that the attributes tell."""
+
+
+class SweepArrays:
+    """The arrays of a result, filled as blocks come in."""
+
+    def __init__(
+        self,
+        grid: SweepGrid,
+        outputs: tuple[tuple[str, tuple[int, ...]], ...],
+        reductions: tuple[SweepReduction, ...],
+    ):
+        self.grid, self.outputs, self.reductions = grid, outputs, reductions
+        rows, columns = grid.shape
+        self.failed = np.zeros(rows, dtype=np.int64)
+        self.reasons: list[FailedPoint] = []
+        self.values: dict[tuple[str, str], Array] = {}
+        """By output and reduction (rows, *core), or (rows, columns, *core) and no reduction."""
+        self._open: list[Gathered] | None = None
+        names = [x.name for x in reductions] or [""]
+        try:
+            for output, core in outputs:
+                shape = (rows, *core) if reductions else (rows, columns, *core)
+                self.values |= {(output, name): np.full(shape, np.nan) for name in names}
+        except MemoryError:
+            raise FreebodyError(
+                f"sweep: the {rows * columns:.3g} points of {outputs[0][0]} do not fit into "
+                f"memory; give reduce=, or fewer points."
+            ) from None
+
+    def add(self, block: Block, result: BlockResult) -> None:
+        """The next block."""
+        rows = slice(block.rows.start, block.rows.stop)
+        self.failed[rows] += result.failed
+        self.reasons += result.reasons[: _SHOWN - len(self.reasons)]
+        for (output, _), values in zip(self.outputs, result.values, strict=False):
+            self.values[output, ""][rows, block.columns.start : block.columns.stop] = values
+        if result.gathered:
+            found = result.gathered
+            self._open = found if self._open is None else joined(self._open, found)
+
+    def finish(self, rows: range) -> None:
+        """All blocks of these rows are in."""
+        if self._open is None:
+            return
+        for (output, _), found in zip(self.outputs, self._open, strict=True):
+            for reduction in self.reductions:
+                place = slice(rows.start, rows.stop)
+                self.values[output, reduction.name][place] = reduction.finish(found)
+        self._open = None
+
+
+def dataset(model: Model, function: SweptFunction, arrays: SweepArrays) -> xr.Dataset:
+    """With the axes that stay in front."""
+    import xarray as xr
+
+    grid, points = arrays.grid, arrays.grid.shape[0] * arrays.grid.shape[1]
+    failed = int(arrays.failed.sum())
+    reasons = [_told(grid, point) for point in arrays.reasons]
+    if failed == points:
+        raise FreebodyError(f"sweep: no point has a value; {reasons[0]}")
+    if failed:
+        warnings.warn(
+            f"sweep: {failed} of {points} points have no value, and count in no reduction; the "
+            f"first: {reasons[0]}",
+            FreebodyWarning,
+            stacklevel=4,
+        )
+    axes = grid.rows if arrays.reductions else grid.rows + grid.columns
+    coordinates: dict[str, Any] = {}
+    for axis in axes:
+        coordinates |= _coordinates(axis)
+    named: dict[str, Any] = {}
+    front, sizes = tuple(x.name for x in axes), tuple(x.size for x in axes)
+    for reduction in arrays.reductions or (None,):
+        for output, core in arrays.outputs:
+            inner = _dimensions(model, function, output, core, coordinates, front)
+            values = arrays.values[output, reduction.name if reduction else ""]
+            if reduction is None:
+                named[output] = (front + inner, values.reshape(sizes + core))
+            elif not reduction.of_place:
+                about = {"long_name": reduction.meaning}
+                shaped = values.reshape(sizes + core)
+                named[f"{output}_{reduction.name}"] = (front + inner, shaped, about)
+            else:
+                named |= _places(grid, reduction, output, values, (front, sizes), inner)
+    kept = tuple(x.name for x in grid.rows)
+    named["failed"] = (kept, arrays.failed.reshape([x.size for x in grid.rows]))
+    clash = sorted(set(named) & (set(coordinates) | set(front)))
+    if clash:
+        raise FreebodyError(f"sweep: {clash[0]!r} is a result's name; call the axis otherwise.")
+    about = {"model": model.name, "points": points, "failed": failed, "failures": reasons}
+    return xr.Dataset(named, coordinates, about)
+
+
+def _told(grid: SweepGrid, point: FailedPoint) -> str:
+    place = ", ".join(f"{name} {at}" for name, at in grid.point(*point[:2]).items())
+    return f"at {place}: {point.reason}"
+
+
+def _coordinates(axis: SweepAxis) -> dict[str, Any]:
+    """Along the axis: its times, and each thing that varies."""
+    found: dict[str, Any] = {} if axis.times is None else {"t": ((axis.name,), axis.times)}
+    for name, array in axis.given.items():
+        inner = tuple(f"{name}_{k}" for k in range(array.ndim - 1))
+        found[name] = ((axis.name, *inner), array)
+    return found
+
+
+_NAMED = {"nv": ("coordinate", "velocity_names"), "nq": ("position", "position_names")}
+
+
+def _dimensions(
+    model: Model,
+    function: SweptFunction,
+    output: str,
+    core: tuple[int, ...],
+    coordinates: dict[str, Any],
+    front: tuple[str, ...],
+) -> tuple[str, ...]:
+    """Of an output's core; joints are called by their names, other places by number."""
+    told = function.dimensions(output) or ("",) * len(core)
+    found: list[str] = []
+    for k, dimension in enumerate(told):
+        name, names = _NAMED.get(dimension, ("", ""))
+        if not name or name in found or name in front:
+            name = f"{output}_{k}"
+        else:
+            coordinates[name] = list(getattr(model, names))
+        found.append(name)
+    return tuple(found)
+
+
+def _places(
+    grid: SweepGrid,
+    reduction: SweepReduction,
+    output: str,
+    values: Array,
+    front: tuple[tuple[str, ...], tuple[int, ...]],
+    inner: tuple[str, ...],
+) -> dict[str, Any]:
+    """On each reduced axis the place, -1 for none, and what is given there."""
+    (dims, sizes), found = front, {}
+    core = values.shape[1:]
+    for axis, (place, given) in grid.column(values.astype(np.int64)).items():
+        name = f"{output}_{reduction.name}"
+        about = {"long_name": f"{reduction.meaning}, place on {axis}"}
+        found[f"{name}_{axis}"] = (dims + inner, place.reshape(sizes + core), about)
+        for key, array in given.items():
+            further = tuple(f"{key}_{k}" for k in range(array.ndim - len(core) - 1))
+            shaped = array.reshape(sizes + core + array.shape[1 + len(core) :])
+            label = f"{name}_{key}" if key != axis else f"{name}_{key}_value"
+            found[label] = (dims + inner + further, shaped)
+    return found

@@ -1,0 +1,194 @@
+"""A part of a sweep's table: its values, and the points that have none, with the reason."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError
+from freebody.model.model import Model
+from freebody.sweeps.axes import SweepGrid
+from freebody.sweeps.functions import FAILURES, FAULTS, SweptFunction
+from freebody.sweeps.reductions import Gathered, gathered, joined
+
+NOT_A_NUMBER = "the result is not a number"
+_MOST_REASONS = 20
+"""Of failed points of a block, whose place and reason are kept; the others are counted."""
+
+
+Reasons = dict[tuple[int, int], str]
+"""By row and column."""
+Named = Mapping[str, Array]
+"""By output."""
+
+
+class FailedPoint(NamedTuple):
+    """A point of the table, and why it has no value."""
+
+    row: int
+    column: int
+    reason: str
+
+
+class Block(NamedTuple):
+    """A part of the table that is evaluated as one piece of work."""
+
+    rows: range
+    columns: range
+
+
+@dataclass
+class BlockResult:
+    """What came out of a block: of each output what the reductions need, or all values; how many
+    points of each row failed; some of these."""
+
+    gathered: list[Gathered]
+    values: list[Array]
+    failed: np.ndarray
+    reasons: list[FailedPoint] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class SweepTask:
+    """All that a block needs, besides which one it is; it can be sent to another process."""
+
+    model: Model
+    grid: SweepGrid
+    function: SweptFunction
+    outputs: tuple[tuple[str, tuple[int, ...]], ...]
+    """Names and core shapes."""
+    wanted: tuple[str, ...]
+    """What is gathered; empty: the values themselves."""
+    rows_are_robots: bool
+    """Whether numbers of the model vary, along rows alone."""
+    hoisted: bool
+    tile: int
+    """Points that are evaluated at once."""
+
+    def __call__(self, block: Block) -> BlockResult:
+        """Evaluate a block, tile by tile in order."""
+        result = BlockResult([], [], np.zeros(len(block.rows), dtype=np.int64))
+        if not self.wanted:
+            shape = len(block.rows), len(block.columns)
+            result.values = [np.empty((*shape, *core)) for _, core in self.outputs]
+        high = max(1, self.tile // len(block.columns))
+        refused = self._refused(block.rows)
+        parts: list[list[Gathered]] = []
+        for rows in _cut(block.rows, high):
+            found: list[Gathered] | None = None
+            for columns in _cut(block.columns, self.tile):
+                values = self._tile(Block(rows, columns), block, refused, result)
+                if self.wanted:
+                    new = gathered(values, self.wanted, columns.start)
+                    found = new if found is None else joined(found, new)
+            if found is not None:
+                parts.append(found)
+        if parts:
+            result.gathered = [
+                {key: np.concatenate([part[k][key] for part in parts]) for key in parts[0][k]}
+                for k in range(len(self.outputs))
+            ]
+        return result
+
+    def _tile(
+        self, tile: Block, block: Block, refused: dict[int, str], result: BlockResult
+    ) -> list[Array]:
+        rows, columns = tile
+        reasons: Reasons = {}
+        named = self._values(rows, columns, refused, reasons)
+        values = [named[name] for name, _ in self.outputs]
+        failed = np.zeros((len(rows), len(columns)), dtype=bool)
+        for x in values:
+            failed |= np.isnan(x).any(axis=tuple(range(2, x.ndim)))
+        here = slice(rows.start - block.rows.start, rows.stop - block.rows.start)
+        result.failed[here] += failed.sum(axis=1)
+        if failed.any():
+            for r, c in np.argwhere(failed)[: _MOST_REASONS - len(result.reasons)].tolist():
+                place = rows.start + r, columns.start + c
+                result.reasons.append(FailedPoint(*place, reasons.get(place, NOT_A_NUMBER)))
+        there = slice(columns.start - block.columns.start, columns.stop - block.columns.start)
+        for whole, x in zip(result.values, values, strict=False):
+            whole[here, there] = x
+        return values
+
+    def _values(
+        self, rows: range, columns: range, refused: dict[int, str], reasons: Reasons
+    ) -> Named:
+        """By output (R, C, *core). A part that is refused is halved, until it is one point, or one
+        robot."""
+        given = self.grid.part(rows, columns)
+        robot = refused.get(rows.start) if len(rows) == 1 else None
+        try:
+            if robot is None:
+                if any(r in refused for r in rows):
+                    raise FreebodyError("some robots of the part are refused")
+                numbers = {name: given[name] for name in self.function.numbers}
+                if numbers and not self.rows_are_robots:
+                    one = len(rows) == len(columns) == 1
+                    self.model.bind(_of_one(numbers) if one else numbers)
+                found = self.function(given, self.hoisted)
+                shape = len(rows), len(columns)
+                return {
+                    name: np.broadcast_to(found[name], (*shape, *core))
+                    for name, core in self.outputs
+                }
+        except FAULTS:
+            raise
+        except FAILURES as problem:
+            robot = str(problem) if len(rows) == len(columns) == 1 else None
+        if robot is not None:
+            reasons |= {(rows.start, c): robot for c in columns[:_MOST_REASONS]}
+            shape = len(rows), len(columns)
+            return {name: np.full((*shape, *core), np.nan) for name, core in self.outputs}
+        axis = 0 if len(rows) > 1 else 1
+        parts = [
+            self._values(*((half, columns) if axis == 0 else (rows, half)), refused, reasons)
+            for half in _halved(rows if axis == 0 else columns)
+        ]
+        return {
+            name: np.concatenate([part[name] for part in parts], axis=axis)
+            for name, _ in self.outputs
+        }
+
+    def _refused(self, rows: range) -> dict[int, str]:
+        """Rows whose numbers no robot has, and why, where rows are robots."""
+        if not self.rows_are_robots:
+            return {}
+        given = self.grid.part(rows, range(1))
+        numbers = {name: given[name][:, 0] for name in self.function.numbers}
+        try:
+            self.model.bind(_of_one(numbers) if len(rows) == 1 else numbers)
+        except FreebodyError as problem:
+            if len(rows) == 1:
+                return {rows.start: str(problem)}
+            first, second = _halved(rows)
+            return self._refused(first) | self._refused(second)
+        return {}
+
+
+def _of_one(numbers: Named) -> dict[str, float]:
+    """Of one robot, so that an error speaks of no member."""
+    return {name: float(x.flat[0]) for name, x in numbers.items()}
+
+
+def _cut(whole: range, size: int) -> list[range]:
+    return [whole[k : k + size] for k in range(0, len(whole), size)]
+
+
+def _halved(whole: range) -> tuple[range, range]:
+    middle = len(whole) // 2
+    return whole[:middle], whole[middle:]
+
+
+def blocks_of(shape: tuple[int, int], points: int) -> list[tuple[range, list[Block]]]:
+    """The table as blocks of at most so many points: rows that belong together, with their blocks
+    in the order of columns. Known by the shape alone, so that it is the same wherever it runs."""
+    rows, columns = shape
+    wide = min(columns, points)
+    high = max(1, points // wide) if wide == columns else 1
+    across = _cut(range(columns), wide)
+    return [(part, [Block(part, some) for some in across]) for part in _cut(range(rows), high)]

@@ -1,0 +1,191 @@
+"""What a sweep makes of many values: numbers that are gathered tile by tile, and joined in order.
+
+A value that is NaN counts in none of them.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError, KindError, UnknownNameError
+
+Gathered = dict[str, np.ndarray]
+"""By accumulator, (R, *core, ...)."""
+
+
+@dataclass(frozen=True)
+class Accumulator:
+    """Gathers values (R, C, *core), whose first column has a number, into (R, *core, ...); joins
+    two such, the earlier columns first."""
+
+    gather: Callable[[Array, int], np.ndarray]
+    join: Callable[[np.ndarray, np.ndarray], np.ndarray]
+
+
+_STEPS, _LEAST, _DOUBLINGS = 6, -30, 70
+_BINS = _DOUBLINGS << _STEPS
+QUANTILE_ERROR = 0.5 / (1 << _STEPS)
+"""Of a quantile, relative; and below 2**-30 it is told as 0."""
+
+
+def _bins(x: Array) -> np.ndarray:
+    """The bin of each value: as many of each sign as there are 64ths of each doubling from 2**-30
+    to 2**40, and one between for what is smaller; the bits of a float are in that order."""
+    first = (1023 + _LEAST) << _STEPS
+    level = (np.abs(x).view(np.int64) >> (52 - _STEPS)) - (first - 1)
+    return _BINS + 1 + np.where(x < 0, -1, 1) * np.clip(level, 0, _BINS + 1)
+
+
+def _histogram(x: Array, first: int) -> np.ndarray:
+    rows, columns = x.shape[:2]
+    cells = x.size // columns
+    width = 2 * _BINS + 3
+    moved = np.ascontiguousarray(np.moveaxis(x, 1, -1)).reshape(cells, columns)
+    place = _bins(moved) + np.arange(cells)[:, None] * width
+    counts = np.bincount(place[~np.isnan(moved)], minlength=cells * width)
+    return counts.reshape(rows, *x.shape[2:], width)
+
+
+def _quantile(counts: Array, share: float) -> Array:
+    """The middle of the bin in which the value of that rank lies."""
+    total = np.cumsum(counts, axis=-1)
+    rank = np.maximum(np.ceil(share * total[..., -1:]), 1)
+    bins = np.argmax(total >= rank, axis=-1) - (_BINS + 1)
+    level = np.abs(bins)
+    edge = (np.int64(((1023 + _LEAST) << _STEPS) - 1) + level) << (52 - _STEPS)
+    middle = np.ascontiguousarray(edge).view(np.float64) * 1.0
+    after = np.ascontiguousarray(edge + (np.int64(1) << (52 - _STEPS))).view(np.float64)
+    value = np.where(level == 0, 0.0, 0.5 * (middle + after))
+    value = np.where(level > _BINS, np.inf, value)
+    return np.where(total[..., -1] == 0, np.nan, np.sign(bins) * value)
+
+
+def _place(key: Callable[[Array], Array]) -> Accumulator:
+    """The largest key and the column where it first occurs, -1 for none: (..., 2)."""
+
+    def gather(x: Array, first: int) -> Array:
+        keys = key(x)
+        keys = np.where(np.isnan(keys), -np.inf, keys)
+        index = np.argmax(keys, axis=1)
+        value = np.take_along_axis(keys, index[:, None], axis=1)[:, 0]
+        lacking = np.isnan(x).all(axis=1)
+        return np.stack([value, np.where(lacking, -1.0, index + first)], axis=-1)
+
+    def join(a: Array, b: Array) -> Array:
+        later = (b[..., 0] > a[..., 0]) | (a[..., 1] < 0)
+        return np.where(later[..., None], b, a)
+
+    return Accumulator(gather, join)
+
+
+def _peak(x: Array, first: int) -> Array:
+    return np.fmax.reduce(np.abs(x), axis=1)
+
+
+_ACCUMULATORS = {
+    "max": Accumulator(lambda x, first: np.fmax.reduce(x, axis=1), np.fmax),
+    "min": Accumulator(lambda x, first: np.fmin.reduce(x, axis=1), np.fmin),
+    "peak": Accumulator(_peak, np.fmax),
+    "sum": Accumulator(lambda x, first: np.nansum(x, axis=1), np.add),
+    "squares": Accumulator(lambda x, first: np.nansum(x * x, axis=1), np.add),
+    "count": Accumulator(lambda x, first: (~np.isnan(x)).sum(axis=1), np.add),
+    "histogram": Accumulator(_histogram, np.add),
+    "argmax": _place(lambda x: x),
+    "argmin": _place(lambda x: -x),
+    "argpeak": _place(np.abs),
+}
+
+
+@dataclass(frozen=True)
+class SweepReduction:
+    """What it is called, what has to be gathered for it, and what it makes of that: (R, *core)."""
+
+    name: str
+    needs: tuple[str, ...]
+    finish: Callable[[Gathered], Array]
+    meaning: str
+    of_place: bool = False
+    """Whether it is the number of a column."""
+
+
+def _divided(total: Array, count: Array) -> Array:
+    return np.where(count == 0, np.nan, total / np.maximum(count, 1))
+
+
+_REDUCTIONS = {
+    x.name: x
+    for x in (
+        SweepReduction("max", ("max",), lambda g: g["max"], "largest value"),
+        SweepReduction("min", ("min",), lambda g: g["min"], "smallest value"),
+        SweepReduction("peak", ("peak",), lambda g: g["peak"], "largest absolute value"),
+        SweepReduction(
+            "mean", ("sum", "count"), lambda g: _divided(g["sum"], g["count"]), "arithmetic mean"
+        ),
+        SweepReduction(
+            "rms",
+            ("squares", "count"),
+            lambda g: np.sqrt(_divided(g["squares"], g["count"])),
+            "root of the mean square",
+        ),
+        *(
+            SweepReduction(
+                f"arg{end}",
+                (f"arg{end}",),
+                lambda g, key=f"arg{end}": g[key][..., 1],
+                f"where the {words} value first occurs",
+                True,
+            )
+            for end, words in (
+                ("max", "largest"),
+                ("min", "smallest"),
+                ("peak", "largest absolute"),
+            )
+        ),
+    )
+}
+_PERCENT = re.compile(r"p(\d{1,2}(?:\.\d{1,6})?|100)")
+
+
+def reductions(given: Any) -> tuple[SweepReduction, ...]:
+    """Those that are named, one or several; a quantile as "p99" or "p99.9"."""
+    names = (given,) if isinstance(given, str) else given
+    if not isinstance(names, Sequence) or not all(isinstance(x, str) for x in names) or not names:
+        raise KindError("sweep", "reduce", given, 'a name or several, as "max" or ["peak", "rms"]')
+    if len(set(names)) < len(names):
+        raise FreebodyError("sweep: reduce= names each reduction once.")
+    return tuple(map(_named, names))
+
+
+def _named(name: str) -> SweepReduction:
+    percent = _PERCENT.fullmatch(name)
+    if percent is None:
+        if name not in _REDUCTIONS:
+            raise UnknownNameError("reduction", name, "sweep", [*_REDUCTIONS, "p50", "p99"])
+        return _REDUCTIONS[name]
+    share = float(percent[1]) / 100.0
+    return SweepReduction(
+        name,
+        ("histogram",),
+        lambda g: _quantile(g["histogram"], share),
+        f"{percent[1]} % quantile, from a histogram: within {100 * QUANTILE_ERROR:.1f} % of a "
+        f"value of that rank; below 1e-9 told as 0, beyond 1.1e12 as infinite",
+    )
+
+
+def gathered(values: Sequence[Array], wanted: Sequence[str], first: int) -> list[Gathered]:
+    """Of each output's values in a tile, (R, C, *core), what the reductions need."""
+    return [{key: _ACCUMULATORS[key].gather(x, first) for key in wanted} for x in values]
+
+
+def joined(a: list[Gathered], b: list[Gathered]) -> list[Gathered]:
+    """Of the same rows, the columns of a before those of b."""
+    return [
+        {key: _ACCUMULATORS[key].join(x[key], y[key]) for key in x}
+        for x, y in zip(a, b, strict=True)
+    ]

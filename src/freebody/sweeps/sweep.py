@@ -1,0 +1,224 @@
+"""`sweep`: a function over the grid of many parameters and states."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from freebody.errors import FreebodyError, KindError, UnknownNameError, listed
+from freebody.model.model import Model
+from freebody.sweeps.axes import SweepAxis, SweepGrid, read_axes
+from freebody.sweeps.dataset import SweepArrays, dataset
+from freebody.sweeps.evaluation import SweepTask, blocks_of
+from freebody.sweeps.functions import (
+    FAILURES,
+    FAULTS,
+    SweptCallable,
+    SweptFunction,
+    SweptKernel,
+    input_shapes,
+    named_formulas,
+    names_of,
+    reader,
+)
+from freebody.sweeps.reductions import SweepReduction, reductions
+from freebody.sweeps.run import Progress, evaluated
+from freebody.targets import Kernel
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_TILE = 1 << 18
+"""Numbers of one output that are computed at once: they stay in a processor's cache."""
+_LARGEST = 1 << 23
+"""Numbers of one output of a block, where all values are kept: 64 MB."""
+_WORTH_HOISTING = 64
+"""Columns from which on a robot's own arithmetic is done once a row, instead of once a point."""
+
+
+def sweep(
+    model: Model,
+    function: Any,
+    *,
+    over: Mapping[str, Any],
+    at: Mapping[str, Any] | None = None,
+    reduce: str | Sequence[str] | None = None,
+    along: str | Sequence[str] | None = None,
+    frame: str | None = None,
+    reference: str = "world",
+    block: int = 1 << 20,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """A function at every point of the grid of many parameters and states, reduced on the way.
+
+    function: the name of a formula ("inverse_dynamics", "jacobian", … as for `fb.kernel`) or
+    several; what `fb.compile` returns; or a function of (model, **what varies), which is given
+    batches (rows or 1, columns or 1, ...) by name and a family where numbers of the model vary, and
+    returns an array of that batch, or a dict of them.
+    over: the axes of the grid, in order. A number of the model or an input of the function with its
+    values (n, ...); a name of your own with a dict of such, which vary together (`fb.samples` makes
+    one); or a name with a `Motion`, whose q, qd and qdd the function gets.
+    at: inputs and numbers that are the same at all points, by name.
+    reduce: "max", "min", "mean", "rms", "peak" (largest absolute value), a quantile ("p99",
+    "p99.9": by a histogram, within 0.8 % of a value of that rank), "argmax", "argmin" or
+    "argpeak" (the place on each axis, and what is given there), or several; None: all values.
+    along: axes that are reduced; default the last.
+    frame, reference: as for `fb.kernel`. block: points that are one piece of work: sums, and so
+    the last digits of means, depend on it alone, not on the number of processors.
+    progress: called with what is being done, and which share of it is.
+
+    Returns an xarray Dataset over the other axes, with `failed`, how many points had no value (NaN,
+    or refused: a mass below 0, a singular matrix); they count in no reduction, and its attributes
+    name some and why. Raises FreebodyError where no point has a value, and for wrong arguments.
+    """
+    grid, swept = _read(model, function, over, at, frame, reference, reduce is not None, along)
+    chosen = reductions(reduce) if reduce is not None else ()
+    outputs = _outputs(swept, grid)
+    task = _task(model, grid, swept, outputs, chosen)
+    groups = blocks_of(grid.shape, _block(block, outputs, chosen))
+    arrays = SweepArrays(grid, outputs, chosen)
+    results = evaluated(task, (x for _, blocks in groups for x in blocks))
+    done, whole = 0, grid.shape[0] * grid.shape[1]
+    for rows, blocks in groups:
+        for each in blocks:
+            arrays.add(each, next(results))
+            done += len(each.rows) * len(each.columns)
+            if progress is not None:
+                progress(f"{done:.3g} of {whole:.3g} points", done / whole)
+        arrays.finish(rows)
+    return dataset(model, swept, arrays)
+
+
+def _read(
+    model: Model,
+    function: Any,
+    over: Any,
+    at: Any,
+    frame: str | None,
+    reference: str,
+    reduced: bool,
+    along: str | Sequence[str] | None,
+) -> tuple[SweepGrid, SweptFunction]:
+    """The grid and what is evaluated on it."""
+    if callable(function) and (frame is not None or reference != "world"):
+        raise FreebodyError("sweep: frame= and reference= are those of a formula.")
+    shapes = input_shapes(function, model, frame, reference)
+    read = reader(model, shapes)
+    axes = read_axes(over, read, None if shapes is None else list(shapes))
+    if at is not None and not isinstance(at, Mapping):
+        raise KindError("sweep", "at", at, "a dict of what is the same at all points, by name")
+    constants = dict(read(name, value, 0) for name, value in (at or {}).items())
+    names = [name for axis in axes for name in axis.given] + list(constants)
+    for name in constants:
+        if names.count(name) > 1:
+            raise FreebodyError(f"sweep: {name!r} is given by over and by at; give it once.")
+    numbers = _numbers(model, names, shapes)
+    if shapes is not None:
+        missing = [name for name in shapes if name not in names]
+        if missing:
+            raise FreebodyError(
+                f"sweep: the function needs {listed(missing)}; let it vary in over=, or give it "
+                f"in at=."
+            )
+    rows, columns = _split(axes, reduced, along)
+    swept: SweptFunction
+    if isinstance(function, Kernel):
+        if numbers:
+            raise FreebodyError(
+                f"sweep: {numbers[0]!r} is no input of {function.program.name}, which takes "
+                f"{listed(shapes or ())}."
+            )
+        swept = SweptKernel(function, ())
+    elif callable(function):
+        swept = SweptCallable(function, model, numbers)
+    else:
+        swept = named_formulas(model, names_of(function), frame, reference, numbers)
+    return SweepGrid(rows, columns, constants), swept
+
+
+def _numbers(model: Model, names: list[str], shapes: Mapping[str, Any] | None) -> tuple[str, ...]:
+    """Those among the names that are numbers of the model."""
+    from freebody.model.numbers import known
+
+    rows = known(model).rows
+    return tuple(x for x in names if x in rows and (shapes is None or x not in shapes))
+
+
+def _split(
+    axes: tuple[SweepAxis, ...], reduced: bool, along: str | Sequence[str] | None
+) -> tuple[tuple[SweepAxis, ...], tuple[SweepAxis, ...]]:
+    """Axes that stay, and those that are reduced; where nothing is, the last is the columns'."""
+    if not reduced:
+        if along is not None:
+            raise FreebodyError("sweep: along= names axes that are reduced; give reduce= too.")
+        return axes[:-1], axes[-1:]
+    names = (
+        (axes[-1].name,) if along is None else (along,) if isinstance(along, str) else tuple(along)
+    )
+    known = [axis.name for axis in axes]
+    for name in names:
+        if name not in known:
+            raise UnknownNameError("axis", name, "over", known)
+    if not names or len(set(names)) < len(names):
+        raise FreebodyError("sweep: along= names at least one axis, and each once.")
+    return (
+        tuple(axis for axis in axes if axis.name not in names),
+        tuple(axis for axis in axes if axis.name in names),
+    )
+
+
+def _outputs(swept: SweptFunction, grid: SweepGrid) -> tuple[tuple[str, tuple[int, ...]], ...]:
+    """Names and core shapes of what comes out: a kernel's are known, those of Python's functions
+    are seen at the first point, or another one where that has no value."""
+    if isinstance(swept, SweptKernel):
+        return tuple((x.name, x.shape) for x in swept.kernel.program.outputs)
+    rows, columns = grid.shape
+    first: Exception | None = None
+    for share in (0.0, 0.5, 0.999, 0.25, 0.75):
+        r, c = int(share * rows), int(share * columns)
+        try:
+            found = swept(grid.part(range(r, r + 1), range(c, c + 1)), False)
+        except FAULTS:
+            raise
+        except FAILURES as problem:
+            first = first or problem
+        else:
+            return tuple((name, x.shape[2:]) for name, x in found.items())
+    assert first is not None
+    raise first
+
+
+def _task(
+    model: Model,
+    grid: SweepGrid,
+    swept: SweptFunction,
+    outputs: tuple[tuple[str, tuple[int, ...]], ...],
+    chosen: tuple[SweepReduction, ...],
+) -> SweepTask:
+    """All that is decided by the grid as a whole, and so the same in each block."""
+    moved = {name for axis in grid.columns for name in axis.given}
+    by_row = bool(swept.numbers) and not moved & set(swept.numbers)
+    largest = max(int(np.prod(core)) for _, core in outputs)
+    return SweepTask(
+        model,
+        grid,
+        swept,
+        outputs,
+        tuple(dict.fromkeys(key for x in chosen for key in x.needs)),
+        by_row,
+        by_row and grid.shape[1] >= _WORTH_HOISTING,
+        max(64, _TILE // largest),
+    )
+
+
+def _block(
+    block: Any,
+    outputs: tuple[tuple[str, tuple[int, ...]], ...],
+    chosen: tuple[SweepReduction, ...],
+) -> int:
+    if not isinstance(block, int) or isinstance(block, bool) or block < 1:
+        raise KindError("sweep", "block", block, "a whole number of points from 1 up")
+    largest = max(int(np.prod(core)) for _, core in outputs)
+    return block if chosen else max(1, min(block, _LARGEST // largest))
