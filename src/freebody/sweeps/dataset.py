@@ -11,7 +11,7 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, FreebodyWarning
 from freebody.model.model import Model
 from freebody.sweeps.axes import SweepAxis, SweepGrid
-from freebody.sweeps.evaluation import Block, BlockResult, FailedPoint
+from freebody.sweeps.evaluation import BlockResult, FailedPoint, SweepBlock
 from freebody.sweeps.functions import SweptFunction
 from freebody.sweeps.reductions import Gathered, SweepReduction, joined
 
@@ -49,7 +49,7 @@ class SweepArrays:
                 f"memory; give reduce=, or fewer points."
             ) from None
 
-    def add(self, block: Block, result: BlockResult) -> None:
+    def add(self, block: SweepBlock, result: BlockResult) -> None:
         """The next block."""
         rows = slice(block.rows.start, block.rows.stop)
         self.failed[rows] += result.failed

@@ -34,7 +34,7 @@ class FailedPoint(NamedTuple):
     reason: str
 
 
-class Block(NamedTuple):
+class SweepBlock(NamedTuple):
     """A part of the table that is evaluated as one piece of work."""
 
     rows: range
@@ -69,7 +69,7 @@ class SweepTask:
     tile: int
     """Points that are evaluated at once."""
 
-    def __call__(self, block: Block) -> BlockResult:
+    def __call__(self, block: SweepBlock) -> BlockResult:
         """Evaluate a block, tile by tile in order."""
         result = BlockResult([], [], np.zeros(len(block.rows), dtype=np.int64))
         if not self.wanted:
@@ -81,7 +81,7 @@ class SweepTask:
         for rows in _cut(block.rows, high):
             found: list[Gathered] | None = None
             for columns in _cut(block.columns, self.tile):
-                values = self._tile(Block(rows, columns), block, refused, result)
+                values = self._tile(SweepBlock(rows, columns), block, refused, result)
                 if self.wanted:
                     new = gathered(values, self.wanted, columns.start)
                     found = new if found is None else joined(found, new)
@@ -95,7 +95,7 @@ class SweepTask:
         return result
 
     def _tile(
-        self, tile: Block, block: Block, refused: dict[int, str], result: BlockResult
+        self, tile: SweepBlock, block: SweepBlock, refused: dict[int, str], result: BlockResult
     ) -> list[Array]:
         rows, columns = tile
         reasons: Reasons = {}
@@ -184,11 +184,11 @@ def _halved(whole: range) -> tuple[range, range]:
     return whole[:middle], whole[middle:]
 
 
-def blocks_of(shape: tuple[int, int], points: int) -> list[tuple[range, list[Block]]]:
+def blocks_of(shape: tuple[int, int], points: int) -> list[tuple[range, list[SweepBlock]]]:
     """The table as blocks of at most so many points: rows that belong together, with their blocks
     in the order of columns. Known by the shape alone, so that it is the same wherever it runs."""
     rows, columns = shape
     wide = min(columns, points)
     high = max(1, points // wide) if wide == columns else 1
     across = _cut(range(columns), wide)
-    return [(part, [Block(part, some) for some in across]) for part in _cut(range(rows), high)]
+    return [(part, [SweepBlock(part, some) for some in across]) for part in _cut(range(rows), high)]

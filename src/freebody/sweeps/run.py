@@ -7,14 +7,14 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 
-from freebody.sweeps.evaluation import Block, BlockResult, SweepTask
+from freebody.sweeps.evaluation import BlockResult, SweepBlock, SweepTask
 from freebody.targets.threads import cpus
 
 _AHEAD = 2
 """Blocks for each thread that may wait to be joined."""
 
 
-def evaluated(task: SweepTask, blocks: Iterable[Block]) -> Iterator[BlockResult]:
+def evaluated(task: SweepTask, blocks: Iterable[SweepBlock]) -> Iterator[BlockResult]:
     """The result of each block, in order; few are held at a time."""
     if not task.function.threads or cpus() == 1:
         yield from map(task, blocks)
