@@ -54,7 +54,7 @@ def test_pd_with_gravity_rests_at_its_target_alone_and_loses_energy():
     goal = np.array([0.4, -0.7, 1.1])
     at_goal = fb.pd_gravity(model, goal, R3, goal, kp, kd)
     np.testing.assert_allclose(at_goal, fb.static_torque(model, goal), rtol=1e-14)
-    t = np.linspace(0.0, 8.0, 161)
+    t = np.linspace(0.0, 4.0, 81)
     law = fb.kernel(model, "pd_gravity")
     run = fb.simulate(
         model, R3, R3, t, law, torque_inputs={"q_ref": goal, "kp": kp, "kd": kd}, tolerance=1e-9
@@ -62,7 +62,7 @@ def test_pd_with_gravity_rests_at_its_target_alone_and_loses_energy():
     apart = goal - run.q.values
     stored = run.kinetic_energy.values + 0.5 * np.sum(kp * apart**2, axis=-1)
     assert all(b < a + 1e-9 for a, b in pairwise(stored))
-    assert stored[-1] < 1e-4 * stored[0]
+    assert stored[-1] < 1e-3 * stored[0]
 
 
 def test_computed_torque_makes_the_error_linear():
@@ -202,8 +202,9 @@ def test_gains_poses_steps_and_robots_without_drives_are_refused():
         fb.admittance(model, 0.1, z, z, z, 0.0, 1.0, 1.0, rows=("vx", "vy"))
     with pytest.raises(fb.FreebodyError, match="h is 0, expected seconds above 0"):
         fb.momentum_observer(model, z, z, z, 0, z, 10.0)
-    with pytest.raises(fb.FreebodyError, match="pose_ref is no pose"):
-        fb.impedance(model, z, z, 2.0 * pose, np.zeros(3), 1.0, 1.0)
+    for wrong, words in ((2.0, "pose_ref is no pose"), (np.nan, "pose_ref is nan")):
+        with pytest.raises(fb.FreebodyError, match=words):
+            fb.impedance(model, z, z, wrong * pose, np.zeros(3), 1.0, 1.0)
     with pytest.raises(fb.FreebodyError, match="kp"):
         fb.pd_gravity(model, z, z, z, np.ones(3), 1.0)
     with pytest.raises(fb.PassiveJointError, match="nothing drives"):

@@ -54,6 +54,11 @@ def torque_of(
 ) -> Array | TorqueFunction | CompiledTorque:
     """What `simulate` was given as torque, checked: a table (..., T, nv), one row (..., 1, nv) that
     counts at all times, a function, or one that was compiled."""
+    if isinstance(torque, InputKernel | ColumnKernel | KernelList):
+        raise FreebodyError(
+            "simulate: a kernel with numbers as inputs, or of a large robot, is no torque by "
+            "itself: call it in a function f(t, q, qd)."
+        )
     if inputs is not None and not isinstance(torque, Kernel):
         raise FreebodyError(
             "simulate: torque_inputs= is about a torque from fb.compile; a Python function has its "
@@ -61,11 +66,6 @@ def torque_of(
         )
     if isinstance(torque, Kernel):
         return compiled_torque(model, torque, {} if inputs is None else inputs)
-    if isinstance(torque, InputKernel | ColumnKernel | KernelList):
-        raise FreebodyError(
-            "simulate: a kernel with numbers as inputs, or of a large robot, is no torque by "
-            "itself: call it in a function f(t, q, qd)."
-        )
     if callable(torque):
         return torque
     for name, told in (("breakpoints", len(breakpoints)), ("sample_time", sample_time is not None)):

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.arrays import Array, as_floats, at_sample
+from freebody.arrays import Array, as_floats, at_sample, refuse_not_finite
 from freebody.errors import FreebodyError, PassiveJointError, listed
 from freebody.kernels.formulas import Option
 from freebody.kernels.options import motion_rows
@@ -257,6 +257,7 @@ def _row_names(model: Model, option: Option, letter: str = "v") -> tuple[str, ..
 def _pose(function: str, model: Model, value: ArrayLike) -> Array:
     """Homogeneous matrices whose rotations are rotations."""
     pose, d = vector(function, model, "pose_ref", value), model.dim
+    refuse_not_finite(function, "pose_ref", pose, 2)
     R, last = pose[..., :d, :d], np.eye(d + 1)[d]
     gram = np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(d)).max(axis=(-1, -2), initial=0.0)
     sound = (gram < _ROUNDED) & (np.linalg.det(R) > 0.0) & (pose[..., d, :] == last).all(axis=-1)

@@ -55,7 +55,7 @@ def _held(A: Array, B: Array, step: float) -> tuple[Array, Array]:
     n, m = B.shape[-2:]
     both = np.zeros((*A.shape[:-2], n + m, n + m))
     both[..., :n, :n], both[..., :n, n:] = A, B
-    found = expm(step * both)
+    found = np.asarray(expm(step * both), dtype=np.float64)
     return found[..., :n, :n], found[..., :n, n:]
 
 
