@@ -73,6 +73,38 @@ def test_one_entry_alone_is_compared_with_christoffels():
     assert "give the whole row" in verdict.text
 
 
+# ---------------------------------------------------------------- names with two meanings
+OWN_NAMES = [
+    "k1 = m2 l1 lc2 s2\nc2 = k1 dtheta1^2",
+    "phi2 = theta1 + theta2\nG2 = m2 lc2 g cos(phi2)",
+    "b1 = m2 l1 lc2\nH12 = I2 + m2 lc2^2 + b1 c2",
+    "v1 = lc1 dtheta1\nT1 = m1 v1^2/2 + I1 dtheta1^2/2",
+]
+
+
+@pytest.mark.parametrize("answer", OWN_NAMES)
+def test_letters_that_some_books_have_for_quantities_may_be_ones_own(answer: str):
+    """k1 is a body's kinetic energy to some; a name of other units that other lines use is none."""
+    verdict = fb.check(ARM, answer)
+    assert verdict, verdict.text
+    name, value = answer.splitlines()[0].split(" = ")
+    assert not fb.check(ARM, answer.replace(f"{name} =", f"{name} = 2"))
+    assert not fb.check(ARM, f"{name} = {value}\n{name} = m2\nH22 = m2 lc2^2 + I2")
+
+
+def test_such_a_letter_in_the_quantitys_units_is_the_quantity():
+    energy = "k1 = (m1 lc1^2 + I1) dtheta1^2{}\nL = k1 + T2 - V"
+    assert fb.check(ARM, energy.format("/2")).text == "k1 is right.\nL is right."
+    verdict = fb.check(ARM, energy.format(""))
+    assert not verdict
+    assert "k1, the kinetic energy of body 1, is not right" in verdict.text
+
+
+def test_components_of_a_bodys_vector_are_told_apart():
+    verdict = fb.check(ARM, "vc1 = [-lc1 s1 dtheta1; lc1 s1 dtheta1]")
+    assert "vc1x is right.\nvc1y, the velocity" in verdict.text
+
+
 # ---------------------------------------------------------------- numbers
 NUMBERS = {"l": [0.4, 0.3], "lc": [0.2, 0.15], "m": [2.0, 1.5], "I": [0.031, 0.012]}
 VALUED = fb.planar("RR", **NUMBERS)

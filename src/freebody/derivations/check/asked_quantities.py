@@ -36,6 +36,8 @@ class AskedQuantity:
     """Whether nothing drives the joint: the torque is 0, and that is its equation of motion."""
     joint: str = ""
     """The joint that it belongs to, in words."""
+    axis: str = ""
+    """Of a body's vector: x, y or z."""
 
     @property
     def title(self) -> str:
@@ -79,8 +81,8 @@ _LETTERS = {
     "V": ("V", "U", "P", "PE", "Ep", "Epot"),
     "L": ("L",),
 }
-RARE = frozenset(("B", "phi"))
-"""Letters of whole matrices and vectors that are as often something else."""
+AMBIGUOUS = frozenset(("B", "b", "d", "k", "phi", "v"))
+"""Letters that some books have for these quantities, and others for something else."""
 _TIP = {"x": ("x", "xP", "xp", "xE", "xtip", "px"), "y": ("y", "yP", "yp", "yE", "ytip", "py")}
 _TIP["z"] = ("z", "zP", "zp", "zE", "ztip", "pz")
 
@@ -231,21 +233,18 @@ class Targets:
                 ("f", f"f{n - 1}{n}", (f"f{n - 1}{n}", f"F{n - 1}{n}")),
             ):
                 scalar = family.startswith("omega") and self.setting.is_planar
-                size = 1 if scalar else self.setting.symbols.model.dim
+                size = self.setting.symbols.model.dim
                 column = [
-                    [AskedQuantity(family, (n,), self._part(n, known, None if scalar else k))]
-                    for k in range(size)
+                    [AskedQuantity(family, (n,), self._part(n, known, k), axis=axis)]
+                    for k, axis in ([(None, "")] if scalar else enumerate("xyz"[:size]))
                 ]
                 found |= dict.fromkeys(names, column)
         return found
 
     def _entries_of_bodies(self) -> Iterator[tuple[tuple[str, ...], AskedQuantity]]:
         for name, column in self._vectors.items():
-            if len(column) == 1:
-                yield (name,), column[0][0]
-            else:
-                for axis, (entry,) in zip("xyz", column, strict=False):
-                    yield (f"{name}{axis}",), entry
+            for (entry,) in column:
+                yield (name + entry.axis,), entry
 
     def _part(self, n: int, name: str, k: int | None) -> Callable[[], Trig]:
         def value() -> Trig:

@@ -10,11 +10,12 @@ from dataclasses import dataclass
 from freebody.derivations.check import undriven_joints
 from freebody.derivations.check.answer_text import AnswerError, AnswerText
 from freebody.derivations.check.answer_tree import Named
-from freebody.derivations.check.asked_quantities import RARE, AskedQuantity, Targets
+from freebody.derivations.check.asked_quantities import AMBIGUOUS, AskedQuantity, Targets
 from freebody.derivations.check.circular_answers import GivenQuantity, refuse_circles, uses
 from freebody.derivations.check.exact_polynomials import PolynomialReader
 from freebody.derivations.check.reading import AnswerParser
 from freebody.derivations.check.right_equations import FAMILIES, RightEquations
+from freebody.derivations.check.units import is_of_another_kind
 from freebody.derivations.check.vocabulary import Vocabulary, spellings
 from freebody.derivations.expressions.nodes import Expression, Matrix, Negative, Sum
 from freebody.derivations.grammar import words
@@ -264,7 +265,7 @@ class _ClaimReader:
             if not name or (
                 name in self.targets.names
                 and not self._is_own_h(name, line, lines)
-                and not self._is_own_number(name, line)
+                and not self._is_own_number(name, line, lines)
             ):
                 continue
             if (
@@ -290,10 +291,18 @@ class _ClaimReader:
             return True
         return self.vocabulary.symbols.get(name, self.setting.zero).is_zero
 
-    def _is_own_number(self, name: str, line: Line) -> bool:
-        """Whether a letter that some books have for a matrix or vector stands for one number, and
-        so for something of the user's own."""
-        return name in RARE and name not in self.targets.single and not self._is_matrix(line[1])
+    def _is_own_number(self, name: str, line: Line, lines: Sequence[Line]) -> bool:
+        """Whether a letter that some books have for one of the quantities stands for something of
+        the user's own: one number for a matrix or vector, or what other lines use and has other
+        units."""
+        if re.sub(r"\d+$", "", name) not in AMBIGUOUS or self._is_matrix(line[1]):
+            return False
+        target = self.targets.single.get(name)
+        if target is None:
+            return name in AMBIGUOUS
+        return self._is_used(name, line, lines) and is_of_another_kind(
+            self.setting, self.value(self.parse(line[1])), target.compute()
+        )
 
     def _is_matrix(self, side: Sequence[Token]) -> bool:
         return side[0].kind == "begin" or side[0].text == "["
@@ -302,12 +311,16 @@ class _ClaimReader:
         """Whether a line defines a velocity coefficient that other lines are written with."""
         if self.targets.single.get(name) is None or self.targets.single[name].family != "h":
             return False
+        return self._is_used(name, line, lines)
+
+    def _is_used(self, name: str, line: Line, lines: Sequence[Line]) -> bool:
+        """Whether another line is written with a name, not merely about it."""
         return any(
             t.kind == "name" and t.text == name
             for other in lines
             if other != line
-            for s in other
-            for t in s
+            for side in (other if len(other[0]) > 1 else other[1:])
+            for t in side
         )
 
     def claims(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
@@ -433,4 +446,5 @@ class _ClaimReader:
 
 
 def _entry_label(label: str, target: AskedQuantity) -> str:
-    return f"{label}{''.join(map(str, target.index))}" if target.index else label
+    """c of joint 2 is c2; the second entry of vc1 is vc1y."""
+    return label + (target.axis or "".join(map(str, target.index)))

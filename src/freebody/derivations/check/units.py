@@ -47,7 +47,7 @@ def _unit(setting: RightEquations, name: str) -> Unit | None:
 
 def misfit(setting: RightEquations, yours: Trig, right: Trig) -> tuple[Trig, Unit, Unit] | None:
     """A term of the answer in other units than the right answer, with both."""
-    expected = next((unit_of(setting, powers) for powers, _ in right.terms()), None)
+    expected = _common_unit(setting, right)
     if expected is None:
         return None
     for powers, coefficient in yours.terms():
@@ -55,6 +55,21 @@ def misfit(setting: RightEquations, yours: Trig, right: Trig) -> tuple[Trig, Uni
         if unit is not None and unit != expected:
             return setting.ring.polynomial([(powers, coefficient)]), unit, expected
     return None
+
+
+def is_of_another_kind(setting: RightEquations, yours: Trig, right: Trig) -> bool:
+    """Whether no term has the units of the right answer, nor any that are not known: it is meant
+    for something else."""
+    if right.is_zero:
+        return not yours.is_zero
+    expected = _common_unit(setting, right)
+    found = {unit_of(setting, powers) for powers, _ in yours.terms()}
+    return bool(found) and expected is not None and found.isdisjoint((expected, None))
+
+
+def _common_unit(setting: RightEquations, right: Trig) -> Unit | None:
+    """The unit of a right answer's terms."""
+    return next((unit_of(setting, powers) for powers, _ in right.terms()), None)
 
 
 def unit_text(unit: Unit) -> str:
