@@ -49,7 +49,8 @@ def model(result: dict[str, Any]) -> fb.Model:
 
 
 def answered(result: dict[str, Any], lines: list[str]) -> Any:
-    return fb.check(model(result), "\n".join(lines), names=result["names"] or None)
+    text, absolute = "\n".join(lines), result.get("absolute", False)
+    return fb.check(model(result), text, names=result["names"] or None, absolute=absolute)
 
 
 @pytest.mark.parametrize("result", READ, ids=named)
@@ -108,3 +109,14 @@ def test_the_books_robots_are_derived_equal(result: dict[str, Any]):
     first = fb.derive(made, "lagrange")
     assert compare(first, fb.derive(made, "recursive"))
     assert compare(first, fb.derive(made, "newton-euler"))
+
+
+def test_absolute_angles_are_those_of_planar_trees():
+    with pytest.raises(fb.FreebodyError, match="belong to robots in the plane"):
+        fb.check(fb.load("furuta"), "T = 0", absolute=True)
+    arm = fb.planar("RPR", l=["l1", "l2", "l3"])
+    names = {"theta3": "theta1 + theta3"}  # the slide between does not turn
+    for absolute, own in ((False, names), (True, None)):
+        x = fb.check(arm, "y = (l1 + d2 + l2) sin(theta1) + l3 sin(theta3)", own, absolute=absolute)
+        assert x, (absolute, x)
+    assert not fb.check(arm, "y = (l1 + d2 + l2) sin(theta1) + l3 sin(theta3)")

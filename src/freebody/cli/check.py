@@ -33,6 +33,14 @@ def check(
             help="What one of your own names stands for, such as L1=l1.",
         ),
     ] = None,
+    absolute: Annotated[
+        bool,
+        typer.Option(
+            "--absolute",
+            help="Your angles are those of the links themselves, all from one direction, and your "
+            "torques those of these angles; without it each angle is from the previous link.",
+        ),
+    ] = False,
     convention: options.Convention = None,
 ) -> None:
     """Compare your own equations (tau1, H12, c1, G1, J11, T, V, …) with the robot's, and name the
@@ -48,7 +56,7 @@ def check(
     model = options.load(robot, convention=convention)
     try:
         with terminal.progress("comparing"):
-            verdict = verdict_on(model, text, meanings)
+            verdict = verdict_on(model, text, meanings, absolute=absolute)
     except AnswerError as problem:
         terminal.error(problem.problem)
         if problem.context:

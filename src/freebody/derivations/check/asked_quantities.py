@@ -180,7 +180,7 @@ class Targets:
 
     def _entry(self, name: str, *index: int) -> Callable[[], Trig]:
         def value() -> Trig:
-            found: Any = getattr(self.setting.equations, name)
+            found: Any = self.setting.all_of(name)
             for i in index:
                 found = found[i - 1]
             return self.setting.element(found)
@@ -204,7 +204,11 @@ class Targets:
             inertial = self.setting.order.inertial
             own = {name for name, (i, _) in inertial.items() if i == body}
             terms = getattr(self.setting.equations, family).terms()
-            return self.setting.ring.polynomial((p, c) for p, c in terms if own & set(p))
+            return self.setting.element(
+                self.setting.equations.symbols.ring.polynomial(
+                    (p, c) for p, c in terms if own & set(p)
+                )
+            )
 
         return value
 
@@ -267,7 +271,7 @@ class Targets:
     def _of_tip(self, tip: Kinematics) -> Iterator[tuple[tuple[str, ...], AskedQuantity]]:
         for i in self._rows:
             for j in range(1, self.count + 1):
-                entry = self._element(lambda i=i, j=j: tip.J[i - 1][j - 1])
+                entry = self._element(lambda i=i, j=j: self.setting.forces(tip.J[i - 1])[j - 1])
                 yield (f"J{i}{j}",), AskedQuantity("J", (i, j), entry)
         for k in range(self.setting.symbols.model.dim):
             names = _TIP["xyz"[k]]

@@ -9,7 +9,7 @@ from freebody.derivations.check.answer_text import AnswerError
 from freebody.derivations.check.asked_quantities import Targets
 from freebody.derivations.check.claims import claims
 from freebody.derivations.check.equation_verdict import Judge
-from freebody.derivations.check.right_equations import setting
+from freebody.derivations.check.right_equations import setting, turned_by
 from freebody.derivations.check.verdict import Verdict
 from freebody.derivations.equations.equations import equations
 from freebody.model.model import Model
@@ -18,7 +18,13 @@ MOST_EXPLAINED = 12
 """Wrong equations of one answer that are looked into."""
 
 
-def check(model: Model, answer: Any, names: Mapping[str, str] | None = None) -> Verdict:
+def check(
+    model: Model,
+    answer: Any,
+    names: Mapping[str, str] | None = None,
+    *,
+    absolute: bool = False,
+) -> Verdict:
     """Whether an answer is equal to the model's own equations, and if not, where and why.
 
     answer: equations as text or LaTeX, one per line, for any of τ_i, H_ij (M_ij), c_i, G_i (g_i),
@@ -28,6 +34,10 @@ def check(model: Model, answer: Any, names: Mapping[str, str] | None = None) -> 
     symbols: theta1, θ₁, q1; θ̇₁, theta1_d, dtheta1; l1, lc1, m1, I1, g; on the right c12 is
     cos(θ1+θ2). names: what the user's own names stand for, {"L1": "l1"}, {"q": "theta"}
     for all that are numbered, {"C": "cos", "S": "sin"} where C12 is a cosine.
+
+    absolute: in the answer the angles of a planar robot are those of the links themselves, all
+    measured from one direction, not each from the previous link; M, C, c, G, J and τ_i are then
+    those of these angles (τ_i the torque on link i of drives that stand on the ground).
 
     Where joints are passive, "0 = …" is the equation of one of them (up to a factor that does not
     move) and "u = …" the only drive. C may be any matrix with C q̇ = c, given by whole rows. Where
@@ -40,7 +50,7 @@ def check(model: Model, answer: Any, names: Mapping[str, str] | None = None) -> 
     """
     model.require_tree("check")
     zeros = [name for name, value in model.parameters.items() if value == 0]
-    where = setting(equations(model), zeros)
+    where = setting(equations(model), zeros, turned_by(model) if absolute else None)
     found, unused = claims(where, text_of(answer), names or {})
     judge = Judge(
         where, Targets(where, velocity=any(claim.target.family == "h" for claim in found)), found

@@ -47,7 +47,8 @@ def claims(
     """All that an answer states, in its order; and the names of its own that no statement uses, as
     they are written."""
     source = AnswerText.of(text)
-    targets = Targets(setting, velocity=re.search(r"(?<![A-Za-z\\])h(?![a-z])", text) is not None)
+    coefficients = setting.turned is None and re.search(r"(?<![A-Za-z\\])h(?![a-z])", text)
+    targets = Targets(setting, velocity=bool(coefficients))
     vocabulary = Vocabulary(setting, targets.names)
     for name, meaning in names.items():
         _rename(vocabulary, targets, name, meaning)

@@ -24,7 +24,7 @@ def notes(setting: RightEquations, claims: Sequence[Claim]) -> Mapping[tuple[int
         i
         for i, row in rows.items()
         if inner(row, setting.symbols.qd, setting.symbols)
-        == setting.element(setting.equations.c[i])
+        == setting.element(setting.all_of("c")[i])
     }
     if not right:
         return {}
@@ -63,7 +63,7 @@ def _rows(setting: RightEquations, claims: Sequence[Claim]) -> dict[int, list[Tr
 
 def _is_skew(setting: RightEquations, rows: Mapping[int, Sequence[Trig]]) -> bool:
     """Whether Ṁ − 2C and its transpose add up to 0, that is C + Cᵀ = Ṁ."""
-    M, n = setting.equations.M, len(setting.symbols.coordinates)
+    M, n = setting.all_of("M"), len(setting.symbols.coordinates)
     rates = setting.symbols.rates
     return all(
         (rows[i][j] + rows[j][i] - setting.element(M[i][j]).along(rates)).is_zero

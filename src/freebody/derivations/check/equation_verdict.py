@@ -168,11 +168,16 @@ class Judge:
         finding, doubt = misread(self.setting, self.targets, claim, work, value)
         if finding is not None:
             return [finding], []
-        causes = Misconceptions(
-            self.setting, self.targets, claim.target, right, self.point
-        ).explaining(work.value)
+        causes = self._thoughts(claim, right, work.value)
         findings = _Explanation(self, claim, right, work, value).findings(bool(causes))
         return findings, [doubt] * bool(doubt) + causes + self._units(claim.value, right)
+
+    def _thoughts(self, claim: Claim, right: Trig, value: int) -> list[str]:
+        """What may have been thought; thoughts are told of the model's own coordinates only."""
+        if self.setting.turned is not None:
+            return []
+        thoughts = Misconceptions(self.setting, self.targets, claim.target, right, self.point)
+        return thoughts.explaining(value)
 
     def _units(self, yours: Trig, right: Trig) -> list[str]:
         """A sentence about a term in the wrong units."""

@@ -4,18 +4,25 @@ by mistake."""
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
 
 from freebody.derivations.equations.equations import Equations
 from freebody.derivations.polynomials.symbol_order import Order
 from freebody.derivations.polynomials.symbols import RATE, SECOND, Symbols
 from freebody.derivations.polynomials.textbook_form import Layout
+from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
+from freebody.model.model import Model
 from freebody.scalars.trig import Trig, TrigRing
 
 FAMILIES = ("l", "lc", "m", "I")
 """Parameters that every link of a planar arm has in the notes."""
+
+Weights = tuple[tuple[int, ...], ...]
+"""A matrix of whole numbers."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +35,9 @@ class RightEquations:
     """Symbols of the notes that this model does not have, such as l2 of a link that slides."""
     zeros: frozenset[str] = frozenset()
     """Parameters of the model whose value is 0: an answer may name them."""
+    turned: Weights | None = None
+    """Of absolute angles: B of θ = B φ, where θ are the model's coordinates and φ the answer's, in
+    which all turns are measured from one direction. Torques and forces are then those of φ."""
 
     @cached_property
     def layout(self) -> Layout:
@@ -62,8 +72,56 @@ class RightEquations:
         return self.symbols.zero()
 
     def element(self, x: Trig) -> Trig:
-        """A polynomial of the equations in the wider ring."""
-        return self.ring.polynomial(x.terms())
+        """A polynomial of the equations in the wider ring, and in the answer's coordinates."""
+        if not self._images:
+            return self.ring.polynomial(x.terms())
+        found = self.zero
+        for powers, coefficient in x.terms():
+            term = self.zero + coefficient
+            for name, power in powers.items():
+                term = term * self._image(name) ** power
+            found = found + term
+        return found
+
+    def _image(self, name: str) -> Trig:
+        kept = self._images.get(name)
+        return self.ring.polynomial([({name: 1}, Fraction(1))]) if kept is None else kept
+
+    @cached_property
+    def _images(self) -> dict[str, Trig]:
+        """What the model's coordinates and rates are in those of the answer."""
+        images: dict[str, Trig] = {}
+        names = self.symbols.coordinates
+        for name, row in zip(names, self.turned or (), strict=bool(self.turned)):
+            for ending in ("", RATE, SECOND):
+                parts = (k * self.ring[x + ending] for x, k in zip(names, row, strict=True) if k)
+                images[name + ending] = sum(parts, self.zero)
+            if name in self.ring.angles:
+                images[f"sin_{name}"], images[f"cos_{name}"] = (
+                    images[name].sin(),
+                    images[name].cos(),
+                )
+        return images
+
+    def all_of(self, name: str) -> Any:
+        """tau, c or g (Bᵀ τ), M or C (Bᵀ M B), T or V of the equations, for the answer's
+        coordinates."""
+        found: Any = getattr(self.equations, name)
+        if self.turned is None or isinstance(found, Trig):
+            return found
+        rows = self.forces(found)
+        if isinstance(rows[0], list):
+            columns = self.forces(list(zip(*rows, strict=True)))
+            return [list(row) for row in zip(*columns, strict=True)]
+        return rows
+
+    def forces(self, values: Sequence[Any]) -> list[Any]:
+        """Generalized forces of the model's coordinates as those of the answer's: Bᵀ τ. Of a
+        matrix's rows the same."""
+        if self.turned is None:
+            return list(values)
+        B, n = self.turned, range(len(values))
+        return [_combined([B[k][i] for k in n], values) for i in n]
 
     def parameter(self, name: str) -> Trig | None:
         """What a parameter's name stands for: its symbol, or 0 where that is its value; None of no
@@ -77,8 +135,43 @@ class RightEquations:
         return str(self.layout.form(x))
 
 
-def setting(equations: Equations, zeros: Collection[str] = ()) -> RightEquations:
-    """The setting of a model's equations; `zeros`: names of parameters that are 0 in them."""
+def _combined(factors: Sequence[int], values: Sequence[Any]) -> Any:
+    """The sum of values, or of rows of them, each times its factor."""
+    if isinstance(values[0], list | tuple):
+        columns = zip(*values, strict=True)
+        return [_combined(factors, column) for column in columns]
+    return sum((x * k for x, k in zip(values, factors, strict=True) if k), values[0] * 0)
+
+
+def turned_by(model: Model) -> Weights:
+    """B of θ = B φ for absolute angles: each turn of a planar tree is that of its body less that of
+    the body before."""
+    if model.dim != 2:
+        raise FreebodyError(
+            f"check: absolute angles belong to robots in the plane; {model.name!r} is in space."
+        )
+    rows: list[list[int]] = []
+    for i, body in enumerate(model.bodies):
+        row = [int(i == k) for k in range(len(model.bodies))]
+        above = body.parent
+        while above >= 0 and not model.bodies[above].kind.turns:
+            above = model.bodies[above].parent
+        if body.kind.turns and above >= 0:
+            row[above] = -1
+        if body.joint.mimic is not None or (body.kind.turns and body.joint.axis != (1.0,)):
+            raise FreebodyError(
+                f"check: absolute angles are not read where a joint follows another or turns "
+                f"clockwise, as {body.joint.name!r} of {model.name!r} does."
+            )
+        rows.append(row)
+    return tuple(map(tuple, rows))
+
+
+def setting(
+    equations: Equations, zeros: Collection[str] = (), turned: Weights | None = None
+) -> RightEquations:
+    """The setting of a model's equations; `zeros`: names of parameters that are 0 in them; turned:
+    see `RightEquations`."""
     symbols = equations.symbols
     ring = symbols.ring
     foreign: list[str] = []
@@ -95,5 +188,5 @@ def setting(equations: Equations, zeros: Collection[str] = ()) -> RightEquations
     others = [name for name in foreign if name not in angles]
     wide = TrigRing([*ring.angles, *angles], [*ring.names[len(ring.angles) :], *others])
     return RightEquations(
-        equations, replace(symbols, ring=wide), frozenset(foreign), frozenset(zeros)
+        equations, replace(symbols, ring=wide), frozenset(foreign), frozenset(zeros), turned
     )
