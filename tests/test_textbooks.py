@@ -96,8 +96,8 @@ def test_what_is_not_read_yet_is_refused_or_found_different(result: dict[str, An
 def test_most_published_lines_are_accepted():
     accepted = sum(len(result["lines"]) for result in READ)
     total = sum(len(result["lines"]) for result in RESULTS)
-    assert len(RESULTS) >= 59
-    assert accepted >= 0.8 * total
+    assert len(RESULTS) >= 60
+    assert accepted >= 0.95 * total
 
 
 ROBOTS = {result["robot"]: result for result in RESULTS}
