@@ -91,6 +91,7 @@ _PLACES = {
     "freebody.inverse.singularities": ("singularities",),
     "freebody.reach.dexterity": ("dexterity",),
     "freebody.reach.payload_map": ("payload_map",),
+    "freebody.reach.workspace": ("workspace",),
     "freebody.kernels.lookup": ("kernel",),
     "freebody.kernels.exports": ("export", "source"),
     "freebody.kernels.in_jax": ("to_jax",),

@@ -69,6 +69,7 @@ from freebody.motion.waypoint_files import read_waypoints as read_waypoints
 from freebody.motion.waypoint_files import write_motion as write_motion
 from freebody.reach.dexterity import dexterity as dexterity
 from freebody.reach.payload_map import payload_map as payload_map
+from freebody.reach.workspace import workspace as workspace
 from freebody.report.study import Study as Study
 from freebody.report.study import study as study
 from freebody.robots import models as models

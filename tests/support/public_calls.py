@@ -47,6 +47,7 @@ NOT_OF_STATES = frozenset(
         "time_optimal",
         "to_jax",
         "trapezoid",
+        "workspace",
         "write_motion",
     }
 )
