@@ -57,7 +57,7 @@ def test_pd_with_gravity_rests_at_its_target_alone_and_loses_energy():
     t = np.linspace(0.0, 4.0, 81)
     law = fb.kernel(model, "pd_gravity")
     run = fb.simulate(
-        model, R3, R3, t, law, torque_inputs={"q_ref": goal, "kp": kp, "kd": kd}, tolerance=1e-9
+        model, R3, R3, t, law, torque_inputs={"q_ref": goal, "kp": kp, "kd": kd}, step=2e-3
     )
     apart = goal - run.q.values
     stored = run.kinetic_energy.values + 0.5 * np.sum(kp * apart**2, axis=-1)

@@ -92,8 +92,8 @@ def kernel(
     positions the drives' torques are NaN, where the public functions of the same names still
     answer. One step of a simulation is a quantity too: "rk4_step", "semi_implicit_step",
     "implicit_step" and "implicit_feedback_step", with the step's length h after tau, return (q1,
-    qd1); see docs/stepping.md. Raises UnknownNameError, SingularError where the drives of a closed
-    chain do not force its motion.
+    qd1); see docs/stepping.md; and so are control laws, docs/control.md. Raises UnknownNameError,
+    SingularError where the drives of a closed chain do not force its motion.
     """
     listed, option = chosen_option(
         model, names, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows
