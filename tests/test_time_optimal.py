@@ -154,6 +154,29 @@ def test_limits_are_held_between_the_points_and_reached_at_nearly_all(points: in
     assert slower.duration > motion.duration or points == 101
 
 
+@pytest.mark.parametrize("seed", [7, 31])
+def test_with_much_viscous_friction_torques_are_held_at_the_points_too(seed: int):
+    """Where the first tangents of friction already keep the middle of every interval."""
+    rng = np.random.default_rng(seed)
+    model = arm().with_drive("joint1", viscous=rng.uniform(1, 6))
+    model = model.with_drive("joint2", viscous=rng.uniform(0.5, 4))
+    motion = fb.time_optimal(model, rng.uniform(-1.5, 1.5, (4, 2)), points=301)
+    assert motion.notices == ()
+    t = motion.t
+    sides = motion.at(t[1:-1], 0.5 * (t[1:-1] + t[:-2])), motion.at(t[:-1])
+    for states in (*sides, fine(motion)):
+        used = np.abs(fb.inverse_dynamics(model, *states)) / model.limits.effort
+        assert used.max() < 1.0003
+
+
+@pytest.mark.parametrize("length", [1e-9, 1e9])
+def test_the_motion_is_that_of_the_path_whatever_s_is_counted_in(length: float):
+    one = CubicSpline([0.0, 0.3, 0.7, 1.0], WAY)
+    other = PPoly(one.c / (length ** np.arange(3, -1, -1.0))[:, None, None], one.x * length)
+    found, exact = (fb.time_optimal(arm(), path, points=201) for path in (other, one))
+    assert found.duration == pytest.approx(exact.duration, rel=1e-9)
+
+
 def test_no_limit_is_exceeded_as_the_motion_itself_tells():
     motion = fb.time_optimal(arm(), WAY, points=101)
     assert fb.exceeded_limits(arm(), motion) == ()

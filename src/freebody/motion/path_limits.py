@@ -199,11 +199,13 @@ def path_problem(limits: RobotLimits, curves: Sequence[PathCurve], s: Array) -> 
     still = np.zeros_like(at.first)
     viscous, coulomb, _ = drive_arrays(limits.model)
     rest = limits.dynamics(at.q, still, still)
-    with_rates = limits.dynamics(at.q, at.first, at.second) - rest
+    unit = _unit(at.first)
+    first, second = at.first * unit, at.second * unit**2
+    with_rates = limits.dynamics(at.q, first, second) - rest
     if viscous.any() or coulomb.any():
-        with_rates -= viscous * at.first + coulomb * np.sign(at.first)
-    a = limits.row(limits.dynamics(at.q, still, at.first) - rest, at.first)
-    b = limits.row(with_rates, at.second)
+        with_rates -= viscous * first + coulomb * np.sign(first)
+    a = limits.row((limits.dynamics(at.q, still, first) - rest) / unit, at.first)
+    b = limits.row(with_rates / unit**2, at.second)
     held, size = limits.row(rest, still), limits.size
     lo, hi = -size - held, size - held
     ends = [(lo[:-1], hi[:-1]), (lo[1:], hi[1:])]
@@ -218,6 +220,12 @@ def path_problem(limits: RobotLimits, curves: Sequence[PathCurve], s: Array) -> 
     rows = PathRows(h, speed, a, b, (lo, lo_end), (hi, hi_end))
     drag = limits.row(viscous * at.first, still) if viscous.any() else None
     return PathProblem(limits, at, between, rows, drag)
+
+
+def _unit(first: Array) -> Array:
+    """(P, 1) ṡ, a power of 2, with which the fastest joint of a path moves at about 1: so inertia
+    is not lost beside gravity where s is in thousands of millions, or a path short."""
+    return np.ldexp(1.0, -np.frexp(np.abs(first).max(axis=(0, 2)))[1])[:, None]
 
 
 def _speed_limits(limits: RobotLimits, first: Array, s: Array) -> Array:

@@ -184,7 +184,8 @@ def _solved(problem: PathProblem, labels: list[str]) -> _Quickest:
         worst = (np.abs(excess) / problem.limits.size).max(axis=(0, 2), initial=0.0)
         speed = problem.top_speed(profile.x)
         worst = np.maximum(worst, np.sqrt(speed.max(axis=0)) - 1.0)
-        turning = problem.tangent_error(profile.x, before) > _TANGENT
+        off = problem.tangent_error(profile.x, before)
+        worst, turning = worst + off, off > _TANGENT
         better = profile.moves & (turning | (worst < found.worst[left]))
         found.x[:, left[better]], found.worst[left[better]] = profile.x[:, better], worst[better]
         again = profile.moves & (turning | (worst > _HELD))
