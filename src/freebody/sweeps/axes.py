@@ -110,6 +110,15 @@ class SweepGrid:
             found |= {name: array[index][None] for name, array in axis.given.items()}
         return found
 
+    def row_points(self) -> dict[str, Array]:
+        """What is given at each row, (R, ...)."""
+        rows = range(self.shape[0])
+        return {
+            name: array[index]
+            for axis, index in zip(self.rows, _places(self.rows, rows), strict=True)
+            for name, array in axis.given.items()
+        }
+
     def column(self, index: np.ndarray) -> dict[str, tuple[np.ndarray, dict[str, Array]]]:
         """Of columns by number, -1 for none: by axis, the place on it, and what is given there,
         NaN for none."""

@@ -71,10 +71,8 @@ class SweepArrays:
         self._open = None
 
 
-def dataset(model: Model, function: SweptFunction, arrays: SweepArrays) -> xr.Dataset:
-    """With the axes that stay in front."""
-    import xarray as xr
-
+def _about(model: Model, arrays: SweepArrays) -> dict[str, Any]:
+    """What the attributes tell; a warning where points failed, an error where all did."""
     grid, points = arrays.grid, arrays.grid.shape[0] * arrays.grid.shape[1]
     failed = int(arrays.failed.sum())
     reasons = [_told(grid, point) for point in arrays.reasons]
@@ -85,8 +83,38 @@ def dataset(model: Model, function: SweptFunction, arrays: SweepArrays) -> xr.Da
             f"sweep: {failed} of {points} points have no value, and count in no reduction; the "
             f"first: {reasons[0]}",
             FreebodyWarning,
-            stacklevel=4,
+            stacklevel=5,
         )
+    return {"model": model.name, "points": points, "failed": failed, "failures": reasons}
+
+
+def lazy_dataset(
+    model: Model,
+    function: SweptFunction,
+    arrays: SweepArrays,
+    stored: xr.Dataset,
+) -> xr.Dataset:
+    """All values as they lie in a store, over `point`, the rows of the table, and the columns."""
+    about, grid = _about(model, arrays), arrays.grid
+    coordinates: dict[str, Any] = {}
+    for axis in grid.columns:
+        coordinates |= _coordinates(axis)
+    for name, array in grid.row_points().items():
+        coordinates[name] = (("point", *(f"{name}_{k}" for k in range(array.ndim - 1))), array)
+    front = ("point", *(x.name for x in grid.columns))
+    names = dict(zip(("row", "column"), front, strict=True))
+    for output, values in stored.data_vars.items():
+        inner = _dimensions(model, function, str(output), values.shape[2:], coordinates, front)
+        names |= dict(zip(map(str, values.dims[2:]), inner, strict=True))
+    named = stored.rename(names).assign(failed=(("point",), arrays.failed))
+    return named.assign_coords(coordinates).assign_attrs(about)
+
+
+def dataset(model: Model, function: SweptFunction, arrays: SweepArrays) -> xr.Dataset:
+    """With the axes that stay in front."""
+    import xarray as xr
+
+    about, grid = _about(model, arrays), arrays.grid
     axes = grid.rows if arrays.reductions else grid.rows + grid.columns
     coordinates: dict[str, Any] = {}
     for axis in axes:
@@ -100,9 +128,9 @@ def dataset(model: Model, function: SweptFunction, arrays: SweepArrays) -> xr.Da
             if reduction is None:
                 named[output] = (front + inner, values.reshape(sizes + core))
             elif not reduction.of_place:
-                about = {"long_name": reduction.meaning}
+                said = {"long_name": reduction.meaning}
                 shaped = values.reshape(sizes + core)
-                named[f"{output}_{reduction.name}"] = (front + inner, shaped, about)
+                named[f"{output}_{reduction.name}"] = (front + inner, shaped, said)
             else:
                 named |= _places(grid, reduction, output, values, (front, sizes), inner)
     kept = tuple(x.name for x in grid.rows)
@@ -110,7 +138,6 @@ def dataset(model: Model, function: SweptFunction, arrays: SweepArrays) -> xr.Da
     clash = sorted(set(named) & (set(coordinates) | set(front)))
     if clash:
         raise FreebodyError(f"sweep: {clash[0]!r} is a result's name; call the axis otherwise.")
-    about = {"model": model.name, "points": points, "failed": failed, "failures": reasons}
     return xr.Dataset(named, coordinates, about)
 
 

@@ -94,6 +94,12 @@ class SweepTask:
             ]
         return result
 
+    def empty(self, block: SweepBlock) -> list[Gathered]:
+        """What the reductions gather from a block, of values that are not there."""
+        shape = len(block.rows), len(block.columns)
+        values = [np.full((*shape, *core), np.nan) for _, core in self.outputs]
+        return gathered(values, self.wanted, block.columns.start)
+
     def _tile(
         self, tile: SweepBlock, block: SweepBlock, refused: dict[int, str], result: BlockResult
     ) -> list[Array]:

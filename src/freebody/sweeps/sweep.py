@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,8 +11,8 @@ import numpy as np
 from freebody.errors import FreebodyError, KindError, UnknownNameError, listed
 from freebody.model.model import Model
 from freebody.sweeps.axes import SweepAxis, SweepGrid, read_axes
-from freebody.sweeps.dataset import SweepArrays, dataset
-from freebody.sweeps.evaluation import SweepTask, blocks_of
+from freebody.sweeps.dataset import SweepArrays, dataset, lazy_dataset
+from freebody.sweeps.evaluation import BlockResult, SweepBlock, SweepTask, blocks_of
 from freebody.sweeps.functions import (
     FAILURES,
     FAULTS,
@@ -23,8 +24,10 @@ from freebody.sweeps.functions import (
     names_of,
     reader,
 )
+from freebody.sweeps.identity import identity
 from freebody.sweeps.reductions import SweepReduction, reductions
 from freebody.sweeps.run import Progress, evaluated
+from freebody.sweeps.store import SweepStore
 from freebody.targets import Kernel
 
 if TYPE_CHECKING:
@@ -49,6 +52,7 @@ def sweep(
     frame: str | None = None,
     reference: str = "world",
     block: int = 1 << 20,
+    store: str | PathLike[str] | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """A function at every point of the grid of many parameters and states, reduced on the way.
@@ -67,6 +71,10 @@ def sweep(
     along: axes that are reduced; default the last.
     frame, reference: as for `fb.kernel`. block: points that are one piece of work: sums, and so
     the last digits of means, depend on it alone, not on the number of processors.
+    store: folder of a Zarr store, in which each block is put when it is done; the same call goes on
+    with what is there, after whatever stopped it, and ends with the same bytes. Without reduce= the
+    values stay there: they are read when they are looked at, over one axis `point` in the place of
+    all but the last. Needs the extra `sweep`.
     progress: called with what is being done, and which share of it is.
 
     Returns an xarray Dataset over the other axes, with `failed`, how many points had no value (NaN,
@@ -77,18 +85,58 @@ def sweep(
     chosen = reductions(reduce) if reduce is not None else ()
     outputs = _outputs(swept, grid)
     task = _task(model, grid, swept, outputs, chosen)
-    groups = blocks_of(grid.shape, _block(block, outputs, chosen))
-    arrays = SweepArrays(grid, outputs, chosen)
-    results = evaluated(task, (x for _, blocks in groups for x in blocks))
-    done, whole = 0, grid.shape[0] * grid.shape[1]
+    points = _block(block, outputs, chosen)
+    groups = blocks_of(grid.shape, points)
+    blocks = [x for _, some in groups for x in some]
+    watched = _Watched(grid, progress)
+    if store is None:
+        results = map(watched, blocks, evaluated(task, blocks))
+        return dataset(model, swept, _joined(grid, outputs, chosen, groups, results))
+    kept = SweepStore(store, task, groups, identity(task, points))
+    missing = [x for x in blocks if not kept.holds(x)]
+    watched.done += sum(map(_points, blocks)) - sum(map(_points, missing))
+    for each, result in zip(missing, evaluated(task, missing), strict=True):
+        kept.write(each, watched(each, result))
+    arrays = _joined(grid, outputs, chosen, groups, map(kept.read, blocks), bool(chosen))
+    if chosen:
+        return kept.finish(dataset(model, swept, arrays))
+    return lazy_dataset(model, swept, arrays, kept.values())
+
+
+def _points(block: SweepBlock) -> int:
+    return len(block.rows) * len(block.columns)
+
+
+class _Watched:
+    """Tells how far a sweep is, block by block."""
+
+    def __init__(self, grid: SweepGrid, progress: Progress | None):
+        self.done, self._whole = 0, grid.shape[0] * grid.shape[1]
+        self._progress = progress
+
+    def __call__(self, block: SweepBlock, result: BlockResult) -> BlockResult:
+        self.done += _points(block)
+        if self._progress is not None:
+            told = f"{self.done:.3g} of {self._whole:.3g} points"
+            self._progress(told, self.done / self._whole)
+        return result
+
+
+def _joined(
+    grid: SweepGrid,
+    outputs: tuple[tuple[str, tuple[int, ...]], ...],
+    chosen: tuple[SweepReduction, ...],
+    groups: list[tuple[range, list[SweepBlock]]],
+    results: Iterator[BlockResult],
+    held: bool = True,
+) -> SweepArrays:
+    """The results of all blocks, in order."""
+    arrays = SweepArrays(grid, outputs if held else (), chosen)
     for rows, blocks in groups:
         for each in blocks:
             arrays.add(each, next(results))
-            done += len(each.rows) * len(each.columns)
-            if progress is not None:
-                progress(f"{done:.3g} of {whole:.3g} points", done / whole)
         arrays.finish(rows)
-    return dataset(model, swept, arrays)
+    return arrays
 
 
 def _read(

@@ -1,0 +1,229 @@
+"""Sweeps in Zarr stores: each block is a region, and a sweep that was stopped goes on where it was.
+
+A block's numbers are written first and how many of its points failed last, so that a block counts
+as done when it is whole on the disk.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from freebody.errors import FileError, FreebodyError, MissingPackageError
+from freebody.locks import imported
+from freebody.outputs.files import reason
+from freebody.sweeps.evaluation import BlockResult, FailedPoint, SweepBlock, SweepTask
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_HASH = "freebody_sweep"
+_LEFT = re.compile(r"\.[0-9a-f]{32}\.partial$")
+"""Name of a file that Zarr is writing; one stays behind where the process was killed."""
+_REASONS = 8192
+"""Bytes for the failed points of a block that are told."""
+PARTS = "parts"
+"""The group of what is gathered block by block."""
+
+
+class SweepStore:
+    """The arrays of a sweep on the disk: the rows of its table by its blocks."""
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        task: SweepTask,
+        groups: Sequence[tuple[range, list[SweepBlock]]],
+        identity: str,
+    ):
+        try:
+            self._zarr = imported("zarr")
+        except ModuleNotFoundError:
+            raise MissingPackageError("sweep: store=", "zarr", "sweep") from None
+        self.path = Path(path)
+        self._task, self._groups = task, groups
+        with self._said():
+            self._open(identity)
+            self.done = ~np.isnan(self._failed[:])
+
+    def _open(self, identity: str) -> None:
+        """The store as it was left, or a new one."""
+        if self.path.exists() and not self.path.is_dir():
+            raise self._of_others()
+        mode = "r+" if self._files() else "a"
+        try:
+            found = self._zarr.open_group(str(self.path), mode=mode, zarr_format=3)
+        except (FileNotFoundError, NotADirectoryError, ValueError, KeyError):
+            raise self._of_others() from None
+        held = found.attrs.get(_HASH)
+        if held is None:
+            if not self._is_bare():
+                raise self._of_others()
+            self._create(found.create_group(PARTS, overwrite=True))
+            found.attrs[_HASH] = identity  # last: a store without it was never begun
+        elif held != identity:
+            raise FreebodyError(
+                f"sweep: {self.path} holds another sweep: its function, model, grid, reduction "
+                f"or block size, or the kind of processor, differs. Name another store."
+            )
+        for left in self.path.rglob("*.partial"):
+            if _LEFT.search(left.name):
+                left.unlink()
+        parts = found[PARTS]
+        self._failed, self._told = parts["failed"], parts["reasons"]
+        self._arrays = {key: parts[key] for key in self._shapes()}
+
+    def _is_bare(self) -> bool:
+        """Whether there are at most arrays without a number, as a sweep begins."""
+        return all(x.name == "zarr.json" and x.parts[0] in (x.name, PARTS) for x in self._files())
+
+    def _files(self) -> list[Path]:
+        """What is in the folder, besides what a killed process was writing."""
+        every = self.path.rglob("*")
+        return [x.relative_to(self.path) for x in every if not (x.is_dir() or _LEFT.search(x.name))]
+
+    def _of_others(self) -> FreebodyError:
+        return FreebodyError(
+            f"sweep: {self.path} exists, and is no store of a sweep. Name another."
+        )
+
+    def _shapes(self) -> dict[str, tuple[tuple[int, ...], np.dtype]]:
+        """By name of an array what a point of a block's rows has in it, and its type."""
+        task, one = self._task, SweepBlock(range(1), range(1))
+        if not task.wanted:
+            return {name: (core, np.dtype(float)) for name, core in task.outputs}
+        known = task.empty(one)
+        return {
+            f"{name}-{key}": (array.shape[1:], array.dtype)
+            for (name, _), found in zip(task.outputs, known, strict=True)
+            for key, array in found.items()
+        }
+
+    def _create(self, parts: Any) -> None:
+        (rows, across), columns = self._groups[0], self._task.grid.shape[1]
+        high, wide, count = len(rows), len(across[0].columns), len(across)
+        every = self._task.grid.shape[0]
+        for key, (core, kind) in self._shapes().items():
+            along = (columns, wide) if not self._task.wanted else (count, 1)
+            parts.create_array(
+                key,
+                shape=(every, along[0], *core),
+                chunks=(high, along[1], *core),
+                dtype=kind,
+                fill_value=float("nan") if kind.kind == "f" else 0,
+                dimension_names=("row", "column", *(f"{key}_{k}" for k in range(len(core)))),
+            )
+        told = (len(self._groups), count, _REASONS)
+        parts.create_array(
+            "reasons",
+            shape=told,
+            chunks=(1, 1, _REASONS),
+            dtype="u1",
+            fill_value=0,
+            dimension_names=("group", "part", "byte"),
+        )
+        shape = every, count
+        nan = float("nan")
+        parts.create_array(
+            "failed",
+            shape=shape,
+            chunks=(high, 1),
+            dtype="f8",
+            fill_value=nan,
+            dimension_names=("row", "part"),
+        )
+
+    def holds(self, block: SweepBlock) -> bool:
+        """Whether the block is whole on the disk."""
+        return bool(self.done[block.rows.start, self._at(block)[1]])
+
+    def write(self, block: SweepBlock, result: BlockResult) -> None:
+        """Put a block in its place."""
+        rows, (group, part) = slice(block.rows.start, block.rows.stop), self._at(block)
+        with self._said():
+            if self._task.wanted:
+                for (name, _), found in zip(self._task.outputs, result.gathered, strict=True):
+                    for key, array in found.items():
+                        self._arrays[f"{name}-{key}"][rows, part] = array
+            else:
+                columns = slice(block.columns.start, block.columns.stop)
+                for (name, _), values in zip(self._task.outputs, result.values, strict=True):
+                    self._arrays[name][rows, columns] = values
+            if result.reasons:
+                self._told[group, part] = _packed(result.reasons)
+            self._failed[rows, part] = result.failed.astype(float)
+
+    def read(self, block: SweepBlock) -> BlockResult:
+        """What was written of a block, without its values."""
+        rows, (group, part) = slice(block.rows.start, block.rows.stop), self._at(block)
+        with self._said():
+            gathered = [
+                {key: self._arrays[f"{name}-{key}"][rows, part] for key in self._task.wanted}
+                for name, _ in self._task.outputs
+            ]
+            failed = self._failed[rows, part].astype(np.int64)
+            told = _unpacked(self._told[group, part]) if failed.any() else []
+        return BlockResult(gathered if self._task.wanted else [], [], failed, told)
+
+    def finish(self, found: xr.Dataset) -> xr.Dataset:
+        """Put the result beside its parts, names in the attributes; the same dataset."""
+        texts = [name for name, x in found.coords.items() if x.dtype.kind not in "fiu"]
+        plain = found.drop_vars(texts)
+        names = {str(name): [str(x) for x in found[name].values] for name in texts}
+        plain.attrs = {**found.attrs, "names": json.dumps(names), _HASH: self._hash()}
+        plain.attrs["failures"] = json.dumps(found.attrs["failures"])
+        with self._said():
+            plain.to_zarr(str(self.path), mode="a", zarr_format=3, consolidated=False)
+        return found
+
+    def values(self) -> xr.Dataset:
+        """All values of each output, (rows, columns, *core), read when they are looked at."""
+        import xarray as xr
+
+        path, names = str(self.path), [name for name, _ in self._task.outputs]
+        with self._said():
+            return xr.open_zarr(path, group=PARTS, chunks=None, consolidated=False)[names]
+
+    def _hash(self) -> str:
+        return self._zarr.open_group(str(self.path), mode="r").attrs[_HASH]
+
+    def _at(self, block: SweepBlock) -> tuple[int, int]:
+        rows, across = self._groups[0]
+        return block.rows.start // len(rows), block.columns.start // len(across[0].columns)
+
+    @contextmanager
+    def _said(self) -> Iterator[None]:
+        """A disk that is full or cannot be written to: what is done stays, and is gone on with."""
+        try:
+            yield
+        except OSError as failure:
+            raise FileError(
+                self.path,
+                None,
+                f"cannot be written: {reason(failure)}. What is done is kept; the same call goes "
+                f"on with it.",
+            ) from None
+
+
+def _packed(reasons: Sequence[FailedPoint]) -> np.ndarray:
+    """Places and words as bytes of one length; of more than fit, the first."""
+    for count in range(len(reasons), -1, -1):
+        short = [(r.row, r.column, r.reason[:1000]) for r in reasons[:count]]
+        text = json.dumps(short).encode()
+        if len(text) <= _REASONS:
+            break
+    return np.frombuffer(text.ljust(_REASONS, b"\0"), dtype="u1")
+
+
+def _unpacked(packed: np.ndarray) -> list[FailedPoint]:
+    with contextlib.suppress(ValueError):
+        return [FailedPoint(*x) for x in json.loads(packed.tobytes().rstrip(b"\0").decode())]
+    return []

@@ -1,0 +1,211 @@
+"""Sweeps in Zarr stores: stopped anywhere they go on, and end with the same bytes."""
+
+from __future__ import annotations
+
+import errno
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.sweeps import sweep as module
+from freebody.sweeps.evaluation import SweepTask
+
+zarr = pytest.importorskip("zarr")
+xr = pytest.importorskip("xarray")
+
+ARM = fb.planar("RR", l=[0.4, 0.3], lc=[0.2, 0.15], m=[2.0, 1.0], I=[0.03, 0.01])
+STATES = dict(zip(("q", "qd", "qdd"), fb.random_state(ARM, 3, 90), strict=True))
+OVER = {"m2": np.linspace(0.5, 3.0, 4), "l1": np.linspace(0.2, 0.6, 2), "state": STATES}
+NAMES = ["max", "rms", "argpeak"]
+
+
+def swept(store: Path | None, **changed: Any) -> Any:
+    given = {"over": OVER, "reduce": NAMES, "block": 40, **changed}
+    return fb.sweep(ARM, given.pop("function", "inverse_dynamics"), store=store, **given)
+
+
+def same(a: Any, b: Any) -> bool:
+    return set(a.data_vars) == set(b.data_vars) and all(
+        a[x].values.tobytes() == b[x].values.tobytes() for x in a.data_vars
+    )
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
+
+
+def test_a_store_holds_what_the_call_returns(tmp_path):
+    found = swept(tmp_path / "a.zarr")
+    assert same(found, swept(None))
+    read = xr.open_zarr(tmp_path / "a.zarr", chunks=None, consolidated=False)
+    assert same(read, found)
+    assert (read.m2.values == OVER["m2"]).all()
+    whole = swept(tmp_path / "b.zarr", reduce=None)
+    assert whole.tau.dims == ("point", "state", "coordinate")
+    assert whole.tau.values.tobytes() == swept(None, reduce=None).tau.values.tobytes()
+    assert whole.l1.values.tolist() == [0.2, 0.6] * 4
+
+
+@pytest.mark.parametrize("reduce", [NAMES, None])
+def test_what_was_stopped_goes_on(tmp_path, monkeypatch, reduce):
+    """At several places; what is done is not done again."""
+    swept(tmp_path / "whole.zarr", reduce=reduce)
+    evaluated = []
+    real = SweepTask.__call__
+    monkeypatch.setattr(SweepTask, "__call__", lambda *a: evaluated.append(a[1]) or real(*a))
+    monkeypatch.setattr(
+        module, "evaluated", lambda task, blocks: map(task, blocks)
+    )  # one at a time, so that they can be counted
+
+    for stop in (0.1, 0.3, 0.9):
+
+        def stopping(told: str, share: float, stop: float = stop) -> None:
+            if share >= stop:
+                raise KeyboardInterrupt
+
+        with pytest.raises(KeyboardInterrupt):
+            swept(tmp_path / "again.zarr", reduce=reduce, progress=stopping)
+    swept(tmp_path / "again.zarr", reduce=reduce)
+    assert content(tmp_path / "again.zarr") == content(tmp_path / "whole.zarr")
+    blocks = len(set(evaluated))
+    assert blocks == 24
+    assert len(evaluated) == blocks + 3
+
+
+def test_a_block_of_zeros_is_done(tmp_path, monkeypatch):
+    over = {"q": np.zeros((8, 2))}
+    nothing = fb.compile(lambda q: 0.0 * q[0], {"q": (2,)}, {"x": ()})
+    fb.sweep(ARM, nothing, over=over, block=2, store=tmp_path / "z")
+    monkeypatch.setattr(SweepTask, "__call__", lambda *a: pytest.fail("evaluated again"))
+    found = fb.sweep(ARM, nothing, over=over, block=2, store=tmp_path / "z")
+    assert (found.x.values == 0.0).all()
+
+
+def test_failed_points_are_kept_with_their_reasons(tmp_path):
+    over = {"m2": [1.0, -1.0], "state": STATES}
+    for _ in range(2):
+        with pytest.warns(fb.FreebodyWarning, match="mass -1 kg is negative"):
+            found = swept(tmp_path / "f", over=over)
+        assert found.failed.values.tolist() == [0, 90]
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"over": {**OVER, "m2": np.linspace(0.5, 3.1, 4)}},
+        {"over": {**OVER, "state": {**STATES, "qd": STATES["qd"] * 2}}},
+        {"reduce": ["max", "argpeak"]},
+        {"block": 41},
+        {"function": lambda model, q, qd, qdd: fb.inverse_dynamics(model, q, qd, qdd)},
+    ],
+    ids=["number", "states", "reductions", "block", "function"],
+)  # fmt: skip
+def test_another_sweep_is_refused(tmp_path, changed):
+    swept(tmp_path / "s")
+    before = content(tmp_path / "s")
+    with pytest.raises(fb.FreebodyError, match="another sweep"):
+        swept(tmp_path / "s", **changed)
+    assert content(tmp_path / "s") == before
+
+
+def test_functions_are_known_again_by_what_they_hold(tmp_path):
+    def scaled(by: Any) -> Any:
+        return lambda model, q: by * q[..., 0]
+
+    over, store = {"q": STATES["q"]}, tmp_path / "f"
+    one = fb.sweep(ARM, scaled(2.0), over=over, reduce="max", store=store)
+    assert same(one, fb.sweep(ARM, scaled(2.0), over=over, reduce="max", store=store))
+    with pytest.raises(fb.FreebodyError, match="another sweep"):
+        fb.sweep(ARM, scaled(3.0), over=over, reduce="max", store=store)
+
+    def holds(model: fb.Model, q: Any, x: Any = pytest) -> Any:
+        return q
+
+    with pytest.raises(fb.FreebodyError, match="holds a module"):
+        fb.sweep(ARM, holds, over={"q": [1.0]}, store=store)
+
+
+def test_folders_of_others_are_left_alone(tmp_path):
+    (tmp_path / "notes.txt").write_text("mine")
+    (tmp_path / "file").write_text("mine")
+    (tmp_path / "film.partial").write_text("mine")
+    for path in (tmp_path, tmp_path / "file"):
+        with pytest.raises(fb.FreebodyError, match=r"no store of a sweep\. Name another"):
+            swept(path)
+    assert (tmp_path / "notes.txt").read_text() == "mine"
+    assert (tmp_path / "file").read_text() == "mine"
+    assert (tmp_path / "film.partial").exists()
+
+
+@pytest.mark.parametrize("room", [0, 3, 60, 150])
+def test_a_full_disk_is_said_and_nothing_is_lost(tmp_path, monkeypatch, room):
+    """Before a store is begun, while it is, and among its blocks."""
+    local = zarr.storage._local
+    real, left = local._put, [room]
+
+    def full(*arguments: Any, **options: Any) -> Any:
+        left[0] -= 1
+        if left[0] < 0:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return real(*arguments, **options)
+
+    monkeypatch.setattr(local, "_put", full)
+    with pytest.raises(fb.FreebodyError, match=r"disk is full\. What is done is kept"):
+        swept(tmp_path / "s")
+    left[0] = 10**9
+    swept(tmp_path / "s")
+    swept(tmp_path / "whole")
+    assert content(tmp_path / "s") == content(tmp_path / "whole")
+
+
+SCRIPT = """
+import sys, time
+import numpy as np
+import freebody as fb
+arm = fb.planar("RR", l=[0.4, 0.3], lc=[0.2, 0.15], m=[2.0, 1.0], I=[0.03, 0.01])
+q, qd, qdd = fb.random_state(arm, 3, 400)
+def slow(model, q):
+    time.sleep(0.01)
+    return fb.gravity_torque(model, q)
+over = {"m2": np.linspace(0.5, 3.0, 6), "q": q}
+print("begun", flush=True)
+fb.sweep(arm, slow, over=over, reduce=["max", "mean"], block=20, store=sys.argv[1])
+"""
+
+
+@pytest.mark.long
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
+def test_killed_at_random_it_ends_with_the_same_bytes(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(SCRIPT)
+    environment = {**os.environ, "PYTHONPATH": str(Path(fb.__file__).parents[1])}
+    rng = np.random.default_rng()
+
+    def run(store: str, killed_after: float | None = None) -> None:
+        command = [sys.executable, str(script), str(tmp_path / store)]
+        with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE) as process:
+            assert process.stdout is not None
+            process.stdout.readline()
+            if killed_after is None:
+                assert process.wait() == 0
+            else:
+                time.sleep(killed_after)
+                process.send_signal(signal.SIGKILL)
+
+    run("whole")
+    for _ in range(3):
+        run("killed", rng.uniform(0.3, 1.2))
+    run("killed")
+    assert content(tmp_path / "killed") == content(tmp_path / "whole")
