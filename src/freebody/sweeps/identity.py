@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import hashlib
+import inspect
 import platform
-from types import CodeType, FunctionType
 from typing import Any
 
 import numpy as np
@@ -55,7 +55,7 @@ def _value(value: Any) -> list[Any]:
         return ["model", value._key()]
     if isinstance(value, np.ndarray) and value.dtype != object:
         return ["array", value.dtype.str, value.shape, np.ascontiguousarray(value).tobytes()]
-    if isinstance(value, FunctionType):
+    if inspect.isfunction(value):
         held = [x.cell_contents for x in value.__closure__ or ()]
         held += [*(value.__defaults__ or ()), *(value.__kwdefaults__ or {}).items()]
         return ["function", *_code(value.__code__), *(part for x in held for part in _value(x))]
@@ -70,8 +70,8 @@ def _value(value: Any) -> list[Any]:
     )
 
 
-def _code(code: CodeType) -> list[Any]:
+def _code(code: Any) -> list[Any]:
     found: list[Any] = [code.co_code, code.co_names, code.co_varnames]
     for constant in code.co_consts:
-        found += _code(constant) if isinstance(constant, CodeType) else [constant]
+        found += _code(constant) if inspect.iscode(constant) else [constant]
     return found
