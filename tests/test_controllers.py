@@ -214,17 +214,26 @@ def test_gains_poses_steps_and_robots_without_drives_are_refused():
 
 
 # ---------------------------------------------------------------- in C
-LOOP = """#include <stdio.h>
-#include "computed_torque.h"
-#include "momentum_observer.h"
-#include "rk4_step.h"
-int main(void)
+GOAL, LOAD = np.array([0.5, -0.4, 0.3]), np.array([1.0, -0.5, 0.2])
+ROWS = ("vx", "vy")
+NEAR = np.array([[0.0, -1.0, 0.6], [1.0, 0.0, 0.7], [0.0, 0.0, 1.0]])
+"""A pose within reach."""
+THREE, TWO = np.full(3, 1.0), np.full(2, 1.0)
+LAWS: dict[str, tuple[np.ndarray, ...]] = {
+    "pd_gravity": (GOAL, 60.0 * THREE, 8.0 * THREE),
+    "computed_torque": (GOAL, R3, R3, 400.0 * THREE, 40.0 * THREE),
+    "operational_space_control": (NEAR, 0 * TWO, 0 * TWO, 90.0 * TWO, 18.0 * TWO, -0.3 * THREE),
+    "impedance": (NEAR, 0 * TWO, 300.0 * TWO, 60.0 * TWO),
+}
+"""What each is given besides the state, always the same."""
+LOOP = """
+static int run_LAW(void)
 {
-    double q[3] = {0}, qd[3] = {0}, integral[3] = {0}, tau[3], acts[3], r[3];
-    const double goal[3] = {0.5, -0.4, 0.3}, still[3] = {0}, load[3] = {1.0, -0.5, 0.2};
-    const double kp[3] = {400, 400, 400}, kd[3] = {40, 40, 40}, ko[3] = {20, 20, 20};
-    for (int k = 0; k < 1000; k++) {
-        if (computed_torque(q, qd, goal, still, still, kp, kd, tau) != 0) return 1;
+    double q[3] = {0.1, 0.8, -0.4}, qd[3] = {0}, integral[3] = {0}, tau[3], acts[3], r[3];
+    const double load[3] = {1.0, -0.5, 0.2}, ko[3] = {20, 20, 20};
+CONSTANTS
+    for (int k = 0; k < 500; k++) {
+        if (LAW(q, qd, GIVEN, tau) != 0) return 1;
         for (int i = 0; i < 3; i++) acts[i] = tau[i] + load[i];
         rk4_step(q, qd, acts, 0.001, q, qd);
         momentum_observer(q, qd, tau, 0.001, integral, ko, r, integral);
@@ -235,25 +244,43 @@ int main(void)
 """
 
 
-def test_the_same_closed_loop_in_c(tmp_path):
+def options(name: str) -> dict[str, Any]:
+    return {"rows": ROWS} if name in ("operational_space_control", "impedance") else {}
+
+
+def loop_in_c(name: str, given: tuple[np.ndarray, ...]) -> str:
+    lines = [
+        f"    const double a{k}[] = {{{', '.join(map(repr, x.ravel().tolist()))}}};"
+        for k, x in enumerate(given)
+    ]
+    names = ", ".join(f"a{k}" for k in range(len(given)))
+    text = LOOP.replace("LAW", name).replace("GIVEN", names)
+    return text.replace("CONSTANTS", "\n".join(lines))
+
+
+def test_the_same_closed_loops_in_c(tmp_path):
     if shutil.which("cc") is None:
-        pytest.skip("no C compiler: the loop is written, not run")
-    model, h = arm(), 1e-3
-    names = ["computed_torque", "momentum_observer", "rk4_step"]
+        pytest.skip("no C compiler: the loops are written, not run")
+    model, h, names = arm(), 1e-3, [*LAWS, "momentum_observer", "rk4_step"]
     for name in names:
-        fb.export(model, name, tmp_path)
-    (tmp_path / "loop.c").write_text(LOOP)
+        fb.export(model, name, tmp_path, **options(name))
+    text = ["#include <stdio.h>", *(f'#include "{name}.h"' for name in names)]
+    text += [loop_in_c(name, given) for name, given in LAWS.items()]
+    calls = " || ".join(f"run_{name}()" for name in LAWS)
+    (tmp_path / "loop.c").write_text("\n".join([*text, f"int main(void) {{ return {calls}; }}\n"]))
     command = ["cc", "-std=c99", "-Wall", "-Werror", "-O1", "loop.c", *(f"{n}.c" for n in names)]
     subprocess.run([*command, "-lm", "-o", "loop"], cwd=tmp_path, check=True, timeout=120)
     done = subprocess.run(["./loop"], cwd=tmp_path, capture_output=True, text=True, check=True)
     in_c = np.array([list(map(float, line.split())) for line in done.stdout.splitlines()])
 
-    law, observe, step = (fb.kernel(model, name) for name in names)
-    goal, load = np.array([0.5, -0.4, 0.3]), np.array([1.0, -0.5, 0.2])
-    q, qd, integral, r = R3, R3, R3, R3
-    for _ in range(1000):
-        tau = law(q, qd, goal, R3, R3, np.full(3, 400.0), np.full(3, 40.0))
-        q, qd = step(q, qd, tau + load, h)
-        r, integral = observe(q, qd, tau, h, integral, np.full(3, 20.0))
-    np.testing.assert_allclose(in_c, np.stack([q, qd, r], axis=-1), rtol=0.0, atol=1e-10)
-    assert np.abs(r - load).max() < 0.01
+    observe, step = fb.kernel(model, "momentum_observer"), fb.kernel(model, "rk4_step")
+    for (name, given), ends in zip(LAWS.items(), in_c.reshape(len(LAWS), 3, 3), strict=True):
+        law = fb.kernel(model, name, **options(name))
+        q, qd, integral, r = np.array([0.1, 0.8, -0.4]), R3, R3, R3
+        for _ in range(500):
+            tau = law(q, qd, *given)
+            q, qd = step(q, qd, tau + LOAD, h)
+            r, integral = observe(q, qd, tau, h, integral, 20.0 * THREE)
+        there = np.stack([q, qd, r], axis=-1)
+        np.testing.assert_allclose(ends, there, rtol=0.0, atol=1e-10, err_msg=name)
+        assert np.abs(r - LOAD).max() < 0.02, name
