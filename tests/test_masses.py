@@ -310,7 +310,7 @@ def test_a_mesh_that_is_a_pipe_or_of_a_foreign_kind_is_refused_at_once():
     Path("robot/meshes/link.zip").write_bytes(b"PK")
     for kind, problem in (
         ("stl", "was not found"),
-        ("zip", r"link\.zip' is none of \.stl, \.obj, \.ply, \.dae"),
+        ("zip", r"link\.zip' is not of the formats \.stl, \.obj, \.ply, \.dae"),
     ):
         mesh = f"<visual><geometry><mesh filename='package://robot/meshes/link.{kind}'/></geometry></visual>"
         with pytest.raises(FileError, match=problem):

@@ -28,7 +28,6 @@ OTHERWISE = [
         "Example: freebody derive 2R --method lagrange",
     ),  # the help's example, which is run
     ("derivations/equations/kinematics.py", "kinematics"),  # the function that an error is of
-    ("report/html.py", "kinematics"),  # a chapter of the report
 ]
 """Where such a word means something else, or is shown to be typed."""
 

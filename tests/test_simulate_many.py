@@ -292,6 +292,15 @@ def test_what_is_recorded():
     assert whole.attrs["step"] == pytest.approx(1e-3)
 
 
+@pytest.fixture
+def interrupts():
+    """As in a shell's foreground; a job in the background ignores SIGINT, and Python with it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("interrupts")
 def test_an_interrupt_keeps_what_was_computed():
     """Of one motion the times until then; of many those that were reached."""
 
@@ -311,6 +320,7 @@ def test_an_interrupt_keeps_what_was_computed():
         np.testing.assert_allclose(part.q, whole.q[..., :3, :], atol=1e-10)
 
 
+@pytest.mark.usefixtures("interrupts")
 def test_an_interrupt_ends_threads():
     model = fb.load("2R")
     q, qd, _ = fb.random_state(model, 1, (2000,))

@@ -77,7 +77,7 @@ _LETTERS = {
     "c": ("c", "C", "v", "b"),
     "g": ("g", "G", "phi"),
     "J": ("J",),
-    "T": ("T", "K", "k", "KE", "Ek", "Ekin"),
+    "T": ("T", "K", "KE", "Ek", "Ekin"),
     "V": ("V", "U", "P", "PE", "Ep", "Epot"),
     "L": ("L",),
 }
@@ -154,7 +154,7 @@ class Targets:
             for j in n:
                 for family in ("M", "C"):
                     names = [f"{x}{i}{j}" for x in _LETTERS[family]] + (
-                        [*_LETTERS[family]] if alone and family == "M" else []
+                        ["M", "H", "m", "D"] if alone and family == "M" else []
                     )
                     yield tuple(names), AskedQuantity(family, (i, j), self._entry(family, i, j))
         yield from self._energies()
@@ -193,7 +193,8 @@ class Targets:
         for family in ("T", "V"):
             yield _LETTERS[family], AskedQuantity(family, (), self._entry(family))
             for i in range(1, bodies + 1):
-                names = tuple(f"{x}{i}" for x in _LETTERS[family])
+                letters = (*_LETTERS[family], *["k"] * (family == "T"))
+                names = tuple(f"{x}{i}" for x in letters)
                 yield names, AskedQuantity(f"{family}i", (i,), self._of_body(family, i - 1))
         yield _LETTERS["L"], AskedQuantity("L", (), lambda: self.setting.element(eq.T - eq.V))
 
