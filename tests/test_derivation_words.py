@@ -22,8 +22,8 @@ def test_slides_are_spoken_of_where_there_are_some(word: str, method: str):
 
 @pytest.mark.parametrize("word", ["RR", "RP", "PR", "PP", "RPP", "PPR"])
 def test_every_moment_that_is_eliminated_is_given_and_used(word: str):
-    """A slide at the base passes its moment to the ground, where no one asks for it; others pass it
-    inward."""
+    """A moment passes inward; that of a slide at the base, which the ground takes, is a result
+    too."""
     text = fb.derive(fb.planar(word), "newton-euler").text()
     steps = {
         int(match[1]): match[2]
@@ -36,8 +36,23 @@ def test_every_moment_that_is_eliminated_is_given_and_used(word: str):
     for i, step in steps.items():
         name = f"τ{digits[i]}" if word[i - 1] == "R" else f"n{digits[i - 1]}{digits[i]}"
         given = re.findall(rf"^\s+{name} = ", step, re.MULTILINE)
-        assert len(given) == (0 if word[i - 1] == "P" and i == 1 else 1), (name, step)
+        assert len(given) == 1, (name, step)
+        assert f" {name} = " in text.split("Substitute the motion")[-i], name
         if i > 1:
             assert re.search(rf" = .*{name}|^\s+[+−].*{name}", steps[i - 1], re.MULTILINE) or word[
                 : i - 1
             ] == "P" * (i - 1), (name, steps[i - 1])
+
+
+@pytest.mark.parametrize("method", ["newton-euler", "recursive"])
+@pytest.mark.parametrize("word", ["PR", "RP", "RPR", "PP", "RR", "PPR"])
+def test_coriolis_is_spoken_of_where_something_slides_on_a_turning_body(word: str, method: str):
+    said = " ".join(fb.derive(fb.planar(word), method).text().split())
+    assert ("Coriolis acceleration" in said) == ("RP" in word)
+
+
+def test_the_inertia_of_a_point_is_not_listed():
+    """Euler's equation of a point has none either."""
+    said = fb.derive(fb.load("gantry_crane"), "newton-euler").text()
+    assert not re.search(r"I[₁₂₃₄] = ", said)
+    assert "I₂ = [" in fb.derive(fb.load("furuta"), "newton-euler").text()

@@ -407,6 +407,12 @@ def test_angles_and_lengths_of_a_small_link_fit_it():
     assert {"l_2", "l_{c2}"} <= {e.name for e in small.elements if isinstance(e, Dimension)}
 
 
+def test_a_length_that_is_the_centre_s_too_is_drawn_once():
+    for name, lengths in {"cart_pole": ["l_2"], "2R": ["l_2", "l_{c2}"]}.items():
+        body = fb.free_body_diagram(fb.load(name), [0.5, 0.6], show=["lengths"]).drawings[1]
+        assert sorted(e.name for e in body.elements if isinstance(e, Dimension)) == lengths
+
+
 def test_what_carries_a_floating_base_is_not_called_a_drive():
     floating = fb.load("ur5e", base="free")
     assert fb.free_body_diagram(floating).bodies[0].loads[0].other == "what moves it"

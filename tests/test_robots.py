@@ -57,7 +57,8 @@ def test_what_is_told_of_the_classics_holds():
         assert bool(bias > 0) is lifted  # it must be held back, away from straight down
     crane = fb.load("gantry_crane")
     lag = np.arctan2(1.5, crane.parameters["g"])
-    found = fb.inverse_dynamics(crane, [0, 0, 0, lag], [0] * 4, [1.5, 0, 0, 0])
+    assert fb.forward_kinematics(crane, [0, 0, 0, -lag])[0, 3] < 0.0  # behind the trolley
+    found = fb.inverse_dynamics(crane, [0, 0, 0, -lag], [0] * 4, [1.5, 0, 0, 0])
     np.testing.assert_allclose(found[2:], 0.0, atol=1e-10)
     M = fb.mass_matrix(fb.load("polar_arm"), [0.3, 0.4, 0.5])
     np.testing.assert_allclose(M, np.diag(np.diag(M)), atol=1e-14)

@@ -43,11 +43,14 @@ def motion(s: Setting) -> list[Step]:
 
 def _second(s: Setting) -> str:
     """What the terms of an acceleration are."""
-    if any(map(s.slides, s.order)):
+    extra = coriolis(s, s.order)
+    if extra:
         return (
             "A second time derivative; a point that slides on a rotating body also has the "
-            f"Coriolis acceleration {coriolis(s, s.order)}."
+            f"Coriolis acceleration {extra}."
         )
+    if not any(map(s.turns, s.order)):
+        return "A second time derivative."
     if s.planar:
         return (
             "A second time derivative: terms with an acceleration point along the motion, terms "

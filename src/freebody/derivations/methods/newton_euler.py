@@ -123,9 +123,10 @@ class FreeBodies:
     def eliminated(self, i: int) -> Step:
         """The reaction at joint i from Newton's equation, put into Euler's."""
         s, n = self.s, self.s.numbers[i]
-        lines = [eq(s.force_name(s.tree.bodies[i].parent, i), self.passed(i))]
-        if s.turns(i) or s.tree.bodies[i].parent >= 0 or not s.planar:
-            lines.append(eq(s.joint_moment(i), self.held(i)))
+        lines = [
+            eq(s.force_name(s.tree.bodies[i].parent, i), self.passed(i)),
+            eq(s.joint_moment(i), self.held(i)),
+        ]
         if not s.is_pin(i):
             lines.append(eq(s.motor(i), self.reactions.motor_rule(i, s.joint_moment(i))))
         numbers = {("R", 1): ("3.7",), ("RR", 1): ("3.15",), ("RR", 2): ("3.14",)}.get(

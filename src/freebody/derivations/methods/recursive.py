@@ -82,8 +82,9 @@ class _Outward:
             word for word, has in (("turning", s.turns(i)), ("sliding", s.slides(i))) if has
         )
         reason = f"The motion that body {n} takes over from {before}, plus the {own} of joint {n}"
-        if s.slides(i):
-            reason += f"; on a rotating body it adds the Coriolis acceleration {coriolis(s, (i,))}"
+        extra = coriolis(s, (i,))
+        if extra:
+            reason += f"; on a rotating body it adds the Coriolis acceleration {extra}"
         centre = self._centre(i) if i in s.weighted else ()
         lines = (*self._angular(i), *self._linear(i), *centre)
         table = _PLANAR if s.planar else _SPATIAL

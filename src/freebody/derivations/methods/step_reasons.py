@@ -69,10 +69,17 @@ def added_rates(s: Setting) -> str:
 
 
 def coriolis(s: Setting, joints: Iterable[int]) -> str:
-    """Coriolis' acceleration of what slides on a turning body: 2 ω × ḋ u."""
-    sliding = sorted({s.turns(i) for i in joints if s.slides(i)})
-    ways = {False: "2 ω × ḋ u", True: "2 ω × h θ̇ z (h: the pitch)"}
+    """Coriolis' acceleration of what slides on a turning body, 2 ω × ḋ u; nothing where none
+    does."""
+    sliding = sorted({s.turns(i) for i in joints if s.slides(i) and _carried_round(s, i)})
+    ways = {False: "2 ω × ḋ u (ḋ: the speed of sliding)", True: "2 ω × h θ̇ z (h: the pitch)"}
     return " or ".join(ways[turns] for turns in sliding)
+
+
+def _carried_round(s: Setting, i: int) -> bool:
+    """Whether joint i stands on a body that turns."""
+    parent = s.tree.bodies[i].parent
+    return parent >= 0 and (s.turns(parent) or _carried_round(s, parent))
 
 
 def motorless(s: Setting) -> str:
@@ -92,14 +99,10 @@ def eliminated(s: Setting, i: int) -> str:
     if s.tree.children(i):
         first += ", the forces on the next bodies being known"
     if not s.turns(i):
-        moment = (
-            ""
-            if s.planar and s.tree.bodies[i].parent < 0
-            else "; Euler's equation gives the moment of the guide"
-        )
-        along = f"the part along the slide, u_{n} · f"
-        motor = f"the motor's force is {along}" if s.driven(i) else f"{along}, has no motor"
-        return f"{first}{moment}; {motor}."
+        force = f"f_{s.numbers[s.tree.bodies[i].parent]},{n}"
+        along = f"the part of {force} along the slide u_{n}"
+        motor = f"the motor's force is {along}" if s.driven(i) else f"{along} has no motor"
+        return f"{first}; Euler's equation gives the moment of the guide; {motor}."
     into = f"{first}; substituted into Euler's equation, it"
     if s.is_pin(i):
         left = (

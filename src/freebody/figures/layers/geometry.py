@@ -68,9 +68,15 @@ def lengths(
 
 @of_each
 def all_lengths(drawing: Drawing, seen: Snapshot, body: BodyPlace, least: float = _VISIBLE) -> None:
-    """l_ci next to each link, l_i farther out. least: as for `lengths`."""
-    if body.mass > 0:
-        name, aside = seen.names.centre_length(body), 12.0 * _clear_side(seen, body)
+    """l_ci next to each link, l_i farther out, once where they are the same. least: as for
+    `lengths`."""
+    name = seen.names.centre_length(body)
+    same = any(
+        name == seen.names.length(body, end) and np.linalg.norm(end.place - body.com) < SAME
+        for end in body.ends[:1]
+    )
+    if body.mass > 0 and not same:
+        aside = 12.0 * _clear_side(seen, body)
         _dimension(drawing, body.origin, body.com, name, aside, max(least * seen.size, SAME))
     lengths(drawing, seen, (body,), aside=27.0, least=least)
 
