@@ -16,6 +16,7 @@ from freebody.scalars.trig import Trig
 if TYPE_CHECKING:
     from freebody.derivations.closed_chains.first_kind import FirstKind
     from freebody.derivations.closed_chains.statics import LoopStatics
+    from freebody.derivations.render.living_parts import LivingParts
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,11 @@ class Derivation(Titled):
     """What draws them, with labels as in `html`; figures are made above derivations, so that it
     comes from there."""
 
+    enliven: Callable[[Derivation], LivingParts | None] | None = field(
+        default=None, compare=False, repr=False
+    )
+    """What makes the parts of its page that can be tried; from above, as `draw` is."""
+
     def _title(self) -> str:
         return (
             f"Derivation for {self.equations.symbols.model.name!r}: {self.title}; "
@@ -111,10 +117,14 @@ class Derivation(Titled):
         """One HTML page with MathML that needs nothing else; labels: what stands in its drawings,
         "names", "values" or "both".
 
+        The page of a planar arm of few joints can be tried: with sliders that numbers and a drawing
+        follow, and lines that are hidden until they are predicted.
+
         Raises UnknownNameError, and MissingValueError for values that the model does not have.
         """
         made = self._drawings(labels)
-        return documents.html(self, made.svg, made.style)
+        living = self.enliven(self) if self.enliven else None
+        return documents.html(self, made.svg, made.style, living)
 
     def _drawings(self, labels: str = "names") -> Drawings:
         return self.draw(self, labels) if self.draw else Drawings({}, "")

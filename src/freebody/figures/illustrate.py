@@ -15,6 +15,7 @@ from freebody.derivations.derivation import Derivation, Drawings, Step
 from freebody.derivations.derive import undrawn_derivation
 from freebody.derivations.expressions.expression import Expression, Symbol, nodes
 from freebody.derivations.expressions.printed_names import vec
+from freebody.derivations.living.living import living
 from freebody.derivations.methods import METHODS
 from freebody.figures import colours
 from freebody.figures.drawing import Drawing, Element
@@ -38,7 +39,7 @@ _LOAD = {2: (0.85, -0.53), 3: (0.5, -0.65, -0.6)}
 @wraps(undrawn_derivation, assigned=("__doc__",))
 def derive(model: Model, method: str | None = None, **options: Any) -> Derivation:
     """A derivation that draws what it speaks of where it is shown as a page or in a notebook."""
-    return replace(undrawn_derivation(model, method, **options), draw=drawings)
+    return replace(undrawn_derivation(model, method, **options), draw=drawings, enliven=living)
 
 
 def drawings(derivation: Derivation, labels: str = "names") -> Drawings:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from freebody import elementary
+from freebody.arrays import Array
 from freebody.derivations.expressions.evaluate import NoValue, Rules, arithmetic, evaluate
 from freebody.derivations.expressions.expression import (
     Arguments,
@@ -149,7 +150,7 @@ def _raised(base: Value, exponent: int) -> Value:
         return Each(_raised(x, exponent) for x in base)
     match rank(base), exponent:
         case 2, -1:
-            return plain(np.linalg.inv(np.array(base, dtype=float)))
+            return plain(np.linalg.inv(_in_numbers(base)))
         case 1, 2:
             return dotted(base, base)
         case 0, -1:
@@ -159,10 +160,17 @@ def _raised(base: Value, exponent: int) -> Value:
     raise FormulaError(f"{shape_name(base)} has no power {exponent}")
 
 
+def _in_numbers(x: Value) -> Array:
+    """A matrix of numbers as an array."""
+    if any(isinstance(entry, Trig | Composed) for row in x for entry in row):
+        raise FormulaError(f"{shape_name(x)} of polynomials is not inverted here; give it numbers")
+    return np.array(x, dtype=float)
+
+
 def _determinant(x: Value) -> Value:
     if len(x) == 2:
         return x[0][0] * x[1][1] - x[0][1] * x[1][0]
-    return float(np.linalg.det(np.array(x, dtype=float)))
+    return float(np.linalg.det(_in_numbers(x)))
 
 
 def _added(x: Value) -> Value:

@@ -6,13 +6,14 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from freebody.derivations.expressions.nodes import Expression
 from freebody.derivations.render import page
 from freebody.derivations.render.equation_numbers import cited
 from freebody.derivations.render.literal import declared, literal
+from freebody.derivations.render.living_parts import STYLE, LivingParts
 from freebody.derivations.render.mathml import mathml
 from freebody.derivations.render.prose import (
     Medium,
@@ -55,6 +56,8 @@ class _Document:
     """Of the table of symbols."""
     table: str = "{}"
     figure: str = ""
+    opening: str = ""
+    """What stands before the first step."""
     heading: str
     """Of a step: its number, what is done, and `notes` with the notes' equation numbers."""
     notes: str
@@ -77,6 +80,7 @@ class _Document:
             blocks.append(self.table.format(self.rows(self, rows)))
         if "overview" in left:
             blocks.append(self.figure.format(left.pop("overview")))
+        blocks.append(self.opening)
         for number, step in enumerate(derivation.steps, 1):
             notes = self.notes.format(prose(cited(step.notes))) if step.notes else ""
             blocks.append(self.heading.format(number, prose(step.operation), notes))
@@ -215,24 +219,39 @@ body = _Document(
     row="<tr><td>{}</td><td>{}</td><td>{}</td></tr>",
     table='<table class="symbols"><tbody>{}</tbody></table>',
     figure="<figure>{}</figure>",
-    heading="<section><h2><span>{}</span> {}{}</h2>",
+    heading="<section><details open><summary><h2><span>{}</span> {}{}</h2></summary>",
     notes=' <small class="notes">notes {}</small>',
     reason="<p>{}</p>",
-    end="</section>",
+    end="</details></section>",
     source='<p class="source">{}</p>',
 )
 """The steps as HTML, without a page around them."""
 
 
-def html(derivation: Derivation, figures: Figures | None = None, style: str = "") -> str:
-    """One page that fetches nothing; `style` is for the figures."""
-    title = web_prose(_title(derivation))
+def html(
+    derivation: Derivation,
+    figures: Figures | None = None,
+    style: str = "",
+    living: LivingParts | None = None,
+) -> str:
+    """One page that fetches nothing; `style` is for the figures, `living` makes it one that can be
+    tried."""
+    title, inside, scripts = web_prose(_title(derivation)), body, []
+    if living is not None:
+        inside = replace(
+            body,
+            opening=living.panel,
+            equations=lambda step: body.equations(step) + living.below.get(step, ""),
+        )
+        scripts, style = [legal(living.script)], style + STYLE
+    kind = ' class="living"' if living else ""
+    run = "".join(f"<script>{text}</script>" for text in scripts)
     return legal(
-        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">{policy()}'
+        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">{policy(scripts)}'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         '<meta name="color-scheme" content="light dark"><link rel="icon" href="data:,">'
-        f"<title>{title}</title><style>{math_style()}{style}{_STYLE}</style></head>\n<body><main>\n"
-        f"{body(derivation, figures)}\n</main></body></html>\n"
+        f"<title>{title}</title><style>{math_style()}{style}{_STYLE}</style></head>\n"
+        f"<body><main{kind}>\n{inside(derivation, figures)}\n</main>{run}</body></html>\n"
     )
 
 
@@ -241,6 +260,7 @@ body{font:17px/1.6 system-ui,sans-serif;margin:0;color:#1b2430;background:#fff}
 main{max-width:60rem;margin:0 auto;padding:2rem 1.2rem 4rem}
 h1{font-size:1.9rem;line-height:1.25}
 h2{font-size:1.2rem;margin:2.4rem 0 .3rem}h2 span{color:#8a94a3;margin-right:.4em}
+summary{cursor:pointer}summary h2{display:inline-block;margin-bottom:.3rem}
 h2 .notes{font-weight:400;color:#5a6675;font-size:.85rem;margin-left:.4em}
 p{max-width:44rem}.equations{overflow-x:auto;padding:.3rem 0}
 .result{border:1.5px solid #8a94a3;border-radius:.4rem;padding:.8rem;margin-top:.8rem}

@@ -1,0 +1,172 @@
+// Formulas that are typed: read by a parser of our own, never run as code. A formula becomes a
+// function of the inputs x and the values y, whose result is a number or, of a vector, [a, b].
+
+const MARKS = "\u2080\u2081\u2082\u2083\u2084\u2085\u2086\u2087\u2088\u2089";
+const GREEK = {"\u03b8": "theta", "\u03c4": "tau", "\u03c9": "omega", "\u03bb": "lam"};
+const LONGEST = 2000, DEEPEST = 60;
+const FUNCTIONS = {sin: 1, cos: 1, sgn: 1, cross: 2, dot: 2};
+
+function unreadable(message) { return Object.assign(new Error(message), {unreadable: true}); }
+
+// Greek letters, dots above, subscripts and raised numbers in plain letters.
+function plainly(text) {
+  let plain = text.normalize("NFD").replace(/[\u2080-\u2089]/g, (c) => MARKS.indexOf(c));
+  plain = plain.replace(/[\u03b8\u03c4\u03c9\u03bb]/g, (c) => GREEK[c]);
+  plain = plain.replace(/([A-Za-z]+)([\u0307\u0308])(\d*)/g, (_, letters, dots, digits) =>
+    letters + digits + (dots === "\u0307" ? "_d" : "_dd"));
+  plain = plain.replace(/\u00b2/g, "^2").replace(/\u00b3/g, "^3").replace(/\*\*/g, "^");
+  return plain.replace(/\u2212/g, "-").replace(/[\u00b7\u00d7\u22c5]/g, "*");
+}
+
+function tokens(text) {
+  if (text.length > LONGEST) throw unreadable("The formula is too long.");
+  const plain = plainly(text), found = [];
+  const pattern = /\s*(?:(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+)|([A-Za-z][A-Za-z0-9_]*)|([-+*\/^()\[\],]))/y;
+  const rest = /\s*$/y;
+  let at = 0;
+  for (;;) {
+    rest.lastIndex = at;
+    if (rest.test(plain)) return found;
+    pattern.lastIndex = at;
+    const match = pattern.exec(plain);
+    if (!match) throw unreadable(`${JSON.stringify(plain.slice(at).trim()[0])} has no meaning here.`);
+    if (match[1]) found.push({kind: "number", value: Number(match[1]), text: match[1]});
+    else if (match[2]) found.push({kind: "name", text: match[2]});
+    else found.push({kind: match[3], text: match[3]});
+    at = pattern.lastIndex;
+  }
+}
+
+// Arithmetic of numbers and vectors of two entries.
+const isVector = Array.isArray;
+const one = (a, f) => isVector(a) ? a.map(f) : f(a);
+function sum(a, b) {
+  if (isVector(a) !== isVector(b)) throw unreadable("A number and a vector cannot be added.");
+  return isVector(a) ? [a[0] + b[0], a[1] + b[1]] : a + b;
+}
+function product(a, b) {
+  if (isVector(a) && isVector(b)) throw unreadable("Of two vectors write cross(a, b) or dot(a, b).");
+  return isVector(a) ? one(a, (u) => u * b) : one(b, (u) => a * u);
+}
+function quotient(a, b) {
+  if (isVector(b)) throw unreadable("Nothing can be divided by a vector.");
+  return one(a, (u) => u / b);
+}
+function scalar(a) {
+  if (isVector(a)) throw unreadable("A number is needed where a vector stands.");
+  return a;
+}
+function cross(a, b) {
+  if (!isVector(b)) throw unreadable("cross(a, b) needs a vector b.");
+  return isVector(a) ? a[0] * b[1] - a[1] * b[0] : [-a * b[1], a * b[0]];
+}
+function dot(a, b) {
+  if (!isVector(a) || !isVector(b)) throw unreadable("dot(a, b) needs two vectors.");
+  return a[0] * b[0] + a[1] * b[1];
+}
+const CALLS = {
+  sin: (a) => Math.sin(scalar(a)), cos: (a) => Math.cos(scalar(a)), sgn: (a) => Math.sign(scalar(a)),
+  cross, dot,
+};
+
+// meaning(name): a function of (x, y), or undefined.
+function readFormula(text, meaning) {
+  const all = tokens(text);
+  let at = 0, depth = 0;
+  const next = () => all[at] ? all[at].kind : "end";
+  function expect(kind) {
+    if (next() !== kind) throw unreadable(`${kind} is missing ${all[at] ? `before ${all[at].text}` : "at the end"}.`);
+    return all[at++];
+  }
+  function expression() {
+    if (++depth > DEEPEST) throw unreadable("The brackets are too deep.");
+    let total = term();
+    while (next() === "+" || next() === "-") {
+      const minus = all[at++].kind === "-", left = total, right = term();
+      total = (x, y) => sum(left(x, y), minus ? one(right(x, y), (u) => -u) : right(x, y));
+    }
+    depth--;
+    return total;
+  }
+  function term() {
+    let total = signed(), divided = false;
+    for (;;) {
+      const left = total, kind = next();
+      if (kind === "/") {
+        at++;
+        const right = signed();
+        total = (x, y) => quotient(left(x, y), right(x, y));
+        divided = true;
+      } else if (kind === "*" || kind === "number" || kind === "name" || kind === "(") {
+        if (kind === "*") at++;
+        else if (divided) throw unreadable("Write * or brackets after a division.");
+        const right = kind === "*" ? signed() : factor();
+        total = (x, y) => product(left(x, y), right(x, y));
+      } else return total;
+    }
+  }
+  function signed() {
+    if (++depth > DEEPEST) throw unreadable("There are too many signs.");
+    let found;
+    if (next() === "-") {
+      at++;
+      const operand = signed();
+      found = (x, y) => one(operand(x, y), (u) => -u);
+    } else if (next() === "+") {
+      at++;
+      found = signed();
+    } else found = factor();
+    depth--;
+    return found;
+  }
+  function factor() {
+    const base = atom();
+    if (next() !== "^") return base;
+    at++;
+    const minus = next() === "-";
+    if (minus) at++;
+    const power = expect("number").value * (minus ? -1 : 1);
+    if (!Number.isInteger(power)) throw unreadable("Powers are whole numbers.");
+    if (next() === "^") throw unreadable("Write brackets around a power of a power.");
+    return (x, y) => scalar(base(x, y)) ** power;
+  }
+  function atom() {
+    const token = all[at++];
+    if (!token) throw unreadable("The formula ends too soon.");
+    if (token.kind === "number") return () => token.value;
+    if (token.kind === "(") {
+      const inside = expression();
+      expect(")");
+      return inside;
+    }
+    if (token.kind === "[") {
+      const first = expression();
+      expect(",");
+      const second = expression();
+      expect("]");
+      return (x, y) => [scalar(first(x, y)), scalar(second(x, y))];
+    }
+    if (token.kind !== "name") throw unreadable(`${token.text} stands where a number or a name is needed.`);
+    return Object.hasOwn(FUNCTIONS, token.text) ? call(token.text) : name(token.text);
+  }
+  function call(word) {
+    if (next() !== "(") throw unreadable(`Write brackets: ${word}(...).`);
+    at++;
+    const given = [expression()];
+    while (next() === ",") {
+      at++;
+      given.push(expression());
+    }
+    expect(")");
+    if (given.length !== FUNCTIONS[word]) throw unreadable(`${word} is given ${given.length} values.`);
+    return (x, y) => CALLS[word](...given.map((f) => f(x, y)));
+  }
+  function name(word) {
+    const found = meaning(word);
+    if (!found) throw unreadable(`There is no ${word} that this line may use.`);
+    return found;
+  }
+  const whole = expression();
+  if (at < all.length) throw unreadable(`${all[at].text} is not expected.`);
+  return whole;
+}

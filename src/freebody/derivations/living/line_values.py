@@ -1,0 +1,121 @@
+"""The exact value of each line of a derivation, where it has one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from freebody.derivations.derivation import Derivation, Step
+from freebody.derivations.expressions.expression import Equation, Expression, Symbol
+from freebody.derivations.expressions.nodes import nodes, replaced
+from freebody.derivations.expressions.printed_names import vec
+from freebody.derivations.methods import METHODS
+from freebody.derivations.methods.recursive import GRAVITIES
+from freebody.derivations.relations.formula import symbol
+from freebody.derivations.relations.formula_values import rank, value
+from freebody.derivations.relations.quantities import Quantities, quantities
+from freebody.errors import FreebodyError
+from freebody.scalars.trig import Trig
+
+_GRAVITY: dict[Expression, Expression] = {vec("g"): symbol("gravity")}
+"""The vector of gravity has the letter of its magnitude, and another name among quantities."""
+_RATES = {"q_d": "qd", "q_dd": "qdd"}
+
+
+@dataclass(frozen=True)
+class ValuedLine:
+    """A line and the exact value of its sides: a scalar, or a vector as a tuple."""
+
+    step: Step
+    line: Equation
+    value: Any
+    names: tuple[str, ...]
+    """Of the line's own symbols that have a value, those of its left side first."""
+
+
+@dataclass(frozen=True)
+class LineValues:
+    """All lines that have a value, the values of all names, and what these are made of."""
+
+    quantities: Quantities
+    known: frozenset[str]
+    """Names that the model itself gives; others are defined by a line."""
+    lines: tuple[ValuedLine, ...]
+
+
+def line_values(derivation: Derivation) -> LineValues:
+    """The values of a derivation's lines by exact arithmetic.
+
+    A line has one where two of its sides are found to be the same polynomial, or where its left
+    side is a new name that it defines. Of the two ways to count gravity (`quantities`) the one is
+    taken by which more lines hold.
+    """
+    found = [_by(derivation, gravity) for gravity in GRAVITIES]
+    return max(found, key=lambda one: len(one.lines))
+
+
+def _by(derivation: Derivation, gravity: str) -> LineValues:
+    symbols = derivation.equations.symbols
+    values = quantities(
+        symbols.given or symbols.model,
+        load="fx" in symbols.extra,
+        at_rest=METHODS[derivation.method].at_rest,
+        gravity=gravity,
+    )
+    known = frozenset(values)
+    values |= {new: values[name] for new, name in _RATES.items() if new not in values}
+    waiting = [(step, line) for step in derivation.steps for line in step.equations]
+    while new := _defined((line for _, line in waiting), values):
+        values |= new
+    lines = tuple(
+        ValuedLine(step, line, x, _names(line, values))
+        for step, line in waiting
+        if (x := _common(line, values)) is not None
+    )
+    return LineValues(values, known, lines)
+
+
+def _defined(lines: Iterable[Equation], values: Quantities) -> dict[str, Any]:
+    """Names without value that a line begins with, and what it gives them."""
+    found: dict[str, Any] = {}
+    for line in lines:
+        left = line.lhs
+        if isinstance(left, Symbol) and left.name not in values and left.name not in found:
+            x = _value(line.rhs, values)
+            if x is not None:
+                found[left.name] = x
+    return found
+
+
+def _common(line: Equation, values: Quantities) -> Any:
+    """What all sides that can be evaluated, at least two, are equal to; None where they are not, or
+    where it is a plain number."""
+    sides = [x for side in line.sides if (x := _value(side, values)) is not None]
+    last = sides[-1] if sides else None
+    if len(sides) < 2 or rank(last) > 1 or not any(isinstance(x, Trig) for x in entries(last)):
+        return None
+    return last if all(_same(x, last) for x in sides[:-1]) else None
+
+
+def entries(x: Any) -> tuple[Any, ...]:
+    """The entries of a vector; a scalar alone."""
+    return tuple(x) if rank(x) else (x,)
+
+
+def _same(a: Any, b: Any) -> bool:
+    if rank(a) != rank(b) or len(entries(a)) != len(entries(b)):
+        return False
+    return all(x == y for x, y in zip(entries(a), entries(b), strict=True))
+
+
+def _value(side: Expression, values: Quantities) -> Any:
+    try:
+        return value(replaced(side, _GRAVITY), values)
+    except (FreebodyError, KeyError, ZeroDivisionError):
+        return None
+
+
+def _names(line: Equation, values: Quantities) -> tuple[str, ...]:
+    found = [x.name for x in nodes(replaced(line, _GRAVITY)) if isinstance(x, Symbol)]
+    return tuple(dict.fromkeys(name for name in found if name in values))

@@ -1,0 +1,175 @@
+// The page: sliders set x, the kernel computes y, drawing and numbers follow; answers are compared
+// with the kernel at random states.
+
+const page = PAGE;
+const STATES = 8, CLOSE = 1e-9;
+const find = (id) => document.getElementById(id);
+const x = Float64Array.from(page.inputs, (input) => input.value), y = new Float64Array(page.size);
+page.bodies.forEach((body, k) => { body.index = k; });
+
+// A number as it is shown, five digits; all of them stand in its title.
+function shown(value) {
+  if (!Number.isFinite(value)) return "no number";
+  const rounded = Math.abs(value) < 1e-12 ? 0 : Number(value.toPrecision(5));
+  return String(rounded).replace("-", "\u2212");
+}
+const valueOf = (places, y) => places.length > 1 ? places.map((k) => y[k]) : y[places[0]];
+const told = (value) => isVector(value) ? `[${value.map(shown).join(", ")}]` : shown(value);
+
+function follow() {
+  live(x, y);
+  page.inputs.forEach((_, k) => { find(`out${k}`).textContent = shown(x[k]); });
+  for (const row of rows) {
+    const value = valueOf(row.line.places, y), output = row.element.querySelector("output");
+    output.textContent = told(value);
+    output.title = isVector(value) ? `[${value.join(", ")}]` : String(value);
+  }
+  drawArm(find("arm"), page.bodies, y);
+  find("scale").textContent = `${shown(drawBodies(find("bodies"), page.bodies, y))} N`;
+  const legend = put(find("bodies"), "g", {class: "legend"});
+  line(legend, "reaction", [8, 12], [8 + LONGEST_ARROW, 12]);
+}
+
+// Other spellings of a coordinate and its derivatives: q1, qd1, dtheta1, theta1dot, ...
+function spellings(name) {
+  const parts = /^(theta|d)(\d+)(_d{1,2})?$/.exec(name);
+  if (!parts) return [];
+  const [, letter, digits, ending] = parts, dots = ending ? ending.slice(1) : "";
+  const found = [`q${dots}${digits}`, `q${digits}${ending || ""}`];
+  const dotted = dots === "d" ? "dot" : dots === "dd" ? "ddot" : "";
+  if (dots) found.push(`${dots}${letter}${digits}`, `${letter}${digits}${dotted}`, `q${digits}${dotted}`);
+  return found;
+}
+const known = new Map();
+for (const [name, places] of Object.entries(page.names)) {
+  known.set(name, (x, y) => valueOf(places, y));
+  const [, letters, dots] = /^(.*?)((?:_d{1,2})?)$/.exec(name);
+  if (places.length > 1) ["x", "y"].forEach((axis, k) => known.set(letters + axis + dots, (x, y) => y[places[k]]));
+}
+page.inputs.forEach((input, k) => {
+  for (const name of [input.name, ...spellings(input.name)]) {
+    if (name === input.name || !known.has(name)) known.set(name, (x) => x[k]);
+  }
+});
+const turns = page.inputs.filter((input) => input.turns).map((input) => input.name);
+
+// c12, s12: of the sum of the angles of those joints, if they all turn.
+function wave(word) {
+  const parts = /^([cs])([1-9]+)$/.exec(word);
+  const names = parts ? [...parts[2]].map((digit) => `theta${digit}`) : [];
+  if (!parts || !names.every((name) => turns.includes(name))) return undefined;
+  const f = parts[1] === "c" ? Math.cos : Math.sin;
+  return (x, y) => f(names.reduce((total, name) => total + known.get(name)(x, y), 0));
+}
+function meaning(line) {
+  const own = line.own.flatMap((name) => [name, `${name}x`, `${name}y`]);
+  return (word) => own.includes(word) ? undefined : known.get(word) || wave(word);
+}
+
+// States that are random, and the same at each try.
+function* states() {
+  let seed = 20191;
+  const random = () => {
+    seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0;
+    return seed / 4294967296;
+  };
+  for (let k = 0; k < STATES; k++) {
+    yield Float64Array.from(page.inputs, (input) => input.group === "p" ? 0.3 + 1.4 * random() : 4 * random() - 2);
+  }
+}
+
+function isRight(answer, line) {
+  const at = new Float64Array(page.size);
+  return [...states()].every((state) => {
+    live(state, at);
+    const right = [valueOf(line.places, at)].flat(), given = [answer(state, at)].flat();
+    const size = Math.max(...right.map(Math.abs), Number.MIN_VALUE);
+    return given.length === right.length && right.every((value, k) => Math.abs(given[k] - value) <= CLOSE * size);
+  });
+}
+
+// Whether a formula holds no vectors, which freebody check does not read.
+function isScalar(text, line) {
+  return tokens(text).every((token) => token.kind !== "[" && (token.kind !== "name" ||
+    (Object.hasOwn(FUNCTIONS, token.text) ? FUNCTIONS[token.text] === 1 : !isVector(meaning(line)(token.text)(x, y)))));
+}
+
+// What is said of an answer, and whether it is right.
+function judged(row, text) {
+  const {line} = row, parts = text.split("=");
+  const typed = parts.length === 2 && plainly(parts[0]).trim() === line.name ? parts[1] : text;
+  if (!typed.trim()) return [false, "Type what you expect on the right of the =."];
+  try {
+    const answer = readFormula(typed, meaning(line)), here = answer(x, y);
+    if (isRight(answer, line)) return [true, `Right: equal at ${STATES} random states.`];
+    const command = `freebody check ROBOT '${line.name} = ${plainly(typed).trim()}'`;
+    const diagnosis = line.diagnosed && isScalar(typed, line) ? ` For the full diagnosis: ${command}` : "";
+    return [false, `Not right: here it is ${told(here)}, the line ${told(valueOf(line.places, y))}.${diagnosis}`];
+  } catch (problem) {
+    if (!problem.unreadable) throw problem;
+    return [false, `Cannot be read: ${problem.message}`];
+  }
+}
+
+// Predict first: a step with lines that can be asked for is hidden until each is right, or shown.
+function element(tag, attributes, text) {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  made.textContent = text;
+  return made;
+}
+function question(row, reveal) {
+  const field = element("div", {class: "answer", "data-name": row.line.name}, "");
+  const label = element("label", {}, "");
+  const input = element("input", {type: "text", maxlength: LONGEST, spellcheck: "false", autocomplete: "off"}, "");
+  if (row.line.vector) input.placeholder = "[x, y]";
+  const button = element("button", {type: "button"}, "Check"), verdict = element("p", {role: "status"}, "");
+  label.append(row.element.querySelector("math").cloneNode(true), " = ", input);
+  const check = () => {
+    const [right, words] = judged(row, input.value);
+    verdict.textContent = words;
+    field.classList.toggle("right", right);
+    row.right = right;
+    reveal();
+  };
+  button.addEventListener("click", check);
+  input.addEventListener("keydown", (event) => { if (event.key === "Enter") check(); });
+  field.append(label, " ", button, verdict);
+  return field;
+}
+function hide(values) {
+  const own = rows.filter((row) => row.element.parentElement === values && row.line.name);
+  if (!own.length) return;
+  const step = values.parentElement, questions = element("div", {class: "questions"}, "");
+  const show = element("button", {type: "button"}, "Show the lines");
+  const open = () => step.classList.remove("hidden");
+  own.forEach((row) => { row.right = false; });
+  questions.append(...own.map((row) => question(row, () => { if (own.every((one) => one.right)) open(); })), show);
+  show.addEventListener("click", open);
+  step.classList.add("hidden");
+  values.before(questions);
+}
+function predict(on) {
+  for (const old of document.querySelectorAll(".questions")) old.remove();
+  for (const step of document.querySelectorAll(".hidden")) step.classList.remove("hidden");
+  if (on) document.querySelectorAll(".values").forEach(hide);
+}
+
+const rows = [...document.querySelectorAll(".value")].map((element) =>
+  ({element, line: page.lines[Number(element.dataset.line)]}));
+page.inputs.forEach((input, k) => find(`in${k}`).addEventListener("input", (event) => {
+  x[k] = Number(event.target.value);
+  follow();
+}));
+find("again").addEventListener("click", () => {
+  page.inputs.forEach((input, k) => { find(`in${k}`).value = x[k] = input.value; });
+  follow();
+});
+find("fold").addEventListener("click", (event) => {
+  const steps = [...document.querySelectorAll("section > details")], open = !steps.some((step) => step.open);
+  for (const step of steps) step.open = open;
+  event.target.textContent = open ? "Fold all steps" : "Unfold all steps";
+});
+find("predict").addEventListener("change", (event) => predict(event.target.checked));
+find("try").hidden = false;
+follow();

@@ -1,0 +1,193 @@
+"""Pages of derivations that can be tried, in a real browser under their own policy: their numbers
+are Python's, the keyboard is enough, answers are judged and never run."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.derivations.living.line_values import line_values
+from freebody.derivations.living.living import is_diagnosed, living
+from support.browser import browser
+from support.symbolic import METHODS
+
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.skipif(
+        not (shutil.which("chromium") and shutil.which("chromedriver")),
+        reason="needs chromium and chromedriver",
+    ),
+]
+
+LARGEST = 600_000
+RANDOM = np.random.default_rng(7)
+NAMES = "return [...document.querySelectorAll('.slider input')].map(e => e.dataset.input)"
+SET = """const [state] = arguments, inputs = [...document.querySelectorAll('.slider')];
+inputs.forEach((row, k) => { const slider = row.querySelector('input');
+  slider.min = -1e6; slider.max = 1e6; slider.value = state[k];
+  slider.dispatchEvent(new Event('input')); });"""
+VALUES = """return [...document.querySelectorAll('.value')].map(row =>
+  [row.dataset.name || row.textContent, row.querySelector('output').title])"""
+ARROWS = """return [...document.querySelectorAll('#bodies g:not(.legend) line.reaction')].map(e =>
+  ['x1', 'y1', 'x2', 'y2'].map(name => Number(e.getAttribute(name))))"""
+ANSWER = """const [line, text] = arguments;
+const field = [...document.querySelectorAll('.answer')].find(f =>
+  f.dataset.name === line && f.closest('section').querySelector('.hidden'));
+field.querySelector('input').value = text; field.querySelector('button').click();
+return [field.querySelector('p').textContent, Boolean(field.closest('.hidden'))]"""
+
+
+@pytest.fixture(scope="module")
+def driver(tmp_path_factory):
+    with browser(tmp_path_factory.mktemp("profile")) as opened:
+        opened.set_window_size(1500, 900)
+        yield opened
+
+
+def opened(driver, folder: Path, derivation: fb.Derivation) -> None:
+    text = derivation.html()
+    assert len(text.encode()) < LARGEST
+    page = folder / "derivation.html"
+    page.write_text(text, encoding="utf-8")
+    driver.get(page.as_uri())
+    assert not driver.get_log("browser")
+
+
+def values(driver) -> dict[str, list[list[float]]]:
+    """What stands below the equations, by the left sides in the page's order."""
+    found: dict[str, list[list[float]]] = {}
+    for name, title in driver.execute_script(VALUES):
+        found.setdefault(name, []).append([float(x) for x in title.strip("[]").split(",")])
+    return found
+
+
+@pytest.mark.parametrize("letters", ["RR", "RP", "PRR"])
+def test_the_numbers_are_those_of_the_kernels(driver, tmp_path, letters):
+    """Torques and forces at the joints, against the recursion in numbers, to 1e-9."""
+    model = fb.planar(letters)
+    opened(driver, tmp_path, fb.derive(model, "newton-euler"))
+    names = driver.execute_script(NAMES)
+    assert {*model.parameters} - {*names} <= {f"l{len(letters)}"}  # that of the tip is not needed
+    coordinates = fb.equations(model).symbols.coordinates
+    for _ in range(3):
+        state = RANDOM.uniform(0.2, 1.5, len(names)).tolist()
+        driver.execute_script(SET, state)
+        shown, numbers = values(driver), dict(zip(names, state, strict=True))
+        arm = model.bind(**{name: numbers.get(name, 0.3) for name in model.parameters})
+        motion = [[numbers[x + dots] for x in coordinates] for dots in ("", "_d", "_dd")]
+        tau, forces = fb.inverse_dynamics(arm, *motion), fb.joint_wrenches(arm, *motion)
+        for k in range(len(letters)):
+            for found in shown[f"tau{k + 1}"]:
+                np.testing.assert_allclose(found, [tau[k]], rtol=1e-9, atol=1e-11)
+            for found in shown[f"f{k}{k + 1}"]:
+                np.testing.assert_allclose(found, forces[k][:2], rtol=1e-9, atol=1e-11)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_has_a_page_that_can_be_tried(driver, tmp_path, method):
+    name = "acrobot" if method == "newton-euler" else "2R"
+    opened(driver, tmp_path, fb.derive(fb.load(name), method))
+    found = values(driver)
+    assert len(found) > 3
+    assert all(np.isfinite(row).all() for rows in found.values() for row in rows)
+    for rows in found.values():  # one quantity has one value, wherever it stands
+        for row in rows:
+            np.testing.assert_allclose(row, rows[0], rtol=1e-12, atol=1e-14)
+
+
+def test_other_robots_have_pages_without_a_script():
+    for robot, method in (("RRRRR", "kinematics"), ("four_bar", "statics"), ("furuta", "statics")):
+        model = fb.planar(robot) if robot.isupper() else fb.load(robot)
+        assert living(fb.derive(model, method)) is None
+
+
+def test_action_and_reaction_are_drawn_equal(driver, tmp_path):
+    opened(driver, tmp_path, fb.derive(fb.load("2R"), "newton-euler"))
+    arrows = np.array(driver.execute_script(ARROWS))
+    _, on_first, on_second = arrows[:, 2:] - arrows[:, :2]
+    np.testing.assert_allclose(on_first, -on_second, atol=1e-9)
+    assert np.linalg.norm(on_second) > 1
+
+
+def test_the_keyboard_is_enough(driver, tmp_path):
+    from selenium.webdriver.common.keys import Keys
+
+    opened(driver, tmp_path, fb.derive(fb.load("2R"), "newton-euler"))
+    before = values(driver)
+    body = driver.switch_to.active_element
+    for _ in range(60):
+        body.send_keys(Keys.TAB)
+        body = driver.switch_to.active_element
+        if body.get_attribute("data-input") == "theta2":
+            break
+    body.send_keys(Keys.ARROW_RIGHT)
+    assert values(driver)["tau1"] != before["tau1"]
+    assert values(driver)["omega1"] == before["omega1"]
+    state = "return [...document.querySelectorAll('section > details')].map(e => e.open)"
+    driver.find_element("id", "fold").send_keys(Keys.SPACE)
+    assert not any(driver.execute_script(state))
+    driver.find_element("css selector", "section > details > summary").send_keys(Keys.ENTER)
+    assert driver.execute_script(state)[:2] == [True, False]
+    driver.find_element("id", "again").send_keys(Keys.SPACE)
+    assert values(driver) == before
+
+
+RIGHT = {
+    "tau2": [
+        "I2*(theta1_dd + theta2_dd) + m2*lc2*(lc2*(qdd1 + qdd2) + l1*(qdd1 cos(theta2) + "
+        "qd1^2 sin(theta2)) + g*c12)",
+        "tau2 = I2 omega2_d + cross(sc2, m2*(vc2_d - gravity))",
+        "I₂ (θ̈₁ + θ̈₂) + sc2x·f12y − sc2y·f12x",
+    ],
+    "f12": ["m2*(vc2_d - gravity)", "m2*[vc2x_d, vc2y_d + g]"],
+}
+WRONG = {
+    "tau2": ["I2*omega2_d + cross(sc2, m2*vc2_d)", "I2*omega2_d - cross(sc2, f12)", "0", "1/0"],
+    "f12": ["m2*(vc2_d + gravity)", "m2*vc2x_d", "[0, 0]"],
+}
+UNREAD = [
+    "tau2", "2 +", "(" * 500 + "1", "-" * 500 + "1", "alert(1)", "document.title = 'run'",
+    "constructor", "__proto__", "sin", "sin(1, 2)", "f12 f12", "f12 + 1", "m2 ^ 0.5", "m2^2^2",
+    "1/m2 lc2", "[1, 2", "<b>1</b>", "${1}", "'", "1;2", "x" * 5000, "toString()", "lc2(", "7 = 7",
+]  # fmt: skip
+
+
+def test_predict_first(driver, tmp_path):
+    opened(driver, tmp_path, fb.derive(fb.load("2R"), "newton-euler"))
+    shown = "return document.querySelectorAll('.equations')[2].offsetHeight > 0"
+    assert driver.execute_script(shown)
+    driver.find_element("id", "predict").click()
+    assert not driver.execute_script(shown)
+    for line, answers in WRONG.items():
+        for answer in answers:
+            verdict, hidden = driver.execute_script(ANSWER, line, answer)
+            assert verdict.startswith(("Not right: ", "Cannot be read")), (answer, verdict)
+            assert hidden
+            command = "freebody check ROBOT 'tau2 = " in verdict
+            assert command == (answer in ("0", "1/0")), verdict
+    for answer in UNREAD:
+        verdict, hidden = driver.execute_script(ANSWER, "tau2", answer)
+        assert verdict.startswith("Cannot be read: "), (answer, verdict)
+        assert hidden
+    assert driver.title.startswith("2R")
+    assert not driver.get_log("browser")
+    for line, answers in RIGHT.items():
+        for answer in answers:
+            verdict, hidden = driver.execute_script(ANSWER, line, answer)
+            assert verdict.startswith("Right: "), (answer, verdict)
+            assert hidden or line != "tau2"  # until the step's other line is right too
+    assert driver.execute_script(shown)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_commands_that_pages_name_are_understood(method):
+    """Every line of which a page names one begins with what `fb.check` knows by that name."""
+    model = fb.load("2R")
+    found = line_values(fb.derive(model, method))
+    asked = [one.line.lhs.name for one in found.lines if is_diagnosed(one, found)]
+    for name in dict.fromkeys(asked):
+        assert not fb.check(model, f"{name} = 7")
