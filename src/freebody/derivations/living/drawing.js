@@ -1,7 +1,7 @@
 // The arm and its free bodies as SVG, from the values y. Everything is an element with attributes:
 // the page's policy allows no other styles or code.
 
-const SVG = "http://www.w3.org/2000/svg";
+const SVG = document.getElementById("arm").namespaceURI;
 function put(parent, tag, attributes, text) {
   const made = document.createElementNS(SVG, tag);
   for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
