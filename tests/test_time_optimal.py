@@ -16,6 +16,8 @@ from scipy.optimize import brentq
 
 import freebody as fb
 from freebody.cli.app import run
+from freebody.motion.path_samples import sampled
+from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.targets import recurrence as recurrences
 from support.extras import extra
 
@@ -230,6 +232,40 @@ def test_many_paths_are_what_each_is_alone():
     assert both[0].duration == pytest.approx(both[1].duration, rel=0.2)
 
 
+def test_curves_of_any_degree_are_sampled_as_scipy_does():
+    """With a derivative for each power, at breaks those of the piece that begins there."""
+    rng = np.random.default_rng(3)
+    curves = [
+        PiecewisePolynomial(np.array([0.0, 0.3, 1.0]), rng.normal(size=(degree + 1, 2, 2)))
+        for degree in (1, 4, 2)
+    ]
+    s = np.stack([np.linspace(0.0, 1.0, 11), *rng.uniform(0.0, 1.0, (2, 11))], axis=1)
+    found = sampled(curves, s).orders
+    assert len(found) == 5
+    for k, curve in enumerate(curves):
+        of_scipy = PPoly(np.array(curve.coefficients), np.array(curve.breaks))
+        for order, x in enumerate(found):
+            expected = of_scipy.derivative(order)
+            np.testing.assert_allclose(x[:, k], expected(s[:, k]), rtol=1e-13, atol=1e-13)
+            own = curve.derivative(order) if order else curve
+            np.testing.assert_array_equal(own(s[:, k]), expected(s[:, k]))
+        np.testing.assert_allclose(curve.at_breaks, of_scipy(curve.breaks), rtol=1e-13)
+    alone = sampled(curves[2:], s[:, 2:])
+    assert len(alone.orders) == 3
+    for x, y in zip(alone.orders, found, strict=False):
+        np.testing.assert_array_equal(x[:, 0], y[:, 2])
+
+
+def test_a_changed_robot_has_limits_of_its_own():
+    """What is found of a model is kept with it, not with what is made from it."""
+    before = fb.time_optimal(arm(), WAY, points=101)
+    slow = with_limits(arm(), velocity=0.5)
+    dry = arm().with_drive("joint1", coulomb=60.0).with_drive("joint1", coulomb=70.0)
+    for model in (slow, dry):
+        assert fb.time_optimal(model, WAY, points=101).duration > 1.05 * before.duration
+    assert fb.time_optimal(arm(), WAY, points=101) == before
+
+
 def test_a_finer_path_is_as_quick_as_its_spline():
     """The positions of a motion along it are the path, whatever its timing."""
     slow = fb.spline(arm(), WAY, ends="natural", degree=3)
@@ -349,12 +385,12 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: fb.time_optimal(arm(), [[0.3, 0.3]] * 3), "3 positions, all the same"),
     (
         lambda: fb.time_optimal(arm(), [[0.0, np.nan], [1, 1]]),
-        "waypoints is nan at sample 0 for 'joint2'",
+        "path is nan at sample 0 for 'joint2'",
     ),
-    (lambda: fb.time_optimal(arm(), np.zeros((3, 5))), "time_optimal: waypoints has shape (3, 5)"),
+    (lambda: fb.time_optimal(arm(), np.zeros((3, 5))), "time_optimal: path has shape (3, 5)"),
     (
         lambda: fb.time_optimal(arm(), []),
-        "time_optimal: waypoints has shape (0,), expected (..., 2)",
+        "time_optimal: path has shape (0,), expected (..., 2)",
     ),
     (lambda: fb.time_optimal(arm(), WAY, points=1), "points is 1, expected a whole number from 2"),
     (lambda: fb.time_optimal(arm(), WAY, points=9.5), "points is 9.5, expected a whole number"),  # type: ignore[arg-type]

@@ -13,7 +13,7 @@ lines, because the corners of the polygon with the largest and smallest x are fo
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import comb, factorial
+from math import comb, factorial, perm
 from typing import Any, NamedTuple
 
 from freebody.elementary import Scalar, absolute, less, less_equal, maximum, minimum, where
@@ -177,8 +177,9 @@ def forward(x: Scalar, high: Vector, slope: Vector, most: Scalar) -> Scalar:
 
 def excess(
     start: RowsAtEnd, end: RowsAtEnd, middle: Vector, size: Vector, x: Scalar, y: Scalar, h: Scalar
-) -> list[Scalar]:
-    """By how much each row is above its limit `size` within an interval, or negative below -size.
+) -> tuple[list[Scalar], Scalar]:
+    """By how much each row is above its limit `size` within an interval, or negative below -size;
+    and the largest of them as a fraction of its limit.
 
     middle: the values halfway; between them and those at the ends a parabola.
     """
@@ -190,7 +191,8 @@ def excess(
         peak = _vertex(first, half, last)
         top, bottom = maximum(half, peak), minimum(half, peak)
         found.append(maximum(top - most, 0.0) + minimum(bottom + most, 0.0))
-    return found
+    shares = [absolute(by) / most for by, most in zip(found, size, strict=True)]
+    return found, balanced(maximum, [0.0 * x, *shares])
 
 
 def _vertex(first: Scalar, half: Scalar, last: Scalar) -> Scalar:
@@ -198,6 +200,12 @@ def _vertex(first: Scalar, half: Scalar, last: Scalar) -> Scalar:
     lean, bend = last - first, first + last - 2.0 * half
     inside = less(absolute(lean), 2.0 * absolute(bend))
     return half - where(inside, lean * lean / (8.0 * where(inside, bend, 1.0)), 0.0)
+
+
+def speed_share(first: Vector, velocity: Vector) -> Scalar:
+    """The largest speed where ṡ is 1 as a fraction of its limit, squared; first: q'."""
+    shares = (a / most for a, most in zip(first, velocity, strict=True))
+    return balanced(maximum, [share * share for share in shares])
 
 
 def top_speed(
@@ -211,6 +219,22 @@ def top_speed(
         first, half, last = a * a * x * scale, 0.5 * b * b * (x + y) * scale, c * c * y * scale
         found += [first, maximum(half, _vertex(first, half, last)), last]
     return balanced(maximum, found)
+
+
+def curve_values(powers: Sequence[Vector], beyond: Scalar) -> list[Vector]:
+    """The value and the derivatives, all that are not 0, at least two, of a polynomial whose
+    coefficients are `powers`, highest first, at `beyond`."""
+    degree = len(powers) - 1
+    found: list[Vector] = []
+    for order in range(max(degree, 2) + 1):
+        value: list[Scalar] = [0.0 * beyond] * len(powers[0])
+        for k in range(degree, order - 1, -1):
+            weight = float(perm(k, order))
+            value = [
+                v * beyond + weight * c for v, c in zip(value, powers[degree - k], strict=True)
+            ]
+        found.append(value)
+    return found
 
 
 def timed(derivatives: Sequence[Vector], speed: Scalar, half: Scalar) -> list[Vector]:

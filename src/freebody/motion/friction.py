@@ -8,7 +8,7 @@ import numpy as np
 
 from freebody.algorithms.simulation_steps import FRICTION_WIDTH
 from freebody.arrays import Array
-from freebody.lazy import cached_property
+from freebody.lazy import cached_property, kept
 from freebody.model.model import Model
 from freebody.trees.position_rates import Index
 
@@ -83,8 +83,12 @@ def drive_arrays(model: Model) -> tuple[Array, Array, Array]:
     """Viscous and Coulomb friction and rotor inertia of each coordinate (nv,); what followers add
     is included.
 
-    The Coulomb entry is the largest that the coordinate can feel.
+    The Coulomb entry is the largest that the coordinate can feel. Arrays that cannot be written to.
     """
+    return kept(model, "_drive_arrays", _drive_arrays, model)
+
+
+def _drive_arrays(model: Model) -> tuple[Array, Array, Array]:
     arrays = np.zeros((3, model.nv))
     for body in model.tree.bodies:
         if body.drive is not None:
@@ -94,4 +98,5 @@ def drive_arrays(model: Model) -> tuple[Array, Array, Array]:
                 d.coulomb * abs(at.ratio),
                 d.rotor * at.ratio**2,
             )
+    arrays.flags.writeable = False
     return arrays[0], arrays[1], arrays[2]

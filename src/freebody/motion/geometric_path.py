@@ -13,7 +13,7 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
-from freebody.motion.path_limits import PathCurve, PathSamples, sampled
+from freebody.motion.path_samples import PathSamples
 from freebody.motion.piecewise import PiecewisePolynomial, interpolated
 from freebody.motion.planning_limits import SLACK, PlanningLimits, checked_waypoints
 from freebody.motion.ranges import position_columns
@@ -24,12 +24,15 @@ from freebody.trees.position_rates import layout
 _SAME = 1e-9  # of the length of a path: positions nearer to each other are one
 
 
-def path_curve(function: str, model: Model, given: Any, limits: PlanningLimits) -> PathCurve:
+def path_curve(
+    function: str, model: Model, given: Any, limits: PlanningLimits
+) -> PiecewisePolynomial:
     """The curve of one path: a polynomial in pieces as it is; of waypoints (k, nq) or a motion's
     positions the natural cubic spline, s being the distance along the chords, 1 in all."""
     if isinstance(given, PPoly):
         return _of_scipy(function, model, given)
-    q = checked_waypoints(function, model, given.q if isinstance(given, Motion) else given, limits)
+    positions = given.q if isinstance(given, Motion) else given
+    q = checked_waypoints(function, model, positions, limits, name="path")
     length = np.linalg.norm(np.diff(q, axis=0), axis=1)
     moves = length > _SAME * length.sum()
     if not moves.any():
@@ -39,39 +42,33 @@ def path_curve(function: str, model: Model, given: Any, limits: PlanningLimits) 
     points = q[np.concatenate([[True], moves])]
     s = np.concatenate([[0.0], np.cumsum(length[moves])]) / length[moves].sum()
     s[-1] = 1.0
-    return _with_derivatives(interpolated(s, points, 3, "natural"))
+    return interpolated(s, points, 3, "natural")
 
 
-def _with_derivatives(curve: PiecewisePolynomial) -> PathCurve:
-    count = max(2, len(curve.coefficients) - 1)
-    return PathCurve((curve, *(curve.derivative(k + 1) for k in range(count))))
-
-
-def _of_scipy(function: str, model: Model, given: PPoly) -> PathCurve:
-    if given.c.shape[2:] != (model.nq,):
+def _of_scipy(function: str, model: Model, given: PPoly) -> PiecewisePolynomial:
+    breaks, coefficients = np.array(given.x), np.array(given.c)
+    if coefficients.shape[2:] != (model.nq,):
         raise FreebodyError(
-            f"{function}: the path has values of shape {given.c.shape[2:]}, expected "
+            f"{function}: the path has values of shape {coefficients.shape[2:]}, expected "
             f"({model.nq},): model {model.name!r} has nq = {model.nq}."
         )
-    if not (np.isfinite(given.c).all() and np.isfinite(given.x).all()):
+    if not (np.isfinite(coefficients).all() and np.isfinite(breaks).all()):
         raise FreebodyError(f"{function}: the path has a coefficient that is not finite.")
-    if not (np.diff(given.x) > 0.0).all():
+    if not (np.diff(breaks) > 0.0).all():
         raise FreebodyError(f"{function}: the breaks of the path must increase.")
-    curve = _with_derivatives(PiecewisePolynomial(np.array(given.x), np.array(given.c)))
-    for of, what in zip(curve.orders, ("itself", "its first derivative"), strict=False):
-        _refuse_jump(function, model, of, what)
-    if not given.c[:-1].any():
+    curve = PiecewisePolynomial(breaks, coefficients)
+    _refuse_jump(function, model, curve, "itself")
+    _refuse_jump(function, model, curve.derivative(), "its first derivative")
+    if not coefficients[:-1].any():
         raise FreebodyError(f"{function}: the path does not move: all its derivatives are 0.")
     return curve
 
 
 def _refuse_jump(function: str, model: Model, curve: PiecewisePolynomial, what: str) -> None:
     """A path that is not smooth enough to be moved along."""
-    h, c = np.diff(curve.breaks)[:-1, None], curve.coefficients
-    degree = len(c) - 1
-    ends = sum(c[degree - j, :-1] * h**j for j in range(degree + 1))
-    gap = np.abs(c[-1, 1:] - ends)
-    if gap.size and gap.max() > 1e-6 * (1e-6 + np.abs(c[-1]).max()):
+    starts = curve.coefficients[-1]
+    gap = np.abs(starts[1:] - curve.at_ends[:-1])
+    if gap.size and gap.max() > 1e-6 * (1e-6 + np.abs(starts).max()):
         k, j = np.unravel_index(np.argmax(gap), gap.shape)
         raise FreebodyError(
             f"{function}: the path jumps at s = {curve.breaks[k + 1]:.6g}: {what} of "
@@ -83,7 +80,7 @@ def _refuse_jump(function: str, model: Model, curve: PiecewisePolynomial, what: 
 def refuse_out_of_range(
     function: str,
     model: Model,
-    curve: PathCurve,
+    curve: PiecewisePolynomial,
     samples: PathSamples,
     path: int,
     limits: PlanningLimits,
@@ -95,7 +92,7 @@ def refuse_out_of_range(
     beyond = 0.25 * step**2 * np.abs(samples.second[:, path]).max()  # what lies between samples
     if (q.min(axis=0) - beyond >= low).all() and (q.max(axis=0) + beyond <= high).all():
         return
-    of = curve.orders[0].extremes
+    of = curve.extremes
     for way, value, limit, s in (
         (-1.0, of.low[iq], low, of.low_at[iq]),
         (1.0, of.high[iq], high, of.high_at[iq]),
@@ -109,7 +106,7 @@ def refuse_out_of_range(
             )
 
 
-def grid(curve: PathCurve, intervals: int) -> Array:
+def grid(curve: PiecewisePolynomial, intervals: int) -> Array:
     """(intervals + 1,) points of s, all breaks among them, evenly in each piece: no fewer intervals
     than pieces."""
     breaks = curve.breaks
@@ -123,7 +120,6 @@ def grid(curve: PathCurve, intervals: int) -> Array:
 
 def motions_along(
     model: Model,
-    curves: Sequence[PathCurve],
     at: PathSamples,
     x: Array,
     source: str,
@@ -132,15 +128,14 @@ def motions_along(
     """The exact motions of paths with ṡ² = x (N + 1, P) at the grid, s̈ constant between: q(t) are
     polynomials of twice the curve's degree."""
     h = 2.0 * np.diff(at.s, axis=0)
-    most = max(len(curve.orders) for curve in curves)
-    known = [at.q[:-1], at.first[:-1], at.second[:-1]][:most]
-    known += sampled(curves, at.s[:-1], range(3, most))
-    polynomials, durations = timed_pieces(known, x, h)
-    u = np.diff(x, axis=0) / h
-    qd, qdd = at.rates(x, np.concatenate([u, u[-1:]]))
-    for k in range(len(curves)):
-        t = np.concatenate([[0.0], np.cumsum(durations[:, k])])
-        pieces = PiecewisePolynomial(t, polynomials[k])
-        yield Motion(
-            t, at.q[:, k], qd[:, k], qdd[:, k], source, layout(model), notices[k], pieces=pieces
-        )
+    polynomials, durations = timed_pieces([order[:-1] for order in at.orders], x, h)
+    end = at.part(slice(-1, None)).rates(x[-1:], (x[-1:] - x[-2:-1]) / h[-1:])
+    for k, powers in enumerate(polynomials):
+        t = np.zeros(len(x))
+        np.cumsum(durations[:, k], out=t[1:])
+        qd = np.concatenate([powers[-2], end[0][:, k]])
+        qdd = np.concatenate([2.0 * powers[-3], end[1][:, k]])
+        for array in (t, qd, qdd):
+            array.flags.writeable = False  # else a motion copies it
+        pieces = PiecewisePolynomial(t, powers)
+        yield Motion(t, at.q[:, k], qd, qdd, source, layout(model), notices[k], pieces=pieces)

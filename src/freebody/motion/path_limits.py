@@ -14,17 +14,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
-from typing import NamedTuple
 
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.motion.friction import drive_arrays
+from freebody.motion.path_samples import PathSamples, sampled
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.ranges import Flags
-from freebody.motion.speed_profile import PathRows, excess, top_speed
+from freebody.motion.speed_profile import PathRows, excess, speed_share, top_speed
 from freebody.trees.dynamics import inverse_dynamics
 
 _INSTANT = 1e-6
@@ -42,7 +42,7 @@ class RobotLimits:
     torque: Array
     wrenches: Mapping[str, Array]
 
-    @property
+    @cached_property
     def size(self) -> Array:
         """(m,) the limit of each row: finite torques, then finite accelerations."""
         return np.concatenate([x[np.isfinite(x)] for x in (self.torque, self.acceleration)])
@@ -55,44 +55,14 @@ class RobotLimits:
 
     def row(self, torque: Array, acceleration: Array) -> Array:
         """(..., m) of torques and accelerations (..., nv) those that have a limit."""
-        pick, other = np.isfinite(self.torque), np.isfinite(self.acceleration)
-        if pick.all() and not other.any():
+        if self._torques_alone:
             return torque
+        pick, other = np.isfinite(self.torque), np.isfinite(self.acceleration)
         return np.concatenate([torque[..., pick], acceleration[..., other]], axis=-1)
 
-
-class PathSamples(NamedTuple):
-    """Positions and derivatives by s (T, P, nv) of paths at points s (T, P)."""
-
-    s: Array
-    q: Array
-    first: Array
-    second: Array
-
-    def rates(self, x: Array, u: Array) -> tuple[Array, Array]:
-        """(q̇, q̈) where ṡ² = x and s̈ = u, arrays (T, P)."""
-        x, u = x[..., None], u[..., None]
-        return self.first * np.sqrt(x), self.second * x + self.first * u
-
-
-class PathCurve(NamedTuple):
-    """q(s) and its derivatives by s, as many as are not 0, at least two."""
-
-    orders: tuple[PiecewisePolynomial, ...]
-
-    @property
-    def breaks(self) -> Array:
-        """Of s, between polynomials."""
-        return self.orders[0].breaks
-
-
-def sampled(curves: Sequence[PathCurve], s: Array, orders: range) -> list[Array]:
-    """Some derivatives (T, P, nv) of each path at its own points s (T, P)."""
-    each = [
-        [curve.orders[order](column) for curve, column in zip(curves, s.T, strict=True)]
-        for order in orders
-    ]
-    return [x[0][:, None] if len(x) == 1 else np.stack(x, axis=1) for x in each]
+    @cached_property
+    def _torques_alone(self) -> bool:
+        return bool(np.isfinite(self.torque).all() and not np.isfinite(self.acceleration).any())
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,9 +112,9 @@ class PathProblem:
         share = np.abs(self.viscous) * error[..., None] / self.limits.size
         return share.max(axis=(0, 2), initial=0.0)
 
-    def excess(self, x: Array) -> Array:
-        """(N, P, m) by how much a motion with x (N + 1, P) exceeds limits within the intervals:
-        above the upper one, or negative below the lower one."""
+    def excess(self, x: Array) -> tuple[Array, Array]:
+        """((N, P, m) by how much a motion with x (N + 1, P) exceeds limits within the intervals:
+        above the upper one, or negative below the lower one; (N, P) the largest as a fraction)."""
         middle, u = 0.5 * (x[:-1] + x[1:]), np.diff(x, axis=0) / self.rows.h
         qd, qdd = self.between.rates(middle, u)
         values = self.limits.row(self.limits.dynamics(self.between.q, qd, qdd), qdd)
@@ -175,7 +145,7 @@ class PathProblem:
         lo, hi = ((start[:, paths], end[:, paths]) for start, end in (lo, hi))
         grid = (x[:, paths] for x in (h, most, a, b))
         rows = PathRows(*grid, lo=lo, hi=hi)
-        at, between = (PathSamples(*(x[:, paths] for x in of)) for of in (self.at, self.between))
+        at, between = self.at.only(paths), self.between.only(paths)
         drag = None if self.viscous is None else self.viscous[:, paths]
         margin = self.margin and (self.margin[0][:, paths], self.margin[1][:, paths])
         return PathProblem(self.limits, at, between, rows, drag, margin)
@@ -191,11 +161,12 @@ class PathProblem:
         return replace(self, rows=fewer, viscous=drag)
 
 
-def path_problem(limits: RobotLimits, curves: Sequence[PathCurve], s: Array) -> PathProblem:
+def path_problem(
+    limits: RobotLimits, curves: Sequence[PiecewisePolynomial], s: Array
+) -> PathProblem:
     """The limits along paths at a grid s (N + 1, P)."""
-    points = np.concatenate([s, 0.5 * (s[:-1] + s[1:])])
-    found = [points, *sampled(curves, points, range(3))]
-    at, between = (PathSamples(*(x[part] for x in found)) for part in _parts(len(s)))
+    found = sampled(curves, np.concatenate([s, 0.5 * (s[:-1] + s[1:])]))
+    at, between = (found.part(part) for part in _parts(len(s)))
     still = np.zeros_like(at.first)
     viscous, coulomb, _ = drive_arrays(limits.model)
     rest = limits.dynamics(at.q, still, still)
@@ -216,7 +187,7 @@ def path_problem(limits: RobotLimits, curves: Sequence[PathCurve], s: Array) -> 
         ends = [(lo - drag[0], hi - drag[1]) for lo, hi in ends]
     (lo, hi), (lo_end, hi_end) = ends
     h = 2.0 * np.diff(s, axis=0)
-    speed = _speed_limits(limits, found[2], s)
+    speed = _speed_limits(limits, found.first, s)
     rows = PathRows(h, speed, a, b, (lo, lo_end), (hi, hi_end))
     drag = limits.row(viscous * at.first, still) if viscous.any() else None
     return PathProblem(limits, at, between, rows, drag)
@@ -231,8 +202,7 @@ def _unit(first: Array) -> Array:
 def _speed_limits(limits: RobotLimits, first: Array, s: Array) -> Array:
     """Largest ṡ² (N + 1, P) at a grid, 0 at its end, with which speeds are within their limits
     halfway in the intervals too. first: q' at the grid, then halfway."""
-    columns = np.moveaxis((first / limits.velocity) ** 2, -1, 0)
-    fastest = reduce(np.maximum, columns)  # several times as quick as max over a short last axis
+    fastest = speed_share(first, limits.velocity)
     most = 1.0 / np.maximum(fastest, 1.0 / unlimited(s))
     points, halfway = (most[part] for part in _parts(len(s)))
     lower = np.minimum(np.minimum(points[:-1], points[1:]), halfway)

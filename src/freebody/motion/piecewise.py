@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import comb, factorial
+from math import comb, factorial, perm
 from typing import Any, Literal
 
 import numpy as np
@@ -60,14 +60,26 @@ class PiecewisePolynomial(Titled, ByValue):
     def _of(self, piece: Any, t: Array) -> Array:
         """Values of given pieces."""
         piece = np.clip(piece, 0, len(self.breaks) - 2)
-        u, value = (t - self.breaks[piece])[..., None], np.zeros((*np.shape(t), 1))
-        for c in self.coefficients:
-            value = value * u + c[piece]
-        return value
+        return _polynomials(self.coefficients[:, piece], (t - self.breaks[piece])[..., None])
 
     def derivative(self, order: int = 1) -> PiecewisePolynomial:
         """With respect to t."""
-        return PiecewisePolynomial(self.breaks, self._pieces.derivative(order).c)
+        left = len(self.coefficients) - order
+        if left <= 0:
+            return PiecewisePolynomial(self.breaks, np.zeros((1, *self.coefficients.shape[1:])))
+        factors = np.array([float(perm(k, order)) for k in range(left + order - 1, order - 1, -1)])
+        return PiecewisePolynomial(self.breaks, self.coefficients[:left] * factors[:, None, None])
+
+    @property
+    def at_breaks(self) -> Array:
+        """Values (m + 1, n) there."""
+        end = _polynomials(self.coefficients[:, -1:], self.breaks[-1] - self.breaks[-2])
+        return np.concatenate([self.coefficients[-1], end])
+
+    @property
+    def at_ends(self) -> Array:
+        """Values (m, n) of each piece at its end."""
+        return _polynomials(self.coefficients, np.diff(self.breaks)[:, None])
 
     def scaled(self, factor: float) -> PiecewisePolynomial:
         """The same curve run `factor` times as fast from the same start."""
@@ -95,6 +107,14 @@ class PiecewisePolynomial(Titled, ByValue):
         low, low_at = _lowest(self)
         high, high_at = _lowest(PiecewisePolynomial(self.breaks, -self.coefficients))
         return Extremes(low, low_at, 0.0 - high, high_at)
+
+
+def _polynomials(coefficients: Array, u: Any) -> Array:
+    """Values where the powers of u have coefficients (degree + 1, ..., n), highest first."""
+    value = coefficients[0] + 0.0 * u
+    for c in coefficients[1:]:
+        value = value * u + c
+    return value
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -188,10 +188,15 @@ def within_limits(function: str, model: Model, motion: Motion, limits: PlanningL
 
 
 def checked_waypoints(
-    function: str, model: Model, given: Any, limits: PlanningLimits, one: str = ""
+    function: str,
+    model: Model,
+    given: Any,
+    limits: PlanningLimits,
+    one: str = "",
+    name: str = "waypoints",
 ) -> Array:
     """Waypoints (k, nq), k > 1, within the limits; refuses robots that no such motion is planned
-    for. `one`: what a message calls them where they are the same."""
+    for. name: of the argument that they are. `one`: of one position, where they are the same."""
     model.require_values("a motion")
     model.require_tree(function, "fb.Motion.of with the positions of the driven joints")
     if model.nq != model.nv:
@@ -199,13 +204,12 @@ def checked_waypoints(
             f"{function}: {model.name!r} has joints whose positions are quaternions, for which "
             f"this is not available; give samples to fb.Motion.of."
         )
-    q = finite_vector(function, model, one or "waypoints", given)
+    q = finite_vector(function, model, one or name, given)
     if one and q.ndim != 2:
         raise ShapeError(function, one, q.shape[1:], f"({model.nq},)", "one position")
     if q.ndim != 2 or len(q) < 2:
         raise FreebodyError(
-            f"{function}: the waypoints have shape {q.shape}, expected at least two rows: "
-            f"(k, {model.nq})."
+            f"{function}: {name} has shape {q.shape}, expected at least two rows: (k, {model.nq})."
         )
     iq, iv = position_columns(model)
     low, high = limits.allowed.lower[iv], limits.allowed.upper[iv]

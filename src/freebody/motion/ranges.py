@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.errors import listed
+from freebody.lazy import kept
 from freebody.model.description import Limits
 from freebody.model.model import Model
 from freebody.trees.position_rates import Index
@@ -55,12 +56,19 @@ class Ranges:
 
 
 def ranges(model: Model) -> Ranges:
-    """The usable ranges of a model's coordinates."""
+    """The usable ranges of a model's coordinates; their arrays cannot be written to."""
+    return kept(model, "_ranges", _ranges, model)
+
+
+def _ranges(model: Model) -> Ranges:
     own = (body for body in model.bodies if body.joint.mimic is None)
     rows = [_numbers(body.joint.limits) for body in own for _ in range(body.kind.nv)]
     given, meant = np.array(rows, dtype=float).reshape(-1, 2, 4).transpose(1, 2, 0)
     lower, upper, velocity, effort = meant.copy()
     apart = tuple(_narrow(model, lower, upper, velocity))
+    turns = angular(model)
+    for array in (lower, upper, velocity, effort, turns):
+        array.flags.writeable = False
     names = model.velocity_names
     notices = [
         f"{what} of {listed(compress(names, bad), 6)} is zero in the model and is taken as not "
@@ -72,7 +80,7 @@ def ranges(model: Model) -> Ranges:
         )
         if bad.any()
     ]
-    return Ranges(lower, upper, velocity, effort, angular(model), tuple(notices), apart)
+    return Ranges(lower, upper, velocity, effort, turns, tuple(notices), apart)
 
 
 def _numbers(limits: Limits) -> list[tuple[float, ...]]:
@@ -96,14 +104,20 @@ def with_drive(model: Model) -> Flags:
 
 def position_columns(model: Model) -> tuple[Index, Index]:
     """(iq, iv): entries of q and of q̇ that belong together, for coordinates that are not part of a
-    quaternion."""
+    quaternion; arrays that cannot be written to."""
+    return kept(model, "_position_columns", _position_columns, model)
+
+
+def _position_columns(model: Model) -> tuple[Index, Index]:
     iq: list[int] = []
     iv: list[int] = []
     for body, at in zip(model.bodies, model.coordinates, strict=True):
         if body.joint.mimic is None and body.kind.nq == body.kind.nv:
             iq += at.q
             iv += at.v
-    return np.array(iq, dtype=int), np.array(iv, dtype=int)
+    columns = np.array([iq, iv], dtype=int)
+    columns.flags.writeable = False
+    return columns[0], columns[1]
 
 
 def _narrow(model: Model, lower: Array, upper: Array, velocity: Array) -> Iterator[str]:

@@ -18,10 +18,11 @@ from freebody.arrays import Array
 from freebody.elementary import Scalar
 from freebody.motion.ranges import Flags
 from freebody.program import Argument, trace
-from freebody.targets import Kernel, compile_program
-from freebody.targets.recurrence import recurrence
+from freebody.targets import Kernel, compile_program, result_memory
+from freebody.targets.recurrence import narrowest, recurrence
 
 _SEARCHES = 40  # calls of some steps each: far more than there are lines
+_FEW = 2  # paths side by side whose passes are sooner done in narrow vectors
 _CLOSE = 1e-9  # of the largest x: steps, and gaps between what is wanted and allowed, of no account
 
 
@@ -50,7 +51,8 @@ class SpeedProfile(NamedTuple):
     @property
     def moves(self) -> Flags:
         """(P,) whether the end is reached, without a rest on the way."""
-        return np.all(np.isfinite(self.x), axis=0) & np.all(self.x[1:-1] > 0.0, axis=0)
+        slowest = self.x[1:-1].min(axis=0, initial=np.inf)  # NaN where one is
+        return (slowest > 0.0) & np.isfinite(self.x[0]) & np.isfinite(self.x[-1])
 
     @property
     def starts(self) -> Flags:
@@ -60,12 +62,13 @@ class SpeedProfile(NamedTuple):
 
 def quickest_profile(rows: PathRows) -> SpeedProfile:
     """The largest speeds from rest to rest."""
-    kernels = _kernels(rows.a.shape[-1])
-    paths = rows.h.shape[1]
+    m, paths = rows.a.shape[-1], rows.h.shape[1]
+    kernels = _kernels(m)
+    backward, forward = _narrow_passes(m) if paths <= _FEW else kernels[1:]
     over_y, over_x, corners = _polygons(kernels.polygon, rows)
     rest = np.zeros((paths, 2))
-    reachable = recurrence(kernels.backward, rest, over_y[::-1], corners[::-1])[::-1]
-    x = recurrence(kernels.forward, rest[:, :1], over_x, reachable[1:, :, 1])[..., 0]
+    reachable = recurrence(backward, rest, over_y[::-1], corners[::-1])[::-1]
+    x = recurrence(forward, rest[:, :1], over_x, reachable[1:, :, 1])[..., 0]
     return SpeedProfile(x, reachable)
 
 
@@ -79,7 +82,7 @@ def _polygons(kernel: Kernel, rows: PathRows) -> tuple[Array, ...]:
     flat = (x.reshape(rows.h.size, x.shape[-1]) for x in (*given, ends))  # one axis is quickest
     *lines, corners = (x.reshape(*rows.h.shape, *x.shape[1:]) for x in kernel(*flat))
     for _ in range(_SEARCHES):
-        steps = np.abs(corners[..., 2::3]).max(axis=-1)
+        steps = np.maximum(np.abs(corners[..., 2]), np.abs(corners[..., 5]))
         open_ = (steps > _CLOSE * np.abs(corners[..., 0])) & (steps < path_timing.FAR)
         if not open_.any():
             break
@@ -102,26 +105,47 @@ def _row_arguments(m: int) -> list[Argument]:
     return [Argument(f"{name}{end}", (m,)) for end in ("", "_end") for name in names]
 
 
-def excess(rows: PathRows, x: Array, middle: Array, size: Array) -> Array:
-    """(N, P, m) by how much the rows of a motion with x (N + 1, P) are above their limit `size`
-    (m,) within the intervals, or negative below -size; middle: their values halfway."""
+def excess(rows: PathRows, x: Array, middle: Array, size: Array) -> tuple[Array, Array]:
+    """((N, P, m) by how much the rows of a motion with x (N + 1, P) are above their limit `size`
+    (m,) within the intervals, or negative below -size; (N, P) the largest as a fraction of its
+    limit). middle: their values halfway."""
     ends = np.stack([x[:-1], x[1:], rows.h], axis=-1)
     given = (*_both_ends(rows), middle, ends)
     flat = [a.reshape(rows.h.size, a.shape[-1]) for a in given]
-    return _excess(len(size))(*flat[:-1], size, flat[-1]).reshape(middle.shape)
+    by, share = _excess(len(size))(*flat[:-1], size, flat[-1])
+    return by.reshape(middle.shape), share.reshape(rows.h.shape)
 
 
 @lru_cache(maxsize=8)
 def _excess(m: int) -> Kernel:
     """`path_timing.excess` of m rows."""
 
-    def excess(*given: Scalar) -> tuple[Scalar]:
+    def excess(*given: Scalar) -> tuple[Scalar, ...]:
         start, end = path_timing.RowsAtEnd(*given[:4]), path_timing.RowsAtEnd(*given[4:8])
-        return (path_timing.excess(start, end, *given[8:10], *given[10]),)
+        return path_timing.excess(start, end, *given[8:10], *given[10])
 
     inputs = [*_row_arguments(m), Argument("middle", (m,)), Argument("size", (m,))]
-    outputs = [Argument("excess", (m,))]
+    outputs = [Argument("excess", (m,)), Argument("share", ())]
     return compile_program(trace("path_excess", excess, [*inputs, Argument("ends", (3,))], outputs))
+
+
+def speed_share(first: Array, velocity: Array) -> Array:
+    """(T, P) the largest speed where ṡ is 1 as a fraction of its limit (n,), squared; first: q' (T,
+    P, n)."""
+    n = len(velocity)
+    finite = np.minimum(velocity, path_timing.FAR)
+    return _speed_share(n)(first.reshape(-1, n), finite).reshape(first.shape[:2])
+
+
+@lru_cache(maxsize=8)
+def _speed_share(n: int) -> Kernel:
+    """`path_timing.speed_share` of n coordinates."""
+
+    def share(*given: Scalar) -> tuple[Scalar]:
+        return (path_timing.speed_share(*given),)
+
+    inputs = [Argument(name, (n,)) for name in ("first", "velocity")]
+    return compile_program(trace("path_speed_share", share, inputs, [Argument("share", ())]))
 
 
 def top_speed(first: Array, middle: Array, velocity: Array, x: Array) -> Array:
@@ -146,19 +170,21 @@ def _top_speed(n: int) -> Kernel:
     return compile_program(trace("path_speed", speed, inputs, [Argument("top", ())]))
 
 
-def timed_pieces(derivatives: Sequence[Array], x: Array, h: Array) -> tuple[Array, Array]:
+def timed_pieces(derivatives: Sequence[Array], x: Array, h: Array) -> tuple[list[Array], Array]:
     """(polynomials of time, durations (N, P)) of the motion in each interval, where s̈ is constant.
 
     derivatives: of the paths by s, (N, P, n) each, at the intervals' starts, all that are not 0. x:
-    (N + 1, P). h: (N, P) twice the intervals' lengths. Polynomials: (P, degree + 1, N, n), highest
-    power first.
+    (N + 1, P). h: (N, P) twice the intervals' lengths. Polynomials: (degree + 1, N, n) of each
+    path, highest power first.
     """
     n, degree = derivatives[0].shape[-1], len(derivatives) - 1
     speed = np.sqrt(x)
-    found = np.empty((x.shape[1], 2 * degree + 1, len(h), n))
     half = (x[1:] - x[:-1]) / (2.0 * h)
-    outs = tuple(np.moveaxis(found, 0, 2)[::-1])
-    _timing(n, degree)(*derivatives, speed[:-1], half, out=outs)
+    kernel = _timing(n, degree)
+    found = [result_memory.empty((2 * degree + 1, len(h), n)) for _ in range(x.shape[1])]
+    for k, own in enumerate(found):
+        given = (*derivatives, speed[:-1], half)
+        kernel(*(column[:, k] for column in given), out=tuple(own[::-1]))
     return found, h / (speed[:-1] + speed[1:])
 
 
@@ -173,6 +199,13 @@ def _timing(n: int, degree: int) -> Kernel:
     powers = [Argument(f"c{k}", (n,)) for k in range(2 * degree + 1)]
     inputs = [*derivatives, Argument("speed", ()), Argument("half", ())]
     return compile_program(trace("path_timed", timed, inputs, powers))
+
+
+@lru_cache(maxsize=8)
+def _narrow_passes(m: int) -> tuple[Kernel, Kernel]:
+    """The kernels of the passes of few paths."""
+    kernels = _kernels(m)
+    return narrowest(kernels.backward), narrowest(kernels.forward)
 
 
 class _Kernels(NamedTuple):

@@ -17,7 +17,8 @@ from freebody.labels import is_labelled
 from freebody.model.model import Model
 from freebody.motion.geometric_path import grid, motions_along, path_curve, refuse_out_of_range
 from freebody.motion.motion import Motion
-from freebody.motion.path_limits import PathCurve, PathProblem, RobotLimits, path_problem
+from freebody.motion.path_limits import PathProblem, RobotLimits, path_problem
+from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planned import sample_times
 from freebody.motion.planning_limits import Limit, PlanningLimits, planning_limits
 from freebody.motion.speed_profile import quickest_profile
@@ -130,7 +131,7 @@ class _PathBlock(NamedTuple):
     intervals: int
 
 
-def _blocks(curves: Sequence[PathCurve], points: int) -> Iterator[_PathBlock]:
+def _blocks(curves: Sequence[PiecewisePolynomial], points: int) -> Iterator[_PathBlock]:
     """All paths in order; those beside each other have equally many intervals."""
     counts = [max(points - 1, len(curve.breaks) - 1) for curve in curves]
     for intervals, group in groupby(range(len(curves)), key=counts.__getitem__):
@@ -140,7 +141,10 @@ def _blocks(curves: Sequence[PathCurve], points: int) -> Iterator[_PathBlock]:
 
 
 def _motions(
-    robot: RobotLimits, limits: PlanningLimits, curves: Sequence[PathCurve], block: _PathBlock
+    robot: RobotLimits,
+    limits: PlanningLimits,
+    curves: Sequence[PiecewisePolynomial],
+    block: _PathBlock,
 ) -> Iterator[Motion]:
     """Of the paths of a block."""
     own = [curves[k] for k in block.paths]
@@ -157,38 +161,42 @@ def _motions(
                 f"{100 * worst:.2g} %; give more points than {block.intervals + 1}, or larger "
                 f"limits."
             )
-    bulge = np.maximum(problem.top_speed(found.x).max(axis=0) - 1.0 + _MISSED, 0.0)
+    bulge = np.maximum(found.fastest - 1.0 + _MISSED, 0.0)
     found.x[:] /= 1.0 + 2.0 * bulge  # slower by some millionths
     notices = [_told(worst) if worst > _HELD else () for worst in found.worst]
-    return motions_along(robot.model, own, problem.at, found.x, _SOURCE, notices)
+    return motions_along(robot.model, problem.at, found.x, _SOURCE, notices)
 
 
 class _Quickest(NamedTuple):
-    """x (N + 1, P), and by which fraction of a limit it is exceeded halfway (P,)."""
+    """x (N + 1, P), by which fraction of a limit it is exceeded within the intervals (P,), and the
+    largest speed as a fraction of its limit, squared (P,)."""
 
     x: Array
     worst: Array
+    fastest: Array
 
 
 def _solved(problem: PathProblem, labels: list[str]) -> _Quickest:
     """Repeated where viscous friction asks for it, then where limits are exceeded between the
     points, unless stricter ones leave nothing; each path as if it were alone."""
     before = _first_guess(problem, labels)
-    found = _Quickest(np.zeros_like(problem.rows.most), np.full(len(labels), np.inf))
+    worst, fastest = np.full(len(labels), np.inf), np.zeros(len(labels))
+    found = _Quickest(np.zeros_like(problem.rows.most), worst, fastest)
     left = np.arange(len(labels))
     for _ in range(_ROUNDS):
         profile = quickest_profile(problem.strict(before))
         if problem.margin is None:
             refuse_unreachable(_NAME, problem, profile, labels)
-        excess = problem.excess(profile.x)
-        worst = (np.abs(excess) / problem.limits.size).max(axis=(0, 2), initial=0.0)
+        excess, share = problem.excess(profile.x)
         speed = problem.top_speed(profile.x)
-        worst = np.maximum(worst, np.sqrt(speed.max(axis=0)) - 1.0)
+        fastest = speed.max(axis=0)
         off = problem.tangent_error(profile.x, before)
-        worst, turning = worst + off, off > _TANGENT
-        better = profile.moves & (turning | (worst < found.worst[left]))
-        found.x[:, left[better]], found.worst[left[better]] = profile.x[:, better], worst[better]
-        again = profile.moves & (turning | (worst > _HELD))
+        worst = np.maximum(share.max(axis=0), np.sqrt(fastest) - 1.0) + off
+        turning, moves = off > _TANGENT, profile.moves
+        better = moves & (turning | (worst < found.worst[left]))
+        for kept, new in zip(found, (profile.x, worst, fastest), strict=True):
+            kept[..., left[better]] = new[..., better]
+        again = moves & (turning | (worst > _HELD))
         if not again.any():
             break
         if not turning.any():

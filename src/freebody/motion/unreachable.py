@@ -26,7 +26,7 @@ def refuse_unreachable(
     moves = profile.moves
     if problem.viscous is None:  # its tangent says nothing of rest
         moves &= profile.starts
-    free = np.any(profile.x > _FAST * unlimited(problem.at.s), axis=0)
+    free = profile.x.max(axis=0) > _FAST * unlimited(problem.at.s)
     for path in map(int, np.flatnonzero(~moves | free)):
         start = f"{function}: {labels[path]}"
         if moves[path]:

@@ -11,7 +11,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.targets.kernel import Kernel
+from freebody.targets.kernel import Kernel, compile_program
+from freebody.targets.target import target_named
 from freebody.targets.threads import cpus, run_split
 
 _FEWEST = 16
@@ -43,6 +44,18 @@ def recurrence(kernel: Kernel, first: Array, *sequences: Array) -> Array:
     cores = [x.ndim - 1 for x in by_sample]
     run_split(part, by_sample[1:], by_sample[:1], [*cores[1:], cores[0]], (batch,), threads)
     return states
+
+
+def narrowest(kernel: Kernel) -> Kernel:
+    """The kernel of the same program with the narrowest vectors that its target has: a step of few
+    samples, which waits for the one before, is sooner done."""
+    widths = target_named(kernel.target).widths[kernel.dtype.name]
+    return compile_program(
+        kernel.program,
+        target=kernel.target,
+        width=min(widths, default=None),
+        dtype=kernel.dtype.name,
+    )
 
 
 def _stepper(kernel: Kernel) -> Callable[..., None]:

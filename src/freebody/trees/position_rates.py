@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array
+from freebody.lazy import kept
 from freebody.model.model import Model
 
 Index = NDArray[np.intp]
@@ -41,6 +42,10 @@ class CoordinateLayout:
 
 def layout(model: Model) -> CoordinateLayout:
     """The layout of a model's coordinates."""
+    return kept(model, "_coordinate_layout", _layout, model)
+
+
+def _layout(model: Model) -> CoordinateLayout:
     iq: list[int] = []
     iv: list[int] = []
     turns, shifts = [], []
@@ -56,6 +61,8 @@ def layout(model: Model) -> CoordinateLayout:
         if body.kind.nq == 7:
             shifts.append((slice(at.q[0], at.q[3]), turn[0], slice(at.v[0], at.v[3]), turn[1]))
     plain = np.array(iq, dtype=int), np.array(iv, dtype=int)
+    for index in plain:
+        index.flags.writeable = False
     return CoordinateLayout(model.nq, model.nv, plain, tuple(turns), tuple(shifts))
 
 

@@ -260,7 +260,7 @@ _VECTORS = {
 """By the dimension of an input (`kernels.formulas.INPUTS`)."""
 
 
-_ALIKE = {"about": "point", "waypoints": "q"}
+_ALIKE = {"about": "point", "waypoints": "q", "path": "q"}
 """Arguments that are vectors as an input of another name is."""
 
 
