@@ -155,8 +155,9 @@ def main() -> None:
             ratio = toppras / own
             print(
                 f"{name:8}{apart:10.1e}{np.quantile(found[:, 0], 0.99):13.5f}"
-                f"{found[:, 0].max():10.5f}{found[:, 1].min():9.3f}{own[0]:8.2f}{own[1]:7.2f}{own[2]:7.2f}"
-                f"{toppras[0]:8.1f}{toppras[1]:7.1f}{1e3 * passes:8.1f}{ratio[0]:7.1f}{ratio[1]:7.1f}"
+                f"{found[:, 0].max():10.5f}{found[:, 1].min():9.3f}{own[0]:8.2f}{own[1]:7.2f}"
+                f"{own[2]:7.2f}{toppras[0]:8.1f}{toppras[1]:7.1f}{1e3 * passes:8.1f}{ratio[0]:7.1f}"
+                f"{ratio[1]:7.1f}"
             )
     model, rng = ARMS["ur5e"](), np.random.default_rng(7)
     paths = [random_path(model, rng) for _ in range(1000)]
