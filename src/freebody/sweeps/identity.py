@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import inspect
-import platform
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from freebody.model.model import Model
 from freebody.sweeps.evaluation import SweepTask
 from freebody.sweeps.functions import SweptCallable, SweptKernel
 from freebody.targets import Kernel
+from freebody.targets.llvm.machine import host
 
 
 def identity(task: SweepTask, points: int) -> str:
@@ -27,7 +27,7 @@ def identity(task: SweepTask, points: int) -> str:
             content = part if isinstance(part, bytes) else repr(part).encode()
             digest.update(len(content).to_bytes(8, "little") + content)
 
-    add("1", platform.machine(), np.__version__, points, task.tile, task.hoisted, task.wanted)
+    add("1", repr(host()), np.__version__, points, task.tile, task.hoisted, task.wanted)
     add(task.outputs, *_function(task.function), *_value(task.model))
     for axes in (task.grid.rows, task.grid.columns):
         add(*(part for axis in axes for part in (axis.name, *_given(axis.given))))

@@ -53,6 +53,7 @@ def sweep(
     reference: str = "world",
     block: int = 1 << 20,
     store: str | PathLike[str] | None = None,
+    client: Any = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """A function at every point of the grid of many parameters and states, reduced on the way.
@@ -75,6 +76,8 @@ def sweep(
     with what is there, after whatever stopped it, and ends with the same bytes. Without reduce= the
     values stay there: they are read when they are looked at, over one axis `point` in the place of
     all but the last. Needs the extra `sweep`.
+    client: a `distributed.Client` of Dask or the address of its scheduler: blocks are evaluated by
+    its workers, with the same bytes as here; default this process. Needs the extra `sweep`.
     progress: called with what is being done, and which share of it is.
 
     Returns an xarray Dataset over the other axes, with `failed`, how many points had no value (NaN,
@@ -90,13 +93,13 @@ def sweep(
     blocks = [x for _, some in groups for x in some]
     watched = _Watched(grid, progress)
     if store is None:
-        results = map(watched, blocks, evaluated(task, blocks))
+        results = map(watched, blocks, evaluated(task, blocks, None, client))
         return dataset(model, swept, _joined(grid, outputs, chosen, groups, results))
     kept = SweepStore(store, task, groups, identity(task, points))
     missing = [x for x in blocks if not kept.holds(x)]
     watched.done += sum(map(_points, blocks)) - sum(map(_points, missing))
-    for each, result in zip(missing, evaluated(task, missing), strict=True):
-        kept.write(each, watched(each, result))
+    for each, result in zip(missing, evaluated(task, missing, kept.write, client), strict=True):
+        watched(each, result)
     arrays = _joined(grid, outputs, chosen, groups, map(kept.read, blocks), bool(chosen))
     if chosen:
         return kept.finish(dataset(model, swept, arrays))
