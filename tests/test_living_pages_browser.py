@@ -30,6 +30,7 @@ SET = """const [state] = arguments, inputs = [...document.querySelectorAll('.sli
 inputs.forEach((row, k) => { const slider = row.querySelector('input');
   slider.min = -1e6; slider.max = 1e6; slider.value = state[k];
   slider.dispatchEvent(new Event('input')); });"""
+STATE = NAMES.replace("dataset.input", "valueAsNumber")
 VALUES = """return [...document.querySelectorAll('.value')].map(row =>
   [row.dataset.name || row.textContent, row.querySelector('output').title])"""
 ARROWS = """return [...document.querySelectorAll('#bodies g:not(.legend) line.reaction')].map(e =>
@@ -85,6 +86,27 @@ def test_the_numbers_are_those_of_the_kernels(driver, tmp_path, letters):
                 np.testing.assert_allclose(found, [tau[k]], rtol=1e-9, atol=1e-11)
             for found in shown[f"f{k}{k + 1}"]:
                 np.testing.assert_allclose(found, forces[k][:2], rtol=1e-9, atol=1e-11)
+
+
+def test_under_a_load_at_rest_too(driver, tmp_path):
+    model = fb.load("2R")
+    opened(driver, tmp_path, fb.derive(model, "statics"))
+    numbers = dict(zip(driver.execute_script(NAMES), driver.execute_script(STATE), strict=True))
+    load, q = [numbers["fx"], numbers["fy"], 0.0], [numbers["theta1"], numbers["theta2"]]
+    assert "theta1_d" not in numbers
+    assert np.linalg.norm(load) > 10
+    tau = fb.inverse_dynamics(model, q, [0, 0], [0, 0], wrenches=load)
+    forces = fb.joint_wrenches(model, q, [0, 0], [0, 0], wrenches=load)
+    shown = values(driver)
+    np.testing.assert_allclose([shown["tau1"][0], shown["tau2"][0]], tau[:, None], rtol=1e-9)
+    np.testing.assert_allclose(shown["f12"][0], forces[1][:2], rtol=1e-9)
+
+
+def test_what_a_pin_without_motor_would_need_is_drawn(driver, tmp_path):
+    """A pendubot's elbow has no motor: its moment is named only where the state needs one."""
+    opened(driver, tmp_path, fb.derive(fb.load("pendubot"), "newton-euler"))
+    words = "return [...document.querySelectorAll('#bodies .moment-text')].map(e => e.textContent)"
+    assert any(word.startswith("n") for word in driver.execute_script(words))
 
 
 @pytest.mark.parametrize("method", METHODS)

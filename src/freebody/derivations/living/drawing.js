@@ -33,9 +33,9 @@ function arrow(parent, kind, from, along, name) {
     "text-anchor": u < -0.3 ? "end" : u > 0.3 ? "start" : "middle"}, name);
 }
 
+const NOISE = 1e-9;  // Of the largest moment or force: smaller ones are rounding.
 // A moment: three quarters of a circle, anticlockwise where positive.
 function turn(parent, at, value, name, radius, away) {
-  if (!name || Math.abs(value) < 1e-12) return;
   const way = value > 0 ? 1 : -1;
   const on = (angle) => [at[0] + radius * Math.cos(angle), at[1] - radius * Math.sin(way * angle)];
   const from = on(-0.5), to = on(3.8), back = on(3.8 - 9 / radius);
@@ -44,8 +44,8 @@ function turn(parent, at, value, name, radius, away) {
   const out = [(back[0] - at[0]) / radius, (back[1] - at[1]) / radius];
   put(parent, "polygon", {class: "moment-head", points:
     `${to} ${[back[0] + 4 * out[0], back[1] + 4 * out[1]]} ${[back[0] - 4 * out[0], back[1] - 4 * out[1]]}`});
-  put(parent, "text", {class: "moment-text halo", x: at[0] + 32 * away[0], y: at[1] + 26 * away[1] + 4,
-    "text-anchor": "middle"}, `${name} = ${shown(value)}`);
+  const beside = Math.min(Math.max(at[0] + 32 * away[0], 48), 312);
+  put(parent, "text", {class: "moment-text halo", x: beside, y: at[1] + 26 * away[1] + 4, "text-anchor": "middle"}, `${name} = ${shown(value)}`);
 }
 
 function joint(parent, place, slides) {
@@ -70,7 +70,7 @@ function drawArm(svg, bodies, y) {
       from = vector(y, place);
     }
   }
-  const scale = 118 / round(reach), at = (places) => [180 + scale * y[places[0]], 135 - scale * y[places[1]]];
+  const scale = 128 / (reach || 1), at = (places) => [180 + scale * y[places[0]], 135 - scale * y[places[1]]];
   line(svg, "hatch", [150, 135], [210, 135]);
   for (const body of bodies) {
     if (body.slides) line(svg, "rail", body.index ? at(bodies[body.index - 1].joint) : [180, 135], at(body.joint));
@@ -90,7 +90,7 @@ function loads(bodies, y) {
     const child = bodies[k + 1];
     if (child) {
       forces.push(["reaction", child.joint, minus([0, 0], vector(y, child.force)), `\u2212${child.called.force}`]);
-      moments.push([child.joint, -y[child.moment[0]], child.called.moment && `\u2212${child.called.moment}`]);
+      moments.push([child.joint, -y[child.moment[0]], `\u2212${child.called.moment}`]);
     }
     forces.push(["weight", body.centre, vector(y, body.weight), body.called.weight]);
     if (body.load) forces.push(["external", body.tip, vector(y, body.load), "f"]);
@@ -105,6 +105,7 @@ function drawBodies(svg, bodies, y) {
   const all = loads(bodies, y), wide = 360 / Math.min(2, bodies.length), tall = 190;
   svg.setAttribute("viewBox", `0 0 360 ${tall * Math.ceil(bodies.length / 2)}`);
   const longest = round(Math.max(...all.flatMap((one) => one.forces.map((force) => length(force[2])))));
+  const most = Math.max(longest, ...all.flatMap((one) => one.moments.map((moment) => Math.abs(moment[1]))));
   const size = round(Math.max(...bodies.map((body) => length(minus(vector(y, body.end), vector(y, body.joint))))));
   all.forEach(({body, forces, moments}, k) => {
     const a = vector(y, body.joint), b = vector(y, body.end);
@@ -120,6 +121,7 @@ function drawBodies(svg, bodies, y) {
     const [from, to] = [at(body.joint), at(body.end)], long = length(minus(to, from)) || 1;
     const along = long > 1 ? [(to[0] - from[0]) / long, (to[1] - from[1]) / long] : [0, -1];
     for (const [place, moment, name] of moments) {
+      if (Math.abs(moment) < NOISE * most) continue;
       const first = place === body.joint;
       turn(cell, at(place), moment, name, first ? 13 : 18, first ? [-along[0], -along[1]] : along);
     }

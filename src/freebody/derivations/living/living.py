@@ -13,6 +13,7 @@ from importlib import resources
 from typing import Any
 
 from freebody.derivations.derivation import Derivation, Step
+from freebody.derivations.derive import LOADS
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Symbol
 from freebody.derivations.expressions.printed_names import sym
@@ -33,6 +34,9 @@ _DRAWN = ("r{n}", "rc{n}", "f{i}{n}", "M{n}")
 """Of each body: its joint, its centre of mass, the force and the moment at its joint."""
 _WIDEST: dict[str, float] = {"rad": math.pi, "rad/s": 5.0, "rad/s²": 20.0, "m/s": 3.0, "N": 100.0}
 """The end of a slider, by unit; of other units three times the value, at least 1."""
+
+_LOAD = dict(zip(LOADS[2], (20.0, -10.0), strict=True))
+"""The force on the tip at first, N."""
 
 
 def living(derivation: Derivation) -> LivingParts | None:
@@ -97,10 +101,13 @@ def _bodies(kernel: PageProgram, found: LineValues, naming: Naming) -> list[dict
 
 
 def _called(naming: Naming, n: int) -> dict[str, str]:
+    """The names; at a pin without motor that of the moment that the state would need there."""
     moment = naming.joint_moment(n)
+    if moment == ex.ZERO:
+        moment = naming.moment(naming.parent(n), n)
     return {
         "force": str(naming.force(n - 1, n)),
-        "moment": "" if moment == ex.ZERO else str(moment),
+        "moment": str(moment),
         "weight": f"{naming.mass(n)} g",
     }
 
@@ -126,7 +133,10 @@ def _inputs(derivation: Derivation, kernel: PageProgram) -> list[dict[str, Any]]
     """The symbols that have a slider: name, value, range, kind."""
     symbols, units = derivation.equations.symbols, _units(derivation)
     names = [x for x in symbols.ring.names if x in kernel.used]
-    values = typical(names, _model(derivation).parameters)
+    values = typical(names, _model(derivation).parameters) | {
+        name: value for name, value in _LOAD.items() if name in names
+    }
+    units |= dict.fromkeys(_LOAD, "N")
     made = []
     for name in names:
         value, unit = values[name], units.get(name, "")
