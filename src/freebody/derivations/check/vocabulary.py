@@ -35,6 +35,8 @@ _SYNONYMS = {
     "m": (),
 }
 _MOST_IN_SUM = 6
+_SHORT = 4
+"""Letters of a name of somebody's own, at most; what is longer is rather a word of a sentence."""
 
 
 @dataclass
@@ -109,15 +111,16 @@ class Vocabulary:
             hint = f"The {function} of the angle is written {wave}. "
             near = []
         shown = word if len(word) <= 30 else word[:30] + "…"
-        renaming = (
-            f" For a name of your own: names={{{plain!r}: {near[0]!r}}}, --name {plain}={near[0]}."
-            if near
-            else ""
+        target = near[0] if near else names[0]
+        remedy = (
+            f" For a name of your own: names={{{plain!r}: {target!r}}}, --name {plain}={target}."
         )
+        if not near:
+            remedy = f"{remedy if len(plain) <= _SHORT else ''} Words that are not part of an equation go behind a #."
         source.fail(
             f"no symbol {shown!r} in {self.setting.symbols.model.name!r}",
             span,
-            f"{hint}Symbols: {', '.join(names[:24])}.{renaming}",
+            f"{hint}Symbols: {', '.join(names[:24])}.{remedy}",
         )
 
     @property
