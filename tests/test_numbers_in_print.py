@@ -119,6 +119,8 @@ def test_a_limit_that_is_exceeded_prints_so() -> None:
     assert by_rounding.text == (
         "elbow goes to 3.142 rad at t = 0.5 s, its nearest limit being 3.142 rad"
     )
+    at_zero = LimitUse("position", "elbow", 1.776e-15, 0.0, 1.0, 0.5, "rad")
+    assert at_zero.text == "elbow goes to 0 rad at t = 0.5 s, its nearest limit being 0 rad"
 
 
 COMPARING = re.compile(

@@ -425,3 +425,11 @@ def test_a_study_judges_what_lies_between_samples():
     assert found.verdict.outcome == "not feasible"
     assert "goes to 1.125 rad at t = 1.5 s" in found.verdict.text
     assert float(found.summary["highest"][0]) == pytest.approx(1.125)
+
+
+def test_a_waypoint_at_0_prints_as_0(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.chdir(tmp_path)
+    assert run(["plan", "2R", "0.6, 0; -1.1, 1.2; 0.8, 0", "--velocity", "3"]) == 0
+    assert "e-" not in capsys.readouterr().out

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from freebody.model.model import Model
     from freebody.motion.motion import Motion
 
+_ROUNDING = 1e-12
+"""rad, m: what is left of 0 in a polynomial of positions."""
+
 EXAMPLE = 'Example: freebody plan 2R "0, 0; 1.2, 30 deg; 0.5, -0.4" --acceleration 2'
 
 
@@ -108,6 +111,11 @@ def _read(model: Model, text: str) -> tuple[Any, Any]:
     return rows, None
 
 
+def _cleared(position: float) -> float:
+    """0 where only rounding makes it another."""
+    return position if abs(position) > _ROUNDING else 0.0
+
+
 def _print(model: Model, motion: Motion, path: Path) -> None:
     from freebody.motion.planning_limits import planning_limits
 
@@ -123,8 +131,8 @@ def _print(model: Model, motion: Motion, path: Path) -> None:
         rows.append(
             (
                 name,
-                f"{found.position.low[k]:.4g} {unit}",
-                f"{found.position.high[k]:.4g} {unit}",
+                f"{_cleared(found.position.low[k]):.4g} {unit}",
+                f"{_cleared(found.position.high[k]):.4g} {unit}",
                 f"{found.velocity.size[k]:.4g} {unit}/s",
                 f"{100 * share:.3g} %" if limits.velocity[k] < float("inf") else "",
                 f"{found.acceleration.size[k]:.4g} {unit}/s²",

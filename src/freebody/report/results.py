@@ -52,8 +52,9 @@ class LimitUse:
 
     def in_print(self) -> tuple[str, ...]:
         """Value and limit in print: apart unless they differ by rounding only."""
-        if not self.exceeded and abs(abs(self.value) - abs(self.limit)) <= CLOSE * abs(self.limit):
-            return f"{self.value:.4g}", f"{self.limit:.4g}"
+        size = abs(self.limit)
+        if not self.exceeded and abs(abs(self.value) - size) <= CLOSE * (size or 1.0):
+            return f"{self.value if size else self.limit:.4g}", f"{self.limit:.4g}"
         return compared(self.value, self.limit)
 
 

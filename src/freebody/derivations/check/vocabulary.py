@@ -116,7 +116,8 @@ class Vocabulary:
             f" For a name of your own: names={{{plain!r}: {target!r}}}, --name {plain}={target}."
         )
         if not near:
-            remedy = f"{remedy if len(plain) <= _SHORT else ''} Words that are not part of an equation go behind a #."
+            own = remedy if len(plain) <= _SHORT else ""
+            remedy = f"{own} Words that are not part of an equation go behind a #."
         source.fail(
             f"no symbol {shown!r} in {self.setting.symbols.model.name!r}",
             span,
