@@ -171,6 +171,15 @@ def test_with_much_viscous_friction_torques_are_held_at_the_points_too(seed: int
         assert used.max() < 1.0003
 
 
+@pytest.mark.parametrize("torque", [10.5, 12.0])
+def test_viscous_friction_grows_fast_at_a_start_from_rest(torque: float):
+    """With the square root of the way: the torque is largest early in the first interval."""
+    model = pendulum(viscous=0.3)
+    motion = fb.time_optimal(model, [[0.3], [2.5]], torque=torque, points=21)
+    assert motion.notices == ()
+    assert np.abs(fb.inverse_dynamics(model, *fine(motion))).max() < 1.0005 * torque
+
+
 @pytest.mark.parametrize("length", [1e-9, 1e9])
 def test_the_motion_is_that_of_the_path_whatever_s_is_counted_in(length: float):
     one = CubicSpline([0.0, 0.3, 0.7, 1.0], WAY)

@@ -176,30 +176,42 @@ def forward(x: Scalar, high: Vector, slope: Vector, most: Scalar) -> Scalar:
 
 
 def excess(
-    start: RowsAtEnd, end: RowsAtEnd, middle: Vector, size: Vector, x: Scalar, y: Scalar, h: Scalar
+    start: RowsAtEnd,
+    end: RowsAtEnd,
+    middle: Vector,
+    size: Vector,
+    x: Scalar,
+    y: Scalar,
+    h: Scalar,
+    passed: Scalar,
 ) -> tuple[list[Scalar], Scalar]:
     """By how much each row is above its limit `size` within an interval, or negative below -size;
     and the largest of them as a fraction of its limit.
 
-    middle: the values halfway; between them and those at the ends a parabola.
+    middle: the values halfway, where the part `passed` of the interval's time is over; between them
+    and those at the ends a parabola over time: viscous friction grows with the square root of the
+    way.
     """
     found = []
     u = (y - x) / h
     for a, b, lo, hi, c, d, low, high, half, most in zip(*start, *end, middle, size, strict=True):
         first = a * u + b * x - 0.5 * (lo + hi)
         last = c * u + d * y - 0.5 * (low + high)
-        peak = _vertex(first, half, last)
+        peak = _vertex(first, half, last, passed)
         top, bottom = maximum(half, peak), minimum(half, peak)
         found.append(maximum(top - most, 0.0) + minimum(bottom + most, 0.0))
     shares = [absolute(by) / most for by, most in zip(found, size, strict=True)]
     return found, balanced(maximum, [0.0 * x, *shares])
 
 
-def _vertex(first: Scalar, half: Scalar, last: Scalar) -> Scalar:
-    """The extreme value of the parabola through values at both ends and halfway, or the latter."""
-    lean, bend = last - first, first + last - 2.0 * half
-    inside = less(absolute(lean), 2.0 * absolute(bend))
-    return half - where(inside, lean * lean / (8.0 * where(inside, bend, 1.0)), 0.0)
+def _vertex(first: Scalar, half: Scalar, last: Scalar, passed: Scalar) -> Scalar:
+    """The extreme value of the parabola through values at both ends and `passed` of the way between
+    them, or the latter."""
+    lean = last - first
+    bend = (half - first - lean * passed) / (passed * passed - passed)
+    inside = less(absolute(lean), absolute(bend))
+    slope = lean - bend
+    return where(inside, first - slope * slope / (4.0 * where(inside, bend, 1.0)), half)
 
 
 def speed_share(first: Vector, velocity: Vector) -> Scalar:
@@ -217,7 +229,7 @@ def top_speed(
     for a, b, c, most in zip(start, middle, end, velocity, strict=True):
         scale = 1.0 / (most * most)
         first, half, last = a * a * x * scale, 0.5 * b * b * (x + y) * scale, c * c * y * scale
-        found += [first, maximum(half, _vertex(first, half, last)), last]
+        found += [first, maximum(half, _vertex(first, half, last, 0.5)), last]
     return balanced(maximum, found)
 
 

@@ -109,7 +109,10 @@ def excess(rows: PathRows, x: Array, middle: Array, size: Array) -> tuple[Array,
     """((N, P, m) by how much the rows of a motion with x (N + 1, P) are above their limit `size`
     (m,) within the intervals, or negative below -size; (N, P) the largest as a fraction of its
     limit). middle: their values halfway."""
-    ends = np.stack([x[:-1], x[1:], rows.h], axis=-1)
+    speed, half = np.sqrt(x), np.sqrt(0.5 * (x[:-1] + x[1:]))
+    least = np.finfo(float).tiny
+    passed = 0.5 * (speed[:-1] + speed[1:] + least) / (half + speed[:-1] + least)
+    ends = np.stack([x[:-1], x[1:], rows.h, passed], axis=-1)
     given = (*_both_ends(rows), middle, ends)
     flat = [a.reshape(rows.h.size, a.shape[-1]) for a in given]
     by, share = _excess(len(size))(*flat[:-1], size, flat[-1])
@@ -126,7 +129,7 @@ def _excess(m: int) -> Kernel:
 
     inputs = [*_row_arguments(m), Argument("middle", (m,)), Argument("size", (m,))]
     outputs = [Argument("excess", (m,)), Argument("share", ())]
-    return compile_program(trace("path_excess", excess, [*inputs, Argument("ends", (3,))], outputs))
+    return compile_program(trace("path_excess", excess, [*inputs, Argument("ends", (4,))], outputs))
 
 
 def speed_share(first: Array, velocity: Array) -> Array:
