@@ -58,6 +58,7 @@ BY_POSITION = {
     "discrete_lqr": {"A": np.eye(2), "B": np.eye(2), "Q": np.eye(2), "R": np.eye(2)},
     "inverse_kinematics": {"target": [0.3, 0.2], "redundancy": [0.1, 0.2]},
     "workspace": {"points": [0.3, 0.2], "orientation": np.eye(2)},
+    "map_diagram": {"points": np.ones((2, 3, 2)), "values": np.ones((2, 3))},
     "dh": {"gravity": [0.0, 0.0, -9.81]},
     "line": {"target": [0.3, 0.2]},
     "arc": {"via": [0.3, 0.2], "target": [0.1, 0.2]},
@@ -76,7 +77,7 @@ OTHERS = {
         name: {"model": fb.load("2R"), "waypoints": [[0.0, 0.0], [1.0, 1.0]]}
         for name in ("quintic", "trapezoid", "s_curve", "spline")
     },
-    "workspace": {"model": fb.load("2R")},
+    **{name: {"model": fb.load("2R")} for name in ("workspace", "map_diagram")},
     "time_optimal": {"model": fb.load("2R"), "path": [[0.0, 0.0], [1.0, 1.0]]},
     **{name: {"model": fb.load("2R"), "q0": [0.3, 1.0]} for name in ("line", "arc")},
     "blend": {"model": fb.load("2R"), "q0": [0.3, 1.0], "radius": 0.1},

@@ -90,6 +90,7 @@ _PLACES = {
     "freebody.inverse.rates": ("inverse_velocity", "inverse_acceleration"),
     "freebody.inverse.singularities": ("singularities",),
     "freebody.reach.dexterity": ("dexterity",),
+    "freebody.reach.ellipsoids": ("ellipsoids",),
     "freebody.reach.payload_map": ("payload_map",),
     "freebody.reach.workspace": ("workspace",),
     "freebody.kernels.lookup": ("kernel",),
@@ -125,6 +126,8 @@ _PLACES = {
     "freebody.figures.free_body": ("free_body_diagram",),
     "freebody.figures.loci": ("singularity_diagram",),
     "freebody.figures.kinematic": ("kinematic_diagram",),
+    "freebody.figures.ellipsoid_diagram": ("ellipsoid_diagram",),
+    "freebody.figures.map_diagram": ("map_diagram",),
     "freebody_notes.figures.catalogue": ("notes_figure",),
     "freebody.report.study": ("Study", "study"),
 }

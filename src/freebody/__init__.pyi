@@ -15,10 +15,12 @@ from freebody.errors import LoopError as LoopError
 from freebody.errors import MassWarning as MassWarning
 from freebody.errors import PassiveJointError as PassiveJointError
 from freebody.errors import PhysicalWarning as PhysicalWarning
+from freebody.figures.ellipsoid_diagram import ellipsoid_diagram as ellipsoid_diagram
 from freebody.figures.free_body import free_body_diagram as free_body_diagram
 from freebody.figures.illustrate import derive as derive
 from freebody.figures.kinematic import kinematic_diagram as kinematic_diagram
 from freebody.figures.loci import singularity_diagram as singularity_diagram
+from freebody.figures.map_diagram import map_diagram as map_diagram
 from freebody.formats.loading import load as load
 from freebody.formats.saving import save as save
 from freebody.inverse.kinematics import inverse_kinematics as inverse_kinematics
@@ -68,6 +70,7 @@ from freebody.motion.tip_motions import line as line
 from freebody.motion.waypoint_files import read_waypoints as read_waypoints
 from freebody.motion.waypoint_files import write_motion as write_motion
 from freebody.reach.dexterity import dexterity as dexterity
+from freebody.reach.ellipsoids import ellipsoids as ellipsoids
 from freebody.reach.payload_map import payload_map as payload_map
 from freebody.reach.workspace import workspace as workspace
 from freebody.report.study import Study as Study

@@ -47,6 +47,8 @@ NOT_OF_STATES = frozenset(
         "time_optimal",
         "to_jax",
         "trapezoid",
+        "ellipsoid_diagram",
+        "map_diagram",
         "workspace",
         "write_motion",
     }

@@ -5,6 +5,11 @@ from __future__ import annotations
 SERIES = 8
 """Number of distinct colours for curves."""
 
+_MAP = ["440154", "46327e", "365c8d", "277f8e", "1fa187", "4ac16d", "a0da39", "fde725"]
+"""Of maps, from low to high, on light and dark paper: viridis, whose lightness grows evenly."""
+MAP = len(_MAP)
+"""Number of distinct colours of a map."""
+
 FORCES = {
     "reaction": "reaction",
     "counter": "reaction",
@@ -96,6 +101,8 @@ def _sheet(colours: dict[str, str]) -> str:
         text += f".fig .{role}{{fill:none;stroke:@{role};stroke-width:{width}}}"
         text += f".fig .{role}-head{{fill:@{role}}}.fig text.{role}-text{{fill:@{role}}}\n"
     text += ".fig .inertia{stroke-dasharray:5 4}\n"
+    for k, colour in enumerate(_MAP):
+        text += f".fig .m{k}{{fill:#{colour};stroke:#{colour};stroke-width:.4}}"
     for k in range(SERIES):
         text += f".fig .s{k}{{stroke:@s{k}}}.fig .f{k}{{fill:@s{k}}}"
     return _filled(text, colours)

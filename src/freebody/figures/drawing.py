@@ -138,7 +138,33 @@ class Label:
     direction: Point | None = None
 
 
-Element = Line | Arrow | Dimension | Turn | Arc | Mark | Prism | Label
+@dataclass(frozen=True)
+class Cells:
+    """Coloured cells of a plane: that in row i and column j is the parallelogram of `across` and
+    `up` at corner + j across + i up."""
+
+    corner: Point
+    across: Point
+    up: Point
+    colours: tuple[tuple[int, ...], ...]
+    """Numbers of the map's colours, row by row; -1: nothing."""
+    name: str
+    role: str = "map"
+
+
+@dataclass(frozen=True)
+class ColourKey:
+    """What the colours of a map mean."""
+
+    title: str
+    colours: tuple[int, ...]
+    texts: tuple[str, ...]
+    """A number for each colour, or for each edge of a colour's interval."""
+    between: bool = False
+    """Whether they are of edges."""
+
+
+Element = Line | Arrow | Dimension | Turn | Arc | Mark | Prism | Label | Cells
 
 
 @dataclass
@@ -156,6 +182,8 @@ class Drawing:
     """Lines of text below the picture."""
     rulers: list[tuple[float, str, str]] = field(default_factory=list)
     """Scale bars: length in metres of the world, text, role."""
+    key: ColourKey | None = None
+    """Of the colours, below the picture."""
     scale: float | None = None
     """Pixels a metre; default: what fits."""
     labels: str = "names"
@@ -249,6 +277,10 @@ def places(element: Element) -> tuple[Point, ...]:
             across = np.eye(3) - np.outer(axis, axis) / (axis @ axis)
             rim = [middle + sign * element.radius * row for row in across for sign in (-1, 1)]
             return tuple(middle + axis), tuple(middle - axis), *map(tuple, rim)
+        case Cells():
+            corner, i, j = np.asarray(element.corner), len(element.colours), len(element.colours[0])
+            far = np.multiply(i, element.up), np.multiply(j, element.across)
+            return tuple(corner), *(tuple(corner + way) for way in (*far, far[0] + far[1]))
         case _:
             return (element.at,)
 

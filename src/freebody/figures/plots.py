@@ -173,14 +173,14 @@ def _grid(axes: _Axes, unit: str) -> list[str]:
     out = []
     levels = ticks(*axes.range, most=4) if not axes.log else _decades(*axes.range)
     for level in levels:
-        text = f"10{_raised(level)}" if axes.log else _tick(level, levels)
+        text = f"10{_raised(level)}" if axes.log else tick(level, levels)
         out.append(axes.level("grid", level))
         out.append(words("tick", complex(left - 6, axes.y(level) + 4), text, "end"))
     instants = ticks(*axes.time)
     for t in instants:
         x = float(axes.x(t))
         out.append(line("axis", f"M{x:.1f} {bottom:.1f}v4"))
-        out.append(words("tick", complex(x, bottom + 16), _tick(t, instants), "middle"))
+        out.append(words("tick", complex(x, bottom + 16), tick(t, instants), "middle"))
     if not axes.log and axes.range[0] < 0 < axes.range[1]:
         out.append(axes.level("axis", 0.0))
     frame = line("frame", f"M{left:.1f} {top:.1f}V{bottom:.1f}H{right:.1f}")
@@ -197,7 +197,7 @@ def _raised(level: float) -> str:
     return f'<tspan dy="-4" font-size="75%">{fixed(level, 0)}</tspan>'
 
 
-def _tick(value: float, all_values: Sequence[float]) -> str:
+def tick(value: float, all_values: Sequence[float]) -> str:
     """As many decimals as the step needs."""
     step = all_values[1] - all_values[0] if len(all_values) > 1 else 1.0
     size = max(abs(v) for v in all_values) if all_values else 1.0

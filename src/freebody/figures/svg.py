@@ -12,11 +12,12 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.figures import colours, labelling, svg_symbols, text
+from freebody.figures import colours, labelling, svg_cells, svg_symbols, text
 from freebody.figures.drawing import (
     SAME,
     Arc,
     Arrow,
+    Cells,
     Dimension,
     Drawing,
     Element,
@@ -122,6 +123,10 @@ def picture(drawing: Drawing, width: float = 560.0, tallest: float = 460.0) -> P
         at = complex(width / 2, height + 4 + _NOTE * (k + 0.6))
         page.body.append(_centred("n", at, note, 12.0))
     height += _NOTE * len(drawing.notes) + (8 if drawing.notes else 0)
+    if drawing.key:
+        middle = complex(width / 2, height + 14)
+        page.body += svg_cells.key(drawing.key, middle, width - 2 * _MARGIN)
+        height += svg_cells.KEY
     return Picture("".join(page.body), width, height, drawing.title)
 
 
@@ -252,6 +257,10 @@ def _prism(page: Page, e: Prism) -> None:
         page.crowd.keep_clear(a, b)
 
 
+def _cells(page: Page, e: Cells) -> None:
+    page.body += svg_cells.cells(e, page.at)
+
+
 def _text(page: Page, e: Label) -> None:
     at, way = page.at(e.at), page.towards(e.direction, 1 - 1j)
     page.want(e, f"{e.role}-text", [(at, way), (at, -way)])
@@ -266,6 +275,7 @@ _DRAW = {
     Mark: _mark,
     Prism: _prism,
     Label: _text,
+    Cells: _cells,
 }
 assert set(_DRAW) == set(Element.__args__)
 

@@ -58,6 +58,7 @@ def axonometric(azimuth: float, elevation: float = 24.0) -> View:
 def best_view(
     segments: Sequence[tuple[Array, Array]],
     azimuths: Sequence[float] = (-60, -30, 30, 60, 120, 150, -150, -120),
+    elevation: float = 24.0,
 ) -> View:
     """The axonometric view that shows the given segments least foreshortened; of views that do so
     alike, whatever rounding says, the first."""
@@ -69,4 +70,4 @@ def best_view(
         lengths = np.linalg.norm(ways @ np.asarray(view.rows).T, axis=1)
         return round(float(lengths.sum() + 2.0 * lengths.min()) / total, 9)
 
-    return max(map(axonometric, azimuths), key=shown)
+    return max((axonometric(azimuth, elevation) for azimuth in azimuths), key=shown)

@@ -1,0 +1,102 @@
+"""`ellipsoids`: velocities and forces of a frame that joint rates and torques of length 1 give."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError
+from freebody.inverse.task import row_names, rows_of
+from freebody.kernels import structural
+from freebody.kernels.formulas import Option
+from freebody.model.families import FamilyError
+from freebody.model.model import Model
+from freebody.outputs.display import Tabled, TextTable
+from freebody.trees.public_calls import Vector, finite_vector
+from freebody.values import ByValue
+
+LOST = 1e-12
+"""Of the largest singular value: one that is smaller is none."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Ellipsoids(Tabled, ByValue):
+    """The axes of the velocity and force ellipsoids of a frame at each posture (...).
+
+    directions: (..., r, r), unit vectors, one a row, world axes, the longest axis of the velocity
+    ellipsoid first. singular_values: (..., r), of the Jacobian, 0 along a direction that is lost.
+    rows: names of the r rows. frame: its name.
+    """
+
+    directions: Array
+    singular_values: Array
+    rows: tuple[str, ...]
+    frame: str
+
+    @property
+    def velocity(self) -> Array:
+        """Semi-axes (..., r, r), one a row, m/s (rad/s for angular rows), at joint rates of
+        length 1 (rad/s and m/s alike)."""
+        return self.directions * self.singular_values[..., None]
+
+    @property
+    def force(self) -> Array:
+        """Semi-axes (..., r, r), one a row, N (N m), which joint torques of length 1 (N m and N
+        alike) hold at rest; infinite along a direction that is lost, since links bear that alone.
+        """
+        size = self.singular_values[..., None]
+        lost = size == 0.0
+        along = np.where(self.directions == 0.0, 0.0, np.copysign(np.inf, self.directions))
+        return np.where(lost, along, self.directions / np.where(lost, 1.0, size))
+
+    def _title(self) -> str:
+        count = self.singular_values[..., 0].size
+        return f"Ellipsoids: {count} postures of frame {self.frame!r}, rows {', '.join(self.rows)}"
+
+    def _table(self) -> TextTable:
+        if self.singular_values.ndim > 1:
+            return TextTable((), ())
+        unit, held = ("m/s", "N") if self.rows[0].startswith("v") else ("rad/s", "N m")
+        rows = [
+            (*(f"{x:.4f}" for x in way), f"{s:.4g}", f"{1.0 / s:.4g}" if s else "∞")
+            for way, s in zip(self.directions, self.singular_values, strict=True)
+        ]
+        return TextTable((*self.rows, f"velocity ({unit})", f"force ({held})"), rows)
+
+
+def ellipsoids(
+    model: Model, q: Vector, frame: str | None = None, task: str | Sequence[str] = "position"
+) -> Ellipsoids:
+    """The axes of a frame's velocity ellipsoid, and of its force ellipsoid, at each posture.
+
+    q: (..., nq). frame: name, default the tip. task: "position", "orientation", or rows of one kind
+    as for `fb.inverse_kinematics`.
+
+    The left singular vectors of the Jacobian are the directions of both; the lengths are its
+    singular values and their inverses (Yoshikawa 1985). Returns Ellipsoids. Open chains. Raises
+    FreebodyError, ShapeError, NotFiniteError, UnknownNameError.
+    """
+    function = "ellipsoids"
+    model.require_values(function)
+    model.require_tree(function)
+    if model.family:
+        raise FamilyError(function, model.name, model.family)
+    rows = rows_of(function, model, task)
+    if len({r < model.dim for r in rows}) > 1:
+        raise FreebodyError(
+            f"{function}: the task has linear and angular rows, whose lengths do not compare; take "
+            f'"position" or "orientation".'
+        )
+    name = model.frame(frame).name
+    at = finite_vector(function, model, "q", q)
+    J = structural.fetch(model, ("jacobian",), Option(name))(at)[..., list(rows), :]
+    U, s, _ = np.linalg.svd(J)
+    sizes = np.zeros(U.shape[:-1])
+    sizes[..., : s.shape[-1]] = np.where(s > LOST * s[..., :1], s, 0.0)
+    directions = np.swapaxes(U, -1, -2)
+    largest = np.argmax(np.abs(directions) > 0.5 * np.abs(directions).max(-1, keepdims=True), -1)
+    sign = np.sign(np.take_along_axis(directions, largest[..., None], axis=-1))
+    return Ellipsoids(directions * sign, sizes, tuple(row_names(model.dim)[r] for r in rows), name)
