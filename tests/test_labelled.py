@@ -58,7 +58,7 @@ BY_POSITION = {
     "discrete_lqr": {"A": np.eye(2), "B": np.eye(2), "Q": np.eye(2), "R": np.eye(2)},
     "inverse_kinematics": {"target": [0.3, 0.2], "redundancy": [0.1, 0.2]},
     "workspace": {"points": [0.3, 0.2], "orientation": np.eye(2)},
-    "map_diagram": {"points": np.ones((2, 3, 2)), "values": np.ones((2, 3))},
+    "map_diagram": {"points": np.ones((3, 2)), "values": np.ones((3, 2))},
     "dh": {"gravity": [0.0, 0.0, -9.81]},
     "line": {"target": [0.3, 0.2]},
     "arc": {"via": [0.3, 0.2], "target": [0.1, 0.2]},
