@@ -35,6 +35,8 @@ def results(model):
         "equations": fb.equations(model),
         "diagram": fb.free_body_diagram(model, q),
         "figure": fb.kinematic_diagram(model),
+        "ellipsoids": fb.ellipsoids(model, q),
+        "workspace": fb.workspace(model, np.full(model.dim, 0.1)),
     }
     return made
 
@@ -111,7 +113,8 @@ DISPLAYS = ("_repr_html_", "_repr_svg_", "_repr_latex_", "_repr_pretty_")
 PLAIN = {
     "Limits", "Drive", "Inertia", "Parameter", "ModelParameter", "Frame", "Coordinates",  # records
     "Mistake", "LimitExcess",  # records with a sentence in them
-    "Label", "Prism", "Mark", "Arc", "Turn", "Dimension", "Arrow", "Line",  # elements of a drawing
+    "Label", "Prism", "Mark", "Arc", "Turn", "Dimension", "Arrow", "Line",
+    "Cells", "ColourKey",  # elements of a drawing
     "Drawing", "Picture", "BodyLoads", "Layout", "Order", "Tree", "Structure", "Geometry",  # inner
 }  # fmt: skip
 """Results that show what Python makes of them."""
