@@ -109,6 +109,20 @@ def test_a_map_shows_each_value_at_its_place():
     assert "2" in texts
 
 
+def test_colours_fill_the_cells_of_their_values():
+    """A strip of six by one cells, off the middle: as drawn six steps across wide, one up tall,
+    next to the arm's own places."""
+    shown = np.full(X.shape, np.nan)
+    shown[12, 3:9] = 5.0
+    figure = fb.map_diagram(ARM, GRID, shown, [0.3, 0.8])
+    corners = np.array(places(figure.drawing.named("map")))
+    assert np.allclose(corners.min(axis=0), GRID[12, 3] - [0.1, 0.125])
+    assert np.allclose(corners.max(axis=0), GRID[12, 8] + [0.1, 0.125])
+    (d,) = re.findall(r'<path class="m0" d="([^"]*)"/>', figure.svg)[:1]
+    wide, tall = np.ptp(np.array(re.findall(r"([\d.]+) ([\d.]+)", d), dtype=float), axis=0)
+    assert wide / tall == pytest.approx(6 * 0.2 / 0.25, rel=0.02)
+
+
 @pytest.mark.parametrize("values", [[1.0, 2.0, 5.0], [0.013, 0.4, 0.1, 0.33], [-7.5, 1e4]])
 def test_the_key_tells_what_a_colour_means(values):
     numbers, key = coloured(np.array([[*values, np.nan]]), "")
