@@ -53,9 +53,11 @@ function joint(parent, place, slides) {
   else put(parent, "circle", {class: "pin", cx: place[0], cy: place[1], r: 5});
 }
 function centre(parent, place) { put(parent, "circle", {class: "com", cx: place[0], cy: place[1], r: 3.5}); }
-function bar(parent, from, to) {
-  line(parent, "edge", from, to, 13);
-  line(parent, "bar", from, to, 10);
+// A body reaches from its joint to its end and to its centre of mass.
+function bars(parent, body, at) {
+  const ends = [at(body.end), at(body.centre)];
+  for (const end of ends) line(parent, "edge", at(body.joint), end, 13);
+  for (const end of ends) line(parent, "bar", at(body.joint), end, 10);
 }
 
 const vector = (y, places) => [y[places[0]], y[places[1]]];
@@ -74,7 +76,7 @@ function drawArm(svg, bodies, y) {
   line(svg, "hatch", [150, 135], [210, 135]);
   for (const body of bodies) {
     if (body.slides) line(svg, "rail", body.index ? at(bodies[body.index - 1].joint) : [180, 135], at(body.joint));
-    bar(svg, at(body.joint), at(body.end));
+    bars(svg, body, at);
   }
   for (const body of bodies) {
     joint(svg, at(body.joint), body.slides);
@@ -106,16 +108,16 @@ function drawBodies(svg, bodies, y) {
   svg.setAttribute("viewBox", `0 0 360 ${tall * Math.ceil(bodies.length / 2)}`);
   const longest = round(Math.max(...all.flatMap((one) => one.forces.map((force) => length(force[2])))));
   const most = Math.max(longest, ...all.flatMap((one) => one.moments.map((moment) => Math.abs(moment[1]))));
-  const size = round(Math.max(...bodies.map((body) => length(minus(vector(y, body.end), vector(y, body.joint))))));
+  const size = Math.max(...bodies.map((body) => length(minus(vector(y, body.end), vector(y, body.joint))))) || 1;
   all.forEach(({body, forces, moments}, k) => {
     const a = vector(y, body.joint), b = vector(y, body.end);
-    const middle = [(k % 2 + 0.5) * wide, (Math.floor(k / 2) + 0.5) * tall], scale = 72 / size;
+    const middle = [(k % 2 + 0.5) * wide, (Math.floor(k / 2) + 0.5) * tall], scale = 85 / size;
     const at = (places) => {
       const place = vector(y, places);
       return [middle[0] + scale * (place[0] - (a[0] + b[0]) / 2), middle[1] - scale * (place[1] - (a[1] + b[1]) / 2)];
     };
     const cell = put(svg, "g", {});
-    bar(cell, at(body.joint), at(body.end));
+    bars(cell, body, at);
     joint(cell, at(body.joint), body.slides);
     centre(cell, at(body.centre));
     const [from, to] = [at(body.joint), at(body.end)], long = length(minus(to, from)) || 1;
