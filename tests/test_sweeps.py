@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody.cli.app import run as run_command
 from freebody.kernels import lookup
 from freebody.sweeps import run
 from freebody.sweeps.reductions import QUANTILE_ERROR
@@ -179,6 +180,45 @@ def test_closed_chains_and_families_are_refused():
         fb.sweep(fb.load("five_bar"), "mass_matrix", over={"q": np.zeros((2, 4))})
     with pytest.raises(fb.FreebodyError, match="family"):
         fb.sweep(ARM.bind(m2=[1.0, 2.0]), "mass_matrix", over={"q": STATES["q"]})
+
+
+def test_the_command_prints_and_writes_what_the_function_returns(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    asked = "sweep 2R inverse_dynamics --over m2=1:3:3 --over l1=0.2:0.4:2 --states 50 --seed 4"
+    assert run_command([*asked.split(), "--reduce", "peak, rms", "--out", "t.csv"]) == 0
+    assert "2R: 300 points." in capsys.readouterr().out
+    head, *rows = (tmp_path / "t.csv").read_text().splitlines()
+    assert head.split(",")[:3] == ["m2", "l1", "tau_peak joint1"]
+    arm = fb.load("2R")
+    states = dict(zip(("q", "qd", "qdd"), fb.random_state(arm, 4, 50), strict=True))
+    over = {"m2": [1.0, 2.0, 3.0], "l1": [0.2, 0.4], "state": states}
+    found = fb.sweep(arm, "inverse_dynamics", over=over, reduce=["peak", "rms"])
+    table = np.array([[float(x) for x in row.split(",")] for row in rows])
+    assert np.allclose(table[:, 2:4], found.tau_peak.values.reshape(6, 2), rtol=1e-5)
+    assert np.allclose(table[:, 4:6], found.tau_rms.values.reshape(6, 2), rtol=1e-5)
+
+
+def test_the_command_takes_motions(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert run_command(["plan", "2R", "0, 0; 1.2, 0.5", "--acceleration", "2"]) == 0
+    asked = "sweep 2R inverse_dynamics --motion motion.csv --reduce max,argmax --out t.csv"
+    assert run_command(asked.split()) == 0
+    head, row = (tmp_path / "t.csv").read_text().splitlines()
+    assert "tau_argmax_state joint1" in head.split(",")
+    arm = fb.load("2R")
+    motion = fb.read_motion(arm, "motion.csv")
+    found = fb.sweep(arm, "inverse_dynamics", over={"m": motion}, reduce="max")
+    assert np.allclose([float(x) for x in row.split(",")[:2]], found.tau_max, rtol=1e-5)
+
+
+def test_the_command_tells_failures_and_mistakes(capsys):
+    assert run_command(["sweep", "2R", "mass_matrix", "--over", "m2=-1:1:2", "--states", "3"]) == 1
+    assert "mass -1 kg is negative" in capsys.readouterr().out
+    for text in ("m2=1:2", "m2", "m2=a:2:3", "m2=1:2:0", "=1:2:3", "m2=1:2:3:4"):
+        assert run_command(["sweep", "2R", "mass_matrix", "--over", text]) == 2
+        assert "NAME=LOW:HIGH:COUNT" in capsys.readouterr().err
+    assert run_command(["sweep", "2R", "mass_matrix", "--states", "3", "--motion", "x.csv"]) == 2
+    assert "give one of them" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("method", ["sobol", "latin-hypercube", "random"])

@@ -22,6 +22,7 @@ from freebody.cli import (
     plan,
     show,
     study,
+    sweep,
     terminal,
 )
 from freebody.errors import FreebodyError, MissingPackageError
@@ -40,6 +41,7 @@ app = typer.Typer(
 )
 app.command(epilog=study.EXAMPLE)(study.study)
 app.command(epilog=plan.EXAMPLE)(plan.plan)
+app.command(epilog=sweep.EXAMPLE)(sweep.sweep)
 app.command(epilog=show.EXAMPLE)(show.show)
 app.command(epilog=derive.EXAMPLE, cls=derive.Command)(derive.derive)
 app.command(epilog=check.EXAMPLE)(check.check)

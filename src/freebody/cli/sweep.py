@@ -1,0 +1,195 @@
+"""`freebody sweep`."""
+
+from __future__ import annotations
+
+import csv
+import io
+import itertools
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from freebody.cli import options, terminal
+from freebody.cli.options import MimicChoice, PhysicalChoice
+from freebody.errors import FreebodyError, shown
+from freebody.outputs.display import TextTable
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from freebody.model.model import Model
+
+EXAMPLE = "Example: freebody sweep 2R inverse_dynamics --over m2=0.5:3:6 --over l1=0.2:0.6:3"
+_SHOWN = 40
+"""Rows that are printed."""
+
+
+def sweep(
+    robot: options.Robot,
+    function: Annotated[
+        str, typer.Argument(help="Name of a formula, such as inverse_dynamics or jacobian.")
+    ],
+    over: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=LOW:HIGH:COUNT",
+            help="A number of the robot and the values it takes, evenly spaced; may be repeated.",
+        ),
+    ] = None,
+    motion: Annotated[
+        str | None,
+        typer.Option(metavar="FILE", help="The states are those of this motion, a CSV file."),
+    ] = None,
+    states: Annotated[
+        int | None,
+        typer.Option(min=1, metavar="COUNT", help="The states are so many random ones."),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of the random states.")] = 0,
+    reduce: Annotated[
+        str, typer.Option(metavar="NAMES", help="Such as peak, rms, max, mean or p99, by commas.")
+    ] = "peak",
+    store: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER", help="A Zarr store, from which a sweep that was stopped goes on."
+        ),
+    ] = None,
+    client: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Of a Dask cluster's scheduler.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="CSV file for the whole table.")
+    ] = None,
+    base: options.Base = None,
+    mimic: options.Mimic = MimicChoice.follow,
+    physical: options.Physical = PhysicalChoice.warn,
+    snap_angles: options.Snap = 3e-9,
+    convention: options.Convention = None,
+) -> None:
+    """Evaluate a formula for many robots along a motion, or at random states, and print what it
+    reduces to.
+
+    Without --motion and --states the motion is the one that a study takes. Exit status 1: some
+    points have no value. 2: something cannot be read, computed or written.
+    """  # fmt: skip
+    from freebody.outputs.files import write
+    from freebody.sweeps.sweep import sweep as sweep_of
+
+    model = options.load(robot, None, base, mimic, physical, snap_angles, convention)
+    axes: dict[str, Any] = {}
+    for text in over or ():
+        name, values = _axis(text)
+        if name in axes:
+            raise FreebodyError(f"--over {shown(text)}: {name!r} is given twice; give it once.")
+        axes[name] = values
+    axes["state"] = _states(model, function, motion, states, seed)
+    names = [name.strip() for name in reduce.split(",")]
+    with terminal.warnings_as_lines(), terminal.progress("compiling") as progress:
+        found = sweep_of(
+            model,
+            function,
+            over=axes,
+            reduce=names,
+            store=store,
+            client=client,
+            progress=_timed(progress),
+        )
+    head, rows = _table(found, list(axes)[:-1])
+    if out is not None:
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows([head, *rows])
+        write(out, text.getvalue())
+    _print(model, found, head, rows, out)
+    if found.attrs["failed"]:
+        raise typer.Exit(1)
+
+
+def _axis(text: str) -> tuple[str, Any]:
+    import numpy as np
+
+    from freebody.formats import number_text
+
+    name, equals, rest = text.rpartition("=")
+    pieces = rest.split(":")
+    low, high = (number_text.number(x.strip()) for x in (*pieces, "", "")[:2])
+    count = pieces[2].strip() if len(pieces) == 3 else ""
+    if not (equals and name and low is not None and high is not None):
+        count = ""
+    if not (count.isascii() and count.isdigit()) or not 0 < int(count) <= 10**7:
+        raise FreebodyError(
+            f"--over {shown(text)} is not NAME=LOW:HIGH:COUNT; write for example m2=0.5:3:6."
+        )
+    return name.strip(), np.linspace(low or 0.0, high or 0.0, int(count))
+
+
+def _states(model: Model, function: str, motion: str | None, states: int | None, seed: int) -> Any:
+    """The last axis: states, or a motion."""
+    from freebody.kernels.arguments import arguments
+    from freebody.kernels.options import chosen_option
+    from freebody.motion.default_motion import default_motion
+    from freebody.motion.read_motion import read_motion
+    from freebody.trees.states import random_state
+
+    if motion is not None and states is not None:
+        raise FreebodyError("--motion and --states both say at which states; give one of them.")
+    formulas, option = chosen_option(model, function)
+    needed = [x.name for x in arguments(model, formulas, option)]
+    if states is None:
+        return default_motion(model) if motion is None else read_motion(model, motion)
+    every = dict(zip(("q", "qd", "qdd"), random_state(model, seed, states), strict=True))
+    return {name: x for name, x in every.items() if name in needed}
+
+
+def _timed(progress: Callable[[str, float], None]) -> Callable[[str, float], None]:
+    """With the time that is left."""
+    start = time.monotonic()
+
+    def told(text: str, share: float) -> None:
+        left = (time.monotonic() - start) * (1.0 / share - 1.0)
+        progress(f"{text}, {left:.0f} s left", share)
+
+    return told
+
+
+def _table(found: xr.Dataset, axes: list[str]) -> tuple[list[str], list[list[str]]]:
+    """A row for each robot; a column for what varies, and one for each number that comes out."""
+    sizes = [found.sizes[name] for name in axes]
+    head, columns = list(axes), []
+    for label, values in found.data_vars.items():
+        if label == "failed":
+            continue
+        inner = values.dims[len(axes) :]
+        for place in itertools.product(*(range(found.sizes[x]) for x in inner)):
+            told = [
+                str(found[x].values[k]) if x in found.coords else str(k)
+                for x, k in zip(inner, place, strict=True)
+            ]
+            head.append(" ".join([str(label), *told]))
+            columns.append(values.values[(..., *place)].ravel())
+    if found.attrs["failed"]:
+        head.append("failed")
+        columns.append(found.failed.values.ravel())
+    rows = []
+    for k, place in enumerate(itertools.product(*(range(n) for n in sizes))):
+        at = [f"{found[x].values[i]:.6g}" for x, i in zip(axes, place, strict=True)]
+        rows.append([*at, *(f"{column[k]:.6g}" for column in columns)])
+    return head, rows
+
+
+def _print(
+    model: Model, found: xr.Dataset, head: list[str], rows: list[list[str]], out: Path | None
+) -> None:
+    to = terminal.out()
+    to.print(f"{model.name}: {found.attrs['points']} points.", markup=False)
+    left = len(rows) - _SHOWN
+    terminal.table(TextTable(head, rows[:_SHOWN]))
+    if left > 0:
+        where = "the file has all" if out else "--out FILE writes all"
+        to.print(f"… and {left} more; {where}.", markup=False)
+    for text in found.attrs["failures"]:
+        to.print(f"failed {text}", style="bold red", markup=False, soft_wrap=True)
+    if out is not None:
+        to.print(f"written: {out}", markup=False, soft_wrap=True)
