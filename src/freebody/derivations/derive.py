@@ -9,6 +9,7 @@ from typing import Any
 from freebody.derivations.closed_chains.first_kind import MULTIPLIER
 from freebody.derivations.derivation import Comparison, Derivation
 from freebody.derivations.methods import METHODS
+from freebody.derivations.methods.free_bodies import velocity_names
 from freebody.derivations.methods.method import Method
 from freebody.derivations.methods.overview import overview
 from freebody.derivations.methods.setting import Setting, require_chain_of_bodies
@@ -29,10 +30,13 @@ def undrawn_derivation(
 
     method: a name from the list below. Default: the first that applies to the model. load: whether
     a force f, with world components fx, fy (fz), acts on the tip. Default: in a method for robots
-    at rest, where the model has a tip that moves. options: the method's own. Raises FreebodyError
-    for spherical and free joints, for followers, for a load on a model without a tip, and for
-    options that the method does not use. Source: S. Bai, Dynamics of robotic manipulators,
-    lecture notes, Aalborg University, 2019, where the method's line names no other.
+    at rest, where the model has a tip that moves. options: the method's own. A joint of several
+    coordinates is taken apart into joints of one, a quaternion of an open chain into yaw, pitch
+    and roll (R = R_z R_y R_x). Bodies that nothing holds, such as the quadrotor, are derived in
+    their own axes by the first method. Raises FreebodyError for followers, for quaternions in
+    closed chains, for a load on a model without a tip, and for options that the method does not
+    use. Source: S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019,
+    where the method's line names no other.
     """
     record = default_method(model) if method is None else method_named(method)
     _require_options(record, load, options)
@@ -40,7 +44,8 @@ def undrawn_derivation(
     if load is None:
         load = record.at_rest and _has_moving_tip(model)
     names = LOADS[model.dim] if load else ()
-    made = symbols(model, extra=(*names, *_multipliers(model)))
+    extra = (*names, *_multipliers(model), *velocity_names(model))
+    made = symbols(model, extra=extra, euler=not model.loops)
     require_chain_of_bodies(made, f"derive {record.name!r}")
     setting = Setting(made, names, at_rest=record.at_rest)
     worked = record(setting, **options)

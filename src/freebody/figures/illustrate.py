@@ -17,6 +17,7 @@ from freebody.derivations.expressions.expression import Expression, Symbol, node
 from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.living.living import living
 from freebody.derivations.methods import METHODS
+from freebody.derivations.methods.free_bodies import are_free
 from freebody.figures import colours
 from freebody.figures.drawing import Drawing, Element
 from freebody.figures.figure import save, to_one_scale
@@ -127,7 +128,8 @@ def _shown(derivation: Derivation) -> Snapshot:
     """A state that is seen well: moving, or at rest; under a load on the tip if the equations have
     one."""
     symbols = derivation.equations.symbols
-    model = with_values(symbols.model)
+    free = symbols.given is not None and are_free(symbols.given)
+    model = with_values(symbols.given if free and symbols.given else symbols.model)
     still = np.zeros(model.nv) if METHODS[derivation.method].at_rest else None
     load = _tip_load(model) if "fx" in symbols.extra else None
     return snapshot(model, None if still is None else resting_pose(model, load), still, still, load)

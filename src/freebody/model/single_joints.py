@@ -1,7 +1,9 @@
 """A model whose joints have one coordinate each: what formulas and derivations are written for.
 
 A joint of several coordinates is as many joints with links without mass and length between them;
-q, q̇ and every number stay what they are.
+q, q̇ and every number stay what they are. Only where it is asked for, spherical and free joints are
+taken apart too: what was a quaternion is then three angles about z, the new y and the new x (yaw,
+pitch, roll), and the rates of these stand for the angular velocity.
 """
 
 from __future__ import annotations
@@ -12,8 +14,9 @@ from typing import TYPE_CHECKING
 
 from freebody.model.bodies import Body, Frame
 from freebody.model.joints import KINDS
+from freebody.model.joints.kind import Primitive
 from freebody.model.placement import Placement
-from freebody.spatial import of_dimension
+from freebody.spatial import Vector, of_dimension
 
 if TYPE_CHECKING:
     from freebody.model.model import Model
@@ -22,16 +25,16 @@ _OWN = ("x", "y", "z")
 """Slides of these names have them for their coordinates."""
 
 
-def with_single_joints(model: Model) -> Model:
+def with_single_joints(model: Model, euler: bool = False) -> Model:
     """The model, its joints of several coordinates taken apart; spherical and free ones, whose
-    coordinates are no plain numbers, stay."""
-    if not any(body.kind.composed for body in model.bodies):
+    coordinates are no plain numbers, only with `euler`, their home positions left out."""
+    if not any(is_taken_apart(body, euler) for body in model.bodies):
         return model
     taken = {*model.joint_names, *model.frame_names, *model.parameters}
     bodies: list[Body] = []
     links: list[Frame] = []
     index = {-1: -1}
-    parts = [list(_parts(body, model.dim, taken)) for body in model.bodies]
+    parts = [list(_parts(body, model.dim, taken, euler)) for body in model.bodies]
     for i, chain in enumerate(parts):
         index[i] = sum(map(len, parts[: i + 1])) - 1
         links += [
@@ -44,20 +47,29 @@ def with_single_joints(model: Model) -> Model:
             above = len(bodies) - 1
     frames = tuple(replace(frame, body=index[frame.body]) for frame in model.frames)
     single = replace(model, bodies=tuple(bodies), frames=(*frames, *links), home=())
-    renamed = dict(zip(model.position_names, single.position_names, strict=True))
-    return replace(single, home=tuple((renamed[name], x) for name, x in model.home))
+    renamed, new = {}, iter(single.position_names)
+    for body, at in zip(model.bodies, model.coordinates, strict=True):
+        if body.kind.quaternion is None:
+            renamed |= {model.position_names[k]: next(new) for k in at.q}
+        else:
+            renamed |= dict.fromkeys([next(new) for _ in range(body.kind.nv)])
+    home = ((renamed.get(name), x) for name, x in model.home)
+    return replace(single, home=tuple((name, x) for name, x in home if name is not None))
 
 
-def _parts(body: Body, dim: int, taken: set[str]) -> Iterator[Body]:
+def is_taken_apart(body: Body, euler: bool) -> bool:
+    """Whether several joints stand for that of a body; euler: also for a quaternion."""
+    return body.kind.composed or (euler and body.kind.quaternion is not None)
+
+
+def _parts(body: Body, dim: int, taken: set[str], euler: bool) -> Iterator[Body]:
     """The bodies that stand for one, its name and mass with the last."""
-    if not body.kind.composed:
+    if not is_taken_apart(body, euler):
         yield body
         return
     joint, above, placement = body.joint, body.joint.parent, body.joint.placement
-    moves = body.kind.primitives(of_dimension(dim), joint.axis, joint.numbers)
-    for k, ((primitive, axis), component) in enumerate(
-        zip(moves, body.kind.position_names, strict=True), 1
-    ):
+    moves = list(_moves(body, dim))
+    for k, (component, primitive, axis) in enumerate(moves, 1):
         kind = next(x for x in KINDS.values() if x.motion is type(primitive))
         is_last = k == len(moves)
         name = _new(component if component in _OWN else f"{joint.name}.{component}", taken)
@@ -74,6 +86,17 @@ def _parts(body: Body, dim: int, taken: set[str]) -> Iterator[Body]:
         )
         yield Body(child, single, -1, body.inertias if is_last else ())
         above, placement = child, Placement()
+
+
+def _moves(body: Body, dim: int) -> Iterator[tuple[str, Primitive, Vector]]:
+    """Name, primitive and axis of each joint that stands for that of a body."""
+    kind, joint = body.kind, body.joint
+    if kind.quaternion is not None:
+        yield from kind.by_angles
+        return
+    moves = kind.primitives(of_dimension(dim), joint.axis, joint.numbers)
+    for (primitive, axis), component in zip(moves, kind.position_names, strict=True):
+        yield component, primitive, axis
 
 
 def _new(name: str, taken: set[str]) -> str:

@@ -21,7 +21,9 @@ class Worked:
     steps: in order. tau: the motors' torques as this method finds them, in the order of the joints;
     none where it finds none. symbols: the meanings of what it introduces. title: where options
     change the method's. sought: a sentence that says what is sought, where it is not the motors'
-    torques for a given motion. system: of a closed chain, as polynomials.
+    torques for a given motion. system: of a closed chain, as polynomials. robot, table: sentences
+    about the robot and its axes, and the whole table of symbols, where these are not the usual ones
+    of joints and bodies.
     """
 
     steps: tuple[Step, ...]
@@ -30,6 +32,8 @@ class Worked:
     title: str = ""
     sought: str = ""
     system: FirstKind | LoopStatics | None = None
+    robot: tuple[str, ...] = ()
+    table: tuple[Meaning, ...] = ()
 
 
 @dataclass(frozen=True)

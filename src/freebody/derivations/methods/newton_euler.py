@@ -14,7 +14,7 @@ from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression, eq
 from freebody.derivations.expressions.printed_names import vec
-from freebody.derivations.methods import glossary, step_reasons
+from freebody.derivations.methods import free_bodies, glossary, step_reasons
 from freebody.derivations.methods.body_motion import motion
 from freebody.derivations.methods.closed_form_steps import closed_form
 from freebody.derivations.methods.geometry import geometry
@@ -27,7 +27,9 @@ from freebody.scalars.trig import Trig
 
 def work_out(setting: Setting, route: str) -> Worked:
     """The steps; route: moments of each body about its centre of mass, or of what hangs on a joint
-    about its pivot."""
+    about its pivot. Of bodies that nothing holds: see `free_bodies`."""
+    if free_bodies.are_free(setting.symbols.given or setting.symbols.model):
+        return free_bodies.work_out(setting, route)
     inward = tuple(reversed(setting.order))
     reactions = SolvedReactions(setting)
     tau = {i: reactions.motor(i) for i in inward}

@@ -11,6 +11,7 @@ from freebody.derivations.render.literal import literal
 from freebody.errors import listed
 from freebody.model.gravity import axis_of
 from freebody.model.parameters import Parameter
+from freebody.model.single_joints import is_taken_apart
 
 
 def overview(s: Setting, method: Method, worked: Worked) -> tuple[str, tuple[Meaning, ...]]:
@@ -18,17 +19,16 @@ def overview(s: Setting, method: Method, worked: Worked) -> tuple[str, tuple[Mea
     forces = method.finds_torques
     gravity = _gravity(s) if forces else []
     axes = _axes(s) if forces or s.planar else ["Vectors have components in the world's axes."]
+    robot = worked.robot or (_arm(s), *_composed(s), *_loops(s))
     told = [
         *_about(s),
-        _arm(s),
-        *_composed(s),
-        *_loops(s),
+        *robot,
         *gravity,
-        *axes,
+        *(() if worked.robot else axes),
         *_load(s),
         worked.sought or _sought(s),
     ]
-    return " ".join(told), glossary(s, worked.symbols, forces)
+    return " ".join(told), worked.table or glossary(s, worked.symbols, forces)
 
 
 def _about(s: Setting) -> list[str]:
@@ -65,14 +65,20 @@ def _composed(s: Setting) -> list[str]:
     told, n = [], 0
     given = s.symbols.given
     for body in given.bodies if given else ():
-        first, n = n + 1, n + (body.kind.nv if body.kind.composed else 1)
-        if body.kind.composed:
+        taken_apart = is_taken_apart(body, s.symbols.euler)
+        first, n = n + 1, n + (body.kind.nv if taken_apart else 1)
+        if taken_apart:
             joints = listed([f"joint {k}" for k in range(first, n + 1)])
             links = [f"body {k}" for k in range(first, n)]
             told.append(
                 f"The {body.kind.name} joint {literal(body.joint.name)} is replaced by "
                 f"{joints}; between them {'is' if len(links) == 1 else 'are'} {listed(links)}, "
                 "without mass."
+            )
+        if taken_apart and body.kind.quaternion is not None:
+            told.append(
+                f"θ_{n - 2}, θ_{n - 1} and θ_{n} are yaw, pitch and roll; the equations are "
+                f"singular where the cosine of θ_{n - 1} vanishes."
             )
     return told
 

@@ -79,6 +79,8 @@ class Symbols(ByValue):
     which)."""
     given: Model | None = None
     """The model as it was given; `model` is that with parameters of value 0 put in."""
+    euler: bool = False
+    """Whether three angles stand for each quaternion."""
 
     def _key(self) -> tuple[Any, ...]:
         return tuple(map(key, self._recipe))
@@ -88,7 +90,8 @@ class Symbols(ByValue):
 
     @property
     def _recipe(self) -> tuple[Any, ...]:
-        return self.given or self.model, self.reader.numbers, self.extra, self.inertial
+        given = self.given or self.model
+        return given, self.reader.numbers, self.extra, self.inertial, self.euler
 
     @cached_property
     def tree(self) -> Tree:
@@ -157,14 +160,16 @@ def symbols(
     numbers: bool = False,
     extra: tuple[str, ...] = (),
     inertial: Mapping[str, tuple[int, int]] | None = None,
+    euler: bool = False,
 ) -> Symbols:
     """The model in symbols; `numbers` puts in the values of parameters that have one.
 
     A parameter whose value is 0 is no symbol: it is 0, in whatever is written about the model.
-    extra, inertial: further symbols, see `Symbols`.
+    extra, inertial: further symbols, see `Symbols`. euler: put yaw, pitch and roll in the place of
+    quaternions, which are refused otherwise.
     """
     given, model = model, with_parameters(model, lambda p: 0.0 if p.value == 0 else p)
-    model = with_single_joints(model)
+    model = with_single_joints(model, euler)
     _require_whole_ratios(model)
     coordinates = coordinate_names(model)
     turning = [
@@ -186,7 +191,7 @@ def symbols(
     ]
     ring = TrigRing([*turning, *angles], others)
     return Symbols(
-        model, ring, coordinates, TrigReader(ring, numbers), extra, inertial or {}, given
+        model, ring, coordinates, TrigReader(ring, numbers), extra, inertial or {}, given, euler
     )
 
 

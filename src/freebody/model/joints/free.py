@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from freebody.model.joints import quaternions as turn
 from freebody.model.joints.kind import Column, JointKind, Primitive
-from freebody.model.joints.spherical import PIVOTING, QUATERNION
+from freebody.model.joints.prismatic import SLIDING
+from freebody.model.joints.spherical import PIVOTING, QUATERNION, YAW_PITCH_ROLL
 from freebody.spatial import AnySpace, Matrix, Vector, add, identity, scale, sub, times, transposed
 
 
@@ -53,6 +54,7 @@ class Floating(Primitive):
 
 
 FLOATING = Floating()
+_SLIDES = tuple((name, SLIDING, axis) for name, axis in zip("xyz", identity(3), strict=True))
 
 
 class Free(JointKind):
@@ -64,6 +66,7 @@ class Free(JointKind):
     position_names = ("x", "y", "z", *QUATERNION)
     velocity_names = ("vx", "vy", "vz", "wx", "wy", "wz")
     quaternion = 3
+    by_angles = (*_SLIDES, *YAW_PITCH_ROLL)
     angular = (False, False, False, True, True, True)
     holds = False
     mark = ""

@@ -116,6 +116,9 @@ class JointKind(ABC):
     """What such a joint has besides its axis, in the order of `Joint.numbers`."""
     quaternion: ClassVar[int | None] = None
     """Where in q a unit quaternion w, x, y, z begins."""
+    by_angles: ClassVar[tuple[tuple[str, Primitive, Vector], ...]] = ()
+    """Of one with a quaternion: name, primitive and axis of joints of one coordinate that can stand
+    for it where three angles are wanted."""
     angular: ClassVar[tuple[bool, ...]]
     """For each rate whether it turns (rad, N m) or slides (m, N)."""
     coordinate: ClassVar[str] = ""

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from freebody.model.joints import quaternions as turn
 from freebody.model.joints.kind import Column, JointKind, Primitive
+from freebody.model.joints.revolute import TURNING
 from freebody.spatial import AnySpace, Matrix, Space, Vector, add, identity, scale
 
 QUATERNION = ("quat_w", "quat_x", "quat_y", "quat_z")
@@ -46,6 +47,9 @@ class Pivoting(Primitive):
 
 
 PIVOTING = Pivoting()
+_X, _Y, _Z = identity(3)
+YAW_PITCH_ROLL = (("yaw", TURNING, _Z), ("pitch", TURNING, _Y), ("roll", TURNING, _X))
+"""Three turns in a row: R = R_z R_y R_x."""
 
 
 class Spherical(JointKind):
@@ -57,6 +61,7 @@ class Spherical(JointKind):
     position_names = QUATERNION
     velocity_names = ("wx", "wy", "wz")
     quaternion = 0
+    by_angles = YAW_PITCH_ROLL
     angular = (True, True, True)
     mark = "sphere"
     solids = ()
