@@ -6,6 +6,7 @@ from __future__ import annotations
 import ctypes
 import itertools
 import math
+import re
 import shutil
 import subprocess
 import sys
@@ -444,6 +445,14 @@ def test_mathml_is_well_formed(name: str) -> None:
     for view in ("named", "expanded", "intermediates"):
         root = ET.fromstring(eqs.mathml(view))
         assert root.tag == "{http://www.w3.org/1998/Math/MathML}math"
+
+
+def test_a_leading_minus_in_mathml_is_a_sign() -> None:
+    """Not infix, which browsers take a minus behind a bracket for, and set with space around it."""
+    signs = re.findall(r"<mo([^>]*)>−</mo>", fb.equations(MODELS["RR"]).mathml("expanded"))
+    assert signs
+    assert all("form=" in sign for sign in signs)
+    assert '<mo form="prefix">−</mo>' in fb.derive(fb.planar("RP"), "newton-euler").html()
 
 
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="needs pdflatex")

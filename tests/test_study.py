@@ -79,6 +79,17 @@ def test_friction_rotors_and_springs_are_parts_of_the_torque():
     assert study.replay.friction_width == 1e-3
 
 
+def test_a_replay_of_one_piece_is_told_as_one():
+    model = fb.load("pendulum")
+    study = fb.study(model, fb.quintic(model, [[0.0], [0.2]], [0.0, 0.5]))
+    (what,) = [c.text for c in study.checks if c.name == "replay"]
+    assert "in 1 piece: " in what
+    assert study.replay is not None
+    assert (
+        "for 0.5 s, in one piece, the model misses the end of the motion by " in study.replay.text
+    )
+
+
 def test_a_planted_fault_is_found(arm: fb.Study):
     def failing(**changes: np.ndarray) -> set[str]:
         data = arm.data.copy()

@@ -215,6 +215,6 @@ def _replayed(replay: Replay) -> Check:
         "replay",
         run.max(),
         1e-6,
-        f"Where the torques drive the model in {len(run)} pieces: deviation from the reference, "
-        f"relative to the joint range.",
+        f"Where the torques drive the model in {len(run)} piece{'' if len(run) == 1 else 's'}: "
+        f"deviation from the reference, relative to the joint range.",
     )

@@ -355,13 +355,17 @@ def _landed(edges: Array, factors: Array, misses: Array) -> str:
     count, run = len(misses), int((~np.isnan(misses)).sum())
     if np.isinf(misses).any():
         return "The replay in pieces was stopped: it needs too many steps."
+    longest, miss = f"{np.diff(edges).max():.3g} s", f"{np.nanmax(misses):.1g} of the joint range"
+    grown = f"an error grows at most {factors.max():.3g}-fold."
+    if count == 1:
+        return (
+            f"Driven by its torques for {longest}, in one piece, the model misses the end of "
+            f"the motion by {miss}; {grown}"
+        )
     some = f"{run} of {count}" if run < count else f"{count}"
     return (
-        f"Driven by its torques in {some} piece{'' if count == 1 else 's'} of at most "
-        f"{np.diff(edges).max():.3g} s, "
-        f"each restarted on the motion, the model ends each piece within "
-        f"{np.nanmax(misses):.1g} of the joint "
-        f"range. In a piece an error grows at most {factors.max():.3g}-fold."
+        f"Driven by its torques in {some} pieces of at most {longest}, each restarted on the "
+        f"motion, the model ends each piece within {miss}. In a piece {grown}"
     )
 
 

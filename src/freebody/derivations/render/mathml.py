@@ -76,7 +76,7 @@ MATHML = Typesetter(
         words=lambda text: f"<mtext>{escape(text)}</mtext>",
         plus=f'{BREAK}<mo form="infix">+</mo>',
         minus=f'{BREAK}<mo form="infix">−</mo>',
-        lead="<mo>−</mo>",
+        lead='<mo form="prefix">−</mo>',
         brackets=f"{_OPEN}{{}}{_CLOSE}",
         tall_brackets="<mo>(</mo>{}<mo>)</mo>",
         cross="<mo>×</mo>",
