@@ -81,6 +81,22 @@ def test_jumps_of_a_function_at_its_breakpoints():
         assert fine["qd"].values[-1, 0] == pytest.approx(0.5, rel=1e-3)
 
 
+@pytest.mark.parametrize("options", [{"step": 0.01}, {"sample_time": 0.05}])
+@pytest.mark.parametrize("count", [1, 2])
+def test_a_function_may_work_in_place(options: dict[str, float], count: int):
+    """What it does to its arguments is not done to the motion."""
+
+    def in_place(t: float, q: np.ndarray, qd: np.ndarray) -> np.ndarray:
+        q -= 0.1
+        q *= -30.0
+        return q
+
+    t, start = np.linspace(0.0, 0.2, 3), np.full((count, 1), 0.3)[0 if count == 1 else ...]
+    found = fb.simulate(ROD, start, 0.0 * start, t, in_place, **options)
+    right = fb.simulate(ROD, start, 0.0 * start, t, lambda t, q, qd: -30.0 * (q - 0.1), **options)
+    np.testing.assert_allclose(found.q.values, right.q.values, rtol=1e-9)
+
+
 def test_a_sampled_controller_is_called_at_its_instants_and_held():
     """PD on a double integrator, exactly discretised: x' = x + v h + u h²/2, v' = v + u h."""
     calls = []

@@ -207,7 +207,7 @@ def batched(model: Model, function: TorqueFunction, batch: tuple[int, ...]) -> D
     whole = (*batch, model.nv)
 
     def drive(now: Array, q: Array, qd: Array) -> Array:
-        tau = function(float(now), q, qd)
+        tau = function(float(now), q.copy(), qd.copy())  # which may work in place
         if is_labelled(tau):
             tau = vector("simulate", model, "tau", tau)
         tau = np.array(as_floats("simulate", "what torque(t, q, qd) returns", tau))
@@ -232,7 +232,7 @@ def _checked(model: Model, function: TorqueFunction) -> Drive:
     def drive(now: Array, q: Array, qd: Array) -> Array:
         if q.ndim > 1:
             return np.stack([drive(now, *state) for state in zip(q, qd, strict=True)])
-        tau = function(float(now), q, qd)
+        tau = function(float(now), q.copy(), qd.copy())  # which may work in place
         if is_labelled(tau):
             tau = vector("simulate", model, "tau", tau)
         tau = np.array(tau, dtype=float)
