@@ -14,9 +14,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import comb, factorial, perm
+from sys import float_info
 from typing import Any, NamedTuple
 
-from freebody.elementary import Scalar, absolute, less, less_equal, maximum, minimum, where
+from freebody.elementary import Scalar, absolute, less, less_equal, maximum, minimum, sqrt, where
 
 Vector = Sequence[Scalar]
 Sloped = tuple[Scalar, Scalar]
@@ -32,6 +33,8 @@ _MOVING = 1e-3
 """Of x: what y is at least, lest a motion brake to rest on the way; not before the end."""
 _CLOSE = 1e-9
 """Of the largest x: by how much it may be below the smallest."""
+_TINY = float_info.min
+"""A speed beside which none is lost, and by which one can divide."""
 _NEGLIGIBLE = 1e-12
 """A coefficient beside the other one of its row, whose line is then parallel to an axis."""
 
@@ -175,6 +178,17 @@ def forward(x: Scalar, high: Vector, slope: Vector, most: Scalar) -> Scalar:
     return maximum(balanced(minimum, [most, *bounds]), 0.0)
 
 
+def halfway(
+    first: Vector, second: Vector, x: Scalar, y: Scalar, h: Scalar
+) -> tuple[list[Scalar], list[Scalar]]:
+    """(q̇, q̈) halfway in an interval; first, second: q' and q'' there."""
+    middle, u = 0.5 * (x + y), (y - x) / h
+    speed = sqrt(middle)
+    return [a * speed for a in first], [
+        b * middle + a * u for a, b in zip(first, second, strict=True)
+    ]
+
+
 def excess(
     start: RowsAtEnd,
     end: RowsAtEnd,
@@ -183,16 +197,16 @@ def excess(
     x: Scalar,
     y: Scalar,
     h: Scalar,
-    passed: Scalar,
 ) -> tuple[list[Scalar], Scalar]:
     """By how much each row is above its limit `size` within an interval, or negative below -size;
     and the largest of them as a fraction of its limit.
 
-    middle: the values halfway, where the part `passed` of the interval's time is over; between them
-    and those at the ends a parabola over time: viscous friction grows with the square root of the
-    way.
+    middle: the values halfway; between them and those at the ends a parabola over time: viscous
+    friction grows with the square root of the way.
     """
     found = []
+    at_start, at_half, at_end = (sqrt(z) + _TINY for z in (x, 0.5 * (x + y), y))
+    passed = 0.5 * (at_start + at_end) / (at_half + at_start)  # of the time
     u = (y - x) / h
     for a, b, lo, hi, c, d, low, high, half, most in zip(*start, *end, middle, size, strict=True):
         first = a * u + b * x - 0.5 * (lo + hi)

@@ -125,16 +125,16 @@ def motions_along(
     source: str,
     notices: Sequence[tuple[str, ...]],
 ) -> Iterator[Motion]:
-    """The exact motions of paths with ṡ² = x (N + 1, P) at the grid, s̈ constant between: q(t) are
-    polynomials of twice the curve's degree."""
+    """The exact motions of paths with ṡ² = x (N + 1, P) at the grid, 0 at its end, s̈ constant
+    between: q(t) are polynomials of twice the curve's degree."""
     h = 2.0 * np.diff(at.s, axis=0)
     polynomials, durations = timed_pieces([order[:-1] for order in at.orders], x, h)
-    end = at.part(slice(-1, None)).rates(x[-1:], (x[-1:] - x[-2:-1]) / h[-1:])
+    braking = at.first[-1] * ((x[-1] - x[-2]) / h[-1])[:, None]  # at the end, at rest
     for k, powers in enumerate(polynomials):
         t = np.zeros(len(x))
         np.cumsum(durations[:, k], out=t[1:])
-        qd = np.concatenate([powers[-2], end[0][:, k]])
-        qdd = np.concatenate([2.0 * powers[-3], end[1][:, k]])
+        qd = np.concatenate([powers[-2], np.zeros_like(braking[k : k + 1])])
+        qdd = np.concatenate([2.0 * powers[-3], braking[k : k + 1]])
         for array in (t, qd, qdd):
             array.flags.writeable = False  # else a motion copies it
         pieces = PiecewisePolynomial(t, powers)

@@ -24,7 +24,7 @@ from freebody.motion.friction import drive_arrays
 from freebody.motion.path_samples import PathSamples, sampled
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.ranges import Flags
-from freebody.motion.speed_profile import PathRows, excess, speed_share, top_speed
+from freebody.motion.speed_profile import PathRows, excess, halfway, speed_share, top_speed
 from freebody.trees.dynamics import inverse_dynamics
 
 _INSTANT = 1e-6
@@ -115,8 +115,7 @@ class PathProblem:
     def excess(self, x: Array) -> tuple[Array, Array]:
         """((N, P, m) by how much a motion with x (N + 1, P) exceeds limits within the intervals:
         above the upper one, or negative below the lower one; (N, P) the largest as a fraction)."""
-        middle, u = 0.5 * (x[:-1] + x[1:]), np.diff(x, axis=0) / self.rows.h
-        qd, qdd = self.between.rates(middle, u)
+        qd, qdd = halfway(self.between.first, self.between.second, x, self.rows.h)
         values = self.limits.row(self.limits.dynamics(self.between.q, qd, qdd), qdd)
         return excess(self.with_friction(x), x, values, self.limits.size)
 

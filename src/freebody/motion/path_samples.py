@@ -14,7 +14,7 @@ from freebody.elementary import Scalar
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.ranges import Flags
 from freebody.program import Argument, trace
-from freebody.targets import Kernel, compile_program
+from freebody.targets import Kernel, compile_program, result_memory
 
 
 class PathSamples(NamedTuple):
@@ -39,11 +39,6 @@ class PathSamples(NamedTuple):
         """q'' (T, P, nv)."""
         return self.orders[2]
 
-    def rates(self, x: Array, u: Array) -> tuple[Array, Array]:
-        """(q̇, q̈) where ṡ² = x and s̈ = u, arrays (T, P)."""
-        x, u = x[..., None], u[..., None]
-        return self.first * np.sqrt(x), self.second * x + self.first * u
-
     def part(self, points: slice) -> PathSamples:
         """At some of the points."""
         return PathSamples(self.s[points], tuple(x[points] for x in self.orders))
@@ -58,13 +53,15 @@ def sampled(curves: Sequence[PiecewisePolynomial], s: Array) -> PathSamples:
     n = curves[0].coefficients.shape[-1]
     highest = max(len(curve.coefficients) for curve in curves) - 1
     kernel = _values(n, highest)
-    orders = tuple(np.empty((*s.shape, n)) for _ in kernel.program.outputs)
+    orders = tuple(result_memory.empty((*s.shape, n)) for _ in kernel.program.outputs)
+    own = result_memory.empty((len(s), highest + 1, n))
     for k, curve in enumerate(curves):
         powers = np.zeros((len(curve.breaks) - 1, highest + 1, n))
         powers[:, highest + 1 - len(curve.coefficients) :] = curve.coefficients.swapaxes(0, 1)
         piece = np.searchsorted(curve.breaks[1:-1], s[:, k], side="right")
         beyond = s[:, k] - curve.breaks.take(piece)
-        kernel(powers.take(piece, axis=0), beyond, out=tuple(x[:, k] for x in orders))
+        powers.take(piece, axis=0, out=own, mode="clip")  # other modes make a copy of `own`
+        kernel(own, beyond, out=tuple(x[:, k] for x in orders))
     return PathSamples(s, orders)
 
 

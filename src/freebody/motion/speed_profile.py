@@ -100,22 +100,39 @@ def _both_ends(rows: PathRows) -> tuple[Array, ...]:
     )  # fmt: skip
 
 
+_ENDS = tuple(Argument(name, ()) for name in ("x", "y", "h"))
+
+
 def _row_arguments(m: int) -> list[Argument]:
     names = ("a", "b", "lo", "hi")
     return [Argument(f"{name}{end}", (m,)) for end in ("", "_end") for name in names]
+
+
+def halfway(first: Array, second: Array, x: Array, h: Array) -> tuple[Array, Array]:
+    """(q̇, q̈) (N, P, n) halfway in each interval of motions with x (N + 1, P); first, second: q' and
+    q'' there. h: (N, P) twice the intervals' lengths."""
+    n = first.shape[-1]
+    ends = (a.ravel() for a in (x[:-1], x[1:], h))
+    found = _halfway(n)(first.reshape(-1, n), second.reshape(-1, n), *ends)
+    qd, qdd = (a.reshape(first.shape) for a in found)
+    return qd, qdd
+
+
+@lru_cache(maxsize=8)
+def _halfway(n: int) -> Kernel:
+    """`path_timing.halfway` of n coordinates."""
+    inputs = [Argument("first", (n,)), Argument("second", (n,)), *_ENDS]
+    outputs = [Argument("qd", (n,)), Argument("qdd", (n,))]
+    return compile_program(trace("path_halfway", path_timing.halfway, inputs, outputs))
 
 
 def excess(rows: PathRows, x: Array, middle: Array, size: Array) -> tuple[Array, Array]:
     """((N, P, m) by how much the rows of a motion with x (N + 1, P) are above their limit `size`
     (m,) within the intervals, or negative below -size; (N, P) the largest as a fraction of its
     limit). middle: their values halfway."""
-    speed, half = np.sqrt(x), np.sqrt(0.5 * (x[:-1] + x[1:]))
-    least = np.finfo(float).tiny
-    passed = 0.5 * (speed[:-1] + speed[1:] + least) / (half + speed[:-1] + least)
-    ends = np.stack([x[:-1], x[1:], rows.h, passed], axis=-1)
-    given = (*_both_ends(rows), middle, ends)
-    flat = [a.reshape(rows.h.size, a.shape[-1]) for a in given]
-    by, share = _excess(len(size))(*flat[:-1], size, flat[-1])
+    flat = (a.reshape(rows.h.size, a.shape[-1]) for a in (*_both_ends(rows), middle))
+    ends = (a.ravel() for a in (x[:-1], x[1:], rows.h))
+    by, share = _excess(len(size))(*flat, size, *ends)
     return by.reshape(middle.shape), share.reshape(rows.h.shape)
 
 
@@ -125,11 +142,11 @@ def _excess(m: int) -> Kernel:
 
     def excess(*given: Scalar) -> tuple[Scalar, ...]:
         start, end = path_timing.RowsAtEnd(*given[:4]), path_timing.RowsAtEnd(*given[4:8])
-        return path_timing.excess(start, end, *given[8:10], *given[10])
+        return path_timing.excess(start, end, *given[8:])
 
-    inputs = [*_row_arguments(m), Argument("middle", (m,)), Argument("size", (m,))]
+    inputs = [*_row_arguments(m), Argument("middle", (m,)), Argument("size", (m,)), *_ENDS]
     outputs = [Argument("excess", (m,)), Argument("share", ())]
-    return compile_program(trace("path_excess", excess, [*inputs, Argument("ends", (4,))], outputs))
+    return compile_program(trace("path_excess", excess, inputs, outputs))
 
 
 def speed_share(first: Array, velocity: Array) -> Array:
