@@ -40,6 +40,8 @@ class Plot:
     legend: bool = True
     size: tuple[float, float] = (340.0, 210.0)
     log: bool = False
+    across: str = "t in s"
+    """What the horizontal axis is."""
 
 
 def plot(what: Plot) -> Picture:
@@ -49,7 +51,7 @@ def plot(what: Plot) -> Picture:
     box = (_LEFT, _TOP + _ROW * max(len(rows), 1), w - _RIGHT, h - _BOTTOM)
     low, high = _range(what)
     axes = _Axes(box, (float(what.t[0]), float(what.t[-1])), (low, high), what.log)
-    body = [words("name", 6 + 16j, escape(what.title)), *_grid(axes, what.unit)]
+    body = [words("name", 6 + 16j, escape(what.title)), *_grid(axes, what.unit, what.across)]
     if what.now is not None:
         d = f"M{axes.x(what.now):.1f} {box[1]:.1f}V{box[3]:.1f}"
         body.append(line("now", d, f"t = {what.now:.4g} s"))
@@ -168,7 +170,7 @@ def _range(what: Plot) -> tuple[float, float]:
     return low - below * span, high + above * span
 
 
-def _grid(axes: _Axes, unit: str) -> list[str]:
+def _grid(axes: _Axes, unit: str, across: str) -> list[str]:
     left, top, right, bottom = axes.box
     out = []
     levels = ticks(*axes.range, most=4) if not axes.log else _decades(*axes.range)
@@ -184,7 +186,7 @@ def _grid(axes: _Axes, unit: str) -> list[str]:
     if not axes.log and axes.range[0] < 0 < axes.range[1]:
         out.append(axes.level("axis", 0.0))
     frame = line("frame", f"M{left:.1f} {top:.1f}V{bottom:.1f}H{right:.1f}")
-    time = words("unit", complex(right, bottom + 28), "t in s", "end")
+    time = words("unit", complex(right, bottom + 28), escape(across), "end")
     return [*out, frame, time, words("unit", right + 16j, escape(unit), "end")]
 
 

@@ -62,6 +62,8 @@ class SweepStore:
         try:
             found = self._zarr.open_group(str(self.path), mode=mode, zarr_format=3)
         except (FileNotFoundError, NotADirectoryError, ValueError, KeyError):
+            if mode == "a":
+                raise
             raise self._of_others() from None
         held = found.attrs.get(_HASH)
         if held is None:
