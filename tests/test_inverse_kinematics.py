@@ -595,3 +595,10 @@ def test_a_pose_by_three_joints():
     none = fb.inverse_kinematics(model, T)
     assert len(none) == 0
     assert "but not with this orientation" in none.notes[0]
+
+
+def test_names_of_branches_are_completed_before_they_are_asked_for():
+    ur5e = fb.load("ur5e")
+    found = fb.inverse_kinematics(ur5e, fb.forward_kinematics(ur5e, [0.3, 1, -1, 0.2, 0.1, 0.3]))
+    assert "branches" not in vars(found)
+    assert "branches" in dir(found)

@@ -74,6 +74,9 @@ class Solutions(Tabled, ByValue):
             return vars(self).setdefault("branches", found)
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), "branches"})  # before they are asked for too
+
     def __len__(self) -> int:
         """Solutions of the target, or of that with most."""
         return self.q.shape[-2]
