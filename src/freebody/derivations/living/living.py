@@ -199,12 +199,10 @@ def _panel(inputs: list[dict[str, Any]]) -> str:
     for key, title in _GROUPS.items():
         rows = [_slider(k, x) for k, x in enumerate(inputs) if x["group"] == key]
         if rows:
-            groups.append(
-                f"<details{' open' * (key == 'q')}><summary>{title}</summary>{''.join(rows)}"
-                "</details>"
-            )
+            state = ' open=""' if key == "q" else ""
+            groups.append(f"<details{state}><summary>{title}</summary>{''.join(rows)}</details>")
     return (
-        '<aside class="try" id="try" hidden><h2>Try it</h2>'
+        '<aside class="try" id="try" hidden=""><h2>Try it</h2>'
         '<svg id="arm" class="fig" viewBox="0 0 360 270" role="img" '
         'aria-label="The arm in the state of the sliders"></svg>'
         '<svg id="bodies" class="fig" viewBox="0 0 360 190" role="img" '

@@ -219,7 +219,7 @@ body = _Document(
     row="<tr><td>{}</td><td>{}</td><td>{}</td></tr>",
     table='<table class="symbols"><tbody>{}</tbody></table>',
     figure="<figure>{}</figure>",
-    heading="<section><details open><summary><h2><span>{}</span> {}{}</h2></summary>",
+    heading='<section><details open=""><summary><h2><span>{}</span> {}{}</h2></summary>',
     notes=' <small class="notes">notes {}</small>',
     reason="<p>{}</p>",
     end="</details></section>",
