@@ -15,6 +15,7 @@ from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.inertia import Inertia
 from freebody.model.model import Model
 from support.printed_values import evaluate
+from support.symbolic import METHODS
 
 SYMBOLIC = Inertia.of("m", ["a", 0, "c"], ["Ixx", 0, "Ixz", "Iyy", 0, "Izz"])
 PLAIN = Inertia.of("M", [0, 0, 0], ["J", 0, 0, "J", 0, "J"])
@@ -141,6 +142,11 @@ def test_thrusts_of_the_quadrotor():
     np.testing.assert_allclose((*f, *n), (0, 0, 10.7, -1.1, -0.35, 0), atol=1e-12)
     assert step.reason.endswith("no force along x, no force along y and no moment about z.")
     assert not any("thrusts" in s.operation for s in fb.derive(bodies("free")).steps)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_makes_a_page_of_the_quadrotor(method):
+    assert "<svg" in fb.derive(fb.load("quadrotor"), method).html()
 
 
 def test_each_symbol_is_in_the_table():

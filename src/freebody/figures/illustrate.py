@@ -128,7 +128,8 @@ def _shown(derivation: Derivation) -> Snapshot:
     """A state that is seen well: moving, or at rest; under a load on the tip if the equations have
     one."""
     symbols = derivation.equations.symbols
-    free = symbols.given is not None and are_free(symbols.given)
+    joints = any(step.figure for step in derivation.steps)  # drawn with those taken apart
+    free = symbols.given is not None and not joints and are_free(symbols.given)
     model = with_values(symbols.given if free and symbols.given else symbols.model)
     still = np.zeros(model.nv) if METHODS[derivation.method].at_rest else None
     load = _tip_load(model) if "fx" in symbols.extra else None
