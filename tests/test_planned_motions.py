@@ -433,3 +433,17 @@ def test_a_waypoint_at_0_prints_as_0(
     monkeypatch.chdir(tmp_path)
     assert run(["plan", "2R", "0.6, 0; -1.1, 1.2; 0.8, 0", "--velocity", "3"]) == 0
     assert "e-" not in capsys.readouterr().out
+
+
+def test_a_motion_has_no_states_outside_its_times():
+    motion = fb.quintic(fb.load("2R"), [[0.0, 0.0], [1.0, 0.5]], velocity=1.0, acceleration=2.0)
+    end = motion.t[-1]
+    np.testing.assert_allclose(motion.at(end * (1 + 1e-15))[0], [1.0, 0.5], atol=1e-12)
+    with pytest.raises(
+        fb.FreebodyError, match=r"Motion\.at: t is .* s at sample 1, and the motion ends at"
+    ):
+        motion.at([0.0, end + 1e-3])
+    with pytest.raises(fb.FreebodyError, match=r"t is -0\.5 s, and the motion begins at 0 s"):
+        motion.at(-0.5)
+    with pytest.raises(fb.FreebodyError, match="nan"):
+        motion.at(np.nan)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import make_interp_spline
 
-from freebody.arrays import Array, above_zero, as_floats
+from freebody.arrays import Array, above_zero, as_floats, at_sample, refuse_not_finite
 from freebody.errors import FreebodyError, KindError
 from freebody.lazy import cached_property
 from freebody.locks import imported
@@ -134,12 +134,29 @@ class Motion(Tabled, ByValue):
     def at(self, t: ArrayLike, around: Array | None = None) -> tuple[Array, Array, Array]:
         """(q, qd, qdd) at any times t (...) within the motion: (..., nq), (..., nv), (..., nv).
 
-        around: (...) other times, whose polynomials are taken, as on the near side of a jump.
+        around: (...) other times, whose polynomials are taken and continued where t is beyond them,
+        as on the near side of a jump. Raises FreebodyError for times outside the motion without it.
         """
+        times = as_floats("Motion.at", "t", t)
+        refuse_not_finite("Motion.at", "t", times, 0)
         if around is None:
-            return state_of(self.layout, *(curve(t) for curve in self._curves))
-        times = np.asarray(t, dtype=float)
+            self._require_within(times)
+            return state_of(self.layout, *(curve(times) for curve in self._curves))
         return state_of(self.layout, *(x.continued(times, around) for x in self._curves))
+
+    def _require_within(self, times: Array) -> None:
+        """Refuse times before and after the motion, but for rounding."""
+        first, last = float(self.t[0]), float(self.t[-1])
+        beyond = np.maximum(first - times, times - last)
+        outside = np.argwhere(beyond > NEAR * max(last - first, abs(first), abs(last)))
+        if len(outside):
+            index = tuple(map(int, outside[0]))
+            bound = first if times[index] < first else last
+            at, end = compared(float(times[index]), bound)
+            end_word = "begins" if bound == first else "ends"
+            raise FreebodyError(
+                f"Motion.at: t is {at} s{at_sample(index)}, and the motion {end_word} at {end} s."
+            )
 
     @cached_property
     def curve(self) -> PiecewisePolynomial:
