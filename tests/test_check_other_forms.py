@@ -276,3 +276,12 @@ def test_the_acrobot_in_its_own_words():
 def test_a_driven_arm_has_no_equation_without_torque():
     with pytest.raises(AnswerError, match="neither side is one of the quantities"):
         fb.check(ARM, "0 = H21 θ̈1 + H22 θ̈2 + G2")
+
+
+@pytest.mark.parametrize("written", ["cos12", "sin123", "cos1"])
+def test_digits_at_a_functions_name_are_asked_about(written):
+    """cos12 may be c12; that of the number 12 is nothing that an arm's equations hold."""
+    arm = fb.planar("RRR")
+    with pytest.raises(fb.FreebodyError, match=f"{written} may be that of a sum of angles"):
+        fb.check(arm, f"x = l1 c1 + l2 c12 + l3 {written}")
+    assert fb.check(arm, "x = l1 c1 + l2 c12 + l3 c123 + 0 sin 2 theta1 + 0 sin2theta1")

@@ -105,6 +105,14 @@ class AnswerParser(Parser):
             factors.append(self.name())
         if not factors:
             self.fail_here(f"the angle of {function.text}")
+        if len(factors) == 1 and self._is_index(function, factors[0]):
+            number = self.source[factors[0].span]
+            self.source.fail(
+                f"{function.text}{number} may be that of a sum of angles or of a number",
+                (function.start, factors[0].span[1]),
+                f"Write {function.text[0]}{number} for the first, {function.text}({number}) for "
+                "the second.",
+            )
         if self.token.kind == "power" or self.is_operator("^"):
             angle = self.source[around(factors[0], factors[-1])]
             self.source.fail(
@@ -113,6 +121,15 @@ class AnswerParser(Parser):
                 self.token.span,
             )
         return product_of(factors)
+
+    def _is_index(self, function: Token, argument: Expression) -> bool:
+        """Whether digits stand at a function's name like the numbers of joints."""
+        return (
+            isinstance(argument, Number)
+            and argument.span[0] == function.end
+            and self.source[argument.span].isdigit()
+            and self.token.kind not in ("degree", "name")
+        )
 
     def _sign(self, argument: Expression) -> Trig:
         try:
