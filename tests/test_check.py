@@ -328,8 +328,8 @@ UNREADABLE = [
     ("G1 = 0\nH12 = m2 L1", "no symbol 'L1' in 'RR' (line 2, column 10). Did you mean 'l1'?"),
     ("H12 = m3 l1", "no symbol 'm3' in 'RR' (line 1, column 7). Did you mean 'm2'?"),
     ("G2 = m2 g lc2 cos(t1+t2)", "For a name of your own: names={'t1': 'theta1'}, --name t1="),
-    ("H22 = I2 (parallel axis)", ", g. Words that are not part of an equation go behind a #."),
-    ("Homework 3\nH22 = I2", ", g. Words that are not part of an equation go behind a #."),
+    ("H22 = I2 (parallel axis)", "Words that are not part of an equation go behind a #."),
+    ("Homework 3\nH22 = I2", "Words that are not part of an equation go behind a #."),
     ("H12 = __import__('os').system('true')", "no symbol '__import__'"),
     ("H12 = exec(chr(1))", "no symbol 'exec'"),
     ("H12 = lambda: 0", "no symbol 'lambda'"),
@@ -375,7 +375,9 @@ def test_what_cannot_be_read_is_refused_at_once(answer: str, words: str):
         fb.check(ARM, answer)
     assert time.process_time() - begun < 1.0
     assert words in str(refused.value)
-    assert str(pickle.loads(pickle.dumps(refused.value))) == str(refused.value)
+    # tblib, which dask brings, has exceptions pickle their tracebacks too, link by link
+    error = refused.value.with_traceback(None)
+    assert str(pickle.loads(pickle.dumps(error))) == str(error)
 
 
 @pytest.mark.parametrize("nothing", ["0", "(l1 - l1)"])

@@ -35,8 +35,6 @@ _SYNONYMS = {
     "m": (),
 }
 _MOST_IN_SUM = 6
-_SHORT = 4
-"""Letters of a name of somebody's own, at most; what is longer is rather a word of a sentence."""
 
 
 @dataclass
@@ -111,18 +109,25 @@ class Vocabulary:
             hint = f"The {function} of the angle is written {wave}. "
             near = []
         shown = word if len(word) <= 30 else word[:30] + "…"
-        target = near[0] if near else names[0]
-        remedy = (
-            f" For a name of your own: names={{{plain!r}: {target!r}}}, --name {plain}={target}."
-        )
-        if not near:
-            own = remedy if len(plain) <= _SHORT else ""
-            remedy = f"{own} Words that are not part of an equation go behind a #."
+        if target := near[0] if near else self._angle_of(plain):
+            remedy = (
+                f"For a name of your own: names={{{plain!r}: {target!r}}}, --name {plain}={target}."
+            )
+        else:
+            remedy = (
+                "What a name of your own stands for is told by --name YOURS=OURS, or on a line "
+                "before. Words that are not part of an equation go behind a #."
+            )
         source.fail(
             f"no symbol {shown!r} in {self.setting.symbols.model.name!r}",
             span,
-            f"{hint}Symbols: {', '.join(names[:24])}.{remedy}",
+            f"{hint}Symbols: {', '.join(names[:24])}. {remedy}",
         )
+
+    def _angle_of(self, plain: str) -> str:
+        """The joint's angle that a name such as t1 or phi1 may stand for, or nothing."""
+        match = re.fullmatch(r"(?:t|phi|psi|alpha)(\d+)", plain)
+        return f"theta{match[1]}" if match and f"theta{match[1]}" in self.listed else ""
 
     @property
     def listed(self) -> list[str]:
