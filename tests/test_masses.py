@@ -17,6 +17,7 @@ from freebody.errors import FileError, FreebodyError
 from freebody.formats.estimated_inertias import located
 from freebody.model.inertia import Inertia
 from freebody.motion.motion import motion_of
+from support.extras import extra
 
 LENGTHS = (0.4, 0.3, 0.2)
 BOX = "<collision><origin xyz='{x} 0 0'/><geometry><box size='{l} 0.1 0.1'/></geometry></collision>"
@@ -305,6 +306,7 @@ def stl(path: Path, size: tuple[float, float, float]) -> None:
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
 def test_a_mesh_that_is_a_pipe_or_of_a_foreign_kind_is_refused_at_once():
+    extra("trimesh")
     Path("robot/meshes").mkdir(parents=True)
     os.mkfifo("robot/meshes/link.stl")
     Path("robot/meshes/link.zip").write_bytes(b"PK")
@@ -318,6 +320,7 @@ def test_a_mesh_that_is_a_pipe_or_of_a_foreign_kind_is_refused_at_once():
 
 
 def test_meshes_weigh_what_they_enclose():
+    extra("trimesh")
     stl(Path("robot/meshes/link.stl"), (200.0, 100.0, 100.0))
     mesh = (
         "<visual><origin xyz='{x} 0 0'/><geometry>"
