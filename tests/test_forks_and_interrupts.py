@@ -121,6 +121,36 @@ def test_a_child_forked_while_another_thread_imports_goes_on(use, slow, stage):
     assert not done.stderr
 
 
+FORK_BEFORE_A_LOG = """
+import os, signal, sys, threading, time, warnings
+warnings.simplefilter("ignore", DeprecationWarning)
+from freebody import locks
+import logging
+inside = threading.Event()
+def log_while_building():
+    with locks.KERNELS:
+        inside.set()
+        time.sleep(0.3)
+        logging.getLogger("never asked before").info("a line")
+building = threading.Thread(target=log_while_building, daemon=True)
+building.start()
+assert inside.wait(20)
+signal.alarm(10)  # who waits for ever ends by this
+child = os.fork()
+if child == 0:
+    with locks.KERNELS:
+        os._exit(0)
+assert os.waitpid(child, 0)[1] == 0
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
+def test_a_fork_waits_for_a_thread_that_logs_while_it_builds():
+    done = run(FORK_BEFORE_A_LOG)
+    assert done.returncode == 0, done.stderr
+    assert not done.stderr
+
+
 HANDLER_THAT_COMPILES = """
 import os, signal, threading
 import freebody as fb

@@ -3,7 +3,9 @@ for.
 
 A fork waits for them, since its child would find them taken for ever. They stand together, and are
 there with the package itself, because hooks of a fork run in the order in which they were
-registered: what is imported later registers none.
+registered: what is imported later registers none. Before a fork they run from the last to the
+first: a lock that a thread takes while it holds one of these is registered before them, as
+`logging` does with its own when it is imported.
 
 A thread that holds one may take it again: a signal's handler, or a finalizer, runs in the middle of
 whatever its thread does, and may ask for a kernel itself.
@@ -12,6 +14,7 @@ whatever its thread does, and may ask for a kernel itself.
 from __future__ import annotations
 
 import importlib
+import logging  # noqa: F401 - its lock is taken within ours: a fork takes it after them
 import os
 import sys
 import threading
