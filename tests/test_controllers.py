@@ -284,3 +284,18 @@ def test_the_same_closed_loops_in_c(tmp_path):
         there = np.stack([q, qd, r], axis=-1)
         np.testing.assert_allclose(ends, there, rtol=0.0, atol=1e-10, err_msg=name)
         assert np.abs(r - LOAD).max() < 0.02, name
+
+
+def test_a_simulation_refuses_the_gains_that_a_law_refuses_and_no_input_of_a_users_own():
+    model = fb.load("2R")
+    z, given = np.zeros(2), {"q_ref": np.zeros(2), "kp": np.ones(2)}
+    law = fb.kernel(model, "pd_gravity")
+    with pytest.raises(
+        fb.FreebodyError, match=r"simulate: torque_inputs\['kd'\] is -1 for 'joint2'"
+    ):
+        fb.simulate(model, z, z, [0, 1], law, torque_inputs=given | {"kd": np.array([1.0, -1.0])})
+    many = np.array([[1.0, 1.0], [-2.0, 1.0]])
+    with pytest.raises(fb.FreebodyError, match=r"is -2 for 'joint1' at sample 1"):
+        fb.simulate(model, z, z, [0, 1], law, torque_inputs=given | {"kd": many})
+    own = fb.compile(lambda qd, kd: [kd * v for v in qd], {"qd": 2, "kd": ()}, {"tau": 2})
+    fb.simulate(model, z, z, [0, 0.01], own, torque_inputs={"kd": -1.0})

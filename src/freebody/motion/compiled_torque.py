@@ -11,12 +11,15 @@ import numpy as np
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, KindError, UnknownNameError, listed
 from freebody.kernels.driven_steps import STATE, law_inputs
+from freebody.kernels.formulas import FORMULAS
+from freebody.kernels.formulas.inputs import INPUTS
 from freebody.lazy import cached_property
 from freebody.model.families import member_at
 from freebody.model.model import Model
 from freebody.motion.motion_lanes import MotionLanes, some_of
 from freebody.program import Program
 from freebody.targets import Kernel, compile_program
+from freebody.trees.controllers import not_negative
 from freebody.trees.passive_joints import refuse_passive
 
 
@@ -82,13 +85,26 @@ def compiled_torque(model: Model, kernel: Kernel, given: Mapping[str, Any]) -> C
             f"simulate: the compiled torque takes {listed(lacking)} besides t, q and qd: give "
             f"torque_inputs={{{lacking[0]!r}: …}}."
         )
-    more = []
+    more, gains = [], _gains(law)
     for x in own:
         array = as_floats("simulate", f"torque_inputs[{x.name!r}]", given[x.name])
         check_core("simulate", f"torque_inputs[{x.name!r}]", array, x.shape, "as it was compiled")
         refuse_not_finite("simulate", f"torque_inputs[{x.name!r}]", array, len(x.shape))
+        if x.name in gains:
+            rows = model.velocity_names if x.shape == (model.nv,) else range(*x.shape)
+            not_negative("simulate", f"torque_inputs[{x.name!r}]", array, [*map(str, rows)])
         more.append(array)
     return CompiledTorque(model, law, tuple(more))
+
+
+def _gains(law: Program) -> tuple[str, ...]:
+    """What makes no sense below 0 among the inputs of a kernel that is one of `FORMULAS`: control
+    laws refuse it there as where they are called; in a law of the user's own a name says
+    nothing."""
+    formula, names = FORMULAS.get(law.name), tuple(x.name for x in law.inputs)
+    if formula is None or names != formula.inputs:
+        return ()
+    return tuple(name for name in names if INPUTS[name].positive is not None)
 
 
 def one_lane(torque: CompiledTorque, lanes: MotionLanes, k: int) -> CompiledTorque:

@@ -215,7 +215,7 @@ def _gain(function: str, model: Model, name: str, value: Any) -> Array:
     if isinstance(given, np.ndarray) and given.ndim == 0:
         given = np.full(model.nv, given)
     array = vector(function, model, name, given)
-    return _not_negative(function, name, array, labels(model, name))
+    return not_negative(function, name, array, labels(model, name))
 
 
 def _gain_of_rows(function: str, model: Model, option: Option, name: str, value: Any) -> Array:
@@ -223,10 +223,11 @@ def _gain_of_rows(function: str, model: Model, option: Option, name: str, value:
     if isinstance(given, np.ndarray) and given.ndim == 0:
         given = np.full(len(option.rows), given)
     array = _of_rows(function, model, option, name, given)
-    return _not_negative(function, name, array, _row_names(model, option))
+    return not_negative(function, name, array, _row_names(model, option))
 
 
-def _not_negative(function: str, name: str, array: Array, names: Sequence[str]) -> Array:
+def not_negative(function: str, name: str, array: Array, names: Sequence[str]) -> Array:
+    """Gains (..., len(names)), none of which is below 0."""
     bad = np.argwhere(array < 0.0)
     if len(bad):
         *sample, k = map(int, bad[0])
