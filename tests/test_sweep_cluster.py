@@ -28,10 +28,14 @@ def same(a: Any, b: Any) -> bool:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
 def test_a_cluster_gives_the_same_bytes_also_where_a_worker_is_killed(tmp_path):
+    log = str(tmp_path / "log")
+
     def slow(model: fb.Model, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> Any:
         import time
 
-        time.sleep(0.1)
+        with open(log, "a") as file:
+            file.write(".")
+        time.sleep(0.6)
         return fb.inverse_dynamics(model, q, qd, qdd)
 
     with (
@@ -43,9 +47,11 @@ def test_a_cluster_gives_the_same_bytes_also_where_a_worker_is_killed(tmp_path):
             here = fb.sweep(ARM, function, **given)
             if function is slow:
                 pid, _ = (x.process.pid for x in cluster.workers.values())
-                threading.Timer(0.7, os.kill, (pid, signal.SIGKILL)).start()
+                once = os.path.getsize(log)
+                threading.Timer(5.0, os.kill, (pid, signal.SIGKILL)).start()
             there = fb.sweep(ARM, function, **given, client=client)
             assert same(there, here)
+        assert os.path.getsize(log) - once <= once + 1  # the block that it had under way
         assert pid not in [x.process.pid for x in cluster.workers.values()]
         stored = fb.sweep(
             ARM, "inverse_dynamics", over=OVER, reduce="max", block=1000,

@@ -60,12 +60,13 @@ def test_a_store_holds_what_the_call_returns(tmp_path):
 
 @pytest.mark.parametrize("reduce", [NAMES, None])
 def test_what_was_stopped_goes_on(tmp_path, monkeypatch, reduce):
-    """At several places; what is done is not done again."""
+    """At several places; what is done is not done again, nor is more than one block under way, on
+    however many processors."""
     swept(tmp_path / "whole.zarr", reduce=reduce)
     evaluated = []
     real = SweepTask.__call__
     monkeypatch.setattr(SweepTask, "__call__", lambda *a: evaluated.append(a[1]) or real(*a))
-    monkeypatch.setattr(run, "cpus", lambda: 1)  # one at a time, so that they can be counted
+    monkeypatch.setattr(run, "cpus", lambda: 4)
 
     for stop in (0.1, 0.3, 0.9):
 
@@ -167,41 +168,59 @@ def test_a_full_disk_is_said_and_nothing_is_lost(tmp_path, monkeypatch, room):
 
 
 SCRIPT = """
-import sys, time
+import os, sys, time
 import numpy as np
 import freebody as fb
+from freebody.sweeps.evaluation import SweepTask
 arm = fb.planar("RR", l=[0.4, 0.3], lc=[0.2, 0.15], m=[2.0, 1.0], I=[0.03, 0.01])
-q, qd, qdd = fb.random_state(arm, 3, 400)
+log = os.open(sys.argv[2], os.O_WRONLY | os.O_APPEND | os.O_CREAT)
+real = SweepTask.__call__
+def told(self, block, *rest):
+    os.write(log, f"{block.rows} {block.columns}\\n".encode())
+    return real(self, block, *rest)
+SweepTask.__call__ = told
 def slow(model, q):
     time.sleep(0.01)
     return fb.gravity_torque(model, q)
-over = {"m2": np.linspace(0.5, 3.0, 6), "q": q}
+function, size, over = {
+    "python": (slow, 20, {"m2": np.linspace(0.5, 3.0, 6), "q": fb.random_state(arm, 3, 400)[0]}),
+    "kernel": ("gravity_torque", 40_000, {
+        "m2": np.linspace(0.5, 3.0, 60), "q": fb.random_state(arm, 3, 400_000)[0],
+    }),
+}[sys.argv[3]]
 print("begun", flush=True)
-fb.sweep(arm, slow, over=over, reduce=["max", "mean"], block=20, store=sys.argv[1])
+fb.sweep(arm, function, over=over, reduce=["max", "mean"], block=size, store=sys.argv[1])
 """
 
 
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
-def test_killed_at_random_it_ends_with_the_same_bytes(tmp_path):
-    script = tmp_path / "script.py"
+@pytest.mark.parametrize("function", ["python", "kernel"])
+def test_killed_at_random_it_ends_with_the_same_bytes(tmp_path, function):
+    """And each kill costs at most one block."""
+    script, log = tmp_path / "script.py", tmp_path / "log"
     script.write_text(SCRIPT)
     environment = {**os.environ, "PYTHONPATH": str(Path(fb.__file__).parents[1])}
     rng = np.random.default_rng()
 
-    def started(store: str, killed_after: float | None = None) -> None:
-        command = [sys.executable, str(script), str(tmp_path / store)]
+    def started(store: str, killed_after: float | None = None) -> bool:
+        """Whether it was killed on the way."""
+        command = [sys.executable, str(script), str(tmp_path / store), str(log), function]
         with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE) as process:
             assert process.stdout is not None
             process.stdout.readline()
-            if killed_after is None:
-                assert process.wait() == 0
-            else:
+            if killed_after is not None:
                 time.sleep(killed_after)
                 process.send_signal(signal.SIGKILL)
+            return process.wait() != 0
 
-    started("whole")
-    for _ in range(3):
-        started("killed", rng.uniform(0.3, 1.2))
-    started("killed")
+    assert not started("whole")
+    every = log.read_text().splitlines()
+    log.unlink()
+    kills = sum([started("killed", rng.uniform(0.3, 1.2)) for _ in range(3)])
+    assert not started("killed")
     assert content(tmp_path / "killed") == content(tmp_path / "whole")
+    begun = log.read_text().splitlines()
+    assert set(begun) == set(every)
+    assert len(begun) - len(every) <= kills
+    assert kills

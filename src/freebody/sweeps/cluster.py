@@ -4,15 +4,14 @@ order."""
 from __future__ import annotations
 
 import time
-from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
 from math import ceil
-from typing import Any
+from typing import Any, NamedTuple
 
 from freebody.errors import FreebodyError, MissingPackageError
 from freebody.locks import imported
-from freebody.sweeps.evaluation import BlockResult, SweepBlock, SweepTask
+from freebody.sweeps.evaluation import BlockResult, Keep, SweepBlock, SweepTask
 from freebody.targets.llvm.machine import host
 
 _WORTH = 0.5
@@ -24,12 +23,13 @@ _AHEAD = 2
 
 
 def on_cluster(
-    task: SweepTask, blocks: Iterable[SweepBlock], client: Any
-) -> Iterator[tuple[SweepBlock, BlockResult]]:
+    task: SweepTask, blocks: Iterable[SweepBlock], keep: Keep | None, client: Any
+) -> Iterator[BlockResult]:
     """The result of each block, in order; few are held at a time.
 
-    client: a `distributed.Client`, or the address of a scheduler. What a lost worker had is done
-    again by another.
+    keep: is given each block as soon as its result is here, in whatever order they come.
+    client: a `distributed.Client`, or the address of a scheduler. What a lost worker had under way
+    is done again by another.
     """
     try:
         distributed = imported("distributed")
@@ -46,7 +46,7 @@ def on_cluster(
             "'tcp://10.0.0.1:8786'."
         )
     try:
-        yield from _joined(task, iter(blocks), used)
+        yield from _in_order(task, iter(blocks), keep, used, distributed.as_completed)
     except (distributed.scheduler.KilledWorker, distributed.client.FutureCancelledError) as failure:
         raise FreebodyError(
             f"sweep: the cluster lost its workers: {failure} With store=, what is done is kept."
@@ -56,28 +56,53 @@ def on_cluster(
             used.close()
 
 
-def _joined(
-    task: SweepTask, blocks: Iterator[SweepBlock], client: Any
-) -> Iterator[tuple[SweepBlock, BlockResult]]:
+def _in_order(
+    task: SweepTask,
+    blocks: Iterator[SweepBlock],
+    keep: Keep | None,
+    client: Any,
+    as_completed: Callable[..., Any],
+) -> Iterator[BlockResult]:
+    """Results are fetched when they are there, since a worker that is lost takes with it what was
+    not, and wait here for those before them."""
     sent = client.scatter(task, broadcast=True)
-    waiting: deque[tuple[list[SweepBlock], Any]] = deque()
-    together = 1
+    coming = as_completed(with_results=True)
+    pieces: dict[Any, _Piece] = {}
+    arrived: dict[int, list[BlockResult]] = {}
+    together, begun, joined = 1, 0, 0
     try:
         while True:
-            room = _AHEAD * max(1, sum(client.nthreads().values())) - len(waiting)
+            room = _AHEAD * max(1, sum(client.nthreads().values())) - (begun - joined)
             for _ in range(room):
                 some = list(islice(blocks, together))
                 if not some:
                     break
-                waiting.append((some, client.submit(_done, sent, some, repr(host()), pure=False)))
-            if not waiting:
+                future = client.submit(_done, sent, some, repr(host()), pure=False)
+                pieces[future] = _Piece(begun, some)
+                begun += 1
+                coming.add(future)
+            if not pieces:
                 return
-            some, future = waiting.popleft()
-            results, seconds = future.result()
-            together = max(1, min(_MOST, ceil(_WORTH * len(some) / max(seconds, 1e-3))))
-            yield from zip(some, results, strict=True)
+            future, (results, seconds) = next(coming)
+            piece = pieces.pop(future)
+            if keep is not None:
+                for block, result in zip(piece.blocks, results, strict=True):
+                    keep(block, result)
+            arrived[piece.number] = results
+            count = len(piece.blocks)
+            together = max(1, min(_MOST, ceil(_WORTH * count / max(seconds, 1e-3))))
+            while joined in arrived:
+                yield from arrived.pop(joined)
+                joined += 1
     finally:
-        client.cancel([future for _, future in waiting])
+        client.cancel(list(pieces))
+
+
+class _Piece(NamedTuple):
+    """Blocks that are sent together, and the place of this piece among all."""
+
+    number: int
+    blocks: list[SweepBlock]
 
 
 def _done(task: SweepTask, blocks: list[SweepBlock], cpu: str) -> tuple[list[BlockResult], float]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,6 +24,8 @@ Reasons = dict[tuple[int, int], str]
 """By row and column."""
 Named = Mapping[str, Array]
 """By output."""
+InOrder = Callable[[Callable[[Any], Any], Sequence[Any]], Iterator[Any]]
+"""A function of each thing, in order, as `map`."""
 
 
 class FailedPoint(NamedTuple):
@@ -52,6 +54,10 @@ class BlockResult:
     reasons: list[FailedPoint] = field(default_factory=list)
 
 
+Keep = Callable[[SweepBlock, BlockResult], object]
+"""What is done with a block as soon as it is there."""
+
+
 @dataclass(frozen=True)
 class SweepTask:
     """All that a block needs, besides which one it is; it can be sent to another process."""
@@ -69,30 +75,39 @@ class SweepTask:
     tile: int
     """Points that are evaluated at once."""
 
-    def __call__(self, block: SweepBlock) -> BlockResult:
-        """Evaluate a block, tile by tile in order."""
-        result = BlockResult([], [], np.zeros(len(block.rows), dtype=np.int64))
+    def __call__(self, block: SweepBlock, side_by_side: InOrder = map) -> BlockResult:
+        """Evaluate a block in tiles, whose results are joined in order.
+
+        side_by_side: a `map`, which may be one that evaluates several tiles at a time.
+        """
+        whole = BlockResult([], [], np.zeros(len(block.rows), dtype=np.int64))
         if not self.wanted:
             shape = len(block.rows), len(block.columns)
-            result.values = [np.empty((*shape, *core)) for _, core in self.outputs]
-        high = max(1, self.tile // len(block.columns))
+            whole.values = [np.empty((*shape, *core)) for _, core in self.outputs]
         refused = self._refused(block.rows)
+        high = max(1, self.tile // len(block.columns))
+        tiles = [
+            SweepBlock(rows, columns)
+            for rows in _cut(block.rows, high)
+            for columns in _cut(block.columns, self.tile)
+        ]
         parts: list[list[Gathered]] = []
-        for rows in _cut(block.rows, high):
-            found: list[Gathered] | None = None
-            for columns in _cut(block.columns, self.tile):
-                values = self._tile(SweepBlock(rows, columns), block, refused, result)
-                if self.wanted:
-                    new = gathered(values, self.wanted, columns.start)
-                    found = new if found is None else joined(found, new)
-            if found is not None:
-                parts.append(found)
+        found = side_by_side(lambda tile: self._tile(tile, block, refused, whole.values), tiles)
+        for tile, part in zip(tiles, found, strict=True):
+            whole.failed[_within(tile.rows, block.rows)] += part.failed
+            whole.reasons += part.reasons[: _MOST_REASONS - len(whole.reasons)]
+            if not self.wanted:
+                continue
+            if tile.columns.start == block.columns.start:
+                parts.append(part.gathered)
+            else:
+                parts[-1] = joined(parts[-1], part.gathered)
         if parts:
-            result.gathered = [
+            whole.gathered = [
                 {key: np.concatenate([part[k][key] for part in parts]) for key in parts[0][k]}
                 for k in range(len(self.outputs))
             ]
-        return result
+        return whole
 
     def empty(self, block: SweepBlock) -> list[Gathered]:
         """What the reductions gather from a block, of values that are not there."""
@@ -101,8 +116,9 @@ class SweepTask:
         return gathered(values, self.wanted, block.columns.start)
 
     def _tile(
-        self, tile: SweepBlock, block: SweepBlock, refused: dict[int, str], result: BlockResult
-    ) -> list[Array]:
+        self, tile: SweepBlock, block: SweepBlock, refused: dict[int, str], places: list[Array]
+    ) -> BlockResult:
+        """What came out of a tile; its values, where all are wanted, are put into the block's."""
         rows, columns = tile
         reasons: Reasons = {}
         named = self._values(rows, columns, refused, reasons)
@@ -110,16 +126,15 @@ class SweepTask:
         failed = np.zeros((len(rows), len(columns)), dtype=bool)
         for x in values:
             failed |= np.isnan(x).any(axis=tuple(range(2, x.ndim)))
-        here = slice(rows.start - block.rows.start, rows.stop - block.rows.start)
-        result.failed[here] += failed.sum(axis=1)
+        told: list[FailedPoint] = []
         if failed.any():
-            for r, c in np.argwhere(failed)[: _MOST_REASONS - len(result.reasons)].tolist():
+            for r, c in np.argwhere(failed)[:_MOST_REASONS].tolist():
                 place = rows.start + r, columns.start + c
-                result.reasons.append(FailedPoint(*place, reasons.get(place, NOT_A_NUMBER)))
-        there = slice(columns.start - block.columns.start, columns.stop - block.columns.start)
-        for whole, x in zip(result.values, values, strict=False):
-            whole[here, there] = x
-        return values
+                told.append(FailedPoint(*place, reasons.get(place, NOT_A_NUMBER)))
+        for whole, x in zip(places, values, strict=False):
+            whole[_within(rows, block.rows), _within(columns, block.columns)] = x
+        found = gathered(values, self.wanted, columns.start)
+        return BlockResult(found, [], failed.sum(axis=1), told)
 
     def _values(
         self, rows: range, columns: range, refused: dict[int, str], reasons: Reasons
@@ -179,6 +194,10 @@ class SweepTask:
 def _of_one(numbers: Named) -> dict[str, float]:
     """Of one robot, so that an error speaks of no member."""
     return {name: float(x.flat[0]) for name, x in numbers.items()}
+
+
+def _within(part: range, whole: range) -> slice:
+    return slice(part.start - whole.start, part.stop - whole.start)
 
 
 def _cut(whole: range, size: int) -> list[range]:

@@ -1,21 +1,21 @@
-"""All blocks of a sweep: side by side in this process where the function allows it, or on a
-cluster; results come in the order of the blocks."""
+"""All blocks of a sweep: one after the other in this process, or on a cluster; results come in the
+order of the blocks.
+
+Here a block is shared among the processors, and is kept before the next one is begun: what stops
+the process costs at most the one block that was under way.
+"""
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from freebody.sweeps.evaluation import BlockResult, SweepBlock, SweepTask
+from freebody.sweeps.evaluation import BlockResult, Keep, SweepBlock, SweepTask
 from freebody.targets.threads import cpus
 
-_AHEAD = 2
-"""Blocks for each thread that may wait to be joined."""
-
-Keep = Callable[[SweepBlock, BlockResult], object]
-"""What is done with a block as soon as it is there."""
+Progress = Callable[[str, float], None]
+"""What is being done, and which share of it is."""
 
 
 def evaluated(
@@ -25,40 +25,22 @@ def evaluated(
     if client is not None:
         from freebody.sweeps.cluster import on_cluster
 
-        for block, result in on_cluster(task, blocks, client):
-            if keep is not None:
-                keep(block, result)
-            yield result
+        yield from on_cluster(task, blocks, keep, client)
     elif not task.function.threads or cpus() == 1:
-        for block in blocks:
-            yield _kept(task, block, keep)
+        yield from _one_by_one(task, blocks, keep)
     else:
-        yield from _by_threads(task, blocks, keep)
+        with ThreadPoolExecutor(cpus()) as pool:
+            yield from _one_by_one(task, blocks, keep, pool)
 
 
-def _kept(task: SweepTask, block: SweepBlock, keep: Keep | None) -> BlockResult:
-    result = task(block)
-    if keep is not None:
-        keep(block, result)
-    return result
-
-
-def _by_threads(
-    task: SweepTask, blocks: Iterable[SweepBlock], keep: Keep | None
+def _one_by_one(
+    task: SweepTask,
+    blocks: Iterable[SweepBlock],
+    keep: Keep | None,
+    pool: ThreadPoolExecutor | None = None,
 ) -> Iterator[BlockResult]:
-    with ThreadPoolExecutor(cpus()) as pool:
-        waiting: deque[Future[BlockResult]] = deque()
-        try:
-            for block in blocks:
-                waiting.append(pool.submit(_kept, task, block, keep))
-                if len(waiting) > _AHEAD * cpus():
-                    yield waiting.popleft().result()
-            while waiting:
-                yield waiting.popleft().result()
-        finally:
-            for future in waiting:
-                future.cancel()
-
-
-Progress = Callable[[str, float], None]
-"""What is being done, and which share of it is."""
+    for block in blocks:
+        result = task(block) if pool is None else task(block, pool.map)
+        if keep is not None:
+            keep(block, result)
+        yield result
