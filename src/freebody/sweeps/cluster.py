@@ -67,7 +67,7 @@ def _in_order(
     not, and wait here for those before them."""
     sent = client.scatter(task, broadcast=True)
     coming = as_completed(with_results=True)
-    pieces: dict[Any, _Piece] = {}
+    pieces: dict[Any, _SentBlocks] = {}
     arrived: dict[int, list[BlockResult]] = {}
     together, begun, joined = 1, 0, 0
     try:
@@ -78,7 +78,7 @@ def _in_order(
                 if not some:
                     break
                 future = client.submit(_done, sent, some, repr(host()), pure=False)
-                pieces[future] = _Piece(begun, some)
+                pieces[future] = _SentBlocks(begun, some)
                 begun += 1
                 coming.add(future)
             if not pieces:
@@ -98,7 +98,7 @@ def _in_order(
         client.cancel(list(pieces))
 
 
-class _Piece(NamedTuple):
+class _SentBlocks(NamedTuple):
     """Blocks that are sent together, and the place of this piece among all."""
 
     number: int
