@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.derivations.closed_chains.first_kind import FirstKind
+from freebody.derivations.closed_chains.first_kind import FirstKind, multiplier_names
 from freebody.derivations.closed_chains.statics import LoopStatics
+from freebody.derivations.derive import compare
+from support.printed_values import evaluate
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 
@@ -28,7 +30,7 @@ def closed_state(model, seed=0):
 
 def with_drives(model, rng):
     """Torques of the drives alone."""
-    driven = [body.joint.name in model.actuated for body in model.bodies]
+    driven = [name in model.driven_names for name in model.velocity_names]
     return rng.normal(size=model.nv) * driven
 
 
@@ -295,7 +297,71 @@ def test_every_force_is_named():
 
 def test_other_methods_name_those_for_closed_chains():
     with pytest.raises(fb.FreebodyError, match="'lagrange-first-kind'"):
-        fb.derive(fb.load("four_bar"), "newton-euler")
+        fb.derive(fb.load("four_bar"), "recursive")
+
+
+# ---------------------------------------------------------------- body by body
+@pytest.mark.parametrize("name", [*PLANAR, "3RRR"])
+def test_newton_and_euler_end_in_the_first_kind(name):
+    """With the same multipliers, term by term, joints without motors included."""
+    model = fb.load(name)
+    bodies = fb.derive(model, "newton-euler")
+    assert isinstance(bodies.system, LoopStatics)
+    assert list(bodies.tau) == FirstKind(bodies.system.loops, bodies.equations).forces
+    for step in ("Equations and unknowns", "Free body 1", "The closed form"):
+        assert step in [x.operation for x in bodies.steps]
+
+
+def test_a_load_is_carried_through_the_loops_too():
+    model = fb.load("five_bar")
+    bodies = fb.derive(model, "newton-euler", load=True)
+    first = fb.derive(model, load=True)
+    assert first.method == METHOD, "where none is asked for"
+    assert compare(bodies, first)
+    assert "f₁₃ + m₃ g + f − f₃₄ = m₃ v̇c₃" in [str(x) for s in bodies.steps for x in s.equations]
+
+
+@pytest.mark.parametrize("name", ["slider_crank", "five_bar_rods", "3RRR"])
+def test_forces_in_the_loops_of_a_motion_are_reactions(name):
+    model = fb.load(name)
+    system = fb.derive(model, "newton-euler").system
+    assert isinstance(system, LoopStatics)
+    q, qd = closed_state(model, 2)
+    tau = with_drives(model, np.random.default_rng(2))
+    qdd = fb.forward_dynamics(model, q, qd, tau)
+    A, k = (system.loops.evaluate(x, q, qd, qdd) for x in (system.A, system.right))
+    multipliers = np.linalg.solve(A, k)
+    scale = system.loops.evaluate(system.loops.scale, q)
+    found = fb.reactions(model, q, qd, qdd=qdd)
+    np.testing.assert_allclose(multipliers * scale, found.multipliers, rtol=1e-7, atol=1e-8)
+    s = system.loops.symbols
+    values = s.values(q, qd, qdd) | dict(
+        zip(multiplier_names(system.loops), multipliers, strict=True)
+    )
+    np.testing.assert_allclose(
+        [system.needed[j].evaluate(values) for j in range(model.nv)], tau, rtol=1e-8, atol=1e-8
+    )
+
+
+def test_printed_multipliers_solve_their_system():
+    """λ by k over Δ, as they stand in the lines, against A λ = k."""
+    derivation = fb.derive(fb.load("five_bar"), "newton-euler")
+    (step,) = [x for x in derivation.steps if x.operation == "The forces in the loops"]
+    lines = {str(x.lhs): x for x in step.equations}
+    symbols = derivation.equations.symbols
+    q = np.array([2.1, 1.0, -1.4, 1.4])
+    known = symbols.values(q) | {"k1": 0.7, "k2": -1.3}
+    known["Delta"] = evaluate(lines["Δ"], known)
+    found = [evaluate(lines[name], known) for name in ("λ₁", "λ₂")]
+    system = derivation.system
+    assert isinstance(system, LoopStatics)
+    A = system.loops.evaluate(system.A, q)
+    np.testing.assert_allclose(A @ found, [0.7, -1.3], rtol=1e-12)
+
+
+def test_moments_about_pivots_are_of_open_chains():
+    with pytest.raises(fb.FreebodyError, match="written out for open chains"):
+        fb.derive(fb.load("four_bar"), "newton-euler", route="pivot")
 
 
 @pytest.mark.parametrize("load", [False, True])

@@ -15,7 +15,7 @@ METHODS = list(TABLE)
 WAYS = [
     (method.name, dict(zip((option.name for option in method.options), chosen, strict=True)))
     for method in TABLE.values()
-    if method.finds_torques and not method.at_rest and not method.closed
+    if method.finds_torques and not method.at_rest and not method.closed_first
     for chosen in itertools.product(*(option.choices for option in method.options))
 ]
 """The ways from a motion to the torques: every method of open chains, with every choice of its

@@ -72,8 +72,10 @@ def method_named(name: str) -> Method:
 
 
 def default_method(model: Model) -> Method:
-    """The method for a model where none is asked for: the first that serves it."""
-    return next(method for method in METHODS.values() if _serves(method, model))
+    """The method for a model where none is asked for: the first that serves it, of closed chains
+    rather one that says so."""
+    served = [method for method in METHODS.values() if _serves(method, model)]
+    return next((method for method in served if model.loops and method.closed_first), served[0])
 
 
 def _serves(method: Method, model: Model) -> bool:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from freebody.derivations.derivation import Step
 from freebody.derivations.equations.base_parameters import short_by_base
 from freebody.derivations.expressions import expression as ex
-from freebody.derivations.expressions.expression import Equation, eq
+from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.methods.setting import Setting
 from freebody.errors import listed
@@ -21,9 +23,15 @@ _BASE = (
 )
 
 
-def closed_form(setting: Setting) -> Step:
+_LOOPS = (
+    " The bodies form a tree when the loops are cut; what the loops add is Φ_qᵀ λ, as in "
+    "Lagrange's equations of the first kind, which are these."
+)
+
+
+def closed_form(setting: Setting, through_loops: Sequence[Expression] = ()) -> Step:
     """Torques sorted by accelerations, rates and gravity; with a load on the tip, torque and load
-    together."""
+    together; through_loops: of a closed chain what its loops add, by coordinate."""
     equations = setting.equations
     numbers = {"RR": tuple(f"3.{k}" for k in range(20, 29))}.get(setting.cited, ("3.28",))
     groups = equations.groups("named") if equations.is_short else None
@@ -37,6 +45,9 @@ def closed_form(setting: Setting) -> Step:
             " (3.22) to (3.24) are misprinted in the notes; the equations here are the corrected "
             "ones."
         )
+    if through_loops:
+        reason += _LOOPS
+        groups = [_with(groups[0], through_loops), *groups[1:]]
     if setting.load:
         reason += (
             " The load at the tip, at r_P, acts in addition to the motors: on the left its "
@@ -45,6 +56,14 @@ def closed_form(setting: Setting) -> Step:
         groups = [_loaded(setting, groups[0]), *groups[1:]]
     lines = tuple(line for group in groups for line in group)
     return Step("The closed form", reason, lines, numbers, result=True)
+
+
+def _with(torques: list[Equation], through_loops: Sequence[Expression]) -> list[Equation]:
+    """What the loops add at the end of each torque."""
+    return [
+        eq(*line.sides[:-1], ex.add(line.sides[-1], more))
+        for line, more in zip(torques, through_loops, strict=True)
+    ]
 
 
 def _loaded(setting: Setting, torques: list[Equation]) -> list[Equation]:

@@ -25,6 +25,8 @@ from freebody.spatial import Vector, add, scale
 
 LONG = 90
 """Numbers and symbols up to which a matrix is written out."""
+_ENTRIES = 16
+"""Entries up to which it is."""
 
 
 @dataclass(frozen=True)
@@ -158,7 +160,7 @@ class Loops:
         zero = eq(ex.d_dt(sym("Phi")), ex.mul(self.phi_q, _dotted("q", 1)), ex.ZERO)
         return Step(
             "Velocity constraints",
-            reason,
+            reason + self.unlisted(self.equations.Phi_q),
             (zero, *self.matrix(self.phi_q, self.equations.Phi_q)),
             ("5.22",),
         )
@@ -285,7 +287,7 @@ class Loops:
         """A matrix written out, or row by row where it is wide, or by its entries that are not
         zero."""
         shown = ex.matrix([[self._entry(x) for x in row] for row in rows])
-        if ex.size(shown) <= LONG:
+        if self._is_short(rows, shown):
             return [eq(name, shown)]
         letter = name.letter if isinstance(name, ex.Symbol) else "A"
         low = name.low if isinstance(name, ex.Symbol) else ()
@@ -295,6 +297,16 @@ class Loops:
             for j, x in enumerate(row, 1)
             if not x.is_zero
         ]
+
+    def _is_short(self, rows: list, shown: Expression) -> bool:
+        return ex.size(shown) <= LONG and len(rows) * len(rows[0]) <= _ENTRIES
+
+    def unlisted(self, rows: list) -> str:
+        """A sentence on the entries that `matrix` leaves out, if it does, a blank in front."""
+        shown = ex.matrix([[self._entry(x) for x in row] for row in rows])
+        some = any(x.is_zero for row in rows for x in row)
+        told = " Entries that are not listed are 0."
+        return told if some and not self._is_short(rows, shown) else ""
 
     def _entry(self, x: Trig) -> Expression:
         return min((self.s.show_moved(x), self.s.show(x)), key=ex.size)

@@ -7,6 +7,7 @@ from freebody.derivations.derivation import Step
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression, eq
 from freebody.derivations.expressions.printed_names import sym, vec
+from freebody.derivations.methods.geometry import moment_of
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import motorless
@@ -64,7 +65,7 @@ class Equilibrium:
         terms = [
             ex.neg(ex.cross(s.reach_name(i, k), s.force_name(i, k))) for k in s.tree.children(i)
         ]
-        return [*terms, *(ex.cross(arm, force) for force, arm in self.outer(i))]
+        return [*terms, *(moment_of(force, arm) for force, arm in self.outer(i))]
 
     def solved(self, i: int) -> Step:
         """Reaction and torque of joint i, in terms of those before it."""

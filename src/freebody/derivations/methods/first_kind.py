@@ -343,4 +343,5 @@ METHOD = Method(
     "lecture notes, section 5.4",
     work_out,
     closed=(2, 3),
+    closed_first=True,
 )

@@ -71,3 +71,12 @@ def rotation_name(s: Setting, source: int, target: int) -> ex.Symbol:
 
 def _matrix(s: Setting, rows: list[list[Scalar]] | tuple) -> Expression:
     return ex.matrix([[s.show(x) for x in row] for row in rows])
+
+
+def moment_of(force: Expression, arm: Expression) -> Expression:
+    """arm × force, their signs in front."""
+    for x, rest in ((force, arm), (arm, force)):
+        if isinstance(x, ex.Negative):
+            one, other = (x.operand, rest) if x is force else (rest, x.operand)
+            return ex.neg(moment_of(one, other))
+    return ex.cross(arm, force)

@@ -188,3 +188,10 @@ def joint_moments(s: Setting) -> Iterator[Meaning]:
 def loop_equations() -> Meaning:
     """A loop equation."""
     return Meaning((sym("Phi_k"),), "a loop equation, zero where the loop is closed", "")
+
+
+def multipliers() -> Meaning:
+    """The unknown components of what a loop does."""
+    return Meaning(
+        (sym("lam_k"),), "multiplier of loop equation k: the loop's constraint force", ""
+    )

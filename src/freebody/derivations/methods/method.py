@@ -54,7 +54,8 @@ class Method:
     what is done, for lists of the methods. source: where the method is described. work_out: from a
     setting and the options to the steps. reference: the source in full, for the foot of a
     derivation, where it is not the lecture notes. spaces, closed: the numbers of dimensions in
-    which it serves open and closed chains; elsewhere: the functions that give numbers for closed
+    which it serves open and closed chains; closed_first: whether closed chains are derived by it
+    where no method is asked for; elsewhere: the functions that give numbers for closed
     chains which it does not serve. at_rest: whether the robot stands still, and a force acts on the
     tip unless it is left out. finds_torques: whether it ends in the torques of the motors; forces
     do not occur in one that does not.
@@ -70,6 +71,7 @@ class Method:
     options: tuple[MethodOption, ...] = ()
     spaces: tuple[int, ...] = (2, 3)
     closed: tuple[int, ...] = ()
+    closed_first: bool = False
     elsewhere: str = ""
     at_rest: bool = False
     finds_torques: bool = True

@@ -75,6 +75,11 @@ def _composed(s: Setting) -> list[str]:
                 f"{joints}; between them {'is' if len(links) == 1 else 'are'} {listed(links)}, "
                 "without mass."
             )
+        if taken_apart and body.joint.passive and body.kind.frees(given.dim):
+            told.append(
+                "Together they hold nothing: a force or moment through them stands for a bearing "
+                "that is not there, and vanishes with their equations."
+            )
         if taken_apart and body.kind.quaternion is not None:
             told.append(
                 f"θ_{n - 2}, θ_{n - 1} and θ_{n} are yaw, pitch and roll; the equations are "

@@ -8,9 +8,9 @@ from freebody.derivations.methods.setting import Setting
 from freebody.errors import listed
 
 
-def free_body(s: Setting, i: int) -> str:
-    """What acts on body i, and which laws are written."""
-    acting = f"On body {s.numbers[i]} act: {'; '.join(_acting(s, i))}."
+def free_body(s: Setting, i: int, more: Iterable[str] = ()) -> str:
+    """What acts on body i, and which laws are written; more: what acts besides."""
+    acting = f"On body {s.numbers[i]} act: {'; '.join([*_acting(s, i), *more])}."
     if i not in s.weighted:
         return f"{acting} It has no mass: forces, and moments about its joint, add up to zero."
     if i != s.weighted[0]:
@@ -92,8 +92,8 @@ def motorless(s: Setting) -> str:
     )
 
 
-def eliminated(s: Setting, i: int) -> str:
-    """How the reaction at joint i leaves the equations."""
+def eliminated(s: Setting, i: int, rest: str = "nothing unknown") -> str:
+    """How the reaction at joint i leaves the equations; rest: what is left besides the motor."""
     n = s.numbers[i]
     first = f"Newton's equation of body {n} gives the force at joint {n}"
     if s.tree.children(i):
@@ -105,11 +105,7 @@ def eliminated(s: Setting, i: int) -> str:
         return f"{first}; Euler's equation gives the moment of the guide; {motor}."
     into = f"{first}; substituted into Euler's equation, it"
     if s.is_pin(i):
-        left = (
-            f"the torque τ_{n} and nothing unknown"
-            if s.driven(i)
-            else "nothing unknown, for there is no motor"
-        )
+        left = f"the torque τ_{n} and {rest}" if s.driven(i) else f"{rest}, for there is no motor"
         return f"{into} leaves {left}."
     if not s.driven(i):
         return f"{into} gives the moment; there is no motor to give {working_part(s, i)}."
