@@ -602,3 +602,24 @@ def test_names_of_branches_are_completed_before_they_are_asked_for():
     found = fb.inverse_kinematics(ur5e, fb.forward_kinematics(ur5e, [0.3, 1, -1, 0.2, 0.1, 0.3]))
     assert "branches" not in vars(found)
     assert "branches" in dir(found)
+
+
+def test_limits_of_a_quick_answer_are_those_of_a_careful_one():
+    """They are read from the kernel's flags when they are asked for."""
+    puma = fb.load("puma560", physical="ignore")  # with limits narrower and wider than a turn
+    low, high = puma.limits.lower, puma.limits.upper
+    q, _, _ = fb.random_state(puma, 2, 30)
+    T = fb.forward_kinematics(puma, q)
+    fb.inverse_kinematics(puma, T[0])
+    for given in (T[1], T):
+        quick = fb.inverse_kinematics(puma, given)
+        assert "within_limits" not in vars(quick)
+        assert "within_limits" in dir(quick)
+        fine = (quick.q >= low - 1e-9) & (quick.q <= high + 1e-9)
+        assert (quick.within_limits == fine.all(axis=-1)).all()
+        assert not quick.within_limits.all()
+        assert (np.abs(quick.q - (low + high) / 2)[quick.valid] <= np.pi + 1e-9).all()
+        assert not quick.within_limits.flags.writeable
+        assert not quick.q.flags.writeable
+    ignored = fb.inverse_kinematics(puma, T, limits="ignore")
+    assert (fb.inverse_kinematics(puma, T, limits="ignore").within_limits == ignored.valid).all()

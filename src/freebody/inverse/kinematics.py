@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +21,7 @@ from freebody.inverse.from_nearby import by_nearby, nearby_form
 from freebody.inverse.many_starts import by_search
 from freebody.inverse.numerical_solver import NumericalSolver
 from freebody.inverse.problem import Found, Problem, nothing
-from freebody.inverse.quick_answer import quick_answer, remember
+from freebody.inverse.quick_answer import UNCLEAR, remember
 from freebody.inverse.self_motion import by_self_motion
 from freebody.inverse.solutions import Solutions
 from freebody.inverse.task import read_target
@@ -75,9 +75,14 @@ def inverse_kinematics(
     six with a spherical wrist (Pieper 1968) or with three parallel axes (Elias and Wen 2022), seven
     of which six are such an arm. Else Levenberg–Marquardt.
     """
-    sure = quick_answer(model, target, frame, task, q0, limits, redundancy)
-    if sure is not None and starts is None:
-        return sure
+    given: Any = target
+    try:
+        known = model.compiled["inverse_kinematics", frame, task, limits, given.shape[-1]]
+        sure = known(given, q0, redundancy)
+        if sure is not None and starts is None:
+            return sure
+    except UNCLEAR:
+        pass
     model.require_values("inverse kinematics")
     if limits not in LIMITS:
         raise UnknownNameError("choice", limits, "inverse_kinematics: limits=", LIMITS)
@@ -98,11 +103,11 @@ def inverse_kinematics(
             inverse_kinematics,
             frame=frame, task=chosen.names, q0=start, limits=limits, starts=starts, seed=seed,
         )  # fmt: skip
-        given = Problem(
+        first = Problem(
             replace(solver, model=model[(0,) * len(model.family)]), flat, start, limits, starts,
             seed,
         )  # fmt: skip
-        return of_family(model, given, poses.shape[:-2], one)
+        return of_family(model, first, poses.shape[:-2], one)
     problem = Problem(solver, flat, start, limits, starts, seed)
     if model.loops and redundancy is None:
         return of_closed_chain(problem, poses.shape[:-2])

@@ -67,15 +67,42 @@ class Solutions(Tabled, ByValue):
             fields[name].flags.writeable = False
         return made
 
+    @classmethod
+    def of_kernel(
+        cls, names: Names, q: Array, residual: Array, within: Array, others: dict[str, Any]
+    ) -> Solutions:
+        """The same from what a kernel gives, at once: within (..., branches), 1 where the limits
+        are kept, is made into flags when it is asked for; others: what no kernel gives, arrays that
+        cannot be written to, and `_ignored` where limits do not count."""
+        q.setflags(False)
+        residual.setflags(False)
+        made = object.__new__(cls)
+        known = made.__dict__
+        known.update(others)
+        known["q"], known["residual"], known["_within"], known["_names"] = (
+            q,
+            residual,
+            within,
+            names,
+        )
+        return made
+
     def __getattr__(self, name: str) -> Any:
-        if name == "branches" and "_names" in vars(self):
-            found = named(vars(self)["_names"], self.q, self.valid)
-            found.flags.writeable = False
-            return vars(self).setdefault("branches", found)
-        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        known = vars(self)
+        if name == "branches" and "_names" in known:
+            found = named(known["_names"], self.q, self.valid)
+        elif name == "within_limits" and "_within" in known:
+            kept = np.equal(known["_within"][..., : len(self)], 1.0)
+            found = self.valid if "_ignored" in known else kept
+        else:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        found.flags.writeable = False
+        return known.setdefault(name, found)
 
     def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), "branches"})  # before they are asked for too
+        return sorted(
+            {*super().__dir__(), "branches", "within_limits"}
+        )  # before they are asked for too
 
     def __len__(self) -> int:
         """Solutions of the target, or of that with most."""

@@ -44,22 +44,31 @@ class JointRanges:
     repeats: Sequence[bool]
 
     def inside(self, k: int, x: Scalar) -> Scalar:
-        """1 where x is within the limits of entry k, else 0."""
+        """1 where x is within the limits of entry k, else 0; of an angle that is `wrapped` into
+        limits a turn or more apart always 1."""
+        low, high = self.low[k], self.high[k]
         flag: Scalar = 1.0
-        if isfinite(self.low[k]):
-            flag = flag * less_equal(self.low[k] - LOOSE, x)
-        if isfinite(self.high[k]):
-            flag = flag * less_equal(x, self.high[k] + LOOSE)
+        if self.repeats[k] and high - low >= 2 * pi:
+            return flag
+        if isfinite(low):
+            flag = flag * less_equal(low - LOOSE, x)
+        if isfinite(high):
+            flag = flag * less_equal(x, high + LOOSE)
         return flag
 
     def wrapped(self, k: int, x: Scalar) -> Scalar:
-        """An angle next to a position within the limits, a turn farther where that leads into
-        them."""
+        """An angle within half a turn of a position within the limits, a turn farther where that
+        leads into them: past the one it does not go, so that only the other is looked at."""
         low, high = self.low[k], self.high[k]
-        for turn, bound in ((2 * pi, low), (-2 * pi, high)):
-            if isfinite(bound):
-                beyond = less(x, bound - LOOSE) if turn > 0 else less(bound + LOOSE, x)
-                x = where(beyond * self.inside(k, x + turn), x + turn, x)
+        narrow = high - low < 2 * pi
+        if isfinite(low):
+            beyond, turned = less(x, low - LOOSE), x + 2 * pi
+            fits = less_equal(turned, high + LOOSE) if narrow else 1.0
+            x = where(beyond * fits, turned, x)
+        if isfinite(high):
+            beyond, turned = less(high + LOOSE, x), x - 2 * pi
+            fits = less_equal(low - LOOSE, turned) if narrow else 1.0
+            x = where(beyond * fits, turned, x)
         return x
 
 
