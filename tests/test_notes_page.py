@@ -22,10 +22,11 @@ from freebody_notes.contents import _item, chapters, item, items
 from freebody_notes.data import data
 from freebody_notes.errata import errata
 from freebody_notes.exercises import SOLUTIONS, exercises, solution
+from freebody_notes.figures.catalogue import notes_figure
 from freebody_notes.page import page
 from freebody_notes.run import run, run_all
 from freebody_notes.steps import place_of
-from freebody_notes.text import item_text
+from freebody_notes.text import item_text, shown
 from support.notes_verdicts import VERDICTS
 
 
@@ -101,7 +102,9 @@ def test_what_is_wrong_is_one_line_and_exit_code_2(capsys, arguments, words):
 def test_errata_name_every_place_that_needs_one(findings, capsys, tmp_path: Path):
     text = errata(findings)
     wrong = [name for name, verdict in VERDICTS.items() if verdict != "holds"]
-    assert text.count("\n### ") == len(wrong) == 58
+    joined = [name for name in wrong if item(name).same_as]
+    assert text.count("\n- The same in ") == len(joined) == 7
+    assert text.count("\n### ") == len(wrong) - len(joined) == 51
     for name in wrong:
         assert f"`{name}`" in text
     assert "$H_{11}" in text
@@ -140,8 +143,41 @@ def test_what_a_chapter_tells_to_try_runs(html, command, tmp_path: Path, monkeyp
     assert f"<code>{escape(command)}</code>" in html
 
 
+def sides(one):
+    """Each side of each equation of an item, as printed."""
+    nodes = shown(one, one.printed)
+    return {str(side) for node in nodes for side in getattr(node, "sides", (node,))}
+
+
+def test_what_states_the_same_as_others_is_joined_with_them(html):
+    """Every side of what is not shown again stands in the items that the page refers to."""
+    joined = [one for one in items() if one.same_as]
+    assert len(joined) > 20
+    for one in joined:
+        others = [item(name) for name in one.same_as]
+        assert sides(one) <= set().union(*map(sides, others)), one.id
+        card = re.search(rf'<article id="{one.id}".*?</article>', html, re.DOTALL)
+        assert card, one.id
+        above, _ = card[0].split("<details>")
+        assert "<math" not in above, one.id
+        assert all(f'href="#{name}"' in above for name in one.same_as)
+        flaws = {VERDICTS[name] for name in one.same_as} - {"holds"}
+        assert bool(flaws) == (VERDICTS[one.id] != "holds"), one.id
+
+
+def test_the_moment_of_figure_6_2_is_told_beside_the_one_of_6_7():
+    drawn = notes_figure("6.2").drawings[0].notes[0]
+    assert "moment on the rotor 150 N m" in drawn
+    for name, other in (("eq-6.7", "figure 6.2"), ("fig-6.2", "(6.7)")):
+        assert other in item(name).says
+        assert "150 N m" in item(name).says
+        assert "75 N m" in item(name).says
+
+
 def test_every_chapter_says_what_it_is_for_and_what_to_try(html):
     for chapter in chapters().values():
+        assert 12 < len(chapter.used.split()) < 50
+        assert " ".join(chapter.used.split()[:4]) in html
         assert len(chapter.tasks) == 2
         assert " ".join(chapter.about.split()[:5]) in html
         assert 30 < len(chapter.about.split()) < 100, chapter.title

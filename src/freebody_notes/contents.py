@@ -20,11 +20,12 @@ from freebody_notes.item import Item
 
 @dataclass(frozen=True)
 class Chapter:
-    """A chapter: its title, what it is for, the files that hold it, the titles of its sections by
-    number, and what to try: a command, and what to look for."""
+    """A chapter: its title, what it is for, where it is used, the files that hold it, the titles of
+    its sections by number, and what to try: a command, and what to look for."""
 
     title: str
     about: str
+    used: str
     parts: tuple[str, ...]
     sections: Mapping[str, str]
     tasks: tuple[Mapping[str, str], ...]

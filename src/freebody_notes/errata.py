@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from freebody.derivations.expressions.nodes import Words
 from freebody.derivations.render.prose import markdown_prose
@@ -16,10 +17,32 @@ _WORDS = {
 }
 
 
+@dataclass(frozen=True)
+class Entry:
+    """An item that needs a correction, and those that state the same."""
+
+    finding: ExecutedItem
+    also: tuple[ExecutedItem, ...]
+
+
+def entries(findings: Sequence[ExecutedItem]) -> list[Entry]:
+    """What needs a correction, in the order of the notes; what states the same as an equation, such
+    as an example with its results, stands with the first such equation that is wrong."""
+    wrong = {f.item.id: f for f in findings if f.verdict != "holds"}
+    joined: dict[str, list[ExecutedItem]] = {name: [] for name in wrong}
+    for name, finding in wrong.items():
+        first = next((other for other in finding.item.same_as if other in wrong), "")
+        if first:
+            del joined[name]
+            joined[first].append(finding)
+    return [Entry(wrong[name], tuple(also)) for name, also in joined.items()]
+
+
 def errata(findings: Sequence[ExecutedItem]) -> str:
     """The list: place, what is printed, what is wrong with it and how that was found, what it
     should be."""
     wrong = [finding for finding in findings if finding.verdict != "holds"]
+    listed = entries(findings)
     counts = {verdict: sum(f.verdict == verdict for f in wrong) for verdict in _WORDS}
     lines = [
         "# Errata",
@@ -32,17 +55,18 @@ def errata(findings: Sequence[ExecutedItem]) -> str:
         "checked by computation with freebody: "
         f"{len(findings)} items, of which {len(findings) - len(wrong)} hold as printed. The other "
         f"{len(wrong)} are "
-        f"listed here in the order of the notes: {counts['misprint']} misprints, "
+        f"listed here in the order of the notes, in {len(listed)} entries, since an example stands "
+        f"with the equation that is its result: {counts['misprint']} misprints, "
         f"{counts['inconsistent']} places where the notes contradict themselves, and "
         f"{counts['incomplete']} places that need an addition, exercises included. "
         "`freebody notes ID` repeats the check of an item.",
     ]
     chapter = 0
-    for number, finding in enumerate(wrong, 1):
-        if finding.item.chapter != chapter:
-            chapter = finding.item.chapter
+    for number, entry in enumerate(listed, 1):
+        if entry.finding.item.chapter != chapter:
+            chapter = entry.finding.item.chapter
             lines += ["", f"## Chapter {chapter}"]
-        lines += ["", *_entry(number, finding)]
+        lines += ["", *_entry(number, entry.finding), *map(_repeated, entry.also)]
     return "\n".join(lines) + "\n"
 
 
@@ -72,6 +96,12 @@ def _entry(number: int, finding: ExecutedItem) -> list[str]:
         f"{_form(finding, item.corrected) or 'deleted.'}"
     )
     return rows
+
+
+def _repeated(finding: ExecutedItem) -> str:
+    item = finding.item
+    place = f"section {item.section}, {item.label or item.title} (`{item.id}`)"
+    return f"- The same in {place}. {markdown_prose(item.why)}"
 
 
 def _form(finding: ExecutedItem, form: str) -> str:

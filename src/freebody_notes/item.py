@@ -64,6 +64,8 @@ class Item:
     """What is wrong, in a sentence for the author."""
     figure: str = ""
     """Number of the figure that belongs to it, "1.2"."""
+    same_as: tuple[str, ...] = ()
+    """Ids of the items that state the same: the results of an example, an equation printed twice."""
 
     @property
     def chapter(self) -> int:
@@ -77,6 +79,12 @@ class Item:
         if kind == "eq":
             return f"equation ({rest})"
         return f"figure {rest}" if kind == "fig" else f"section {self.section}"
+
+    @property
+    def label(self) -> str:
+        """Its number as a reference gives it: (3.22), Figure 1.2; without one, nothing."""
+        kind, _, rest = self.id.partition("-")
+        return {"eq": f"({rest})", "fig": f"Figure {rest}"}.get(kind, "")
 
     @property
     def is_text(self) -> bool:

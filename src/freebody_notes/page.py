@@ -12,6 +12,7 @@ import jinja2
 from markupsafe import Markup
 
 import freebody
+from freebody.derivations.derivation import Step
 from freebody.derivations.expressions.nodes import Equation, Words
 from freebody.derivations.render import page as formulas
 from freebody.derivations.render.mathml import mathml
@@ -19,6 +20,8 @@ from freebody.derivations.render.prose import web_prose
 from freebody.figures import colours
 from freebody.outputs.page import math_style, policy
 from freebody_notes.contents import Chapter, chapters
+from freebody_notes.contents import item as found_item
+from freebody_notes.errata import entries
 from freebody_notes.exercises import exercises, solution
 from freebody_notes.figures.catalogue import notes_figure
 from freebody_notes.item import SOURCE, VERDICTS, ExecutedItem, Item
@@ -42,13 +45,16 @@ class Card:
     """An item as the page shows it."""
 
     finding: ExecutedItem
-    label: str
-    """Its number, or nothing."""
+    same_as: tuple[Item, ...]
+    """The items that state the same: their formulas are not shown again."""
     printed: Markup
     corrected: Markup
     figure: Markup
     call: str
     place: Place | None
+    """The step of a derivation in which it occurs."""
+    shown_at: Item | None
+    """The first item in that step, whose card shows its equations."""
     step: Markup
 
     @property
@@ -64,8 +70,7 @@ class Card:
 
 def page(findings: Sequence[ExecutedItem]) -> str:
     """The whole page."""
-    cards = [card(finding) for finding in findings]
-    wrong = [c for c in cards if c.finding.verdict != "holds"]
+    cards = _cards(findings)
     counts = {verdict: sum(f.verdict == verdict for f in findings) for verdict in VERDICTS}
     return (
         _templates()
@@ -75,7 +80,8 @@ def page(findings: Sequence[ExecutedItem]) -> str:
             source=SOURCE,
             version=freebody.__version__,
             chapters=[_chapter(number, chapter, cards) for number, chapter in chapters().items()],
-            wrong=wrong,
+            errata=entries(findings),
+            badges=WORDS,
             counts=counts,
             words=COUNTED,
             total=len(findings),
@@ -96,6 +102,7 @@ def _chapter(number: int, chapter: Chapter, cards: Sequence[Card]) -> dict:
         "number": number,
         "title": chapter.title,
         "about": chapter.about,
+        "used": chapter.used,
         "tasks": chapter.tasks,
         "count": len(own),
         "wrong": sum(c.finding.verdict != "holds" for c in own),
@@ -106,20 +113,32 @@ def _chapter(number: int, chapter: Chapter, cards: Sequence[Card]) -> dict:
     }
 
 
-def card(finding: ExecutedItem) -> Card:
-    """An item ready for the page."""
+def _cards(findings: Sequence[ExecutedItem]) -> list[Card]:
+    """The items ready for the page, on which each step of a derivation stands once."""
+    first: dict[Step, Item] = {}
+    made = []
+    for finding in findings:
+        place = place_of(finding.item)
+        if place is not None:
+            first.setdefault(place.step, finding.item)
+        made.append(_card(finding, place, first[place.step] if place is not None else None))
+    return made
+
+
+def _card(finding: ExecutedItem, place: Place | None, shown_at: Item | None) -> Card:
     item = finding.item
-    kind, _, rest = item.id.partition("-")
-    place = place_of(item)
+    own = not item.same_as
+    show = place is not None and shown_at is item
     return Card(
         finding,
-        {"eq": f"({rest})", "fig": f"Figure {rest}"}.get(kind, ""),
-        _form(item, item.printed),
-        _form(item, item.corrected) if finding.corrected else Markup(),
-        Markup(notes_figure(rest).picture.inline()) if kind == "fig" else Markup(),
+        tuple(map(found_item, item.same_as)),
+        _form(item, item.printed) if own else Markup(),
+        _form(item, item.corrected) if own and finding.corrected else Markup(),
+        Markup(notes_figure(item.figure).picture.inline()) if item.is_figure else Markup(),
         item.check.call(item.printed or item.corrected),
         place,
-        Markup(formulas.html([place.step.equations])) if place else Markup(),
+        shown_at,
+        Markup(formulas.html([place.step.equations])) if show else Markup(),
     )
 
 
