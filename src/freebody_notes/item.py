@@ -65,7 +65,7 @@ class Item:
     figure: str = ""
     """Number of the figure that belongs to it, "1.2"."""
     same_as: tuple[str, ...] = ()
-    """Ids of the items that state the same: the results of an example, an equation printed twice."""
+    """Ids of items that state the same: the results of an example, an equation printed twice."""
 
     @property
     def chapter(self) -> int:

@@ -128,7 +128,7 @@ def _cards(findings: Sequence[ExecutedItem]) -> list[Card]:
 def _card(finding: ExecutedItem, place: Place | None, shown_at: Item | None) -> Card:
     item = finding.item
     own = not item.same_as
-    show = place is not None and shown_at is item
+    step = formulas.html([place.step.equations]) if place and shown_at is item else ""
     return Card(
         finding,
         tuple(map(found_item, item.same_as)),
@@ -138,7 +138,7 @@ def _card(finding: ExecutedItem, place: Place | None, shown_at: Item | None) -> 
         item.check.call(item.printed or item.corrected),
         place,
         shown_at,
-        Markup(formulas.html([place.step.equations])) if show else Markup(),
+        Markup(step),
     )
 
 
