@@ -18,14 +18,14 @@ _WORDS = {
 
 
 @dataclass(frozen=True)
-class Entry:
+class Erratum:
     """An item that needs a correction, and those that state the same."""
 
     finding: ExecutedItem
     also: tuple[ExecutedItem, ...]
 
 
-def entries(findings: Sequence[ExecutedItem]) -> list[Entry]:
+def entries(findings: Sequence[ExecutedItem]) -> list[Erratum]:
     """What needs a correction, in the order of the notes; what states the same as an equation, such
     as an example with its results, stands with the first such equation that is wrong."""
     wrong = {f.item.id: f for f in findings if f.verdict != "holds"}
@@ -35,7 +35,7 @@ def entries(findings: Sequence[ExecutedItem]) -> list[Entry]:
         if first:
             del joined[name]
             joined[first].append(finding)
-    return [Entry(wrong[name], tuple(also)) for name, also in joined.items()]
+    return [Erratum(wrong[name], tuple(also)) for name, also in joined.items()]
 
 
 def errata(findings: Sequence[ExecutedItem]) -> str:
