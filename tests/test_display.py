@@ -55,6 +55,7 @@ def test_a_line_in_a_shell(arm):
     closed = fb.load("five_bar")
     arm |= {
         "derivation": fb.derive(fb.load("2R")),
+        "step": fb.derive(fb.load("2R")).steps[0],
         "quantities": fb.quantities(fb.load("2R")),
         "loop equations": fb.loop_equations(closed),
         "mobility": fb.mobility(closed, fb.assemble(closed)),
@@ -182,3 +183,15 @@ def test_figures_bring_their_own_paper():
 def test_counted():
     assert [counted(k, "body") for k in (1, 2)] == ["1 body", "2 bodies"]
     assert counted(0, "loop") == "0 loops"
+
+
+@pytest.mark.parametrize("robot", ["2R", "four_bar"])
+def test_a_step_shows_itself_as_its_derivation_shows_it(robot):
+    derivation = fb.derive(fb.load(robot))
+    whole, page = str(derivation), derivation._repr_html_()
+    for step in derivation.steps:
+        heading, *rest = str(step).splitlines()
+        assert heading.startswith(step.operation)
+        assert "\n".join(rest) in whole
+        assert step._repr_html_().split("</h2>")[1].split("<div")[0] in page
+        assert repr(step.equations).count("<Equation ") == len(step.equations)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from freebody.derivations.equations.equations import Equations
 from freebody.derivations.expressions.expression import Equation, Expression
 from freebody.derivations.render import documents
-from freebody.outputs.display import Titled, counted
+from freebody.outputs.display import InWords, Titled, counted
 from freebody.scalars.trig import Trig
 
 if TYPE_CHECKING:
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from freebody.derivations.render.living_parts import LivingParts
 
 
-@dataclass(frozen=True)
-class Step:
+@dataclass(frozen=True, repr=False)
+class Step(InWords):
     """One step of a derivation.
 
     operation: what is done, as a heading. reason: why, in a sentence. notes: numbers of the
@@ -36,6 +36,19 @@ class Step:
     notes: tuple[str, ...] = ()
     figure: str | None = None
     result: bool = False
+
+    def _title(self) -> str:
+        return f"Step: {self.operation}; {counted(len(self.equations), 'equation')}"
+
+    def text(self, width: int = 100) -> str:
+        """The step for a terminal: what is done, why, and its equations."""
+        return documents.step_text(self, width)
+
+    def __str__(self) -> str:
+        return self.text()
+
+    def _repr_html_(self) -> str:
+        return documents.body.step(self)
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ fill it in."""
 
 
 @dataclass_transform(frozen_default=True, eq_default=False)
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Expression:
     """A node; `str` gives its text for a terminal.
 
@@ -27,15 +27,15 @@ class Expression:
     itself alone.
     """
 
-    span: Span = field(default=NOWHERE, kw_only=True, repr=False)
+    span: Span = field(default=NOWHERE, kw_only=True)
     """Where in a text it was read."""
 
     __match_args__: ClassVar[tuple[str, ...]] = ()
     """Names of the fields that are its content, as `dataclass` lists them."""
 
     def __init_subclass__(cls) -> None:
-        """Every node is a frozen data class."""
-        dataclass(frozen=True, eq=False)(cls)
+        """Every node is a frozen data class, and shows itself in a shell by its text."""
+        dataclass(frozen=True, eq=False, repr=False)(cls)
 
     def __eq__(self, other: object) -> bool:
         if self is other or type(self) is not type(other) or not isinstance(other, Expression):
@@ -66,6 +66,9 @@ class Expression:
 
     def __str__(self) -> str:
         return STYLES["text"](self)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self}>"
 
     def latex(self) -> str:
         """LaTeX, without dollar signs."""

@@ -51,6 +51,8 @@ class _Document:
         self.row.format(*row) for row in rows
     )
     title: str
+    underline: str = ""
+    """What a title is underlined with, as many letters as it has."""
     given: str = "{}"
     row: str = ""
     """Of the table of symbols."""
@@ -60,6 +62,7 @@ class _Document:
     """What stands before the first step."""
     heading: str
     """Of a step: its number, what is done, and `notes` with the notes' equation numbers."""
+    number: str = "{}. "
     notes: str
     reason: str = "{}"
     end: str = ""
@@ -70,7 +73,8 @@ class _Document:
     def __call__(self, derivation: Derivation, figures: Figures | None = None) -> str:
         """The document; a figure stands where a step first asks for it."""
         left, prose = dict(figures or {}), self.prose
-        blocks = [self.title.format(prose(_title(derivation)))]
+        title = prose(_title(derivation))
+        blocks = [self.title.format(title), self.underline * _cells(title)]
         if derivation.given:
             rows = [
                 (", ".join(map(self.symbol, m.symbols)), prose(m.words), prose(m.unit))
@@ -82,19 +86,35 @@ class _Document:
             blocks.append(self.figure.format(left.pop("overview")))
         blocks.append(self.opening)
         for number, step in enumerate(derivation.steps, 1):
-            notes = self.notes.format(prose(cited(step.notes))) if step.notes else ""
-            blocks.append(self.heading.format(number, prose(step.operation), notes))
-            blocks.append(self.reason.format(self.wrap(prose(step.reason), "   ")))
-            if step.figure in left:
-                blocks.append(self.figure.format(left.pop(step.figure)))
-            blocks += [self.equations(step) if step.equations else "", self.end]
+            blocks.append(self.step(step, self.number.format(number), left))
         blocks.append(self.source.format(self.wrap(prose(_source(derivation)), "")))
+        return self.between.join(filter(None, blocks))
+
+    def step(self, step: Step, number: str = "", left: dict[str, str] | None = None) -> str:
+        """One of the steps, with its figure if that is left."""
+        notes = self.notes.format(self.prose(cited(step.notes))) if step.notes else ""
+        blocks = [
+            self.heading.format(number, self.prose(step.operation), notes),
+            self.reason.format(self.wrap(self.prose(step.reason), "   ")),
+        ]
+        if left and step.figure in left:
+            blocks.append(self.figure.format(left.pop(step.figure)))
+        blocks += [self.equations(step) if step.equations else "", self.end]
         return self.between.join(filter(None, blocks))
 
 
 # ---------------------------------------------------------------- text
 def text(derivation: Derivation, width: int = 100) -> str:
     """For a terminal."""
+    return _terminal(width)(derivation)
+
+
+def step_text(step: Step, width: int = 100) -> str:
+    """One step for a terminal, without its number."""
+    return _terminal(width).step(step).lstrip("\n")
+
+
+def _terminal(width: int) -> _Document:
     return _Document(
         prose=text_prose,
         symbol=str,
@@ -103,12 +123,13 @@ def text(derivation: Derivation, width: int = 100) -> str:
             words, width, initial_indent=indent, subsequent_indent=indent
         ),
         rows=lambda _, rows: _text_table(rows, width),
-        title=f"{{}}\n{'=' * _cells(text_prose(_title(derivation)))}",
+        title="{}",
+        underline="=",
         given="\n{}\n",
-        heading="\n{}. {}{}",
+        heading="\n{}{}{}",
         notes="  [notes {}]",
         source="\n{}",
-    )(derivation)
+    )
 
 
 def _text_equations(step: Step, width: int) -> str:
@@ -164,7 +185,7 @@ _MARKDOWN = _Document(
     row="\n| {} | {} | {} |",
     table="| symbol | meaning | unit |\n|---|---|---|{}",
     figure="![]({})",
-    heading="## {}. {}{}",
+    heading="## {}{}{}",
     notes=" — notes {}",
     source="*{}*",
     between="\n\n",
@@ -220,6 +241,7 @@ body = _Document(
     table='<table class="symbols"><tbody>{}</tbody></table>',
     figure="<figure>{}</figure>",
     heading='<section><details open=""><summary><h2><span>{}</span> {}{}</h2></summary>',
+    number="{}",
     notes=' <small class="notes">notes {}</small>',
     reason="<p>{}</p>",
     end="</details></section>",
