@@ -12,8 +12,8 @@ import xarray as xr
 
 import freebody as fb
 from freebody.errors import FileError, FreebodyError
-from freebody.motion.read_motion import read_motion
-from freebody.motion.tables import motion_from_table
+from freebody.motion.files.read_motion import read_motion
+from freebody.motion.files.tables import motion_from_table
 
 ARM = fb.planar(
     "RP", l=[0.5, 0], lc=[0.2, 0.1], m=[2, 1], I=[0.1, 0.1], limits=[(-3.2, 3.2), (0.0, 0.9)]

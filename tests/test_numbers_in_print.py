@@ -129,9 +129,9 @@ COMPARING = re.compile(
 )
 NOT_COMPARED = {
     "model/number_editors.py": "a factor, and the limit of what it multiplies",
-    "motion/geometric_path.py": "a place, and the size of a jump there",
-    "motion/tip_following.py": "a place, and a ratio there",
-    "motion/tip_paths.py": "a length, and a radius that must be half of it",
+    "motion/optimal/geometric_path.py": "a place, and the size of a jump there",
+    "motion/planning/tip_following.py": "a place, and a ratio there",
+    "motion/planning/tip_paths.py": "a length, and a radius that must be half of it",
     "report/checks.py": "a time and a time",
     "report/replay.py": "a time and a distance",
     "report/summary.py": "a time and a torque",

@@ -17,7 +17,7 @@ from freebody.cli.app import run
 from freebody.cli.plan import PlannerChoice
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planners import PLANNERS as PLANNERS_BY_NAME
-from freebody.motion.profiles import PROFILES
+from freebody.motion.planning.profiles import PROFILES
 from support.extras import extra
 
 ARM = fb.load("ur5e")

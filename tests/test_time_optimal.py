@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 import freebody as fb
 from freebody.cli.app import run
-from freebody.motion.path_samples import sampled
+from freebody.motion.optimal.path_samples import sampled
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.targets import recurrence as recurrences
 from support.extras import extra

@@ -76,8 +76,8 @@ def plan(
     Limits are held between samples too. Exit status 2: the limits cannot be kept, or something
     cannot be read or written.
     """
+    from freebody.motion.files.waypoint_files import write_motion
     from freebody.motion.planners import PLANNERS
-    from freebody.motion.waypoint_files import write_motion
 
     model = options.load(robot, None, base, mimic, physical, snap_angles, convention)
     planner = PLANNERS[by.value]
@@ -98,7 +98,7 @@ def plan(
 def _read(model: Model, text: str) -> tuple[Any, Any]:
     """Positions, and times where there are some."""
     if ";" not in text:
-        from freebody.motion.waypoint_files import read_waypoints
+        from freebody.motion.files.waypoint_files import read_waypoints
 
         return read_waypoints(model, text)
     rows = [options.values("waypoints", row) for row in text.split(";") if row.strip()]
@@ -117,7 +117,7 @@ def _cleared(position: float) -> float:
 
 
 def _print(model: Model, motion: Motion, path: Path) -> None:
-    from freebody.motion.planning_limits import planning_limits
+    from freebody.motion.planning.planning_limits import planning_limits
 
     out = terminal.out()
     for text in motion.notices:

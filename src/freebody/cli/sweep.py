@@ -130,7 +130,7 @@ def _states(model: Model, function: str, motion: str | None, states: int | None,
     from freebody.kernels.arguments import arguments
     from freebody.kernels.options import chosen_option
     from freebody.motion.default_motion import default_motion
-    from freebody.motion.read_motion import read_motion
+    from freebody.motion.files.read_motion import read_motion
     from freebody.trees.states import random_state
 
     if motion is not None and states is not None:

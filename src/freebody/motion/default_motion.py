@@ -16,7 +16,7 @@ from freebody.motion.closed_chain_motion import (
     outside,
     regularity,
 )
-from freebody.motion.measured_motions import rested
+from freebody.motion.files.measured_motions import rested
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.ranges import Ranges, ranges
 from freebody.trees.position_rates import layout, state_of

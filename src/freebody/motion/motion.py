@@ -91,7 +91,7 @@ class Motion(Tabled, ByValue):
         FreebodyError.
         """
         # above this module: tables are completed and smoothed there, which takes motions
-        return imported("freebody.motion.tables").motion_of_samples(model, t, q, qd, qdd)
+        return imported("freebody.motion.files.tables").motion_of_samples(model, t, q, qd, qdd)
 
     def _title(self) -> str:
         return (

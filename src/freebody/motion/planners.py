@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from freebody.motion.motion import Motion
-from freebody.motion.point_to_point import quintic, s_curve, trapezoid
-from freebody.motion.splines import spline
-from freebody.motion.time_optimal import time_optimal_through
+from freebody.motion.optimal.time_optimal import time_optimal_through
+from freebody.motion.planning.point_to_point import quintic, s_curve, trapezoid
+from freebody.motion.planning.splines import spline
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from freebody.loops.scaled_equations import length
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import ranges
-from freebody.motion.simulate import simulate
+from freebody.motion.simulation.simulate import simulate
 from freebody.report.results import Check, Replay
 from freebody.report.variables import PARTS
 from freebody.trees import dynamics

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import freebody
-from freebody.motion.waypoint_files import motion_table
+from freebody.motion.files.waypoint_files import motion_table
 from freebody.outputs.folder import Makers, write_folder
 from freebody.outputs.text import csv_text, encodable
 from freebody.report import variables

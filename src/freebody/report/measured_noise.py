@@ -6,7 +6,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.model.model import Model
-from freebody.motion.measured_motions import recognised, smoothed
+from freebody.motion.files.measured_motions import recognised, smoothed
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import angular, ranges, with_drive
 from freebody.report.results import percent

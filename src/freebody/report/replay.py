@@ -20,9 +20,9 @@ from scipy.sparse import block_diag
 from freebody.arrays import Array
 from freebody.errors import SingularError
 from freebody.model.model import Model
-from freebody.motion.first_order_system import System, decay_rate, suited_method, system
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges
+from freebody.motion.simulation.first_order_system import System, decay_rate, suited_method, system
 from freebody.report.results import Replay
 from freebody.trees.dynamics import mass_matrix
 from freebody.trees.position_rates import Index

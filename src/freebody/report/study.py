@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING
 from freebody.errors import FreebodyError, KindError, SingularError, listed
 from freebody.model.model import Model
 from freebody.motion.default_motion import default_motion
+from freebody.motion.files.read_motion import read_motion
+from freebody.motion.files.tables import Table, motion_from_table
 from freebody.motion.motion import Motion, require_motion
-from freebody.motion.paced import Progress
 from freebody.motion.ranges import ranges
-from freebody.motion.read_motion import read_motion
-from freebody.motion.tables import Table, motion_from_table
+from freebody.motion.simulation.paced import Progress
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.report.checks import checks
 from freebody.report.jacobians import singularity

@@ -1,0 +1,1 @@
+"""Motions in files and tables, and what measured ones need."""

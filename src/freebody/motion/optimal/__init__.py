@@ -1,0 +1,1 @@
+"""The quickest motions along paths."""

@@ -1,0 +1,141 @@
+"""Paths without a timing: curves q(s) through positions, grids over them, and the motion along one
+whose speed is known."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import PPoly
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError
+from freebody.model.model import Model
+from freebody.motion.motion import Motion
+from freebody.motion.optimal.path_samples import PathSamples
+from freebody.motion.optimal.speed_profile import timed_pieces
+from freebody.motion.piecewise import PiecewisePolynomial, interpolated
+from freebody.motion.planning.planning_limits import SLACK, PlanningLimits, checked_waypoints
+from freebody.motion.ranges import position_columns
+from freebody.outputs.numbers import compared
+from freebody.trees.position_rates import layout
+
+_SAME = 1e-9  # of the length of a path: positions nearer to each other are one
+
+
+def path_curve(
+    function: str, model: Model, given: Any, limits: PlanningLimits
+) -> PiecewisePolynomial:
+    """The curve of one path: a polynomial in pieces as it is; of waypoints (k, nq) or a motion's
+    positions the natural cubic spline, s being the distance along the chords, 1 in all."""
+    if isinstance(given, PPoly):
+        return _of_scipy(function, model, given)
+    positions = given.q if isinstance(given, Motion) else given
+    q = checked_waypoints(function, model, positions, limits, name="path")
+    length = np.linalg.norm(np.diff(q, axis=0), axis=1)
+    moves = length > _SAME * length.sum()
+    if not moves.any():
+        raise FreebodyError(
+            f"{function}: the path has {len(q)} positions, all the same; give at least two."
+        )
+    points = q[np.concatenate([[True], moves])]
+    s = np.concatenate([[0.0], np.cumsum(length[moves])]) / length[moves].sum()
+    s[-1] = 1.0
+    return interpolated(s, points, 3, "natural")
+
+
+def _of_scipy(function: str, model: Model, given: PPoly) -> PiecewisePolynomial:
+    breaks, coefficients = np.array(given.x), np.array(given.c)
+    if coefficients.shape[2:] != (model.nq,):
+        raise FreebodyError(
+            f"{function}: the path has values of shape {coefficients.shape[2:]}, expected "
+            f"({model.nq},): model {model.name!r} has nq = {model.nq}."
+        )
+    if not (np.isfinite(coefficients).all() and np.isfinite(breaks).all()):
+        raise FreebodyError(f"{function}: the path has a coefficient that is not finite.")
+    if not (np.diff(breaks) > 0.0).all():
+        raise FreebodyError(f"{function}: the breaks of the path must increase.")
+    curve = PiecewisePolynomial(breaks, coefficients)
+    _refuse_jump(function, model, curve, "itself")
+    _refuse_jump(function, model, curve.derivative(), "its first derivative")
+    if not coefficients[:-1].any():
+        raise FreebodyError(f"{function}: the path does not move: all its derivatives are 0.")
+    return curve
+
+
+def _refuse_jump(function: str, model: Model, curve: PiecewisePolynomial, what: str) -> None:
+    """A path that is not smooth enough to be moved along."""
+    starts = curve.coefficients[-1]
+    gap = np.abs(starts[1:] - curve.at_ends[:-1])
+    if gap.size and gap.max() > 1e-6 * (1e-6 + np.abs(starts).max()):
+        k, j = np.unravel_index(np.argmax(gap), gap.shape)
+        raise FreebodyError(
+            f"{function}: the path jumps at s = {curve.breaks[k + 1]:.6g}: {what} of "
+            f"{model.position_names[j]} by {gap[k, j]:.3g}; it must be continuous, and its first "
+            f"derivative too."
+        )
+
+
+def refuse_out_of_range(
+    function: str,
+    model: Model,
+    curve: PiecewisePolynomial,
+    samples: PathSamples,
+    path: int,
+    limits: PlanningLimits,
+) -> None:
+    """Refuse a path that leaves the range of a joint, between its waypoints and samples too."""
+    iq, iv = position_columns(model)
+    low, high = limits.allowed.lower[iv], limits.allowed.upper[iv]
+    q, step = samples.q[:, path, iq], np.diff(samples.s[:, path]).max()
+    beyond = 0.25 * step**2 * np.abs(samples.second[:, path]).max()  # what lies between samples
+    if (q.min(axis=0) - beyond >= low).all() and (q.max(axis=0) + beyond <= high).all():
+        return
+    of = curve.extremes
+    for way, value, limit, s in (
+        (-1.0, of.low[iq], low, of.low_at[iq]),
+        (1.0, of.high[iq], high, of.high_at[iq]),
+    ):
+        for k in np.flatnonzero(way * (value - limit) > SLACK * np.maximum(1.0, np.abs(value))):
+            there, least, most = compared(value[k], low[k], high[k], digits=5)
+            raise FreebodyError(
+                f"{function}: at s = {s[k]:.4g} of the path {model.velocity_names[iv[k]]} is at "
+                f"{there}, outside its range from {least} to {most}; move the path, or give more "
+                f"waypoints."
+            )
+
+
+def grid(curve: PiecewisePolynomial, intervals: int) -> Array:
+    """(intervals + 1,) points of s, all breaks among them, evenly in each piece: no fewer intervals
+    than pieces."""
+    breaks = curve.breaks
+    count = len(breaks) - 1
+    place = (breaks - breaks[0]) / (breaks[-1] - breaks[0]) * intervals
+    index = np.arange(count + 1)
+    at = np.maximum.accumulate(np.rint(place) - index) + index  # one interval each at least
+    at = np.minimum(at, intervals - count + index)
+    return np.interp(np.arange(intervals + 1), at, breaks)
+
+
+def motions_along(
+    model: Model,
+    at: PathSamples,
+    x: Array,
+    source: str,
+    notices: Sequence[tuple[str, ...]],
+) -> Iterator[Motion]:
+    """The exact motions of paths with ṡ² = x (N + 1, P) at the grid, 0 at its end, s̈ constant
+    between: q(t) are polynomials of twice the curve's degree."""
+    h = 2.0 * np.diff(at.s, axis=0)
+    polynomials, durations = timed_pieces([order[:-1] for order in at.orders], x, h)
+    braking = at.first[-1] * ((x[-1] - x[-2]) / h[-1])[:, None]  # at the end, at rest
+    for k, powers in enumerate(polynomials):
+        t = np.zeros(len(x))
+        np.cumsum(durations[:, k], out=t[1:])
+        qd = np.concatenate([powers[-2], np.zeros_like(braking[k : k + 1])])
+        qdd = np.concatenate([2.0 * powers[-3], braking[k : k + 1]])
+        for array in (t, qd, qdd):
+            array.flags.writeable = False  # else a motion copies it
+        pieces = PiecewisePolynomial(t, powers)
+        yield Motion(t, at.q[:, k], qd, qdd, source, layout(model), notices[k], pieces=pieces)

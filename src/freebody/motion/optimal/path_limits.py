@@ -1,0 +1,223 @@
+"""What limits the speed along a path: velocities, accelerations and torques of a robot as rows over
+a grid.
+
+Along q(s) with q̇ = q' ṡ and q̈ = q' s̈ + q'' ṡ²,
+
+    τ = (M q') s̈ + (M q'' + C q') ṡ² + viscous q' ṡ + Coulomb sign(q') + g - Σ Jᵀ w,
+
+three inverse dynamics at each point (Bobrow, Dubowsky and Gibson 1985). The viscous term is not
+linear in x = ṡ²: it is taken along its tangent at the speeds found before. Between the points
+torques bulge: what they exceed a limit by, halfway, is taken off that limit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.lazy import cached_property
+from freebody.model.model import Model
+from freebody.motion.friction import drive_arrays
+from freebody.motion.optimal.path_samples import PathSamples, sampled
+from freebody.motion.optimal.speed_profile import PathRows, excess, halfway, speed_share, top_speed
+from freebody.motion.piecewise import PiecewisePolynomial
+from freebody.motion.ranges import Flags
+from freebody.trees.dynamics import inverse_dynamics
+
+_INSTANT = 1e-6
+"""s: no path takes less time; what would be quicker has no limit."""
+
+
+@dataclass(frozen=True, eq=False)
+class RobotLimits:
+    """A robot with its largest rates, accelerations and torques (nv,), infinite where there is
+    none, under constant wrenches on frames."""
+
+    model: Model
+    velocity: Array
+    acceleration: Array
+    torque: Array
+    wrenches: Mapping[str, Array]
+
+    @cached_property
+    def size(self) -> Array:
+        """(m,) the limit of each row: finite torques, then finite accelerations."""
+        return np.concatenate([x[np.isfinite(x)] for x in (self.torque, self.acceleration)])
+
+    def dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
+        """Torques (..., nv), friction and wrenches included."""
+        rows = [x.reshape(-1, x.shape[-1]) for x in (q, qd, qdd)]  # one axis is quickest
+        loads = dict(self.wrenches) or None
+        return inverse_dynamics(self.model, *rows, wrenches=loads).reshape(qd.shape)
+
+    def row(self, torque: Array, acceleration: Array) -> Array:
+        """(..., m) of torques and accelerations (..., nv) those that have a limit."""
+        if self._torques_alone:
+            return torque
+        pick, other = np.isfinite(self.torque), np.isfinite(self.acceleration)
+        return np.concatenate([torque[..., pick], acceleration[..., other]], axis=-1)
+
+    @cached_property
+    def _torques_alone(self) -> bool:
+        return bool(np.isfinite(self.torque).all() and not np.isfinite(self.acceleration).any())
+
+
+@dataclass(frozen=True, eq=False)
+class PathProblem:
+    """Limits of a robot along paths: `rows` without viscous friction, whose coefficients by ṡ are
+    `viscous` (N + 1, P, m), or None."""
+
+    limits: RobotLimits
+    at: PathSamples
+    between: PathSamples
+    """Halfway in each interval."""
+    rows: PathRows
+    viscous: Array | None
+    margin: tuple[Array, Array] | None = None
+    """(N, P, m) by how much lower and upper limits of an interval are to be stricter."""
+
+    def with_friction(self, x: Array) -> PathRows:
+        """The rows with the viscous torque's tangent at x (N + 1, P)."""
+        if self.viscous is None:
+            return self.rows
+        speed = np.sqrt(x)[..., None]
+        half = 0.5 * self.viscous
+        slope = half / np.where(speed > 0.0, speed, np.inf)
+        rest = half * speed
+        (lo, lo_end), (hi, hi_end) = self.rows.lo, self.rows.hi
+        return self.rows._replace(
+            b=self.rows.b + slope,
+            lo=(lo - rest[:-1], lo_end - rest[1:]),
+            hi=(hi - rest[:-1], hi_end - rest[1:]),
+        )
+
+    def strict(self, x: Array) -> PathRows:
+        """The same with the margins."""
+        rows = self.with_friction(x)
+        if self.margin is None:
+            return rows
+        below, above = self.margin
+        (lo, lo_end), (hi, hi_end) = rows.lo, rows.hi
+        return rows._replace(lo=(lo + below, lo_end + below), hi=(hi - above, hi_end - above))
+
+    def tangent_error(self, x: Array, before: Array) -> Array:
+        """(P,) the largest error of the tangents at `before`, at x, as a fraction of the limits."""
+        if self.viscous is None:
+            return np.zeros(x.shape[1])
+        was, speed = np.sqrt(before), np.sqrt(x)
+        error = 0.5 * (speed - was) ** 2 / np.where(was > 0.0, was, 1.0)
+        share = np.abs(self.viscous) * error[..., None] / self.limits.size
+        return share.max(axis=(0, 2), initial=0.0)
+
+    def excess(self, x: Array) -> tuple[Array, Array]:
+        """((N, P, m) by how much a motion with x (N + 1, P) exceeds limits within the intervals:
+        above the upper one, or negative below the lower one; (N, P) the largest as a fraction)."""
+        qd, qdd = halfway(self.between.first, self.between.second, x, self.rows.h)
+        values = self.limits.row(self.limits.dynamics(self.between.q, qd, qdd), qdd)
+        return excess(self.with_friction(x), x, values, self.limits.size)
+
+    def top_speed(self, x: Array) -> Array:
+        """(N, P) the largest speed in each interval as a fraction of its limit, squared."""
+        return top_speed(self.at.first, self.between.first, self.limits.velocity, x)
+
+    def tightened(self, by: Array, speed: Array, paths: Flags) -> PathProblem:
+        """With limits that are stricter by what they are exceeded by, of those paths: rows by (N,
+        P, m), the squares of speeds as many times as `speed` (N, P) tells."""
+        most = 0.25 * self.limits.size  # a grid so coarse is told, not mended
+        rows = np.clip(np.where(paths[:, None], by, 0.0), -most, most)
+        below, above = self.margin or (0.0, 0.0)
+        margin = below - np.minimum(rows, 0.0), above + np.maximum(rows, 0.0)
+        slower = 1.0 / np.where(paths, np.maximum(speed, 1.0), 1.0)
+        fastest = self.rows.most.copy()
+        fastest[:-1] *= slower
+        fastest[1:] = np.minimum(fastest[1:], self.rows.most[1:] * slower)
+        return replace(self, margin=margin, rows=self.rows._replace(most=fastest))
+
+    def only(self, paths: Flags) -> PathProblem:
+        """Of some paths."""
+        if paths.all():
+            return self
+        h, most, a, b, lo, hi = self.rows
+        lo, hi = ((start[:, paths], end[:, paths]) for start, end in (lo, hi))
+        grid = (x[:, paths] for x in (h, most, a, b))
+        rows = PathRows(*grid, lo=lo, hi=hi)
+        at, between = self.at.only(paths), self.between.only(paths)
+        drag = None if self.viscous is None else self.viscous[:, paths]
+        margin = self.margin and (self.margin[0][:, paths], self.margin[1][:, paths])
+        return PathProblem(self.limits, at, between, rows, drag, margin)
+
+    def coarse(self, every: int) -> PathProblem:
+        """On a grid of each `every`-th point; their number less 1 is a multiple of it."""
+        rows, cut = self.rows, slice(None, None, every)
+        starts, ends = cut, slice(every - 1, None, every)
+        h = rows.h.reshape(-1, every, rows.h.shape[1]).sum(axis=1)
+        lo, hi = ((x[0][starts], x[1][ends]) for x in (rows.lo, rows.hi))
+        fewer = PathRows(h, rows.most[cut], rows.a[cut], rows.b[cut], lo, hi)
+        drag = None if self.viscous is None else self.viscous[cut]
+        return replace(self, rows=fewer, viscous=drag)
+
+
+def path_problem(
+    limits: RobotLimits, curves: Sequence[PiecewisePolynomial], s: Array
+) -> PathProblem:
+    """The limits along paths at a grid s (N + 1, P)."""
+    found = sampled(curves, np.concatenate([s, 0.5 * (s[:-1] + s[1:])]))
+    at, between = (found.part(part) for part in _parts(len(s)))
+    still = np.zeros_like(at.first)
+    viscous, coulomb, _ = drive_arrays(limits.model)
+    rest = limits.dynamics(at.q, still, still)
+    unit = _unit(at.first)
+    first, second = at.first * unit, at.second * unit**2
+    with_rates = limits.dynamics(at.q, first, second) - rest
+    if viscous.any() or coulomb.any():
+        with_rates -= viscous * first + coulomb * np.sign(first)
+    a = limits.row((limits.dynamics(at.q, still, first) - rest) / unit, at.first)
+    b = limits.row(with_rates / unit**2, at.second)
+    held, size = limits.row(rest, still), limits.size
+    lo, hi = -size - held, size - held
+    ends = [(lo[:-1], hi[:-1]), (lo[1:], hi[1:])]
+    if coulomb.any():
+        signs = np.stack([np.sign(x) for x in (at.first[:-1], between.first, at.first[1:])])
+        signs[0, 0] = signs[2, -1] = 0.0  # at rest, where no friction helps to brake
+        drag = [limits.row(coulomb * f(signs, axis=0), still[:-1]) for f in (np.min, np.max)]
+        ends = [(lo - drag[0], hi - drag[1]) for lo, hi in ends]
+    (lo, hi), (lo_end, hi_end) = ends
+    h = 2.0 * np.diff(s, axis=0)
+    speed = _speed_limits(limits, found.first, s)
+    rows = PathRows(h, speed, a, b, (lo, lo_end), (hi, hi_end))
+    drag = limits.row(viscous * at.first, still) if viscous.any() else None
+    return PathProblem(limits, at, between, rows, drag)
+
+
+def _unit(first: Array) -> Array:
+    """(P, 1) ṡ, a power of 2, with which the fastest joint of a path moves at about 1: so inertia
+    is not lost beside gravity where s is in thousands of millions, or a path short."""
+    return np.ldexp(1.0, -np.frexp(np.abs(first).max(axis=(0, 2)))[1])[:, None]
+
+
+def _speed_limits(limits: RobotLimits, first: Array, s: Array) -> Array:
+    """Largest ṡ² (N + 1, P) at a grid, 0 at its end, with which speeds are within their limits
+    halfway in the intervals too. first: q' at the grid, then halfway."""
+    fastest = speed_share(first, limits.velocity)
+    most = 1.0 / np.maximum(fastest, 1.0 / unlimited(s))
+    points, halfway = (most[part] for part in _parts(len(s)))
+    lower = np.minimum(np.minimum(points[:-1], points[1:]), halfway)
+    bound = 2.0 * halfway - lower  # ṡ² is a straight line between two points
+    found = points.copy()
+    found[:-1] = np.minimum(found[:-1], bound)
+    found[1:] = np.minimum(found[1:], bound)
+    found[-1] = 0.0
+    return found
+
+
+def _parts(count: int) -> tuple[slice, slice]:
+    """Of samples at `count` points and then between them."""
+    return slice(count), slice(count, None)
+
+
+def unlimited(s: Array) -> Array:
+    """(P,) the ṡ² above which a path counts as without a limit."""
+    return ((s[-1] - s[0]) / _INSTANT) ** 2

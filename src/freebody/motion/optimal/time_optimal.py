@@ -1,0 +1,239 @@
+"""The quickest motion along a path that a robot's speeds, accelerations and torques allow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import compress, groupby
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import PPoly
+
+from freebody.arrays import Array, as_floats, refuse_not_finite
+from freebody.errors import FreebodyError, listed, shown
+from freebody.labels import is_labelled
+from freebody.model.model import Model
+from freebody.motion.motion import Motion
+from freebody.motion.optimal.geometric_path import (
+    grid,
+    motions_along,
+    path_curve,
+    refuse_out_of_range,
+)
+from freebody.motion.optimal.path_limits import PathProblem, RobotLimits, path_problem
+from freebody.motion.optimal.speed_profile import quickest_profile
+from freebody.motion.optimal.unreachable import refuse_unreachable
+from freebody.motion.piecewise import PiecewisePolynomial
+from freebody.motion.planning.planned import sample_times
+from freebody.motion.planning.planning_limits import Limit, PlanningLimits, planning_limits
+from freebody.trees.public_calls import Wrenches, wrenches_by_frame
+
+Path = ArrayLike | Motion | PPoly
+
+_NAME = "time_optimal"
+_BLOCK = 16  # paths computed side by side: what is known of them stays in the processor's cache
+_ROUNDS = 12
+_TANGENT = 1e-4  # of a limit: error of the viscous torque
+_HELD = 2e-4  # of a limit: what it may be exceeded by halfway between two points of the grid
+_MISSED = 1e-6  # of the squares of speeds: what parabolas may miss of them
+_FAR_FROM_HELD = 0.05
+_COARSE = (10, 8, 5, 4, 3, 2)
+_SOURCE = "the quickest along a path within the limits"
+
+
+def time_optimal(
+    model: Model,
+    path: Path | Sequence[Motion | PPoly],
+    *,
+    velocity: Limit = None,
+    acceleration: Limit = None,
+    torque: Limit = None,
+    wrenches: Wrenches = None,
+    points: int = 1001,
+) -> Motion | tuple[Motion, ...]:
+    """The time-optimal motion along a path, from rest to rest, within limits of speed, acceleration
+    and torque.
+
+    path: waypoints (k, nq), or a motion, of which the positions count: the natural cubic spline
+    through them, s from 0 to 1 along its chords; or a path of your own, q(s) as a scipy PPoly of nq
+    values with a continuous first derivative. Many at once: (P, k, nq), or a list of motions or
+    PPolys. velocity, acceleration, torque: limits, one number or (nv,), rad/s, m/s; rad/s², m/s²;
+    N m, N. The model's own count too (zero means not given, see `Limits`). Torques contain friction
+    (viscous, Coulomb), rotors, springs and the payload. wrenches: constant ones by frame, world
+    axes. points: of the grid over s; at least one interval in each piece of the path. Limits are
+    kept at both ends of each interval and to 0.02 % within it, or else notices say by how much they
+    are exceeded (above 5 % it raises); s̈ is constant in it. Returns the
+    motion with its exact curve, samples at the grid; of many, a tuple. Raises FreebodyError where
+    the path leaves the joints' ranges, or where the robot cannot hold or move it: at which s, which
+    joint, which limit.
+
+    Source: Bobrow, Dubowsky and Gibson 1985; Pham and Pham 2018 ("TOPP-RA").
+    """
+    limits = planning_limits(_NAME, model, velocity, acceleration, torque=torque)
+    loads = wrenches_by_frame(_NAME, model, wrenches, single=True)
+    for frame, load in loads.items():
+        refuse_not_finite(_NAME, f"wrenches[{frame!r}]", load, 1)
+    robot = RobotLimits(model, limits.velocity, limits.acceleration, limits.torque, loads)
+    if isinstance(points, bool) or not isinstance(points, int) or points < 2:
+        raise FreebodyError(
+            f"{_NAME}: points is {shown(points)}, expected a whole number from 2 up."
+        )
+    given, many = _each(path)
+    curves = [path_curve(_NAME, model, one, limits) for one in given]
+    if model.passive:
+        raise FreebodyError(
+            f"{_NAME}: nothing drives {listed(model.passive_names, 4)} of {model.name!r}; a "
+            f"motion along a path needs a drive in every joint."
+        )
+    motions = [
+        motion
+        for block in _blocks(curves, points)
+        for motion in _motions(robot, limits, curves, block)
+    ]
+    return tuple(motions) if many else motions[0]
+
+
+def time_optimal_through(
+    model: Model,
+    waypoints: ArrayLike,
+    times: ArrayLike | None = None,
+    *,
+    velocity: Limit = None,
+    acceleration: Limit = None,
+    step: float | None = None,
+) -> Motion:
+    """`time_optimal` as a planner of motions through waypoints, with samples `step` s apart."""
+    if times is not None:
+        raise FreebodyError(
+            f"{_NAME}: the times of waypoints are what it finds; leave them out, or take a spline."
+        )
+    motion = time_optimal(model, waypoints, velocity=velocity, acceleration=acceleration)
+    assert isinstance(motion, Motion)
+    if step is None:
+        return motion
+    t = sample_times(_NAME, motion.t, step)
+    q, qd, qdd = motion.at(t)
+    return replace(motion, t=t, q=q, qd=qd, qdd=qdd)
+
+
+def _each(path: Any) -> tuple[Sequence[Any], bool]:
+    """Paths one by one, and whether they were many."""
+    several = isinstance(path, list | tuple) and len(path) > 0
+    if several and all(isinstance(one, Motion | PPoly) for one in path):
+        return path, True
+    if isinstance(path, Motion | PPoly) or is_labelled(path):
+        return [path], False
+    array = as_floats(_NAME, "path", path)
+    return (list(array), True) if array.ndim == 3 else ([array], False)
+
+
+class _PathBlock(NamedTuple):
+    """Paths that are computed side by side, and the intervals of each."""
+
+    paths: list[int]
+    intervals: int
+
+
+def _blocks(curves: Sequence[PiecewisePolynomial], points: int) -> Iterator[_PathBlock]:
+    """All paths in order; those beside each other have equally many intervals."""
+    counts = [max(points - 1, len(curve.breaks) - 1) for curve in curves]
+    for intervals, group in groupby(range(len(curves)), key=counts.__getitem__):
+        paths = list(group)
+        for start in range(0, len(paths), _BLOCK):
+            yield _PathBlock(paths[start : start + _BLOCK], intervals)
+
+
+def _motions(
+    robot: RobotLimits,
+    limits: PlanningLimits,
+    curves: Sequence[PiecewisePolynomial],
+    block: _PathBlock,
+) -> Iterator[Motion]:
+    """Of the paths of a block."""
+    own = [curves[k] for k in block.paths]
+    grids = np.stack([grid(curve, block.intervals) for curve in own], axis=1)
+    problem = path_problem(robot, own, grids)
+    for k, curve in enumerate(own):
+        refuse_out_of_range(_NAME, robot.model, curve, problem.at, k, limits)
+    labels = ["the path"] if len(curves) == 1 else [f"path {k}" for k in block.paths]
+    found = _solved(problem, labels)
+    for label, worst in zip(labels, found.worst, strict=True):
+        if worst > _FAR_FROM_HELD:
+            raise FreebodyError(
+                f"{_NAME}: between points of the grid {label} exceeds a limit by "
+                f"{100 * worst:.2g} %; give more points than {block.intervals + 1}, or larger "
+                f"limits."
+            )
+    bulge = np.maximum(found.fastest - 1.0 + _MISSED, 0.0)
+    found.x[:] /= 1.0 + 2.0 * bulge  # slower by some millionths
+    notices = [_told(worst) if worst > _HELD else () for worst in found.worst]
+    return motions_along(robot.model, problem.at, found.x, _SOURCE, notices)
+
+
+class _Quickest(NamedTuple):
+    """x (N + 1, P), by which fraction of a limit it is exceeded within the intervals (P,), and the
+    largest speed as a fraction of its limit, squared (P,)."""
+
+    x: Array
+    worst: Array
+    fastest: Array
+
+
+def _solved(problem: PathProblem, labels: list[str]) -> _Quickest:
+    """Repeated where viscous friction asks for it, then where limits are exceeded between the
+    points, unless stricter ones leave nothing; each path as if it were alone."""
+    before = _first_guess(problem, labels)
+    worst, fastest = np.full(len(labels), np.inf), np.zeros(len(labels))
+    found = _Quickest(np.zeros_like(problem.rows.most), worst, fastest)
+    left = np.arange(len(labels))
+    for _ in range(_ROUNDS):
+        profile = quickest_profile(problem.strict(before))
+        if problem.margin is None:
+            refuse_unreachable(_NAME, problem, profile, labels)
+        excess, share = problem.excess(profile.x)
+        speed = problem.top_speed(profile.x)
+        fastest = speed.max(axis=0)
+        off = problem.tangent_error(profile.x, before)
+        worst = np.maximum(share.max(axis=0), np.sqrt(fastest) - 1.0) + off
+        turning, moves = off > _TANGENT, profile.moves
+        better = moves & (turning | (worst < found.worst[left]))
+        for kept, new in zip(found, (profile.x, worst, fastest), strict=True):
+            kept[..., left[better]] = new[..., better]
+        again = moves & (turning | (worst > _HELD))
+        if not again.any():
+            break
+        if not turning.any():
+            problem = problem.tightened(excess, speed, again)
+        labels = list(compress(labels, again))
+        problem, before, left = problem.only(again), profile.x[:, again], left[again]
+    return found
+
+
+def _first_guess(problem: PathProblem, labels: list[str]) -> Array:
+    """x (N + 1, P) for the tangents of viscous friction, from a coarse grid; 0 without any."""
+    count = len(problem.rows.h)
+    guess = np.zeros_like(problem.rows.most)
+    every = next((k for k in _COARSE if count % k == 0), 1)
+    if problem.viscous is None or every == 1:
+        return guess
+    coarse = problem.coarse(every)
+    x = guess[::every]
+    for _ in range(_ROUNDS):
+        x, before = quickest_profile(coarse.with_friction(x)).x, x
+        if not np.isfinite(x).all():  # said of the fine grid, or found there
+            return guess
+        if coarse.tangent_error(x, before).max() <= _TANGENT:
+            break
+    place = np.arange(count + 1) / every
+    for k in range(x.shape[1]):
+        guess[:, k] = np.interp(place, np.arange(len(x)), x[:, k])
+    return guess
+
+
+def _told(worst: float) -> tuple[str, ...]:
+    return (
+        f"Between two points of the grid a limit is exceeded by {100 * worst:.2g} %; more points "
+        f"keep it more closely.",
+    )

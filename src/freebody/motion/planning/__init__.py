@@ -1,0 +1,1 @@
+"""Motions planned through waypoints and along paths of the tip, within limits."""

@@ -1,0 +1,176 @@
+"""Motions that stop at each of their waypoints: quintic, trapezoid, s_curve; and dwell."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from freebody.arrays import Array, above_zero
+from freebody.errors import FreebodyError
+from freebody.model.model import Model
+from freebody.motion.motion import Motion
+from freebody.motion.piecewise import PiecewisePolynomial, side_by_side
+from freebody.motion.planning.planned import planned, read_times
+from freebody.motion.planning.planning_limits import (
+    Limit,
+    PlanningLimits,
+    checked_waypoints,
+    planning_limits,
+    unlimited,
+    within_limits,
+)
+from freebody.motion.planning.profiles import PROFILES
+from freebody.outputs.numbers import compared, rounded_up
+from freebody.trees.public_calls import Vector
+
+
+def quintic(
+    model: Model,
+    waypoints: ArrayLike,
+    times: ArrayLike | None = None,
+    *,
+    velocity: Limit = None,
+    acceleration: Limit = None,
+    jerk: Limit = None,
+    step: float | None = None,
+) -> Motion:
+    """Straight lines in joint space from each waypoint to the next, at rest in each, by polynomials
+    of degree 5.
+
+    waypoints: (k, nq), k > 1. times: (k,) s; default as fast as the limits allow. velocity,
+    acceleration, jerk: limits, one number for all joints or (nv,), rad/s, rad/s², rad/s³ (m);
+    besides them the model's limits of position and speed count. step: s between samples, by default
+    a 400th of the motion. Accelerations are continuous, and zero at the waypoints.
+
+    Raises FreebodyError with joint and time where a limit is not kept.
+    """
+    limits = planning_limits("quintic", model, velocity, acceleration, jerk)
+    return _stopping("quintic", "quintic", model, waypoints, times, limits, step)
+
+
+def trapezoid(
+    model: Model,
+    waypoints: ArrayLike,
+    times: ArrayLike | None = None,
+    *,
+    velocity: Limit = None,
+    acceleration: Limit = None,
+    step: float | None = None,
+) -> Motion:
+    """From each waypoint to the next, at rest in each: constant acceleration, constant speed,
+    constant deceleration.
+
+    All joints start and stop together: the slowest moves as quickly as its limits allow, the others
+    run their own quickest motion slowed to its duration. acceleration: needed, unless the limit of
+    each joint that moves is in it. The accelerations jump. All else as in `quintic`.
+    """
+    limits = planning_limits("trapezoid", model, velocity, acceleration)
+    return _stopping("trapezoid", "trapezoid", model, waypoints, times, limits, step)
+
+
+def s_curve(
+    model: Model,
+    waypoints: ArrayLike,
+    times: ArrayLike | None = None,
+    *,
+    jerk: Limit = None,
+    velocity: Limit = None,
+    acceleration: Limit = None,
+    step: float | None = None,
+) -> Motion:
+    """From each waypoint to the next, at rest in each, with limited jerk: accelerations rise and
+    fall in ramps.
+
+    All joints start and stop together: the slowest moves as quickly as its limits allow, the others
+    run their own quickest motion slowed to its duration. jerk: needed. All else as in `quintic`.
+    """
+    limits = planning_limits("s_curve", model, velocity, acceleration, jerk)
+    return _stopping("s_curve", "s-curve", model, waypoints, times, limits, step)
+
+
+def dwell(model: Model, q: Vector, duration: float, *, step: float | None = None) -> Motion:
+    """Rest at q (nq,) for `duration` s; to stand between other motions: `a.then(pause).then(b)`.
+
+    step: s between samples, by default a tenth.
+    """
+    duration = above_zero("dwell", "duration", duration, "seconds")
+    limits = planning_limits("dwell", model)
+    at = checked_waypoints("dwell", model, [q, q], limits, "q")[:1]
+    still = PiecewisePolynomial(np.array([0.0, duration]), at[None])
+    words = f"at rest for {duration:g} s"
+    return planned("dwell", model, still, words, limits, 0.1 * duration if step is None else step)
+
+
+def _stopping(
+    function: str,
+    name: str,
+    model: Model,
+    waypoints: ArrayLike,
+    times: ArrayLike | None,
+    limits: PlanningLimits,
+    step: float | None,
+) -> Motion:
+    q = checked_waypoints(function, model, waypoints, limits)
+    given = None if times is None else read_times(function, times, len(q))
+    whole = None
+    for k in range(len(q) - 1):
+        wanted = None if given is None else float(given[k + 1] - given[k])
+        move = _move(function, name, model, k, (q[k], q[k + 1]), limits, wanted)
+        whole = move if whole is None else whole.then(move)
+    assert whole is not None
+    if given is not None:
+        whole = PiecewisePolynomial(whole.breaks + given[0], whole.coefficients)
+    words = f"{PROFILES[name].words} through {len(q)} waypoints, at rest in each"
+    motion = planned(function, model, whole, words, limits, step)
+    return within_limits(function, model, motion, limits)
+
+
+def _move(
+    function: str,
+    name: str,
+    model: Model,
+    k: int,
+    ends: tuple[Array, Array],
+    limits: PlanningLimits,
+    wanted: float | None,
+) -> PiecewisePolynomial:
+    """The k-th move from one waypoint to the next; `wanted`: its duration."""
+    profile, way = PROFILES[name], ends[1] - ends[0]
+    moving = np.flatnonzero(way)
+    if not len(moving):
+        raise FreebodyError(
+            f"{function}: waypoints {k} and {k + 1} are the same; leave one out, and to wait there "
+            f"use fb.dwell."
+        )
+    curves: dict[int, PiecewisePolynomial] = {}
+    for i in moving:
+        own = {x: float(getattr(limits, x)[i]) for x in ("velocity", "acceleration", "jerk")}
+        missing = [x for x in profile.needs if not np.isfinite(own[x])]
+        if missing or not any(map(np.isfinite, own.values())):
+            if wanted is None or profile.needs:
+                raise unlimited(
+                    function, model, f"{missing[0]}=" if missing else "times= or a limit"
+                )
+            own["velocity"] = 2.0 * abs(way[i]) / wanted  # any: it is run in the wanted duration
+        curves[int(i)] = profile.quickest(abs(float(way[i])), *own.values())
+    slowest = max(curves, key=lambda i: curves[i].breaks[-1])
+    shortest = float(curves[slowest].breaks[-1])
+    if wanted is not None and wanted < shortest * (1.0 - 1e-9):
+        needed, given = compared(float(rounded_up(shortest, 5)), wanted, digits=5)
+        raise FreebodyError(
+            f"{function}: from waypoint {k} to {k + 1} {model.position_names[slowest]} needs "
+            f"{needed} s within its limits, times give {given} s."
+        )
+    duration = shortest if wanted is None else wanted
+    columns = []
+    for i, start in enumerate(ends[0]):
+        powers = np.array([[[start]]])
+        if i in curves:
+            curve = curves[i].scaled(float(curves[i].breaks[-1]) / duration)
+            powers = curve.coefficients * np.sign(way[i])
+            powers[-1] += start
+            breaks = np.append(curve.breaks[:-1], duration)
+        else:
+            breaks = np.array([0.0, duration])
+        columns.append(PiecewisePolynomial(breaks, powers))
+    return side_by_side(columns)

@@ -1,0 +1,81 @@
+"""Splines through waypoints: motions that do not stop on the way."""
+
+from __future__ import annotations
+
+from typing import get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError, UnknownNameError
+from freebody.model.model import Model
+from freebody.motion.motion import Motion
+from freebody.motion.piecewise import Degree, Ends, interpolated
+from freebody.motion.planning.planned import planned, read_times
+from freebody.motion.planning.planning_limits import (
+    Limit,
+    PlanningLimits,
+    checked_waypoints,
+    planning_limits,
+    quickest,
+    within_limits,
+)
+
+
+def spline(
+    model: Model,
+    waypoints: ArrayLike,
+    times: ArrayLike | None = None,
+    ends: Ends = "rest",
+    *,
+    degree: Degree = 5,
+    velocity: Limit = None,
+    acceleration: Limit = None,
+    step: float | None = None,
+) -> Motion:
+    """The spline through waypoints, which does not stop at them.
+
+    waypoints: (k, nq), k > 1. times: (k,) s; default in proportion to the way of the slowest joint,
+    as fast as the limits allow. ends: "rest", rate zero at both, of degree 5 acceleration too;
+    "natural", acceleration zero (of degree 5 the third and fourth derivative); "periodic", the end
+    joined smoothly to the start. degree: 5, or 3, which oscillates less between waypoints, but
+    whose acceleration jumps at the ends. velocity, acceleration: limits, one number or (nv,),
+    rad/s, rad/s² (m); the model's limits of position and speed count too. step: s between samples,
+    by default a 400th of the motion.
+
+    Raises FreebodyError with joint and time where a limit is not kept, between waypoints too.
+    """
+    if ends not in get_args(Ends):
+        raise UnknownNameError("choice", ends, "spline: ends=", get_args(Ends))
+    if degree not in get_args(Degree):
+        raise FreebodyError(f"spline: degree is {degree}, expected 3 or 5.")
+    limits = planning_limits("spline", model, velocity, acceleration)
+    q = checked_waypoints("spline", model, waypoints, limits)
+    if ends == "periodic" and (len(q) < degree + 1 or (q[0] != q[-1]).any()):
+        raise FreebodyError(
+            f"spline: a periodic one needs at least {degree + 1} waypoints, the last equal to the "
+            f"first."
+        )
+    given = None if times is None else read_times("spline", times, len(q))
+    knots = _proportional(q, limits) if given is None else given
+    curve = interpolated(knots, q, degree, ends)
+    if given is None:
+        rate, second = (curve.derivative(order).extremes.size for order in (1, 2))
+        curve = curve.scaled(quickest("spline", model, rate, second, limits, "times"))
+    words = f"a spline of degree {degree} through {len(q)} waypoints"
+    motion = planned("spline", model, curve, words, limits, step)
+    return within_limits("spline", model, motion, limits)
+
+
+def _proportional(q: Array, limits: PlanningLimits) -> Array:
+    """Times (k,) from 0, apart by the way of the joint that takes longest for it."""
+    pace = np.where(np.isfinite(limits.velocity), limits.velocity, np.sqrt(limits.acceleration))
+    pace = np.where(np.isfinite(pace), pace, 1.0)
+    gaps = (np.abs(np.diff(q, axis=0)) / pace).max(axis=1)
+    if (gaps == 0.0).any():
+        k = int(np.argmin(gaps))
+        raise FreebodyError(
+            f"spline: waypoints {k} and {k + 1} are the same; leave one out, or give times."
+        )
+    return np.concatenate([[0.0], np.cumsum(gaps)])

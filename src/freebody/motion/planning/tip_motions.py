@@ -1,0 +1,261 @@
+"""Motions in which the tip follows a path: line, arc, and blend of several lines."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import make_interp_spline
+
+from freebody.arrays import Array, above_zero, as_floats, refuse_not_finite
+from freebody.errors import FreebodyError, ShapeError
+from freebody.inverse.numerical_solver import NumericalSolver
+from freebody.inverse.task import Task, read_target
+from freebody.model.model import Model
+from freebody.motion.motion import Motion
+from freebody.motion.planning.planned import SAMPLES, sample_times
+from freebody.motion.planning.planning_limits import (
+    Limit,
+    PlanningLimits,
+    checked_waypoints,
+    planning_limits,
+    quickest,
+    within_limits,
+)
+from freebody.motion.planning.tip_following import TipFollower
+from freebody.motion.planning.tip_paths import TipPath, arc_path, rounded_lines
+from freebody.outputs.numbers import compared, rounded_up
+from freebody.trees.kinematics import forward_kinematics
+from freebody.trees.kinematics import velocity as tip_velocity
+from freebody.trees.position_rates import layout
+from freebody.trees.public_calls import Vector
+
+NEAR = 1e-6
+"""m, rad: the tip is nearer to its path than this, between samples too."""
+_NODES, _DOUBLINGS = 24, 4  # of each stretch of a path
+
+
+def line(
+    model: Model,
+    q0: Vector,
+    target: ArrayLike,
+    duration: float | None = None,
+    *,
+    frame: str | None = None,
+    task: str | Sequence[str] | None = None,
+    speed: float | None = None,
+    velocity: Limit = None,
+    acceleration: Limit = None,
+    step: float | None = None,
+) -> Motion:
+    """From rest at q0 the frame moves straight to a target, to rest, on the branch of q0.
+
+    q0: (nq,). target: a point (dim,) in m, or a pose (dim + 1, dim + 1), world axes; a pose's
+    orientation is reached about a fixed axis. duration: s, default as fast as the limits allow.
+    frame: default the tip. task: what counts, as in `inverse_kinematics`, of a point its position;
+    with "pose" a point keeps the orientation at q0. speed: limit of the frame's speed, m/s.
+    velocity, acceleration: of the joints, one number or (nv,); the model's limits of position and
+    speed count too. step: s between samples, by default a 400th. The way over time is a polynomial
+    of degree 5. A redundant arm moves its joints least.
+
+    The tip stays within 1e-6 m and rad of its path, else `notices` say how far off. Raises
+    FreebodyError with the place where the path is out of reach, the arm singular, or a joint at its
+    limit.
+    """
+    plan = _TipPlan("line", model, q0, frame, task, velocity, acceleration)
+    poses = plan.poses(target, 0)
+    path = rounded_lines("line", [plan.start, poses], 0.0, plan.solver.length)
+    return plan.motion(path, duration, speed, step)
+
+
+def arc(
+    model: Model,
+    q0: Vector,
+    via: ArrayLike,
+    target: ArrayLike,
+    duration: float | None = None,
+    *,
+    frame: str | None = None,
+    task: str | Sequence[str] | None = None,
+    speed: float | None = None,
+    velocity: Limit = None,
+    acceleration: Limit = None,
+    step: float | None = None,
+) -> Motion:
+    """From rest at q0 the frame moves on a circle through a point to a target, to rest.
+
+    via: (dim,) m, a point of the circle between. All else as in `line`.
+    """
+    plan = _TipPlan("arc", model, q0, frame, task, velocity, acceleration)
+    point = as_floats("arc", "via", via)
+    if point.shape != (model.dim,):
+        raise ShapeError("arc", "via", point.shape, f"({model.dim},)", "a point in m")
+    refuse_not_finite("arc", "via", point, 1)
+    pose = plan.poses(target, 0)
+    if not plan.solver.task.places:
+        raise FreebodyError("arc: the task must count the whole position.")
+    path = arc_path("arc", plan.start, point, pose, plan.solver.length)
+    return plan.motion(path, duration, speed, step)
+
+
+def blend(
+    model: Model,
+    q0: Vector,
+    targets: ArrayLike,
+    radius: float,
+    duration: float | None = None,
+    *,
+    frame: str | None = None,
+    task: str | Sequence[str] | None = None,
+    speed: float | None = None,
+    velocity: Limit = None,
+    acceleration: Limit = None,
+    step: float | None = None,
+) -> Motion:
+    """From rest at q0 the frame moves along lines from target to target without a stop, the corners
+    rounded.
+
+    targets: (k, dim) points or (k, dim + 1, dim + 1) poses. radius: m from a corner at which the
+    rounding begins and ends; the path passes the corner at up to 3/8 of it. All else as in `line`.
+    """
+    plan = _TipPlan("blend", model, q0, frame, task, velocity, acceleration)
+    radius = above_zero("blend", "radius", radius, "m")
+    poses = plan.poses(targets, 1)
+    path = rounded_lines("blend", [plan.start, *poses], radius, plan.solver.length)
+    return plan.motion(path, duration, speed, step)
+
+
+class _TipPlan:
+    """A motion of the tip in the making."""
+
+    def __init__(
+        self,
+        function: str,
+        model: Model,
+        q0: Vector,
+        frame: str | None,
+        task: str | Sequence[str] | None,
+        velocity: Limit,
+        acceleration: Limit,
+    ):
+        self.function, self.model, self.task = function, model, task
+        self.limits: PlanningLimits = planning_limits(function, model, velocity, acceleration)
+        self.q0 = checked_waypoints(function, model, [q0, q0], self.limits, "q0")[0]
+        self.frame = model.frame(frame).name
+        self.start = forward_kinematics(model, self.q0, self.frame)
+
+    def poses(self, target: Any, axes: int) -> Array:
+        """The target's poses, with `axes` axes of several; settles the task."""
+        model, d = self.model, self.model.dim
+        given = as_floats(self.function, "target", target)
+        point = given.shape[-1:] == (d,) and given.shape[-2:] != (d + 1, d + 1)
+        if point and self.task is not None:
+            whole = np.broadcast_to(self.start, (*given.shape[:-1], d + 1, d + 1)).copy()
+            whole[..., :d, d] = given
+            given = whole
+        task, poses = read_target(self.function, model, given, self.task)
+        if poses.ndim != 2 + axes or not poses.size:
+            wanted = f"{'(k, ' if axes else '('}{d}) or {'(k, ' if axes else '('}{d + 1}, {d + 1})"
+            name = "targets" if axes else "target"
+            raise ShapeError(self.function, name, given.shape, wanted, "points or poses")
+        self.start = self.start.copy()
+        if not task.angular:
+            self.start[:d, :d] = np.eye(d)
+            poses[..., :d, :d] = np.eye(d)
+        free = [row for row in range(d) if row not in task.linear]
+        poses[..., free, d] = self.start[free, d]
+        self.solver = NumericalSolver(model, self.frame, Task(d, task.rows))
+        return poses
+
+    def motion(
+        self, path: TipPath, duration: float | None, speed: float | None, step: float | None
+    ) -> Motion:
+        """Along a path from rest to rest."""
+        if duration is not None:
+            duration = above_zero(self.function, "duration", duration, "seconds")
+        if speed is not None:
+            speed = above_zero(self.function, "speed", speed, "m/s")
+        off = np.inf
+        for doubling in range(_DOUBLINGS + 1):
+            found = self._along(path, duration, speed, step, 2**doubling)
+            off = self._off(found, path)
+            if off <= NEAR:
+                break
+        text = "" if off <= NEAR else (
+            f"The tip leaves its path by up to {off:.2g} between samples; a smaller step follows "
+            f"it more closely."
+        )  # fmt: skip
+        return replace(found, notices=(*found.notices, *([text] if text else [])))
+
+    def _along(
+        self,
+        path: TipPath,
+        duration: float | None,
+        speed: float | None,
+        step: float | None,
+        finer: int,
+    ) -> Motion:
+        pieces = [
+            np.linspace(a, b, _NODES * finer + 1)[:-1]
+            for a, b in zip(path.marks[:-1], path.marks[1:], strict=True)
+        ]
+        ways = np.append(np.concatenate(pieces), path.length)
+        q, notices = TipFollower(self.function, self.solver, path).joints(self.q0, ways)
+        notices = (*self.limits.allowed.notices, *notices)
+        spline = make_interp_spline(ways, q, k=5)
+        curves = spline, spline.derivative(), spline.derivative(2)
+        words = f"the tip along {path.words}"
+
+        def timed(T: float, t: Array) -> Motion:
+            s, sd, sdd = (x[:, None] for x in _way(path.length, T, t))
+            x, xd, xdd = (curve(s[:, 0]) for curve in curves)
+            rates = xd * sd, xdd * sd**2 + xd * sdd
+            return Motion(t, x, *rates, words, layout(self.model), notices)
+
+        unit = timed(1.0, np.linspace(0.0, 1.0, (SAMPLES - 1) * finer + 1))
+        factor = np.inf if speed is None else speed / self._fastest(unit)
+        if duration is not None:
+            factor = min(1.0 / duration, factor)
+            if factor < 1.0 / duration:
+                given, needed = compared(duration, float(rounded_up(1.0 / factor, 5)), digits=5)
+                raise FreebodyError(
+                    f"{self.function}: in {given} s the tip is faster than {speed:g} m/s; give at "
+                    f"least {needed} s."
+                )
+        else:
+            peaks = unit.peaks
+            sizes = peaks.velocity.size, peaks.acceleration.size
+            try:
+                factor = min(
+                    factor,
+                    quickest(self.function, self.model, *sizes, self.limits, "duration=, speed"),
+                )
+            except FreebodyError:  # nothing else limits it
+                if speed is None:
+                    raise
+        T = 1.0 / factor if duration is None else duration
+        t = unit.t * T if step is None else sample_times(self.function, np.array([0.0, T]), step)
+        return within_limits(self.function, self.model, timed(T, t), self.limits)
+
+    def _fastest(self, motion: Motion) -> float:
+        """Of the frame, m/s."""
+        V = tip_velocity(self.model, motion.q, motion.qd, self.frame)
+        return float(np.linalg.norm(V[:, : self.model.dim], axis=-1).max())
+
+    def _off(self, motion: Motion, path: TipPath) -> float:
+        """How far the tip is from where it should be between samples, m or rad."""
+        t = 0.5 * (motion.t[1:] + motion.t[:-1])
+        goal = path.at(np.clip(_way(path.length, motion.duration, t)[0], 0.0, path.length))
+        return float(self.solver.miss(motion.at(t)[0], goal).max())
+
+
+def _way(length: float, T: float, t: Array) -> tuple[Array, Array, Array]:
+    """The way over time, and its first two derivatives, from rest to rest."""
+    x = t / T
+    s = length * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
+    sd = length / T * 30.0 * x**2 * (1.0 - x) ** 2
+    sdd = length / T**2 * 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x)
+    return s, sd, sdd

@@ -1,0 +1,108 @@
+"""The motion of one state, or of several one after another, by scipy's integrators."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError
+from freebody.loops.equations import require_closed
+from freebody.model.families import member_at
+from freebody.motion.simulation.closed_chain_integration import closed_chain_scheme
+from freebody.motion.simulation.compiled_torque import CompiledTorque, one_lane
+from freebody.motion.simulation.first_order_system import constant_loads, suited_method, system
+from freebody.motion.simulation.integration import integrated, open_scheme, step_tolerance
+from freebody.motion.simulation.motion_lanes import MotionLanes, some_of
+from freebody.motion.simulation.simulation import Simulated, Simulation
+from freebody.motion.simulation.stiffness_watch import StiffnessWatch
+from freebody.motion.simulation.torques import schedule
+
+
+def alone(asked: Simulation, method: str, result: Simulated, told: bool = False) -> bool:
+    """Fill in the motion of one state with error control; method: "auto" or one of scipy's.
+
+    told: whether it has been said that motions are stiff. Returns whether it has by now.
+    """
+    model, t = asked.model, asked.t
+    whole = system(model, asked.width, *constant_loads(asked.wrenches))
+    planned = schedule(model, t, asked.torque, asked.breakpoints, asked.sample_time)
+    state = np.concatenate([asked.q, asked.qd])
+
+    def decay() -> float:
+        if not planned.feedback:
+            return 0.0
+        return whole.fastest_decay(t[0], state, planned.begin(0, asked.q, asked.qd))
+
+    if model.loops:
+        require_closed("simulate", model, asked.q, asked.qd)
+        chosen = "DOP853" if method == "auto" else method
+        # near a singular position accelerations are known to ten digits, and finer steps would
+        # chase their rounding
+        scheme = closed_chain_scheme(whole, asked.tolerance, asked.max_step)
+    else:
+        chosen = method
+        if method == "auto":
+            chosen = suited_method(whole, asked.q, asked.duration, decay)
+        scheme = open_scheme(whole, step_tolerance(chosen, asked.tolerance), asked.max_step)
+    watch = StiffnessWatch(
+        whole, asked.duration, switches=method == "auto", done=bool(model.loops) or told
+    )
+    states: list[Array] = []
+
+    result.given = planned.given
+    try:
+        integrated(whole, scheme, planned, t, state, chosen, watch, states, asked.tell)
+    finally:
+        kept = np.array(states[:: asked.every])
+        result.q[: len(kept)], result.qd[: len(kept)] = whole.split(kept)
+    used = f"{chosen}, {watch.method} from {watch.since:.6g} s" if watch.method else chosen
+    result.used["method"] = used
+    return told or watch.since > asked.t[0]
+
+
+def one_by_one(asked: Simulation, method: str, result: Simulated) -> None:
+    """The same of many states, whose torque is a table or compiled."""
+    if not asked.lanes.shape:
+        alone(asked, method, result)
+        return
+    if callable(asked.torque) and not isinstance(asked.torque, CompiledTorque):
+        raise FreebodyError(
+            f"simulate: {method} integrates one state after another, and a torque function is "
+            f"called with all of them: take method 'auto', 'rk4' or 'semi-implicit', or compile "
+            f"the torque with fb.compile."
+        )
+    lanes, (q, qd) = asked.lanes, (asked.q, asked.qd)
+    q, qd = lanes.all(q, 1), lanes.all(qd, 1)
+    result.tau = np.full(result.qd.shape, np.nan)
+    filled, torques = (
+        [x.reshape(lanes.count, *x.shape[-2:]) for x in some]
+        for some in ((result.q, result.qd), (result.tau,))
+    )
+    told = False
+    for k in range(lanes.count):
+        index = lanes.index(k)
+        own = replace(
+            asked,
+            model=member_at(asked.model, index),
+            q=q[k],
+            qd=qd[k],
+            torque=_torque_of(asked, k),
+            wrenches={n: some_of(lanes.each(w, 1), 1, k) for n, w in asked.wrenches.items()},
+            lanes=MotionLanes(()),
+            tell=lambda done, k=k: asked.tell((k + done) / lanes.count),
+        )
+        part = Simulated(result.t, filled[0][k], filled[1][k], result.used)
+        told = alone(own, method, part, told)
+        torques[0][k] = part.torques()
+
+
+def _torque_of(asked: Simulation, k: int) -> Any:
+    """That of one lane."""
+    torque, lanes = asked.torque, asked.lanes
+    if isinstance(torque, CompiledTorque):
+        return one_lane(torque, lanes, k)
+    assert isinstance(torque, np.ndarray)
+    return some_of(lanes.each(torque, 2), 2, k)

@@ -1,0 +1,239 @@
+"""`simulate`: the motion that torques cause."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from freebody.arrays import Array, above_zero, as_floats, refuse_not_finite
+from freebody.errors import FreebodyError, FreebodyWarning, UnknownNameError, shown
+from freebody.kernels.driven_steps import STEP_METHODS
+from freebody.model.model import Model
+from freebody.motion.friction import WIDTH
+from freebody.motion.simulation.alone import one_by_one
+from freebody.motion.simulation.closed_chain_integration import EXPLICIT
+from freebody.motion.simulation.compiled_torque import CompiledTorque
+from freebody.motion.simulation.integration import METHODS
+from freebody.motion.simulation.interrupted import SimulationInterrupted
+from freebody.motion.simulation.motion_lanes import MotionLanes
+from freebody.motion.simulation.paced import Progress, paced
+from freebody.motion.simulation.simulation import Simulated, Simulation
+from freebody.motion.simulation.simulation_dataset import dataset, recorded
+from freebody.motion.simulation.stepped import stepped
+from freebody.motion.simulation.torques import Torque, breakpoints_of, torque_of
+from freebody.trees.massless_joints import refuse_massless
+from freebody.trees.public_calls import Vector, Wrenches, vector, wrenches_by_frame
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_TOLERANCE = 1e-10
+
+
+def simulate(
+    model: Model,
+    q: Vector,
+    qd: Vector,
+    t: ArrayLike,
+    torque: Torque = None,
+    wrenches: Wrenches = None,
+    method: str = "auto",
+    *,
+    step: float | None = None,
+    tolerance: float | None = None,
+    friction_width: float = WIDTH,
+    max_step: float = np.inf,
+    breakpoints: ArrayLike = (),
+    sample_time: float | None = None,
+    torque_inputs: Mapping[str, Any] | None = None,
+    record: str | Sequence[str] | None = None,
+    every: int = 1,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """The motion over the times t (T,) from the state q (..., nq), qd (..., nv) at t[0]; of many
+    states, or a family of robots, all at once.
+
+    torque: of the drives (N m, N): None for none; (nv,) constant; (..., T, nv) at the times t,
+    linear between them, integrated from row to row; a function f(t, q, qd) -> (..., nv), called
+    with all states; or a kernel of `fb.compile` with inputs t, q, qd or some of them, which is
+    compiled into the steps; what else it takes is given by name in torque_inputs, arrays (...,
+    *core). A function must be smooth except at its `breakpoints` (s), where the integration
+    restarts, so that no jump or kink is stepped over; max_step (s) bounds the steps elsewhere. With
+    sample_time (s) it is a controller: called once at t[0], t[0] + sample_time, …, with the state
+    there, its torque held until the next. wrenches: constant, as for `inverse_dynamics`.
+
+    method: "rk4", "semi-implicit" and "implicit" take equal steps of at most `step` (s; None: from
+    each time of t to the next) without error control. One of scipy's integrators, and "auto",
+    choose their steps. "auto" takes of one state DOP853, or an implicit method where the motion is
+    stiff, that is where a part of it dies away a thousand times within the duration: Radau if
+    friction does that, LSODA if the torque function does, from the start or from where the steps of
+    DOP853 show it; of many states "rk4", each step made whole and in halves, of a size of its own
+    for each state (of a Python function one for all); with `step` given "rk4". An explicit method
+    asked for by name warns where the motion is stiff. tolerance (1e-10): how near the end is to be,
+    relative to the motion: the relative error of a step is a hundredth of it (of Radau and BDF,
+    which damp errors, as much), the absolute one a hundredth of that. friction_width: Coulomb
+    friction acts as c tanh(q̇ / width), rad/s or m/s (c q̇ / √(q̇² + width²) in "implicit"), so that
+    a joint at rest creeps instead of sticking.
+
+    record: names of what is wanted of the result; None: all. every: of the times t each so many-th
+    is kept. threads: how many share many states; by default all processors. progress: called with a
+    text and the fraction done.
+
+    Closed chains: the state must satisfy the loops; explicit methods and the three of equal steps,
+    each step projected back onto the loops (positions and rates), so that there is no drift;
+    loop_gap (m) and loop_rate (m/s) are part of the result.
+
+    Returns a dataset over `time`, of many states over `sample`, of a family over `member` too, with
+    q, qd, qdd, tau, energies and powers, units as attributes; what was used stands in its
+    attributes. Raises SingularError for joints without inertia, PassiveJointError for a torque at a
+    joint that nothing drives, FreebodyError when the integration cannot go on; of many motions,
+    those that cannot go on are NaN from there, with a warning. Ctrl-C raises a KeyboardInterrupt
+    whose `result` is the dataset of what there was.
+    """
+    _require_count("every", every)
+    if threads is not None:
+        _require_count("threads", threads)
+    above_zero("simulate", "friction_width", friction_width)
+    above_zero("simulate", "step", 1.0 if step is None else step, "seconds")
+    above_zero("simulate", "tolerance", _TOLERANCE if tolerance is None else tolerance)
+    above_zero("simulate", "max_step", 1.0 if max_step == np.inf else max_step, "seconds")
+    names = recorded(model, record)
+    times = _times(t)
+    ends = breakpoints_of(breakpoints, sample_time)
+    asked = _asked(
+        model,
+        (q, qd),
+        times,
+        torque_of(model, times, torque, torque_inputs, ends, sample_time),
+        wrenches,
+        tolerance=_TOLERANCE if tolerance is None else tolerance,
+        width=friction_width,
+        max_step=max_step,
+        step=step,
+        breakpoints=ends,
+        sample_time=sample_time,
+        every=every,
+        threads=threads,
+        tell=paced(progress, "simulating"),
+    )
+    chosen = _method(model, method, tolerance, asked)
+    if not model.loops:
+        refuse_massless(model, "simulate")
+    kept = times[::every]
+    result = Simulated(
+        kept,
+        np.full((*asked.lanes.shape, len(kept), model.nq), np.nan),
+        np.full((*asked.lanes.shape, len(kept), model.nv), np.nan),
+        _used(model, asked, chosen),
+    )
+    try:
+        if not asked.lanes.count:
+            pass
+        elif chosen in STEP_METHODS or (chosen == "auto" and asked.lanes.shape):
+            stepped(asked, chosen, result)
+        else:
+            one_by_one(asked, chosen, result)
+    except KeyboardInterrupt:
+        raise SimulationInterrupted(dataset(asked, result.until_now(), names)) from None
+    return dataset(asked, result, names)
+
+
+def _require_count(name: str, value: Any) -> None:
+    if not (isinstance(value, int | np.integer) and value > 0):
+        raise FreebodyError(f"simulate: {name} is {shown(value)}, expected a whole number above 0.")
+
+
+def _asked(
+    model: Model,
+    state: tuple[Vector, Vector],
+    t: Array,
+    torque: Any,
+    wrenches: Wrenches,
+    **others: Any,
+) -> Simulation:
+    """The arrays checked, and the batch that they make."""
+    named = {
+        name: vector("simulate", model, name, value)
+        for name, value in zip(("q", "qd"), state, strict=True)
+    }
+    loads = wrenches_by_frame("simulate", model, wrenches)
+    for name, array in (named | {f"wrenches[{n!r}]": w for n, w in loads.items()}).items():
+        refuse_not_finite("simulate", name, array, 1)
+    batches = {name: x.shape[:-1] for name, x in named.items()}
+    batches |= {f"wrenches[{name!r}]": x.shape[:-1] for name, x in loads.items()}
+    if isinstance(torque, np.ndarray):
+        batches["torque"] = torque.shape[:-2]
+        if torque.shape[:-1] == (len(t),) == batches["q"]:
+            warnings.warn(
+                f"simulate: torque {torque.shape} is taken as a table over the {len(t)} times, the "
+                f"same for all motions; one torque for each is {(len(t), 1, model.nv)}, a table "
+                f"{(1, *torque.shape)} says the same as this without a warning.",
+                FreebodyWarning,
+                stacklevel=4,
+            )
+    if isinstance(torque, CompiledTorque):
+        batches |= torque.batches
+    if model.family:
+        batches["model.family"] = model.family
+    try:
+        shape = np.broadcast_shapes(*batches.values())
+    except ValueError:
+        said = ", ".join(f"{name} {batch}" for name, batch in batches.items())
+        raise FreebodyError(
+            f"simulate: the batch shapes do not broadcast together: {said}."
+        ) from None
+    return Simulation(
+        model, named["q"], named["qd"], t, torque, loads, MotionLanes(shape), **others
+    )
+
+
+def _method(model: Model, method: str, tolerance: float | None, asked: Simulation) -> str:
+    """The method itself, where it is known and all that was given is of it; with a step "rk4" for
+    "auto"."""
+    known, of = (EXPLICIT, "simulate of a closed chain") if model.loops else (METHODS, "simulate")
+    if method != "auto" and method not in (*known, *STEP_METHODS):
+        raise UnknownNameError("method", method, of, ("auto", *known, *STEP_METHODS))
+    chosen = "rk4" if method == "auto" and asked.step is not None else method
+    if chosen in STEP_METHODS:
+        for name, given in (
+            ("tolerance", tolerance is not None),
+            ("max_step", np.isfinite(asked.max_step)),
+        ):
+            if given:
+                raise FreebodyError(
+                    f"simulate: {name}= is of methods that choose their steps; those of "
+                    f"{chosen!r} are equal: give step= instead, or method='auto'."
+                )
+    elif asked.step is not None:
+        raise FreebodyError(
+            f"simulate: step= is of the methods of equal steps, {', '.join(STEP_METHODS)}; "
+            f"{chosen} chooses its steps: bound them by max_step=."
+        )
+    return chosen
+
+
+def _used(model: Model, asked: Simulation, chosen: str) -> dict[str, Any]:
+    """What stands in the result's attributes."""
+    acts = any(b.drive is not None and np.any(b.drive.coulomb) for b in model.tree.bodies)
+    coulomb = STEP_METHODS["rk4" if chosen not in STEP_METHODS else chosen].coulomb
+    return {
+        "method": chosen,
+        **({"tolerance": asked.tolerance} if chosen not in STEP_METHODS else {}),
+        "coulomb_friction": coulomb.format(width=asked.width) if acts else "none",
+        "friction_width": asked.width,
+    }
+
+
+def _times(t: ArrayLike) -> Array:
+    times = as_floats("simulate", "t", t)
+    if times.ndim != 1 or len(times) < 2:
+        raise FreebodyError(f"simulate: t has shape {times.shape}, expected at least two times.")
+    refuse_not_finite("simulate", "t", times, 0)
+    if (np.diff(times) <= 0).any():
+        raise FreebodyError("simulate: the times t must increase.")
+    return times

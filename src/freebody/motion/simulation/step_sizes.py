@@ -1,0 +1,114 @@
+"""From one time to the next in steps: of a given size, or of sizes that each motion chooses for
+itself so that its error stays small."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass
+from math import ceil
+from typing import Protocol
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.motion.simulation.motion_lanes import Some
+from freebody.motion.simulation.steppers import State, Stepper
+
+_ROUND = 1e-9  # of a step: what is left of an interval that rounding left
+_SHORTEST = 1e-13  # of the duration: steps this short lead nowhere
+_SAFETY, _LEAST, _MOST = 0.9, 0.2, 4.0  # of a step: how much the next may differ
+
+
+class Advance(Protocol):
+    """Moves lanes from one edge to the next."""
+
+    def __call__(self, lanes: slice, state: State, start: float, end: float) -> State:
+        """The states at the end; NaN where a motion cannot go on."""
+        ...
+
+
+@dataclass(eq=False)
+class FixedSteps:
+    """Equal steps of at most `step` (s); None: one."""
+
+    stepper: Stepper
+    step: float | None
+    stop: threading.Event
+
+    def __call__(self, lanes: slice, state: State, start: float, end: float) -> State:
+        """See `Advance`."""
+        count = 1 if self.step is None else max(1, ceil((end - start) / self.step - _ROUND))
+        h = (end - start) / count
+        outs: list[State | None] = [None, None]
+        if count > 2:  # written to in turn
+            outs = [(np.empty_like(state[0]), np.empty_like(state[1])) for _ in range(2)]
+        for k in range(count):
+            if self.stop.is_set():
+                break
+            state = self.stepper.step(lanes, state, start + k * h, h, out=outs[k % 2])
+        return state
+
+
+@dataclass(eq=False)
+class ControlledSteps:
+    """Each step is made twice, whole and in halves, whose difference tells the error (Hairer,
+    Norsett and Wanner 1993, II.4); each lane has its own steps.
+
+    tolerance: relative error of a step of order 4, a hundredth of it absolute. extrapolated:
+    whether the difference corrects the result, which then is of order 5; not where coordinates do
+    not simply add. sizes (lanes,): with which each goes on.
+    """
+
+    stepper: Stepper
+    tolerance: float
+    max_step: float
+    duration: float
+    extrapolated: bool
+    sizes: Array
+    stop: threading.Event
+    order: int = 4
+
+    def __call__(self, lanes: slice, state: State, start: float, end: float) -> State:
+        """See `Advance`."""
+        q, qd = (x.copy() for x in state)
+        now, sizes = np.full(len(q), start), self.sizes[lanes]
+        first = range(self.sizes.shape[0])[lanes].start
+        going = np.flatnonzero(np.isfinite(q).all(axis=1) & np.isfinite(qd).all(axis=1))
+        while len(going) and not self.stop.is_set():
+            left = end - now[going]
+            wanted = np.minimum(sizes[going], self.max_step)
+            h = np.where(wanted > left * (1.0 - _ROUND), left, wanted)
+            at = (q[going], qd[going])
+            reached, error = self._tried(first + going, at, now[going], h)
+            good = error <= 1.0
+            with np.errstate(divide="ignore", invalid="ignore"):
+                factor = np.nan_to_num(_SAFETY * error ** (-1.0 / (self.order + 1)), nan=_LEAST)
+            h_next = h * np.clip(factor, _LEAST, _MOST)
+            # a step that the edge cut short says nothing of the next
+            sizes[going] = np.where(good & (h < wanted), np.maximum(wanted, h_next), h_next)
+            done = going[good]
+            q[done], qd[done] = (x[good] for x in reached)
+            now[done] = np.where(h[good] == left[good], end, now[done] + h[good])
+            stuck = going[~good & (h_next < _SHORTEST * self.duration)]
+            q[stuck] = qd[stuck] = np.nan
+            now[stuck] = end
+            going = going[now[going] < end]
+        return q, qd
+
+    def _tried(self, lanes: Some, state: State, start: Array, h: Array) -> tuple[State, Array]:
+        """The states after a step, and their error over what is allowed (lanes,); NaN where one is
+        not finite."""
+        half, step = 0.5 * h, self.stepper.step
+        rough = step(lanes, state, start, h)
+        middle = step(lanes, state, start, half)
+        fine = step(lanes, middle, start + half, half)
+        error, better = np.zeros(len(h)), []
+        part = 1.0 / (2.0**self.order - 1.0)
+        with np.errstate(invalid="ignore", over="ignore"):
+            for old, one, two in zip(state, rough, fine, strict=True):
+                off = part * (two - one)
+                most = np.maximum(np.abs(old), np.abs(two))
+                allowed = self.tolerance * (0.01 + most)
+                error = np.maximum(error, (np.abs(off) / allowed).max(axis=1, initial=0.0))
+                better.append(two + off if self.extrapolated else two)
+        return (better[0], better[1]), error

@@ -1,0 +1,189 @@
+"""Motions by steps, all at once: of equal steps, or of steps that each motion chooses."""
+
+from __future__ import annotations
+
+import threading
+import warnings
+
+import numpy as np
+
+from freebody.arrays import Array, at_sample
+from freebody.errors import FreebodyError, FreebodyWarning
+from freebody.kernels.driven_steps import STEP_METHODS, driven_step
+from freebody.loops.equations import require_closed
+from freebody.model.families import member_at
+from freebody.motion.simulation.compiled_torque import CompiledTorque, one_lane
+from freebody.motion.simulation.first_order_system import Drive, constant_loads, system
+from freebody.motion.simulation.integration import step_tolerance
+from freebody.motion.simulation.lane_torques import HeldTorque, LaneTorque, LawTorque, TableTorque
+from freebody.motion.simulation.motion_lanes import some_of
+from freebody.motion.simulation.side_by_side import Course, Walk, course
+from freebody.motion.simulation.simulation import Simulated, Simulation
+from freebody.motion.simulation.step_sizes import Advance, ControlledSteps, FixedSteps
+from freebody.motion.simulation.steppers import FunctionStepper, KernelStepper, Stepper
+from freebody.motion.simulation.torques import batched, instants
+from freebody.trees.position_rates import layout
+
+_LOOKED_AT = 3  # motions whose stiffness is looked at
+_NONE = np.zeros(0)
+
+
+def stepped(asked: Simulation, method: str, result: Simulated) -> None:
+    """Fill in the motions; method: one of equal steps, or "auto"."""
+    model, lanes = asked.model, asked.lanes
+    if model.loops:
+        require_closed("simulate", model, asked.q, asked.qd)
+    fixed = "rk4" if method == "auto" else method
+    calls = _NONE
+    if asked.sample_time is not None:
+        calls = instants(float(asked.t[0]), float(asked.t[-1]), asked.sample_time)
+    way = course(asked.t, asked.every, asked.breakpoints, calls)
+    drive, torque = _torque(asked)
+    if isinstance(asked.torque, CompiledTorque):
+        drive(asked.t[0], asked.q, asked.qd)  # refused here, where it acts at a passive joint
+    stepper = _stepper(asked, fixed, torque, drive)
+    if method != "auto":
+        _warn_unstable(asked, fixed, way, drive)
+    stop = threading.Event()
+    advance = _advance(asked, method, stepper, stop)
+    result.used["method"] = fixed if method != "auto" else f"{fixed}, steps chosen by their error"
+    if method != "auto":
+        result.used["step"] = _longest(asked, way)
+    if isinstance(torque, HeldTorque):
+        result.tau = np.full(result.qd.shape, np.nan)
+    else:
+        result.given = lambda now, q, qd: drive(np.asarray(now), q, qd)
+    q, qd = (lanes.all(x, 1).reshape(stepper.rows, -1) for x in (asked.q, asked.qd))
+    controller = drive if isinstance(torque, HeldTorque) else None
+    Walk(
+        way,
+        advance,
+        lanes,
+        (q, qd),
+        result,
+        controller,
+        torque,
+        asked.threads,
+        asked.tell,
+        stop,
+    ).run()
+    _tell_stopped(asked, fixed, result)
+
+
+def _torque(asked: Simulation) -> tuple[Drive, LaneTorque | None]:
+    """The torque of all motions at a time, and as steps take it: None for a Python function that
+    acts within them."""
+    torque, lanes, nv = asked.torque, asked.lanes, asked.model.nv
+    if isinstance(torque, np.ndarray):
+        table = TableTorque(asked.t, lanes.each(torque, 2))
+        whole = (*lanes.shape, nv)
+        return lambda now, q, qd: np.broadcast_to(_shaped(table.given(now), whole), whole), table
+    drive: Drive = (
+        torque if isinstance(torque, CompiledTorque) else batched(asked.model, torque, lanes.shape)
+    )
+    if asked.sample_time is not None:
+        return drive, HeldTorque(np.zeros((lanes.count, nv)))
+    if isinstance(torque, CompiledTorque):
+        return drive, LawTorque.of(torque.law, lanes, torque.more, torque.cores)
+    return drive, None
+
+
+def _shaped(tau: Array, whole: tuple[int, ...]) -> Array:
+    """One row for all motions as it is, one for each in the shape of the batch."""
+    return tau if tau.ndim == 1 else tau.reshape(whole)
+
+
+def _stepper(asked: Simulation, method: str, torque: LaneTorque | None, drive: Drive) -> Stepper:
+    model, frames = asked.model, tuple(asked.wrenches)
+    if torque is not None:
+        kernel = driven_step(model, method, frames, torque.law)
+        loads = list(asked.wrenches.values())
+        return KernelStepper.of(kernel, torque, asked.width, asked.lanes, loads)
+    remedy = "compile the torque with fb.compile, or give sample_time="
+    if model.loops:
+        raise FreebodyError(
+            f"simulate: steps of a closed chain take no Python function within them: {remedy}."
+        )
+    if STEP_METHODS[method].implicit:
+        raise FreebodyError(
+            f"simulate: method 'implicit' needs the slopes of the torque, which a Python function "
+            f"does not tell: {remedy}."
+        )
+    whole = system(model, asked.width, *constant_loads(asked.wrenches))
+    return FunctionStepper(whole, drive, asked.lanes.shape, classical=method == "rk4")
+
+
+def _advance(asked: Simulation, method: str, stepper: Stepper, stop: threading.Event) -> Advance:
+    if method != "auto":
+        return FixedSteps(stepper, asked.step, stop)
+    flat = layout(asked.model).flat and not asked.model.loops
+    first = np.full(stepper.rows, asked.duration / 100)
+    tolerance = step_tolerance("rk4", asked.tolerance)
+    return ControlledSteps(stepper, tolerance, asked.max_step, asked.duration, flat, first, stop)
+
+
+def _longest(asked: Simulation, way: Course) -> float:
+    """The longest of equal steps (s)."""
+    gaps = np.diff(way.edges)
+    if asked.step is None:
+        return float(gaps.max())
+    return float((gaps / np.maximum(1.0, np.ceil(gaps / asked.step - 1e-9))).max())
+
+
+def _warn_unstable(asked: Simulation, method: str, way: Course, drive: Drive) -> None:
+    """Say where equal steps of an explicit method are too long for the motion at its start."""
+    model, lanes, reach = asked.model, asked.lanes, STEP_METHODS[method].reach
+    function = not isinstance(asked.torque, np.ndarray | CompiledTorque)
+    if model.loops or STEP_METHODS[method].implicit or (function and lanes.shape):
+        return
+    step = _longest(asked, way)
+    for k in sorted({0, lanes.count // 2, lanes.count - 1})[:_LOOKED_AT]:
+        index = lanes.index(k)
+        y = np.concatenate([some_of(lanes.each(x, 1), 1, k) for x in (asked.q, asked.qd)])
+        loads = {n: some_of(lanes.each(w, 1), 1, k) for n, w in asked.wrenches.items()}
+        whole = system(member_at(model, index), asked.width, *constant_loads(loads))
+        rate = whole.fastest(asked.t[0], y, _of_lane(asked, k, drive))
+        if rate * step > reach:
+            where = at_sample(index)
+            warnings.warn(
+                f"simulate: the motion{where} is stiff: a part of it changes within "
+                f"{1.0 / rate:.1g} s, and steps of {method!r} are stable up to "
+                f"{reach / rate:.1g} s; these are {step:.1g} s. Take a shorter step= or method "
+                f"'implicit'.",
+                FreebodyWarning,
+                stacklevel=5,
+            )
+            return
+
+
+def _of_lane(asked: Simulation, k: int, drive: Drive) -> Drive:
+    """The torque of one motion, of a batch of its states."""
+    if asked.sample_time is not None or isinstance(asked.torque, np.ndarray):
+        still = np.zeros(asked.model.nv)
+        return lambda now, q, qd: still
+    if isinstance(asked.torque, CompiledTorque):
+        return one_lane(asked.torque, asked.lanes, k)
+    return lambda now, q, qd: np.stack([drive(now, *state) for state in zip(q, qd, strict=True)])
+
+
+def _tell_stopped(asked: Simulation, method: str, result: Simulated) -> None:
+    """Refuse the one motion that could not go on, warn of some among many."""
+    finite = np.isfinite(result.q).all(axis=-1), np.isfinite(result.qd).all(axis=-1)
+    going = np.asarray(np.logical_and(*finite))
+    stopped = np.argwhere(~going[..., -1])
+    if not len(stopped):
+        return
+    index = tuple(map(int, stopped[0]))
+    last = result.t[max(0, int(np.argmin(going[index])) - 1)]
+    advice = (
+        "It may diverge, pass a state without finite acceleration, or, in a closed chain, come to "
+        "a position where its equations do not tell; shorter steps or method 'implicit' may help."
+    )
+    if not asked.lanes.shape:
+        raise FreebodyError(f"simulate: {method} stopped after t = {last:.6g} s. {advice}")
+    warnings.warn(
+        f"simulate: {len(stopped)} of {asked.lanes.count} motions could not go on and are NaN from "
+        f"there, the first{at_sample(index)} after t = {last:.6g} s. {advice}",
+        FreebodyWarning,
+        stacklevel=5,
+    )
