@@ -21,6 +21,8 @@ from pathlib import Path
 
 import numpy as np
 
+from common import robots_folder, seconds
+
 ROBOTS = {  # name: (file below robots/, tip)
     "ur5": ("ur_description/urdf/ur5_robot.urdf", "ee_link"),
     "panda": ("panda_description/urdf/panda.urdf", "panda_hand"),
@@ -109,7 +111,7 @@ def measured(robots: list[str], dtype: str) -> dict[str, float]:
     rows: dict[str, float] = {}
     for robot in robots:
         file, tip = ROBOTS[robot]
-        model = fb.load(folder() / file, mimic="free", tip=tip, physical="ignore").without(
+        model = fb.load(robots_folder() / file, mimic="free", tip=tip, physical="ignore").without(
             "friction"
         )
         if not rows:  # what the first one imports is no compiling
@@ -135,23 +137,7 @@ def measured(robots: list[str], dtype: str) -> dict[str, float]:
 
 def quickest(call: Callable[[], object], times: int = 3) -> float:
     """Nanoseconds of a call: the mean of `times`, in the quickest of some rounds."""
-    found = []
-    for _ in range(ROUNDS):
-        start = time.perf_counter()
-        for _ in range(times):
-            call()
-        found.append((time.perf_counter() - start) * 1e9 / times)
-    return min(found)
-
-
-def folder() -> Path:
-    for entry in sys.path:
-        found = Path(entry) / "cmeel.prefix/share/example-robot-data/robots"
-        if found.is_dir():
-            return found
-    raise SystemExit(
-        "The robots come from the package example-robot-data: pip install -e '.[bench]'"
-    )
+    return 1e9 * min(seconds(call, times, time.perf_counter) for _ in range(ROUNDS))
 
 
 def report(before: list[dict[str, float]], after: list[dict[str, float]]) -> int:

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 import freebody as fb
+from common import seconds
 
 ROBOTS = ("ur5e", "puma560", "industrial", "scara", "panda", "iiwa14")
 BATCH = 4096
@@ -109,10 +110,7 @@ def quickest(runs: dict[str, tuple[Callable[[], object], int, float]]) -> dict[s
     found = dict.fromkeys(runs, np.inf)
     for _ in range(ROUNDS):
         for name, (call, times, unit) in runs.items():
-            start = time.perf_counter()
-            for _ in range(times):
-                call()
-            found[name] = min(found[name], (time.perf_counter() - start) / times / unit)
+            found[name] = min(found[name], seconds(call, times, time.perf_counter) / unit)
     return found
 
 

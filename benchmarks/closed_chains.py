@@ -24,6 +24,7 @@ import numpy as np
 import pinocchio as pin
 
 import freebody as fb
+from common import seconds
 from freebody.model.model import Model
 from freebody.trees.passive_joints import all_driven
 
@@ -116,7 +117,7 @@ def functions(repeats: int) -> None:
         motion = fb.default_motion(model, samples=SAMPLES)
         tau = fb.inverse_dynamics(model, motion.q, motion.qd, motion.qdd)
         every: State = motion.q, motion.qd, motion.qdd, tau
-        first: State = tuple(x[SAMPLES // 2] for x in every)  # type: ignore[assignment]
+        first: State = tuple(x[SAMPLES // 2] for x in every)
         for name, run in rows_of(model).items():
             one = min(timed(partial(run, first)) for _ in range(20 * repeats))
             best = min(timed(partial(run, every), time.process_time) for _ in range(repeats))
@@ -163,9 +164,7 @@ def changes(repeats: int) -> None:
 def timed(run: Callable[[], object], clock: Callable[[], float] = time.perf_counter) -> float:
     """Seconds of one call, after one that warms up."""
     run()
-    start = clock()
-    run()
-    return clock() - start
+    return seconds(run, clock=clock)
 
 
 def twin(

@@ -14,13 +14,13 @@ import argparse
 import platform
 import statistics
 import time
-from collections.abc import Callable
 
 import numpy as np
 import sympy
 from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
 
 import freebody as fb
+from common import processor, seconds
 from freebody.model.model import Model
 
 HALF = 1.5707963267948966
@@ -42,15 +42,18 @@ def main() -> None:
     options = parser.parse_args()
     print(
         f"freebody {fb.__version__}, SymPy {sympy.__version__}, Python "
-        f"{platform.python_version()}, {cpu()}\n"
+        f"{platform.python_version()}, {processor()}\n"
     )
     print("freebody: M, C, c and g in normal form")
     print(f"{'arm':34}{'median':>10}{'slowest':>10}{'terms of M':>12}{'of c':>9}{'of g':>7}")
     for name, model in ARMS.items():
-        seconds = [timed(lambda model=model: derived(model)) for _ in range(options.repeats)]
+        taken = [
+            seconds(lambda model=model: derived(model), clock=time.perf_counter)
+            for _ in range(options.repeats)
+        ]
         count = fb.equations(model).count()
         print(
-            f"{name:34}{statistics.median(seconds):9.3f}s{max(seconds):9.3f}s"
+            f"{name:34}{statistics.median(taken):9.3f}s{max(taken):9.3f}s"
             f"{count['M']:12}{count['c']:9}{count['g']:7}"
         )
     print(
@@ -62,7 +65,8 @@ def main() -> None:
     for n in range(1, options.joints + 1):
         model = spatial(PUMA[:n])
         mine = statistics.median(
-            timed(lambda model=model: derived(model)) for _ in range(options.repeats)
+            seconds(lambda model=model: derived(model), clock=time.perf_counter)
+            for _ in range(options.repeats)
         )
         start = time.perf_counter()
         M, forcing = by_sympy(model)
@@ -156,24 +160,6 @@ def difference(model: Model, M: sympy.Matrix, forcing: sympy.Matrix) -> float:
 def round_cos(alpha: float) -> tuple[int, int]:
     """Cosine and sine of a multiple of a right angle."""
     return round(float(sympy.cos(alpha))), round(float(sympy.sin(alpha)))
-
-
-def timed(work: Callable[[], object]) -> float:
-    """Seconds."""
-    start = time.perf_counter()
-    work()
-    return time.perf_counter() - start
-
-
-def cpu() -> str:
-    """The processor's name."""
-    try:
-        with open("/proc/cpuinfo", encoding="utf-8") as file:
-            return next(
-                line.split(":")[1].strip() for line in file if line.startswith("model name")
-            )
-    except (OSError, StopIteration):
-        return platform.processor() or platform.machine()
 
 
 if __name__ == "__main__":

@@ -20,7 +20,6 @@ os.environ.update(
 
 import importlib.metadata
 import platform
-import sys
 import time
 import xml.etree.ElementTree as ET
 from collections import deque
@@ -34,6 +33,7 @@ import numpy as np
 import freebody as fb
 import limit
 import sharing
+from common import processor, robots_folder
 
 ROBOTS = {  # name: (file below robots/, tip)
     "ur5": ("ur_description/urdf/ur5_robot.urdf", "ee_link"),
@@ -310,16 +310,6 @@ PEERS = {  # distribution: (name, entries)
 }
 
 
-def robots_folder() -> Path:
-    for entry in sys.path:
-        folder = Path(entry) / "cmeel.prefix/share/example-robot-data/robots"
-        if folder.is_dir():
-            return folder
-    raise SystemExit(
-        "The robots come from the package example-robot-data: pip install -e '.[bench]'"
-    )
-
-
 def bare(path: Path) -> str:
     """The URDF without meshes, friction and mimic, for the engines that cannot be told to leave
     them out."""
@@ -329,16 +319,6 @@ def bare(path: Path) -> str:
             if child.tag in OTHER_TAGS:
                 parent.remove(child)
     return ET.tostring(root, encoding="unicode")
-
-
-def cpu() -> str:
-    info = Path("/proc/cpuinfo")
-    lines = info.read_text().splitlines() if info.exists() else []
-    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
-    return (
-        f"{names[0] if names else platform.processor() or platform.machine()}, "
-        f"{os.cpu_count()} cores"
-    )
 
 
 def vector_width() -> str:
@@ -480,7 +460,7 @@ def main() -> None:
             versions.append(f"{distribution} {importlib.metadata.version(distribution)}")
         except importlib.metadata.PackageNotFoundError:
             versions.append(f"{distribution} not installed")
-    print(f"{cpu()}; {vector_width()}")
+    print(f"{processor()}, {os.cpu_count()} cores; {vector_width()}")
     print(f"Python {platform.python_version()}, {', '.join(versions)}")
     print(
         f"batch {options.batch}, median of {options.repeats} interleaved rounds, one thread, "

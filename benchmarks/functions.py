@@ -5,12 +5,12 @@ Of a kernel that adds the function of 24 inputs, the time less that of one which
 one thread, batches of 4096 that stay in the cache, CPU time, medians of rounds that take turns.
 """
 
-import time
 from statistics import median
 
 import numpy as np
 
 import freebody as fb
+from common import seconds
 from freebody import math as fm
 
 COUNT, BATCH, ROUNDS, CALLS = 24, 4096, 15, 10
@@ -44,14 +44,6 @@ def kernel(name: str | None):
     return fb.compile(added, {"x": COUNT}, {"r": ()})
 
 
-def seconds(run) -> float:
-    """CPU time of one call."""
-    start = time.process_time()
-    for _ in range(CALLS):
-        run()
-    return (time.process_time() - start) / CALLS
-
-
 def main() -> None:
     """One line a function."""
     x = np.random.default_rng(0).uniform(0.05, 0.95, (BATCH, COUNT))
@@ -65,10 +57,13 @@ def main() -> None:
         places = {} if name in ("where", "less") else {"out": flat}
         rounds = [
             (
-                seconds(lambda made=made: made(x, out=out, threads=1)),
-                seconds(lambda: plain(x, out=out, threads=1)),
+                seconds(lambda made=made: made(x, out=out, threads=1), CALLS),
+                seconds(lambda: plain(x, out=out, threads=1), CALLS),
                 seconds(
-                    lambda array=array, operands=operands, places=places: array(*operands, **places)
+                    lambda array=array, operands=operands, places=places: array(
+                        *operands, **places
+                    ),
+                    CALLS,
                 ),
             )
             for _ in range(ROUNDS)

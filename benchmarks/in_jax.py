@@ -17,19 +17,9 @@ import jax.numpy as jnp
 import numpy as np
 
 import freebody as fb
+from common import quickest
 
 BATCH, ROUNDS = 4096, 60
-
-
-def least(runs: dict) -> dict:
-    """Nanoseconds a sample of each."""
-    best = dict.fromkeys(runs, np.inf)
-    for _ in range(ROUNDS):
-        for name, run in runs.items():
-            start = time.perf_counter()
-            run()
-            best[name] = min(best[name], (time.perf_counter() - start) / BATCH * 1e9)
-    return best
 
 
 def first(made, *arrays) -> tuple:
@@ -70,8 +60,11 @@ def robot(name: str) -> list[tuple]:
     for way, (quantity, by, _) in ways.items():
         kernel = fb.kernel(model, quantity, by=by)
         runs[f"kernel: {way}"] = lambda kernel=kernel: kernel(*arrays, threads=1)
-    best = least(runs)
-    return [(way, best[way], best[way] / best[f"kernel: {way}"], seconds[way]) for way in ways]
+    best = quickest(runs, ROUNDS)
+    return [
+        (way, best[way] / BATCH * 1e9, best[way] / best[f"kernel: {way}"], seconds[way])
+        for way in ways
+    ]
 
 
 def main() -> None:

@@ -6,33 +6,19 @@ little. The gradient is that by q, qd and qdd (tau) at once; `derivatives` is th
 three matrices, for comparison.
 """
 
-import time
-
 import numpy as np
 import torch
 
 import freebody as fb
+from common import quickest
 from freebody.program.gradient import gradient
 from freebody.targets import compile_program
 
 BATCH, ROUNDS = 4096, 60
 
 
-def least(runs: dict) -> dict:
-    """Microseconds of each."""
-    best = dict.fromkeys(runs, np.inf)
-    for _ in range(ROUNDS):
-        for name, run in runs.items():
-            count = 1 if "4096" in name else 100
-            start = time.perf_counter()
-            for _ in range(count):
-                run()
-            best[name] = min(best[name], (time.perf_counter() - start) / count * 1e6)
-    return best
-
-
 def line(model: fb.Model, quantity: str) -> dict:
-    """The runs of one robot and quantity, and how long they take."""
+    """Microseconds of the runs of one robot and quantity."""
     f, k = fb.to_torch(model, quantity), fb.kernel(model, quantity)
     slopes = fb.kernel(model, f"{quantity}_derivatives")
     rng = np.random.default_rng(0)
@@ -46,19 +32,21 @@ def line(model: fb.Model, quantity: str) -> dict:
     weight = torch.ones_like(made)
     own = compile_program(gradient(f.program, (0, 1, 2), (0,)))
     one = f(*single)
-    return least(
-        {
-            "kernel, one call": lambda: k(*first),
-            "torch, one call": lambda: f(*ones),
-            "torch, one call that is recorded": lambda: f(*single),
-            "its gradient": lambda: torch.autograd.grad(one, single, weight[0], retain_graph=True),
-            "kernel, 4096": lambda: k(*arrays, threads=1),
-            "torch, 4096": lambda: f(*tensors),
-            "kernel of the gradient, 4096": lambda: own(*arrays, weight.numpy(), threads=1),
-            "gradient, 4096": lambda: torch.autograd.grad(made, free, weight, retain_graph=True),
-            "kernel of derivatives, 4096": lambda: slopes(*arrays, threads=1),
-        }
-    )
+    calls = {
+        "kernel, one call": lambda: k(*first),
+        "torch, one call": lambda: f(*ones),
+        "torch, one call that is recorded": lambda: f(*single),
+        "its gradient": lambda: torch.autograd.grad(one, single, weight[0], retain_graph=True),
+    }
+    batches = {
+        "kernel, 4096": lambda: k(*arrays, threads=1),
+        "torch, 4096": lambda: f(*tensors),
+        "kernel of the gradient, 4096": lambda: own(*arrays, weight.numpy(), threads=1),
+        "gradient, 4096": lambda: torch.autograd.grad(made, free, weight, retain_graph=True),
+        "kernel of derivatives, 4096": lambda: slopes(*arrays, threads=1),
+    }
+    found = quickest(calls, ROUNDS, 100) | quickest(batches, ROUNDS)
+    return {name: 1e6 * time for name, time in found.items()}
 
 
 def main() -> None:

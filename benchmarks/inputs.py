@@ -19,14 +19,14 @@ os.environ.update(
     OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1", FREEBODY_CACHE="off"
 )
 
-import time
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 import freebody as fb
-from against import ROBOTS, folder
+from against import ROBOTS
+from common import quickest, robots_folder
 from freebody.model.inertia import combined
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Attached
@@ -82,18 +82,6 @@ def named(model: fb.Model, zeros: bool) -> list[str]:
     return found
 
 
-def quickest(runs: dict[str, object], rounds: int, samples: int) -> dict[str, float]:
-    """Nanoseconds a sample of each, its arrays in the caches."""
-    best = dict.fromkeys(runs, np.inf)
-    for _ in range(rounds):
-        for name, run in runs.items():
-            run()
-            start = time.perf_counter()
-            run()
-            best[name] = min(best[name], (time.perf_counter() - start) * 1e9 / samples)
-    return best
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -122,7 +110,7 @@ def main() -> None:
     for robot in given.robots:
         if robot in ROBOTS:
             file, tip = ROBOTS[robot]
-            model = fb.load(folder() / file, mimic="free", tip=tip, physical="ignore")
+            model = fb.load(robots_folder() / file, mimic="free", tip=tip, physical="ignore")
         else:
             model = fb.load(robot)
         model = lumped(model.without("friction"))
@@ -157,11 +145,11 @@ def main() -> None:
                 "function": partial(function, model, *q),
                 "family": partial(function, family, *q),
             }
-            found = quickest(runs, given.rounds, given.batch)
+            found = quickest(runs, given.rounds, warm=True)
+            each = {title: 1e9 * time / given.batch for title, time in found.items()}
             beside = {"family": "function"}
             cells = [
-                f"{found[x]:.1f} ns, {found[x] / found[beside.get(x, 'fixed')]:.2f}"
-                for x in head[:-2]
+                f"{each[x]:.1f} ns, {each[x] / each[beside.get(x, 'fixed')]:.2f}" for x in head[:-2]
             ]
             cells += [f"{np.median(error):.1e}", f"{error.max():.1e}"]
             print(

@@ -7,10 +7,10 @@ which the same follows; in turns within one run, the quickest of some rounds.
 """
 
 import argparse
-import time
 from collections.abc import Callable
 
 import freebody as fb
+from common import quickest
 
 ROUNDS = 5
 
@@ -32,13 +32,7 @@ def main() -> None:
         "fb.payload_map": lambda: fb.payload_map(arm, q),
         "torques alone": by_torques,
     }
-    least = dict.fromkeys(runs, float("inf"))
-    for _ in range(ROUNDS):
-        for name, run in runs.items():
-            start = time.perf_counter()
-            run()
-            least[name] = min(least[name], time.perf_counter() - start)
-    for name, seconds in least.items():
+    for name, seconds in quickest(runs, ROUNDS).items():
         print(f"{name:16}{seconds:8.3f} s")
 
 

@@ -15,6 +15,7 @@ import os
 os.environ.update(OMP_NUM_THREADS="1")
 
 import time
+from functools import partial
 from xml.etree.ElementTree import SubElement, fromstring, tostring
 
 import mujoco
@@ -22,6 +23,7 @@ import mujoco.rollout
 import numpy as np
 
 import freebody as fb
+from common import seconds
 from different import family_of
 from stepping import AGREE, STEP, mjcf
 
@@ -97,22 +99,10 @@ class Held:
         return states[:, -1, 1:]
 
 
-def cpu(run) -> float:
-    start = time.process_time()
-    run()
-    return time.process_time() - start
-
-
-def wall(run) -> float:
-    start = time.perf_counter()
-    run()
-    return time.perf_counter() - start
-
-
 def held(arms: int, steps: int, rounds: int) -> None:
     pair = Held(fb.load("ur5e").without("friction"), arms, steps)
     apart = np.abs(pair.ours() - pair.peer()).max() / np.abs(pair.peer()).max()
-    times = np.array([(cpu(pair.ours), cpu(pair.peer)) for _ in range(rounds)]) * 1e9
+    times = np.array([(seconds(pair.ours), seconds(pair.peer)) for _ in range(rounds)]) * 1e9
     ours, theirs_ = times.T / (arms * steps)
     print(
         f"{arms} UR5e held by joint controllers, {steps} RK4 steps of 1 ms: fb.simulate "
@@ -122,7 +112,10 @@ def held(arms: int, steps: int, rounds: int) -> None:
         f"{'' if apart < AGREE else '  the comparison is void'}"
     )
     shared = np.array(
-        [(wall(lambda: pair.ours(1)), wall(lambda: pair.ours(2))) for _ in range(2 * rounds)]
+        [
+            [seconds(partial(pair.ours, n), clock=time.perf_counter) for n in (1, 2)]
+            for _ in range(2 * rounds)
+        ]
     )
     ratio = shared[:, 0] / shared[:, 1]
     print(f"two threads beside one: {np.median(ratio):.2f} times as fast (best {ratio.max():.2f})")
@@ -136,7 +129,7 @@ def different(arms: int, steps: int, rounds: int) -> None:
 
     def run(model: fb.Model) -> float:
         return (
-            cpu(
+            seconds(
                 lambda: fb.simulate(
                     model,
                     q,

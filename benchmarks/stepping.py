@@ -16,8 +16,6 @@ import os
 os.environ.update(OMP_NUM_THREADS="1", FREEBODY_CACHE="off")
 
 import platform
-import time
-from collections.abc import Callable
 from xml.etree.ElementTree import Element, SubElement, tostring
 
 import mujoco
@@ -26,6 +24,7 @@ import numpy as np
 
 import freebody as fb
 import limit
+from common import seconds
 
 METHODS = {  # freebody's step: MuJoCo's integrator that does the same
     "semi_implicit_step": mujoco.mjtIntegrator.mjINT_EULER,
@@ -119,13 +118,6 @@ class Arms:
     def difference(self) -> float:
         """Largest difference of the two after all steps, relative to the largest rate."""
         return float(np.abs(np.hstack(self.ours()) - self.theirs()).max() / np.abs(self.qd).max())
-
-
-def seconds(run: Callable[[], object]) -> float:
-    """CPU time, of all threads."""
-    start = time.process_time()
-    run()
-    return time.process_time() - start
 
 
 def main() -> None:

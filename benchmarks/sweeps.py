@@ -9,10 +9,10 @@ some rounds, in turns. The memory that was held at most, in MB, at the end.
 
 import argparse
 import sys
-import time
 from collections.abc import Callable
 
 import freebody as fb
+from common import quickest
 
 ROUNDS = 3
 
@@ -42,13 +42,7 @@ def main() -> None:
         "peak, rms, p99, argpeak": lambda: swept("peak", "rms", "p99", "argpeak"),
         "kernel alone": alone,
     }
-    least = dict.fromkeys(runs, float("inf"))
-    for _ in range(ROUNDS):
-        for name, run in runs.items():
-            start = time.perf_counter()
-            run()
-            least[name] = min(least[name], time.perf_counter() - start)
-    for name, seconds in least.items():
+    for name, seconds in quickest(runs, ROUNDS).items():
         each = 1e9 * seconds / (asked.robots * asked.states)
         print(f"{name:26}{seconds:8.3f} s {each:8.1f} ns a point")
     if sys.platform != "win32":

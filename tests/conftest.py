@@ -41,3 +41,11 @@ def numpy_kernels(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(targets, "TARGET", "numpy")
     monkeypatch.setattr(structure, "_structures", WeakValueDictionary())
     monkeypatch.setattr(geometry, "_known", WeakValueDictionary())
+
+
+@pytest.fixture
+def memory_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each test compiles what it runs, for this machine's own target and width."""
+    monkeypatch.setenv("FREEBODY_CACHE", "off")
+    monkeypatch.setattr(targets, "TARGET", None)
+    monkeypatch.setattr(targets, "WIDTH", None)

@@ -65,7 +65,7 @@ def test_what_is_printed_has_the_kernels_values(name):
     torques, *rest = eqs.groups("base")
     for line in (line for group in reversed(rest) for line in group):
         value = evaluate(line, known)
-        known |= {side.name: value for side in line.sides[:-1]}  # type: ignore[attr-defined]
+        known |= {side.name: value for side in line.sides[:-1]}
     for i, line in enumerate(torques):
         np.testing.assert_allclose(
             evaluate(line, known), fb.inverse_dynamics(model, q, qd, qdd)[..., i], rtol=1e-12
@@ -151,5 +151,5 @@ def test_a_derivation_ends_in_base_parameters_where_only_they_are_short():
     assert not fb.equations(model).is_short
     last = fb.derive(model, "lagrange").steps[-1]
     assert "base parameters" in last.reason
-    names = {line.lhs.name for line in last.equations}  # type: ignore[attr-defined]
+    names = {line.lhs.name for line in last.equations}
     assert {"tau1", "H11", "J3zz", "kappa3x"} <= names

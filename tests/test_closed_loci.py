@@ -69,7 +69,7 @@ def test_three_degrees_of_freedom_need_one_held():
 
 def test_refused(five_bar: fb.Model):
     with pytest.raises(fb.FreebodyError, match="no kind 'third' in singularity_loci"):
-        fb.singularity_loci(five_bar, "third")  # type: ignore[arg-type]
+        fb.singularity_loci(five_bar, "third")
     with pytest.raises(
         fb.FreebodyError, match="has 2 degrees of freedom and 1 driven joints; name as many"
     ):
@@ -82,7 +82,7 @@ def test_refused(five_bar: fb.Model):
 
 def test_the_diagram_holds_the_curves_of_the_tip(five_bar: fb.Model):
     drawn = fb.singularity_diagram(five_bar)
-    curve = np.array(drawn.named("type 1, curve 1").points)  # type: ignore[union-attr]
+    curve = np.array(drawn.named("type 1, curve 1").points)
     b, l1, l3 = (five_bar.parameters[name] or 0.0 for name in ("b", "l1", "l3"))
     # one side stretched or folded: the tip is on a circle about A or C, both sides alike
     reach = [np.hypot(curve[:, 0] - x, curve[:, 1]) for x in (-b, b)]

@@ -73,7 +73,7 @@ def state(batch: tuple[int, ...], n: int = 6, seed: int = 0) -> list[np.ndarray]
 
 
 def pair(model: fb.Model, quantity: str, **options: object) -> tuple[object, object]:
-    return tuple(fb.kernel(model, quantity, target=target, **options) for target in ("cuda", "cpu"))  # type: ignore[arg-type]
+    return tuple(fb.kernel(model, quantity, target=target, **options) for target in ("cuda", "cpu"))
 
 
 def close(found: object, expected: object, allowed: float = 1e-13) -> None:

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.usefixtures("numpy_kernels")
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_inverse_dynamics_derivatives_aredifference_alongs(name):
+def test_inverse_dynamics_derivatives_are_differences(name):
     model = MODELS[name]()
     q, qd, qdd = fb.random_state(model, seed=3, batch=3)
     by_q, by_qd, M = fb.inverse_dynamics_derivatives(model, q, qd, qdd)
@@ -35,7 +35,7 @@ def test_inverse_dynamics_derivatives_aredifference_alongs(name):
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_forward_dynamics_derivatives_aredifference_alongs(name):
+def test_forward_dynamics_derivatives_are_differences(name):
     model = MODELS[name]()
     q, qd, tau = fb.random_state(model, seed=4, batch=3)
     by_q, by_qd, inverse = fb.forward_dynamics_derivatives(model, q, qd, tau)

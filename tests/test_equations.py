@@ -128,7 +128,7 @@ def test_what_is_printed_has_the_values_of_the_kernels(name: str) -> None:
     at = values(eqs, q, qd, qdd)
     tau = numbers(model, "inverse_dynamics", q, qd, qdd)
     for (expanded,) in zip(*eqs.groups("expanded"), strict=True):
-        i = int(expanded.lhs.name.removeprefix("tau")) - 1  # type: ignore[attr-defined]
+        i = int(expanded.lhs.name.removeprefix("tau")) - 1
         close(evaluate(expanded, at), tau[..., i])
     for i, row in enumerate(eqs.M):
         for j, x in enumerate(row):
@@ -146,7 +146,7 @@ def test_named_forms_have_the_values_of_the_kernels(name: str, names: str) -> No
     torques, *definitions = eqs.groups("named", names)
     for line in (line for group in definitions for line in group):
         value = evaluate(line, values(eqs, q, qd, qdd))
-        known |= {side.name: value for side in line.sides[:-1]}  # type: ignore[attr-defined]
+        known |= {side.name: value for side in line.sides[:-1]}
     tau = numbers(model, "inverse_dynamics", q, qd, qdd)
     for i, line in enumerate(torques):
         close(evaluate(line, known), tau[..., i])
@@ -160,8 +160,8 @@ def test_intermediates_have_the_values_of_the_kernels(name: str) -> None:
     known = values(eqs, q, qd, qdd)
     lines = eqs.intermediates()
     for line in lines:
-        known[line.lhs.name] = evaluate(line, known)  # type: ignore[attr-defined]
-    assert len({line.lhs.name for line in lines}) == len(lines)  # type: ignore[attr-defined]
+        known[line.lhs.name] = evaluate(line, known)
+    assert len({line.lhs.name for line in lines}) == len(lines)
     tau = numbers(model, "inverse_dynamics", q, qd, qdd)
     for i in range(model.nv):
         close(known[f"tau{i + 1}"], tau[..., i])
@@ -419,7 +419,7 @@ def test_following_joints(ratio: float, kind: str) -> None:
     (line,) = eqs.groups("expanded")[0]
     close(evaluate(line, at), numbers(model, "inverse_dynamics", q, qd, qdd)[..., 0])
     for step in eqs.intermediates():
-        at[step.lhs.name] = evaluate(step, at)  # type: ignore[attr-defined]
+        at[step.lhs.name] = evaluate(step, at)
     close(at["tau1"], numbers(model, "inverse_dynamics", q, qd, qdd)[..., 0])
 
 

@@ -194,7 +194,7 @@ def test_pieces_of_a_text_are_equal_to_themselves_alone() -> None:
     whole = ex.Sum((first, second), span=(0, 5))
     found = {first: 1, second: 2, whole: 3}
     assert [found[node] for node in nodes(whole)] == [3, 1, 2]
-    assert replaced(whole, {second: sym("b")}).parts == (first, sym("b"))  # type: ignore[attr-defined]
+    assert replaced(whole, {second: sym("b")}).parts == (first, sym("b"))
     assert [str(x) for x in nodes(ex.matrix([["a", "b"], ["c", 1]]))][1:] == ["a", "b", "c", "1"]
 
 

@@ -326,7 +326,7 @@ def test_a_body_is_drawn_in_its_own_size(hanging):
     trolley's forces are no dots beside its rail."""
     figure = fb.free_body_diagram(hanging, [1.5, 1, 0, 0, 0, 0], show=["vectors", "axes"])
     trolley, _, hook = figure.drawings
-    length = lambda arrow: float(np.linalg.norm(np.subtract(arrow.end, arrow.start)))  # noqa: E731
+    length = lambda arrow: float(np.linalg.norm(np.subtract(arrow.end, arrow.start)))
     assert length(hook.named("s_3")) == pytest.approx(0.02)
     assert length(hook.named("z_3")) < 0.02
     assert max(length(a) for a in trolley.arrows if a.name.startswith("f")) > 0.5

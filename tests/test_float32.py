@@ -13,7 +13,7 @@ import freebody as fb
 from freebody.elementary import acos, atan2, cos, exp, log, sign, sin, sqrt, tanh, where
 from freebody.errors import FreebodyError
 from freebody.program import Argument, trace
-from freebody.targets import KernelError, compile_program, settings
+from freebody.targets import KernelError, compile_program
 from freebody.targets.llvm import fastcall, machine
 from freebody.targets.llvm.machine import Machine
 
@@ -22,11 +22,7 @@ every_width = pytest.mark.parametrize("width", WIDTHS)
 ULP = 2.0**-24
 
 
-@pytest.fixture(autouse=True)
-def memory_only(monkeypatch):
-    monkeypatch.setenv("FREEBODY_CACHE", "off")
-    monkeypatch.setattr(settings, "TARGET", None)
-    monkeypatch.setattr(settings, "WIDTH", None)
+pytestmark = pytest.mark.usefixtures("memory_only")
 
 
 def mixed(x, A, s, p):

@@ -19,7 +19,7 @@ TABLE = "# convention: standard\njoint,a,alpha,m\nR,1,90 deg,2\nP,0.5,0,1\n"
 def message(source: object, folder: object = "nowhere at all", **options) -> str:
     """The refusal, which is one line."""
     with pytest.raises(fb.FreebodyError) as refusal:
-        fb.load(source, **options)  # type: ignore[arg-type]
+        fb.load(source, **options)
     assert "\n" not in str(refusal.value)
     return str(refusal.value).replace(f"{folder}/", "")
 

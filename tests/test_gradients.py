@@ -115,13 +115,13 @@ def slopes(function, names, x):
 
 def test_what_is_not_chosen_has_no_part_in_the_gradient_though_its_derivative_be_infinite():
     x = [[0.0, 4.0, -1.0]]
-    root = lambda x: where(x, 1.0, 0.0) * where(elementary.less(0.0, x), sqrt(x), 2.0 * x)  # noqa: E731
+    root = lambda x: where(x, 1.0, 0.0) * where(elementary.less(0.0, x), sqrt(x), 2.0 * x)
     assert slopes(root, "x", x) == [[0.0, 0.25, 2.0]]
-    power = lambda x: where(elementary.less(0.0, x), x * log(x), 0.0)  # noqa: E731
+    power = lambda x: where(elementary.less(0.0, x), x * log(x), 0.0)
     assert slopes(power, "x", [[0.0, 1.0]]) == [[0.0, 1.0]]
-    share = lambda x, y: where(y, x / y, x)  # noqa: E731
+    share = lambda x, y: where(y, x / y, x)
     assert slopes(share, "xy", [[3.0, 3.0], [0.0, 2.0]]) == [[1.0, 0.5], [0.0, -0.75]]
-    angle = lambda x, y: where(elementary.absolute(x) + elementary.absolute(y), atan2(y, x), 0.0)  # noqa: E731
+    angle = lambda x, y: where(elementary.absolute(x) + elementary.absolute(y), atan2(y, x), 0.0)
     assert slopes(angle, "xy", [[0.0, 1.0], [0.0, 0.0]]) == [[0.0, 0.0], [0.0, 1.0]]
 
 

@@ -124,8 +124,8 @@ def test_a_file_that_says_nothing_of_its_size_is_read_to_the_limit_alone(tmp_pat
 def test_names_that_no_file_can_have():
     assert refusal(lambda: fb.load("a\0b.urdf")).endswith("there is no such file.")
     assert "the file cannot be read" in refusal(lambda: fb.load("x" * 300 + ".urdf"))
-    assert refusal(lambda: fb.load(3)) == "load: expected a path or a model's name, not int."  # type: ignore[arg-type]
-    assert refusal(lambda: fb.load(b"2R")) == "load: expected a path or a model's name, not bytes."  # type: ignore[arg-type]
+    assert refusal(lambda: fb.load(3)) == "load: expected a path or a model's name, not int."
+    assert refusal(lambda: fb.load(b"2R")) == "load: expected a path or a model's name, not bytes."
 
 
 def test_text_instead_of_a_path():
@@ -338,8 +338,8 @@ def test_numbers_given_in_python():
     for given in (10**400, 10**5000, 1e200):
         text = refusal(lambda given=given: fb.planar("R", l=[given]))
         assert text.startswith("planar: l[0]: ")
-    assert "is not a number" in refusal(lambda: fb.planar("R", l=[[10**5000]]))  # type: ignore[list-item]
-    assert "is not a number" in refusal(lambda: fb.load("2R", snap_angles="x"))  # type: ignore[arg-type]
+    assert "is not a number" in refusal(lambda: fb.planar("R", l=[[10**5000]]))
+    assert "is not a number" in refusal(lambda: fb.load("2R", snap_angles="x"))
     assert "too large" in refusal(lambda: fb.Inertia.bar(1.0, 1e100))
     for size in (1e200, 1e300):
         assert "finite" in refusal(lambda size=size: fb.Inertia.cylinder(1.0, size, 1.0))

@@ -11,7 +11,7 @@ import re
 import pytest
 
 from freebody.program.segments import LONGEST, segment
-from freebody.targets import kernel, settings
+from freebody.targets import kernel
 from freebody.targets.llvm import emit
 from support.programs import (
     assert_close,
@@ -21,12 +21,7 @@ from support.programs import (
     samples,
 )
 
-
-@pytest.fixture(autouse=True)
-def memory_only(monkeypatch):
-    monkeypatch.setenv("FREEBODY_CACHE", "off")
-    monkeypatch.setattr(settings, "TARGET", None)
-    monkeypatch.setattr(settings, "WIDTH", None)
+pytestmark = pytest.mark.usefixtures("memory_only")
 
 
 def test_cutting_into_segments_changes_nothing(monkeypatch):

@@ -341,11 +341,11 @@ def test_names_and_order():
 def test_models_are_frozen():
     model = build_model(described(*TWO))
     with pytest.raises(dataclasses.FrozenInstanceError):
-        model.name = "other"  # type: ignore[misc]
+        model.name = "other"
     with pytest.raises(dataclasses.FrozenInstanceError):
-        model.bodies[0].joint.name = "other"  # type: ignore[misc]
+        model.bodies[0].joint.name = "other"
     with pytest.raises(TypeError):
-        model.bodies[0] = model.bodies[1]  # type: ignore[index]
+        model.bodies[0] = model.bodies[1]
 
 
 def test_axes_are_made_unit_and_coordinate_axes_exact():

@@ -169,7 +169,7 @@ def test_what_is_advised_for_arrays_works():
     with pytest.raises(
         FreebodyError, match="expected a Motion, a CSV file or a table by names"
     ) as refused:
-        fb.study(model, (t, q))  # type: ignore[arg-type]
+        fb.study(model, (t, q))
     advice = str(refused.value).split("(T, nq): ")[1].rstrip(".")
     data = eval(advice, {"fb": fb, "model": model, "q": q, "t": t})
     np.testing.assert_allclose(fb.study(model, data).motion.q, q)

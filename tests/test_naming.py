@@ -41,7 +41,7 @@ HERE = Placement()
 
 
 def turning(name: str, parent: str, child: str, at: Placement = HERE, **more: object) -> Joint:
-    return Joint(name, "revolute", parent, child, at, (1.0,), **more)  # type: ignore[arg-type]
+    return Joint(name, "revolute", parent, child, at, (1.0,), **more)
 
 
 def link(name: str, mass: str, com: str | float = 0.0, inertia: str | float = 0.0) -> Link:

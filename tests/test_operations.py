@@ -44,9 +44,7 @@ EDGES = (
 )
 
 
-@pytest.fixture(autouse=True)
-def memory_only(monkeypatch):
-    monkeypatch.setenv("FREEBODY_CACHE", "off")
+pytestmark = pytest.mark.usefixtures("memory_only")
 
 
 def compiled(function, arity, target="cpu", width=None):

@@ -250,7 +250,9 @@ def test_a_motion_of_samples_whatever_they_come_in():
         fb.Motion.of(arm, t, pd.DataFrame(names)),
         fb.Motion.of(arm, t, names),
     ):
-        for mine, given in zip((other.q, other.qd, other.qdd), (q, motion.qd, motion.qdd)):  # noqa: B905
+        for mine, given in zip(
+            (other.q, other.qd, other.qdd), (q, motion.qd, motion.qdd), strict=True
+        ):
             np.testing.assert_allclose(mine, given, atol=1e-9)
     rated = fb.Motion.of(arm, {**table, "joint1.v": 2 * t})
     assert (rated.qd[:, 0] == 2 * t).all()
@@ -293,17 +295,17 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: fb.quintic(fb.load("four_bar"), np.zeros((2, 3))), "is a closed chain"),
     (lambda: fb.trapezoid(ARM, WAY), "give acceleration="),
     (lambda: fb.s_curve(ARM, WAY, acceleration=1.0), "give jerk="),
-    (lambda: fb.spline(ARM, WAY, ends="free"), "no choice 'free'"),  # type: ignore[arg-type]
+    (lambda: fb.spline(ARM, WAY, ends="free"), "no choice 'free'"),
     (lambda: fb.spline(ARM, WAY, ends="periodic"), "the last equal to the first"),
-    (lambda: fb.spline(ARM, WAY, degree=4), "degree is 4, expected 3 or 5"),  # type: ignore[arg-type]
+    (lambda: fb.spline(ARM, WAY, degree=4), "degree is 4, expected 3 or 5"),
     (lambda: fb.dwell(ARM, WAY[0], 0.0), "duration is 0, expected a number of seconds above 0"),
     (lambda: PLANNERS["quintic"](WAY).faster(-1.0), "factor is -1, expected a number above 0"),
     (lambda: PLANNERS["quintic"](WAY).repeated(0), "times is 0, expected a whole number"),
-    (lambda: PLANNERS["quintic"](WAY).then("it"), "then: other is str 'it', expected a Motion"),  # type: ignore[arg-type]
+    (lambda: PLANNERS["quintic"](WAY).then("it"), "then: other is str 'it', expected a Motion"),
     (lambda: fb.quintic(ARM, WAY, acceleration=1e-300), "is 1e-300, expected a limit above 0"),
     (lambda: fb.quintic(ARM, np.nan * WAY), "quintic: waypoints is nan at sample 0"),
     (lambda: fb.exceeded_limits(ARM, fb.default_motion(fb.load("2R"))), "the motion has 2 pos"),
-    (lambda: fb.write_motion(ARM, WAY, "x.csv"), "write_motion: motion is ndarray"),  # type: ignore[arg-type]
+    (lambda: fb.write_motion(ARM, WAY, "x.csv"), "write_motion: motion is ndarray"),
     (lambda: fb.dwell(ARM, WAY, 1.0), "dwell: q has shape (4, 6), expected (6,)"),
 ]  # fmt: skip
 
@@ -354,13 +356,13 @@ def test_what_is_written_is_read_as_it_was_planned(name: str, tmp_path: Path):
         assert again.notices == ()
         t = np.linspace(0.0, motion.duration, 7001)
         for mine, given, slack in zip(again.at(t), motion.at(t), slacks, strict=True):
-            near = np.abs(t[:, None] - motion.pieces.breaks).min(axis=1) > 1e-9  # type: ignore[union-attr]
+            near = np.abs(t[:, None] - motion.pieces.breaks).min(axis=1) > 1e-9
             np.testing.assert_allclose(mine[near], given[near], atol=slack)
         assert fb.exceeded_limits(ARM, again) == ()
     even = fb.read_motion(ARM, fb.write_motion(ARM, motion, tmp_path / "even.csv", "samples"))
     assert (even.t == motion.t).all()
     with pytest.raises(fb.FreebodyError, match="no choice 'all' in write_motion: rows="):
-        fb.write_motion(ARM, motion, path, "all")  # type: ignore[arg-type]
+        fb.write_motion(ARM, motion, path, "all")
 
 
 def test_a_time_stands_twice_only_where_accelerations_jump(tmp_path: Path):

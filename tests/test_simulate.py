@@ -226,7 +226,7 @@ def test_stiff_feedback_is_found_and_integrated_implicitly():
         calls.append(t)
         return -100 * q - 20 * qd
 
-    run = lambda **options: fb.simulate(arm, q, np.zeros(6), [0, 0.5], hold, **options)  # noqa: E731
+    run = lambda **options: fb.simulate(arm, q, np.zeros(6), [0, 0.5], hold, **options)
     found, exact = run(), run(method="Radau", tolerance=1e-11)
     assert found.attrs["method"] == "LSODA"
     assert len(calls) < 40_000

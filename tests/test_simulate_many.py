@@ -187,7 +187,7 @@ def test_jumps_at_breakpoints(method: str):
     compiled = fb.compile(
         lambda t: [500.0 * (less(4.001, t) * less(t, 4.002))], {"t": ()}, {"tau": 1}
     )
-    closed = lambda t, q, qd: np.full((2, 1), 500.0 * (4.001 <= t <= 4.002))  # noqa: E731
+    closed = lambda t, q, qd: np.full((2, 1), 500.0 * (4.001 <= t <= 4.002))
     step = {"step": 0.1} if method == "rk4" else {}
     for torque in (compiled, closed):
         found = fb.simulate(

@@ -71,7 +71,7 @@ def test_jumps_of_a_function_at_its_breakpoints():
     """A pulse of 1 ms in 10 s, by either convention of what the value at a jump is, is seen only
     where it is said."""
     for pulse in (lambda t: 4.001 <= t < 4.002, lambda t: 4.001 < t <= 4.002):
-        torque = lambda t, q, qd, pulse=pulse: [500.0 * pulse(t)]  # noqa: E731
+        torque = lambda t, q, qd, pulse=pulse: [500.0 * pulse(t)]
         assert (
             fb.simulate(ROD, [0], [0], [0, 10], torque)["qd"].values[-1, 0] == 0.0
         )  # what breakpoints are for

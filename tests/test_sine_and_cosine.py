@@ -14,16 +14,10 @@ import pytest
 
 import freebody as fb
 from freebody.math import cos, sin
-from freebody.targets import settings
 from freebody.targets.llvm import machine
 from freebody.targets.llvm.machine import Machine
 
-
-@pytest.fixture(autouse=True)
-def memory_only(monkeypatch):
-    monkeypatch.setenv("FREEBODY_CACHE", "off")
-    monkeypatch.setattr(settings, "TARGET", None)
-    monkeypatch.setattr(settings, "WIDTH", None)
+pytestmark = pytest.mark.usefixtures("memory_only")
 
 
 BITS = 1400  # fixed point: 1024 bits for the largest double, the rest for its smallest sine

@@ -297,7 +297,7 @@ def test_files_hold_what_was_computed(arm: fb.Study, tmp_path: Path):
                 np.testing.assert_array_equal(data[name].values, source[name].values)
                 assert data[name].attrs == source[name].attrs
         assert data.attrs["robot"] == "ur5e"
-        np.testing.assert_array_equal(data["replay_miss"].values, arm.replay.misses)  # type: ignore[union-attr]
+        np.testing.assert_array_equal(data["replay_miss"].values, arm.replay.misses)
     again = fb.study(arm.model, written[1])
     np.testing.assert_array_equal(again.data["tau"].values, arm.data["tau"].values)
     table = np.genfromtxt(written[2], delimiter=",", names=True, deletechars="")

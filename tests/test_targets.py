@@ -22,12 +22,7 @@ from support.programs import (
     swap_kernel,
 )
 
-
-@pytest.fixture(autouse=True)
-def memory_only(monkeypatch):
-    monkeypatch.setenv("FREEBODY_CACHE", "off")
-    monkeypatch.setattr(settings, "TARGET", None)
-    monkeypatch.setattr(settings, "WIDTH", None)
+pytestmark = pytest.mark.usefixtures("memory_only")
 
 
 def test_a_target_is_a_module_and_a_line(monkeypatch):

@@ -38,7 +38,7 @@ def test_every_command_prints_in_every_encoding(
         codes.append(run(command))
         for stream in streams:
             stream.flush()
-        texts.append("".join(stream.buffer.getvalue().decode(chosen) for stream in streams))  # type: ignore[attr-defined]
+        texts.append("".join(stream.buffer.getvalue().decode(chosen) for stream in streams))
     monkeypatch.undo()
     assert codes[0] == codes[1]
     assert "fault of freebody" not in texts[0] + texts[1]

@@ -16,7 +16,7 @@ import weakref
 import numpy as np
 import pytest
 
-from freebody.targets import kernel, settings
+from freebody.targets import kernel
 from freebody.targets.threads import run_split
 from support.programs import (
     environment,
@@ -26,12 +26,7 @@ from support.programs import (
     swap_kernel,
 )
 
-
-@pytest.fixture(autouse=True)
-def memory_only(monkeypatch):
-    monkeypatch.setenv("FREEBODY_CACHE", "off")
-    monkeypatch.setattr(settings, "TARGET", None)
-    monkeypatch.setattr(settings, "WIDTH", None)
+pytestmark = pytest.mark.usefixtures("memory_only")
 
 
 @pytest.mark.parametrize("threads", [1, 2, 3, 7, None])

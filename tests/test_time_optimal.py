@@ -402,7 +402,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
         "time_optimal: path has shape (0,), expected (..., 2)",
     ),
     (lambda: fb.time_optimal(arm(), WAY, points=1), "points is 1, expected a whole number from 2"),
-    (lambda: fb.time_optimal(arm(), WAY, points=9.5), "points is 9.5, expected a whole number"),  # type: ignore[arg-type]
+    (lambda: fb.time_optimal(arm(), WAY, points=9.5), "points is 9.5, expected a whole number"),
     (lambda: fb.time_optimal(arm(), WAY, torque=-1.0), "torque of joint1 is -1, expected a limit"),
     (lambda: fb.time_optimal(arm(), WAY, torque=np.ones(3)), "torque has shape (3,)"),
     (lambda: fb.time_optimal(arm(), WAY, acceleration={"joint1": 1.0}), "acceleration lacks"),

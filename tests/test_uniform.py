@@ -13,7 +13,7 @@ from freebody.elementary import cos, sign, sin, sqrt
 from freebody.errors import ShapeError
 from freebody.program import Argument, passes, trace
 from freebody.program.hoist import hoist
-from freebody.targets import compile_program, settings
+from freebody.targets import compile_program
 from freebody.targets.interpreter import Interpreter
 from support.programs import assert_close, direct, random_program, samples
 
@@ -21,11 +21,7 @@ LLVM = [2, 4, 8]
 every_width = pytest.mark.parametrize("width", LLVM)
 
 
-@pytest.fixture(autouse=True)
-def memory_only(monkeypatch):
-    monkeypatch.setenv("FREEBODY_CACHE", "off")
-    monkeypatch.setattr(settings, "TARGET", None)
-    monkeypatch.setattr(settings, "WIDTH", None)
+pytestmark = pytest.mark.usefixtures("memory_only")
 
 
 def mixed(p, x, A, s, y):

@@ -50,9 +50,7 @@ SPECIAL = (
 )
 
 
-@pytest.fixture(autouse=True)
-def memory_only(monkeypatch):
-    monkeypatch.setenv("FREEBODY_CACHE", "off")
+pytestmark = pytest.mark.usefixtures("memory_only")
 
 
 def compiled(name, arity=1, width=None, title=None, of=lambda *x: x):

@@ -122,8 +122,8 @@ def mutants(path: Path) -> Iterator[Mutant]:
 
     def span(node: ast.AST) -> tuple[int, int]:
         return (
-            offsets[node.lineno - 1] + node.col_offset,  # type: ignore[attr-defined]
-            offsets[node.end_lineno - 1] + node.end_col_offset,  # type: ignore[attr-defined]
+            offsets[node.lineno - 1] + node.col_offset,
+            offsets[node.end_lineno - 1] + node.end_col_offset,
         )
 
     for node in ast.walk(ast.parse(source)):
@@ -133,7 +133,7 @@ def mutants(path: Path) -> Iterator[Mutant]:
                 if found is not None:
                     start, stop, text = found
                     was = raw[start:stop].decode()
-                    yield Mutant(path, node.lineno, node.col_offset, start, stop, text, was)  # type: ignore[attr-defined]
+                    yield Mutant(path, node.lineno, node.col_offset, start, stop, text, was)
 
 
 Span = Callable[[ast.AST], tuple[int, int]]

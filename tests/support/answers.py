@@ -156,7 +156,7 @@ def _wrong(
             return ex.neg(x)
         case "factor" if is_term:
             return ex.mul(rng.choice([2, 3, Fraction(1, 2), 4]), x)
-        case "missing" if is_term and path and len(at(right, path[:-1]).terms) > 1:  # type: ignore[attr-defined]
+        case "missing" if is_term and path and len(at(right, path[:-1]).terms) > 1:
             return ex.ZERO
         case "extra" if is_term:
             return ex.Sum((x, _invented(rng, word, x)))
@@ -234,7 +234,7 @@ def _equal(rng: random.Random, x: Expression) -> Iterator[Expression]:
         case ex.Product() if any(isinstance(f, ex.Sum) for f in x.factors):
             k = rng.choice([k for k, f in enumerate(x.factors) if isinstance(f, ex.Sum)])
             rest = (*x.factors[:k], *x.factors[k + 1 :])
-            yield ex.Sum(tuple(ex.Product((*rest, term)) for term in x.factors[k].terms))  # type: ignore[attr-defined]
+            yield ex.Sum(tuple(ex.Product((*rest, term)) for term in x.factors[k].terms))
         case ex.Power() if x.exponent == 2:
             yield ex.Product((x.base, x.base))
             if isinstance(x.base, ex.Function) and x.base.name in ("sin", "cos"):
@@ -374,7 +374,7 @@ class Writer:
     def _function(self, name: str, argument: Expression) -> str:
         terms = argument.terms if isinstance(argument, ex.Sum) else (argument,)
         if self.short and all(isinstance(t, ex.Symbol) for t in terms):
-            digits = "".join(sorted(re.sub(r"\D", "", t.name) for t in terms))  # type: ignore[attr-defined]
+            digits = "".join(sorted(re.sub(r"\D", "", t.name) for t in terms))
             return f"{name[0]}_{{{digits}}}" if self.style == "latex" else name[0] + digits
         inner = self.write(argument)
         head = "\\" + name if self.style == "latex" else name
@@ -429,7 +429,7 @@ SAME = {
 def named(setting: RightEquations, verdict: Verdict, m: Mistake) -> bool:
     """Whether a finding says what was done: the piece and what it should be; or the term, as it is
     and should be."""
-    value = lambda x: polynomial(setting, x)  # noqa: E731
+    value = lambda x: polynomial(setting, x)
     whole = value(m.answer) - value(m.right)  # what the mistake adds to the answer
     term = value(m.right) - value(m.without)
     old, new = value(m.old), value(m.new)

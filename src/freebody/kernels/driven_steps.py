@@ -92,8 +92,8 @@ def driven_step(
             tree = lightened(over(numbers))
             own, loads = more[: len(given)], tuple(more[len(given) :])
             torque = _of_law(law, t, h, own) if law else _line(*own)
-            step = _implicit if record.implicit else _explicit
-            end = step(tree, option, method, (q, qd), h, width, torque, loads)
+            step = _DrivenStep(tree, option, method, width, torque, loads)
+            end = step.implicit(q, qd, h) if record.implicit else step.explicit(q, qd, h)
             return simulation_steps.on_loops(tree, q, end, option.equations)
 
         try:
@@ -131,24 +131,34 @@ def law_inputs(law: Program, state: Mapping[str, Any], own: Sequence[Any]) -> li
     return [state[x.name] if x.name in state else next(rest) for x in law.inputs]
 
 
-def _explicit(
-    tree: Tree,
-    option: Option,
-    method: str,
-    state: simulation_steps.State,
-    h: Scalar,
-    width: Scalar,
-    torque: Torque,
-    loads: tuple[Vector, ...],
-) -> simulation_steps.State:
-    smooth = without(tree, "coulomb")
+@dataclass(frozen=True)
+class _DrivenStep:
+    """A step with what drives it: the width of Coulomb friction, the torque, and the wrenches."""
 
-    def acceleration(part: float, q: Vector, qd: Vector) -> Vector:
-        tau = sub(torque(part, q, qd), _friction(tree, qd, width))
-        return forward(smooth, option, q, qd, tau, loads)[0]
+    tree: Tree
+    option: Option
+    method: str
+    width: Scalar
+    torque: Torque
+    loads: tuple[Vector, ...]
 
-    walk = simulation_steps.runge_kutta if method == "rk4" else simulation_steps.semi_implicit
-    return walk(tree, *state, h, acceleration)
+    def explicit(self, q: Vector, qd: Vector, h: Scalar) -> simulation_steps.State:
+        smooth = without(self.tree, "coulomb")
+
+        def acceleration(part: float, q: Vector, qd: Vector) -> Vector:
+            tau = sub(self.torque(part, q, qd), _friction(self.tree, qd, self.width))
+            return forward(smooth, self.option, q, qd, tau, self.loads)[0]
+
+        rk4 = self.method == "rk4"
+        walk = simulation_steps.runge_kutta if rk4 else simulation_steps.semi_implicit
+        return walk(self.tree, q, qd, h, acceleration)
+
+    def implicit(self, q: Vector, qd: Vector, h: Scalar) -> simulation_steps.State:
+        def on_bodies(q: Vector) -> Any:
+            return external(self.tree, self.option, q, self.loads)
+
+        law, rows = _linearised(self.tree, self.torque), self.option.equations
+        return simulation_steps.implicit(self.tree, q, qd, h, on_bodies, law, rows, self.width)
 
 
 def _friction(tree: Tree, qd: Vector, width: Scalar) -> Vector:
@@ -160,23 +170,6 @@ def _friction(tree: Tree, qd: Vector, width: Scalar) -> Vector:
             own = body.drive.coulomb * tanh(rate / width)
             total[at.v[0]] = total[at.v[0]] + at.ratio * own
     return tuple(total)
-
-
-def _implicit(
-    tree: Tree,
-    option: Option,
-    method: str,
-    state: simulation_steps.State,
-    h: Scalar,
-    width: Scalar,
-    torque: Torque,
-    loads: tuple[Vector, ...],
-) -> simulation_steps.State:
-    def on_bodies(q: Vector) -> Any:
-        return external(tree, option, q, loads)
-
-    law = _linearised(tree, torque)
-    return simulation_steps.implicit(tree, *state, h, on_bodies, law, option.equations, width)
 
 
 def _linearised(tree: Tree, torque: Torque) -> Law:

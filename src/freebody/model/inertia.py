@@ -259,8 +259,8 @@ def _number(x: Any, owner: str) -> Quantity:
         return x
     if isinstance(x, (Parameter, Members)):
         return x
-    if isinstance(x, ParameterProduct):  # until the parameters it is made of have values
-        return x  # type: ignore[return-value]
+    if isinstance(x, ParameterProduct):
+        return x  # type: ignore[return-value]  # until its parameters have values
     return members(x, owner, LARGEST) if isinstance(x, np.ndarray) and x.ndim else finite(x, owner)
 
 

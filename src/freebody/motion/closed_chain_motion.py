@@ -55,9 +55,8 @@ def home(model: Model) -> Array:
         if mobility(model, q).singular:
             continue
         N, _ = null_space(scaled_jacobian(model, q), RANK)
-        moving = int(
-            (np.linalg.norm(N, axis=1) > 1e-6).sum()
-        )  # in a folded position parts stand still
+        # in a folded position parts stand still
+        moving = int((np.linalg.norm(N, axis=1) > 1e-6).sum())
         found = -outside(model, q), moving, min(regularity(model, q, leaders(model, q)), _GOOD)
         if found > quality:
             best, quality = q, found

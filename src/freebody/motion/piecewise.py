@@ -159,7 +159,7 @@ def interpolated(
     orders = range(1, k + 1) if ends == "rest" else range(k + 1, degree)
     fixed = [(order, np.zeros(points.shape[1])) for order in orders]
     conditions = "periodic" if ends == "periodic" else (fixed, fixed)
-    spline = make_interp_spline(breaks, points, k=degree, bc_type=conditions)  # type: ignore[arg-type]
+    spline = make_interp_spline(breaks, points, k=degree, bc_type=conditions)
     knots = np.unique(spline.t[degree:-degree])
     powers = [
         spline(knots[:-1]) if j == 0 else spline.derivative(j)(knots[:-1]) / factorial(j)

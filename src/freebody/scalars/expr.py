@@ -62,9 +62,7 @@ class Graph(Nodes):
 def _float(value: Any) -> float:
     try:
         return float(value)
-    except (
-        OverflowError
-    ):  # a whole number or a fraction, which may have too many digits to be shown
+    except OverflowError:  # a whole number or a fraction, maybe of too many digits to be shown
         raise GraphError(
             "a constant beyond 1.8e308 in a traced computation: constants must be finite numbers "
             "of 64 bits."

@@ -125,9 +125,7 @@ def _watched() -> bool:
     try:
         nested = torch._C._functorch.peek_interpreter_stack()  # pyright: ignore[reportAttributeAccessIssue]
         return nested is not None or forward_ad._current_level >= 0
-    except (
-        AttributeError
-    ):  # another PyTorch, where they have other names: the longer way is always right
+    except AttributeError:  # other names in another PyTorch: the longer way is always right
         return True
 
 

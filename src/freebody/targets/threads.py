@@ -141,10 +141,8 @@ def _start(wanted: int) -> int:
             while _helpers < wanted:
                 threading.Thread(target=_serve, args=(_jobs,), name="freebody", daemon=True).start()
                 _helpers += 1
-        except (
-            RuntimeError
-        ):  # no more threads, or the interpreter is ending: the caller does the rest
-            pass
+        except RuntimeError:
+            pass  # no more threads, or the interpreter is ending: the caller does the rest
         return min(_helpers, wanted)
 
 

@@ -86,8 +86,8 @@ def planning_limits(
 def _read(function: str, model: Model, name: str, value: Limit) -> Array:
     if value is None:
         return np.full(model.nv, np.inf)
-    if np.ndim(value) == 0 and not isinstance(value, Mapping):  # type: ignore[arg-type]
-        value = np.full(model.nv, as_floats(function, name, value))  # type: ignore[arg-type]
+    if not isinstance(value, Mapping) and np.ndim(value) == 0:
+        value = np.full(model.nv, as_floats(function, name, value))
     array = vector(function, model, name, value)
     if array.ndim != 1:
         raise FreebodyError(

@@ -109,6 +109,7 @@ def integrated(
             if len(due) > len(inside):
                 states.append(scheme.settled(solver.y))
             if scheme.every_step and solver.status == "running":
+                # Runge-Kutta methods go on from f, which their base class does not have
                 solver.f = solver.fun(solver.t, solver.y)  # type: ignore[attr-defined]
             tell((solver.t - t[0]) / (t[-1] - t[0]))
             if watch.steps(method):

@@ -4,9 +4,9 @@ itself so that its error stays small."""
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil
-from typing import Protocol
 
 import numpy as np
 
@@ -19,12 +19,9 @@ _SHORTEST = 1e-13  # of the duration: steps this short lead nowhere
 _SAFETY, _LEAST, _MOST = 0.9, 0.2, 4.0  # of a step: how much the next may differ
 
 
-class Advance(Protocol):
-    """Moves lanes from one edge to the next."""
-
-    def __call__(self, lanes: slice, state: State, start: float, end: float) -> State:
-        """The states at the end; NaN where a motion cannot go on."""
-        ...
+Advance = Callable[[slice, State, float, float], State]
+"""Moves lanes from one edge, at a time, to the next: the states there; NaN where a motion cannot go
+on."""
 
 
 @dataclass(eq=False)

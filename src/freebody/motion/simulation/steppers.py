@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -21,30 +20,10 @@ State = tuple[Array, Array]
 """q (lanes, nq), q̇ (lanes, nv)."""
 
 
-class Stepper(Protocol):
-    """Moves states on by a step."""
-
-    @property
-    def rows(self) -> int:
-        """Motions that are moved on each by itself."""
-        ...
-
-    def step(
-        self,
-        lanes: Some,
-        state: State,
-        start: Array | float,
-        h: Array | float,
-        out: State | None = None,
-    ) -> State:
-        """The states of some lanes a step h (s) after `start`, floats or one for each lane."""
-        ...
-
-
 @dataclass(frozen=True, eq=False)
 class KernelStepper:
     """By what a kernel of `driven_step` runs; wrenches (lanes, six) or (six,), the model's numbers
-    (lanes, k) or (k,)."""
+    (lanes, k) or (k,). rows: motions that are moved on each by itself."""
 
     run: Callable[..., State]
     torque: LaneTorque
@@ -77,7 +56,7 @@ class KernelStepper:
         h: Array | float,
         out: State | None = None,
     ) -> State:
-        """See `Stepper`."""
+        """The states of some lanes a step h (s) after `start`, floats or one for each lane."""
         given = self.torque.inputs(lanes, start, start + h)
         loads = [some_of(w, 1, lanes) for w in self.wrenches]
         p = some_of(self.numbers, 1, lanes)
@@ -107,7 +86,7 @@ class FunctionStepper:
         h: Array | float,
         out: State | None = None,
     ) -> State:
-        """See `Stepper`."""
+        """As of a `KernelStepper`; start and h are the same for all motions."""
         now, length = float(np.max(start)), float(np.max(h))
         y = np.concatenate([x.reshape(*self.shape, -1) for x in state], axis=-1)
         nq = self.system.layout.nq
@@ -128,3 +107,6 @@ class FunctionStepper:
         return self.system.rate(
             np.asarray(now), y, self.drive(np.asarray(now), *self.system.split(y))
         )
+
+
+Stepper = KernelStepper | FunctionStepper
