@@ -1,6 +1,6 @@
 """Inverse kinematics: every branch of a pose, beside EAIK where it is installed.
 
-    taskset -c 0 python benchmarks/branches.py [--poses 1000000] [--robots ur5e puma560 …]
+    taskset -c 0 python benchmarks/branches.py [--poses 1000000] [--outside 100000] [--robots …]
 
 For each robot, of one thread (the function takes as many as the process has CPUs): nanoseconds a
 pose in batches of 4096 (`out=`), microseconds of one call from Python; the same of
@@ -8,7 +8,9 @@ pose in batches of 4096 (`out=`), microseconds of one call from Python; the same
 are next to singular); and for EAIK a pose of its own batch call, in turns within one run, the
 quickest of some rounds. Then, for so many random poses, in pieces: how far the position that made
 each pose is from the nearest branch, and how far forward kinematics takes the branches from the
-pose.
+pose. Last, of so many poses moved out of reach (by three times the arm's length and more; seven
+joints without `redundancy`): how many are refused with a distance that their way out allows, and
+the seconds that takes.
 """
 
 import argparse
@@ -53,6 +55,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--poses", type=int, default=1_000_000)
+    parser.add_argument("--outside", type=int, default=100_000)
     parser.add_argument("--robots", nargs="+", choices=ROBOTS, default=ROBOTS)
     asked = parser.parse_args()
     warnings.simplefilter("ignore", fb.PhysicalWarning)
@@ -60,6 +63,7 @@ def main() -> None:
         f"{'robot':11}{'branches':>9}{'ns a pose':>11}{'µs a call':>11}{'function, ns':>14}"
         f"{'function, µs':>14}{'EAIK µs a pose':>16}"
         f"{'own, worst':>12}{'residual':>10}{'unclear':>9}"
+        f"{'refused':>9}{'s':>7}"
     )
     for name in asked.robots:
         model = load(name)
@@ -84,11 +88,12 @@ def main() -> None:
             runs["eaik"] = (rival, 1, BATCH / 1e6)
         times = quickest(runs)
         own, residual, unclear = verified(model, kernel, asked.poses)
+        refused, seconds = outside(model, asked.outside)
         print(
             f"{name:11}{kernel.program.outputs[0].shape[0]:9}{times['batch']:11.0f}"
             f"{times['call']:11.2f}{times['function']:14.0f}{times['one']:14.2f}"
             f"{times.get('eaik', np.nan):16.2f}{own:12.1e}{residual:10.1e}"
-            f"{unclear:9}",
+            f"{unclear:9}{refused:9}{seconds:7.2f}",
             flush=True,
         )
 
@@ -161,6 +166,26 @@ def verified(model: fb.Model, kernel: Any, poses: int) -> tuple[float, float, in
         worst_own, worst = max(worst_own, own.max()), max(worst, miss.max(initial=0.0))
         unclear += int((np.abs(clear).min(axis=1) < 1e-6).sum())
     return worst_own, worst, unclear
+
+
+def outside(model: fb.Model, count: int) -> tuple[int, float]:
+    """How many poses out of reach are refused, with a distance above what the arm's length leaves
+    of the way out and below the whole way; seconds."""
+    from freebody.algorithms.screws import arm_length
+
+    _, T = random_poses(model, count, 1)
+    length = arm_length(model.tree, model.frame().name)
+    way = np.random.default_rng(1).normal(size=(count, 3))
+    if not all(s.turning for s in screws(model).screws):  # a lift has no end but its limits
+        way[:, 2] = 0.0
+    way *= (3.0 + np.abs(way[:, :1])) * length / np.linalg.norm(way, axis=-1, keepdims=True)
+    T[:, :3, 3] += way
+    start = time.perf_counter()
+    found = fb.inverse_kinematics(model, T)
+    seconds = time.perf_counter() - start
+    far = np.linalg.norm(way, axis=-1)
+    told = (found.distance <= far + 1e-9) & (found.distance >= far - 2.0 * length - 1e-9)
+    return int((told & (found.count == 0)).sum()), seconds
 
 
 if __name__ == "__main__":

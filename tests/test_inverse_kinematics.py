@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody.inverse import by_closed_form
 from freebody.inverse import kinematics as module
 from support import generate
 from support.arms import apart, arm, direction, holds, meeting, parallel, skew
@@ -595,6 +596,27 @@ def test_a_pose_by_three_joints():
     none = fb.inverse_kinematics(model, T)
     assert len(none) == 0
     assert "but not with this orientation" in none.notes[0]
+
+
+def test_a_pose_by_three_joints_above_the_first(monkeypatch):
+    """There the position leaves joint 1 where it is, and the orientation alone tells where that
+    has to be; where nothing can stand anywhere, what is not found is not sought from many starts.
+    """
+    half = np.pi / 2
+    rows = [{"d": 0.4, "alpha": half}, {"a": 0.5}, {"a": 0.5}]
+    model = fb.dh(
+        [{"m": 1.0, "com": [0, 0, 0], "I": [0] * 6, **row} for row in rows], convention="standard"
+    )
+    q = np.array([0.7, np.pi / 3, np.pi / 3])
+    T = fb.forward_kinematics(model, q)
+    assert np.abs(T[:2, 3]).max() < 1e-15
+    found = checked(model, T)
+    assert holds(model, found.q, q)
+    q[1] = 0.4
+    T = fb.forward_kinematics(model, q)
+    T[2, 3] += 0.05
+    monkeypatch.setattr(by_closed_form, "by_search", None)
+    assert len(fb.inverse_kinematics(model, T)) == 0
 
 
 def test_names_of_branches_are_completed_before_they_are_asked_for():

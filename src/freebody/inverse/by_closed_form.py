@@ -8,10 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from freebody.algorithms.closed_form_inverse.choose_recipe import recipe_for
+from freebody.algorithms.closed_form_inverse.near_reference import CLEAR
 from freebody.algorithms.closed_form_inverse.solve import Branches
 from freebody.arrays import Array
 from freebody.inverse.branch_kernel import branch_kernel, counted
 from freebody.inverse.closed_form import ClosedFormArm, over_arrays
+from freebody.inverse.many_starts import by_search
 from freebody.inverse.problem import Found, Problem, found_in_turn
 from freebody.inverse.solutions import verified
 
@@ -41,7 +43,7 @@ def _by_steps(problem: Problem, form: ClosedFormArm) -> tuple[Found, np.ndarray]
     joints (n,) could stand anywhere."""
     solver, chain = problem.solver, form.chain
     at_rest = chain.positions(np.zeros(solver.model.nq) if problem.q0 is None else problem.q0)
-    x, free, _ = candidates(form, at_rest, problem)
+    x, free, clear = candidates(form, at_rest, problem)
     q = chain.coordinates(x, problem.rest)
     if form.held is not None and problem.held is not None:
         q[..., form.held] = problem.held[:, None]
@@ -50,7 +52,14 @@ def _by_steps(problem: Problem, form: ClosedFormArm) -> tuple[Found, np.ndarray]
     for i, s in enumerate(solutions):
         loose |= free[i][s.row].any(axis=0)
     found = found_in_turn(solutions, None, solver.model.nq, form.method, [])
-    return replace(found, names=form.names), loose
+    found = replace(found, names=form.names)
+    # with fewer joints than rows a joint that could stand anywhere, or nearly so, gives one member
+    # of a family, of which another may have the rows that are left over
+    if len(solver.task.rows) > len(chain.screws):
+        rows = found.lost[(np.abs(clear[found.lost]) < CLEAR).any(axis=1)]
+        if len(rows):
+            found = found.with_rows(rows, by_search(problem.part(rows)))
+    return found, loose
 
 
 def candidates(

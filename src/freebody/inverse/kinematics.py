@@ -126,7 +126,6 @@ def inverse_kinematics(
     else:
         problem = replace(problem, target=form.complete(problem.target))
         found = by_closed_form(problem, form)
-        found = _with_families(problem, form, found)
         remember(problem, form, frame, task)
     return gathered(problem, form, found, batch)
 
@@ -165,12 +164,3 @@ def _held(
     solver = replace(problem.solver, still=form.held)
     held = np.broadcast_to(given, batch).reshape(-1)
     return batch, replace(problem, solver=solver, target=flat, held=held)
-
-
-def _with_families(problem: Problem, form: ClosedFormArm, found: Found) -> Found:
-    """A form for fewer rows than the task counts gives one member of a family of solutions: the
-    right one is sought."""
-    lost = found.lost
-    if not len(lost) or len(problem.solver.task.rows) <= len(form.chain.screws):
-        return found
-    return found.with_rows(lost, by_search(problem.part(lost)))
