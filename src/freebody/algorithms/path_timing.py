@@ -118,7 +118,8 @@ def _corner(
     lines: LimitLines, x: Scalar, most_y: Scalar, way: float
 ) -> tuple[Scalar, Scalar, Scalar]:
     """(x, y, last step): the largest x (way 1), or the smallest (way -1), at which some y is
-    allowed, by Newton's method from the outside; the room for y is concave in x."""
+    allowed, by Newton's method from the outside; the room for y is concave in x. A long step may
+    miss by its rounding, and is followed by one back."""
     step: Scalar = 0.0
     for _ in range(LARGEST_ROUNDS if way > 0.0 else SMALLEST_ROUNDS):
         high, high_slope, low, low_slope = _room(lines, x, most_y)
@@ -126,7 +127,8 @@ def _corner(
         slope = high_slope - low_slope
         opens = less(way * slope, 0.0)  # else there is no room at all
         found = (low - high) / where(opens, slope, -1.0)
-        step = where(shut, where(opens, found, -way * FAR), 0.0)
+        back = where(less(0.0, absolute(step)) * opens, found, 0.0)
+        step = where(shut, where(opens, found, -way * FAR), back)
         x = x + step
     high, _, low, _ = _room(lines, x, most_y)
     return x, 0.5 * (high + low) if way > 0.0 else low, step  # there is often no highest y
@@ -237,14 +239,31 @@ def speed_share(first: Vector, velocity: Vector) -> Scalar:
 def top_speed(
     start: Vector, middle: Vector, end: Vector, velocity: Vector, x: Scalar, y: Scalar
 ) -> Scalar:
-    """The largest speed in an interval as a fraction of its limit, squared, by parabolas of q̇²;
-    start, middle, end: q' there."""
+    """The largest speed in an interval as a fraction of its limit, squared; start, middle, end: q'
+    there, between which it is taken for a parabola, as it is in a cubic path."""
     found = []
+    rise = y - x
     for a, b, c, most in zip(start, middle, end, velocity, strict=True):
-        scale = 1.0 / (most * most)
-        first, half, last = a * a * x * scale, 0.5 * b * b * (x + y) * scale, c * c * y * scale
-        found += [first, maximum(half, _vertex(first, half, last, 0.5)), last]
+        p0, p1, p2 = a / most, (4.0 * b - 3.0 * a - c) / most, (2.0 * (a + c) - 4.0 * b) / most
+
+        def square(
+            u: Scalar, p0: Scalar = p0, p1: Scalar = p1, p2: Scalar = p2
+        ) -> Scalar:  # of q̇, u of the way
+            rate = p0 + u * (p1 + u * p2)
+            return rate * rate * (x + u * rise)
+
+        # its derivative over the rate: a quadratic, whose roots are taken without cancellation
+        g0, g1, g2 = 2.0 * p1 * x + p0 * rise, 4.0 * p2 * x + 3.0 * p1 * rise, 5.0 * p2 * rise
+        root = sqrt(maximum(g1 * g1 - 4.0 * g0 * g2, 0.0))
+        w = -0.5 * where(less(g1, 0.0), g1 - root, g1 + root)
+        found += [square(0.0), square(1.0), square(_part(w, g2)), square(_part(g0, w))]
     return balanced(maximum, found)
+
+
+def _part(above: Scalar, below: Scalar) -> Scalar:
+    """The quotient, between 0 and 1."""
+    divides = less(_TINY, absolute(below))
+    return minimum(maximum(above / where(divides, below, 1.0), 0.0), 1.0)
 
 
 def curve_values(powers: Sequence[Vector], beyond: Scalar) -> list[Vector]:

@@ -22,6 +22,7 @@ from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import layout
 
 _SAME = 1e-9  # of the length of a path: positions nearer to each other are one
+_PARTS = 11  # into which the first and the last interval of a grid are divided
 
 
 def path_curve(
@@ -107,15 +108,22 @@ def refuse_out_of_range(
 
 
 def grid(curve: PiecewisePolynomial, intervals: int) -> Array:
-    """(intervals + 1,) points of s, all breaks among them, evenly in each piece: no fewer intervals
-    than pieces."""
+    """Points of s, all breaks among them, evenly in each piece: no fewer intervals than pieces.
+
+    The first and the last interval are divided into `_PARTS`, which take equal times of constant
+    acceleration from rest: (intervals + 2 `_PARTS` - 1,) in all. On the way from rest one interval
+    could otherwise last as long as many others together.
+    """
     breaks = curve.breaks
     count = len(breaks) - 1
     place = (breaks - breaks[0]) / (breaks[-1] - breaks[0]) * intervals
     index = np.arange(count + 1)
     at = np.maximum.accumulate(np.rint(place) - index) + index  # one interval each at least
     at = np.minimum(at, intervals - count + index)
-    return np.interp(np.arange(intervals + 1), at, breaks)
+    even = np.interp(np.arange(intervals + 1), at, breaks)
+    way = (np.arange(1, _PARTS) / _PARTS) ** 2
+    start, end = even[0] + way * (even[1] - even[0]), even[-1] - way * (even[-1] - even[-2])
+    return np.sort(np.concatenate([even, start, end]))
 
 
 def motions_along(

@@ -29,6 +29,8 @@ from freebody.trees.dynamics import inverse_dynamics
 
 _INSTANT = 1e-6
 """s: no path takes less time; what would be quicker has no limit."""
+_SLIGHTLY = 0.01
+"""Of a squared speed: what is given away at once rather than by computing the motion again."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,17 +125,19 @@ class PathProblem:
         """(N, P) the largest speed in each interval as a fraction of its limit, squared."""
         return top_speed(self.at.first, self.between.first, self.limits.velocity, x)
 
-    def tightened(self, by: Array, speed: Array, paths: Flags) -> PathProblem:
-        """With limits that are stricter by what they are exceeded by, of those paths: rows by (N,
-        P, m), the squares of speeds as many times as `speed` (N, P) tells."""
+    def tightened(self, x: Array, by: Array, speed: Array, paths: Flags) -> PathProblem:
+        """With limits that are stricter by what a motion with x (N + 1, P) exceeds them by, of
+        those paths: rows by (N, P, m), the squares of speeds as many times as `speed` (N, P)
+        tells."""
         most = 0.25 * self.limits.size  # a grid so coarse is told, not mended
         rows = np.clip(np.where(paths[:, None], by, 0.0), -most, most)
         below, above = self.margin or (0.0, 0.0)
         margin = below - np.minimum(rows, 0.0), above + np.maximum(rows, 0.0)
-        slower = 1.0 / np.where(paths, np.maximum(speed, 1.0), 1.0)
+        fast = paths & (speed > 1.0)
         fastest = self.rows.most.copy()
-        fastest[:-1] *= slower
-        fastest[1:] = np.minimum(fastest[1:], self.rows.most[1:] * slower)
+        for points in (slice(None, -1), slice(1, None)):
+            slower = np.where(fast, x[points] / speed, np.inf)
+            fastest[points] = np.minimum(fastest[points], slower)
         return replace(self, margin=margin, rows=self.rows._replace(most=fastest))
 
     def only(self, paths: Flags) -> PathProblem:
@@ -186,7 +190,7 @@ def path_problem(
         ends = [(lo - drag[0], hi - drag[1]) for lo, hi in ends]
     (lo, hi), (lo_end, hi_end) = ends
     h = 2.0 * np.diff(s, axis=0)
-    speed = _speed_limits(limits, found.first, s)
+    speed = _speed_limits(limits, found, len(s))
     rows = PathRows(h, speed, a, b, (lo, lo_end), (hi, hi_end))
     drag = limits.row(viscous * at.first, still) if viscous.any() else None
     return PathProblem(limits, at, between, rows, drag)
@@ -198,19 +202,32 @@ def _unit(first: Array) -> Array:
     return np.ldexp(1.0, -np.frexp(np.abs(first).max(axis=(0, 2)))[1])[:, None]
 
 
-def _speed_limits(limits: RobotLimits, first: Array, s: Array) -> Array:
-    """Largest ṡ² (N + 1, P) at a grid, 0 at its end, with which speeds are within their limits
-    halfway in the intervals too. first: q' at the grid, then halfway."""
-    fastest = speed_share(first, limits.velocity)
-    most = 1.0 / np.maximum(fastest, 1.0 / unlimited(s))
-    points, halfway = (most[part] for part in _parts(len(s)))
-    lower = np.minimum(np.minimum(points[:-1], points[1:]), halfway)
-    bound = 2.0 * halfway - lower  # ṡ² is a straight line between two points
+def _speed_limits(limits: RobotLimits, samples: PathSamples, count: int) -> Array:
+    """Largest ṡ² (N + 1, P) at a grid of `count` points, 0 at its end. samples: at the grid, then
+    halfway.
+
+    In an interval ṡ² is a straight line, and the speed limit mostly a hollow curve over s: where
+    the line through both ends is slightly above it, the line parallel to it through the middle is
+    taken, which touches the curve. Where it is far above, what the motion reaches there decides.
+    """
+    fastest = speed_share(samples.first, limits.velocity)
+    most = 1.0 / np.maximum(fastest, 1.0 / _from_rest(samples.s, count))
+    points, halfway = (most[part] for part in _parts(count))
+    above = np.maximum(0.5 * (points[:-1] + points[1:]) - halfway, 0.0)
+    above[above > _SLIGHTLY * np.minimum(points[:-1], points[1:])] = 0.0
     found = points.copy()
-    found[:-1] = np.minimum(found[:-1], bound)
-    found[1:] = np.minimum(found[1:], bound)
+    found[:-1] -= above
+    found[1:] = np.minimum(found[1:], points[1:] - above)
     found[-1] = 0.0
     return found
+
+
+def _from_rest(s: Array, count: int) -> Array:
+    """(T, P) `unlimited` at the places s (T, P), the grid first: less and less towards the ends, at
+    rest, where true speeds would be lost in its rounding."""
+    start, end = s[0], s[count - 1]
+    way = np.maximum(np.minimum(s - start, end - s), 0.25 * (s[1] - start))
+    return 2.0 * unlimited(s[:count]) * way / (end - start)
 
 
 def _parts(count: int) -> tuple[slice, slice]:

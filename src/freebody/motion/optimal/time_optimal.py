@@ -62,12 +62,12 @@ def time_optimal(
     PPolys. velocity, acceleration, torque: limits, one number or (nv,), rad/s, m/s; rad/s², m/s²;
     N m, N. The model's own count too (zero means not given, see `Limits`). Torques contain friction
     (viscous, Coulomb), rotors, springs and the payload. wrenches: constant ones by frame, world
-    axes. points: of the grid over s; at least one interval in each piece of the path. Limits are
-    kept at both ends of each interval and to 0.02 % within it, or else notices say by how much they
-    are exceeded (above 5 % it raises); s̈ is constant in it. Returns the
-    motion with its exact curve, samples at the grid; of many, a tuple. Raises FreebodyError where
-    the path leaves the joints' ranges, or where the robot cannot hold or move it: at which s, which
-    joint, which limit.
+    axes. points: of the grid over s, to which 20 are added in its first and last interval; at least
+    one interval in each piece of the path. Limits are kept at both ends of each interval and to
+    0.02 % within it, or else notices say by how much they are exceeded (above 5 % it raises); s̈ is
+    constant in it. Returns the motion with its exact curve, samples at the grid; of many, a tuple.
+    Raises FreebodyError where the path leaves the joints' ranges, or where the robot cannot hold or
+    move it: at which s, which joint, which limit.
 
     Source: Bobrow, Dubowsky and Gibson 1985; Pham and Pham 2018 ("TOPP-RA").
     """
@@ -205,7 +205,7 @@ def _solved(problem: PathProblem, labels: list[str]) -> _Quickest:
         if not again.any():
             break
         if not turning.any():
-            problem = problem.tightened(excess, speed, again)
+            problem = problem.tightened(profile.x, excess, speed, again)
         labels = list(compress(labels, again))
         problem, before, left = problem.only(again), profile.x[:, again], left[again]
     return found
