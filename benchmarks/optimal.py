@@ -25,7 +25,7 @@ import toppra.constraint as toppra_constraint
 from scipy.interpolate import CubicSpline
 
 import freebody as fb
-from freebody.motion.geometric_path import grid
+from freebody.motion.optimal.geometric_path import grid
 from freebody.motion.piecewise import PiecewisePolynomial
 
 toppra.setup_logging("ERROR")
