@@ -58,8 +58,50 @@ def test_refusals():
         ("no joint of 'R' has an effort limit", lambda: fb.payload_map(arm, [0.0])),
         ("without gravity", lambda: fb.payload_map(arm.replace(gravity=0), [0.0], effort=[1.0])),
         ("one positive number", lambda: fb.payload_map(arm, [0.0], effort=[-1.0])),
-        ("closed chain", lambda: fb.payload_map(fb.load("five_bar"), np.zeros(5))),
+        ("no joint of 'five_bar' has", lambda: fb.payload_map(fb.load("five_bar"), np.zeros(4))),
+        (
+            "loop 'tip_pin' of 'five_bar' is open",
+            lambda: fb.payload_map(fb.load("five_bar"), np.zeros(4), effort=[1.0] * 4),
+        ),
+        (
+            "'joint1' of 'acrobot' is passive",
+            lambda: fb.payload_map(fb.load("acrobot"), [0.0, 0.0], effort=[1.0] * 2),
+        ),
         ("point has shape", lambda: fb.payload_map(arm, [0.0], effort=[1.0], point=[1.0])),
     ):
         with pytest.raises(fb.FreebodyError, match=words):
             call()
+
+
+@pytest.mark.parametrize("name", ["2R", "polar_arm"])
+def test_families_are_their_members(name):
+    """Of other masses and efforts; the batch ends in the family's shape."""
+    arm = fb.load(name)
+    masses = [n for n in fb.parameters(arm).names if n.endswith(".mass") or n in ("m1", "m2")]
+    family = arm.bind({n: fb.parameters(arm)[n].value * np.array([0.5, 1.0, 2.0]) for n in masses})
+    assert family.family == (3,)
+    q, _, _ = fb.random_state(arm, 3, 5)
+    effort = np.outer([3.0, 2.0, 1.5], np.linspace(60.0, 30.0, arm.nv))
+    for point in (None, [0.2, 0.1, -0.3][: arm.dim]):
+        found = fb.payload_map(family, q[:, None], effort=effort, point=point)
+        assert found.mass.shape == (5, 3)
+        for k in range(3):
+            one = fb.payload_map(family[k], q, effort=effort[k], point=point)
+            assert np.allclose(found.mass[:, k], one.mass, rtol=1e-11)
+            assert (found.joint[:, k] == one.joint).all()
+    assert (found.mass > 0).any()
+
+
+def test_a_closed_chain_and_no_more():
+    """A five-bar with the mass is at one motor's torque, and no other is beyond it."""
+    model = fb.load("five_bar")
+    closed = fb.assemble(model, {"theta1": 2.0, "theta2": 0.9})
+    effort = {"theta1": 40.0, "theta2": 25.0}
+    found = fb.payload_map(model, closed, effort=effort, point=[0.05, 0.1])
+    assert np.isfinite(found.mass)
+    carrying = model.with_payload(mass=float(found.mass), com=[0.05, 0.1])
+    share = np.abs(fb.static_torque(carrying, closed)) / [40.0, 25.0, 1.0, 1.0]
+    assert share.max() == pytest.approx(1.0, abs=1e-12)
+    assert int(np.argmax(share)) == found.joint
+    several = fb.payload_map(model, np.stack([closed] * 3), effort=effort, point=[0.05, 0.1])
+    assert (several.mass == found.mass).all()

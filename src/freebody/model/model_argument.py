@@ -26,7 +26,10 @@ def require_one(name: str, model: Model) -> None:
         raise FamilyError(name, model.name, model.family)
 
 
-_OF_FAMILIES = ("parameters", "kernel", "reactions", "simulate", "inverse_kinematics")
+_OF_FAMILIES = (
+    *("parameters", "kernel", "reactions", "simulate", "inverse_kinematics"),
+    *("payload_map", "workspace"),
+)
 """Public functions of families, besides those that look themselves what they are given."""
 
 

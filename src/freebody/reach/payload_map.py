@@ -1,7 +1,8 @@
-"""`payload_map`: the largest mass that an arm holds at rest, posture by posture."""
+"""`payload_map`: the largest mass that a robot holds at rest, posture by posture."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.elementary import Scalar, absolute, less, where
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, PassiveJointError
 from freebody.kernels.scalar_formulas import formula
 from freebody.labels import aligned
 from freebody.model.model import Model
@@ -17,11 +18,15 @@ from freebody.outputs.display import Tabled, TextTable
 from freebody.program import Argument, trace
 from freebody.spatial import dot, of_dimension, times, transposed
 from freebody.targets import Kernel, compile_program
+from freebody.trees.dynamics import static_torque
+from freebody.trees.kinematics import forward_kinematics
 from freebody.trees.public_calls import Vector, finite_vector
 from freebody.values import ByValue
 
 _UNLIMITED = 1e30
 """What stands for no bound inside a kernel, whose numbers are finite."""
+_ROUNDING = 1e-13
+"""Of a torque: what changes it by less does not change it."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -68,31 +73,39 @@ def payload_map(
     effort: Vector | None = None,
     point: Vector | None = None,
 ) -> PayloadMap:
-    """The largest mass that an arm holds at rest at each posture, and the joint that limits it.
+    """The largest mass that a robot holds at rest at each posture, and the joint that limits it.
 
-    q: (..., nq), such as `fb.random_state(model, seed, 10**6)[0]`. frame: name, default the tip.
-    effort: (nv,), the largest torques and forces, N m and N; default the joints' effort limits.
-    point: (dim,), centre of the mass in the frame's axes, m; default its origin.
+    q: (..., nq), such as `fb.random_state(model, seed, 10**6)[0]`, of a family (..., *family, nq).
+    frame: name, default the tip. effort: (nv,), of a family (*family, nv) too, the largest torques
+    and forces, N m and N; default the joints' effort limits. Of a closed chain, whose positions
+    have to be closed, only its driven joints count, and a dictionary need hold no others. point:
+    (dim,), centre of the mass in the frame's axes, m; default its origin.
 
     The torques at rest are those of `fb.static_torque`, affine in the mass: g + springs - m Jᵀ g₀
     with the field g₀ (2.41-2.49); friction does not help to hold. Returns PayloadMap. Raises
-    FreebodyError without gravity or efforts, ShapeError, NotFiniteError, UnknownNameError.
+    FreebodyError without gravity or efforts and for an open chain with passive joints, ShapeError,
+    NotFiniteError, UnknownNameError.
     """
     function = "payload_map"
     model.require_values("the payload map")
-    model.require_tree(function)
     if not model.gravity.any():
         raise FreebodyError(f"{function}: {model.name!r} is without gravity; no mass has weight.")
+    if model.passive and not model.loops:
+        joint = model.velocity_names[model.passive[0]]
+        raise PassiveJointError(
+            f"{function}: {joint!r} of {model.name!r} is passive: nothing holds it at rest."
+        )
     at = finite_vector(function, model, "q", q)
-    given = _efforts(model) if effort is None else finite_vector(function, model, "effort", effort)
-    if given.ndim != 1 or not (given > 0).all():
+    given = _efforts(model) if effort is None else _given(model, effort)
+    if given.shape[:-1] not in ((), model.family) or not (given > 0).all():
         raise FreebodyError(
             f"{function}: effort must be one positive number for each of the {model.nv} joints; "
             f"got {given.tolist()}."
         )
     name = model.frame(frame).name
     centre = np.zeros(model.dim) if point is None else _point(model, point)
-    mass, joint, over = _kernel(model, name)(at, np.minimum(given, _UNLIMITED), centre)
+    found = _by_torques if model.loops or model.family else _at_once
+    mass, joint, over = found(model, at, name, np.minimum(given, _UNLIMITED), centre)
     free = mass >= _UNLIMITED * 1e-6
     return PayloadMap(
         np.where(free, np.inf, mass),
@@ -104,17 +117,27 @@ def payload_map(
 
 
 def _efforts(model: Model) -> Array:
-    """The joints' effort limits (nv,), infinite where there is none."""
-    efforts: list[float] = []
-    for body in model.bodies:
-        if body.joint.mimic is None:
-            efforts += [float(body.joint.limits.meant.effort)] * body.kind.nv
-    if not np.isfinite(efforts).any():
+    """The joints' effort limits (..., nv), infinite where there is none."""
+    written = model.limits.effort
+    efforts = np.where(written == 0.0, np.inf, written)  # 0 in files is "not given"
+    if not np.isfinite(efforts[..., list(model.driven)]).any():
         raise FreebodyError(
             f"payload_map: no joint of {model.name!r} has an effort limit. Give effort=, the "
-            f"largest torque or force of each joint ({', '.join(model.velocity_names)})."
+            f"largest torque or force of each joint ({', '.join(_driven_names(model))})."
         )
-    return np.array(efforts)
+    return efforts
+
+
+def _given(model: Model, effort: Vector) -> Array:
+    """Efforts (..., nv) as they are given."""
+    if isinstance(effort, Mapping) and model.loops:
+        others = dict.fromkeys(set(model.velocity_names) - set(_driven_names(model)), _UNLIMITED)
+        effort = others | dict(effort)
+    return finite_vector("payload_map", model, "effort", effort)
+
+
+def _driven_names(model: Model) -> list[str]:
+    return [model.velocity_names[k] for k in model.driven]
 
 
 def _point(model: Model, point: Vector) -> Array:
@@ -129,40 +152,74 @@ def _point(model: Model, point: Vector) -> Array:
     return array
 
 
-def _kernel(model: Model, frame: str) -> Kernel:
-    """(q, effort, point) -> (mass, joint, 1 where it is overloaded), compiled on first use."""
+Held = tuple[Scalar, Scalar, Scalar]
+"""A mass, the joint that limits it, and 1 where that is overloaded."""
+
+
+def _at_once(model: Model, q: Array, frame: str, effort: Array, point: Array) -> Held:
+    """By one kernel of the model."""
     key = ("payload_map", frame)
     found = model.compiled.get(key)
     if found is None:
         found = model.compiled[key] = _compiled(model, frame)
-    return found
+    return found(q, effort, point)
 
 
 def _compiled(model: Model, frame: str) -> Kernel:
+    """(q, effort, point) -> what is held."""
     pose = formula(model, "forward_kinematics", frame=frame)
     jacobian = formula(model, "jacobian", frame=frame)
     static, d = formula(model, "static_torque"), model.dim
     field = tuple(map(float, model.gravity))
 
-    def largest(q: Any, effort: Any, point: Any) -> tuple[Scalar, Scalar, Scalar]:
+    def largest(q: Any, effort: Any, point: Any) -> Held:
         arm = times(tuple(row[:d] for row in pose(q)[:d]), point)
         weight = of_dimension(d).moment(arm, field)
         slopes = [-dot(column, (*field, *weight)) for column in transposed(jacobian(q), model.nv)]
-        best: tuple[Scalar, Scalar, Scalar] = (_UNLIMITED, 0.0, 0.0)
-        for k, (torque, slope) in enumerate(zip(static(q), slopes, strict=True)):
-            over = less(effort[k], absolute(torque))
-            left = effort[k] - where(less(0.0, slope), torque, -torque)
-            size = absolute(slope)
-            none = less(size, 1e-12)
-            holds = where(none, _UNLIMITED, left / where(none, 1.0, size))
-            mass = where(over, 0.0, holds)
-            nearer = less(mass, best[0])
-            # of overloaded joints the first
-            best = tuple(
-                where(nearer, a, b) for a, b in zip((mass, float(k), over), best, strict=True)
-            )
-        return best
+        return _held(static(q), slopes, effort)
 
     inputs = [Argument("q", (model.nq,)), Argument("effort", (model.nv,)), Argument("point", (d,))]
-    outputs = [Argument(name, ()) for name in ("mass", "joint", "overloaded")]
-    return compile_program(trace("payload_map", largest, inputs, outputs))
+    return compile_program(trace("payload_map", largest, inputs, _OUTPUTS))
+
+
+_OUTPUTS = [Argument(name, ()) for name in ("mass", "joint", "overloaded")]
+
+
+def _held(torques: Sequence[Scalar], slopes: Sequence[Scalar], effort: Sequence[Scalar]) -> Held:
+    """Of torques at rest (nv,) without payload, and what a kilogram adds to them."""
+    best: Held = (_UNLIMITED, 0.0, 0.0)
+    for k, (torque, slope) in enumerate(zip(torques, slopes, strict=True)):
+        over = less(effort[k], absolute(torque))
+        left = effort[k] - where(less(0.0, slope), torque, -torque)
+        size = absolute(slope)
+        none = less(size, 1e-12)
+        holds = where(none, _UNLIMITED, left / where(none, 1.0, size))
+        mass = where(over, 0.0, holds)
+        nearer = less(mass, best[0])
+        # of overloaded joints the first
+        best = tuple(where(nearer, a, b) for a, b in zip((mass, float(k), over), best, strict=True))
+    return best
+
+
+def _by_torques(model: Model, q: Array, frame: str, effort: Array, point: Array) -> Held:
+    """By the torques of the chain at rest, without payload and under the weight of a kilogram,
+    which serves closed chains and families."""
+    d, field = model.dim, model.gravity
+    T = forward_kinematics(model, q, frame)
+    arm = T[..., :d, :d] @ point
+    if d == 3:
+        moment = np.cross(arm, field)
+    else:
+        moment = arm[..., :1] * field[..., 1:] - arm[..., 1:] * field[..., :1]
+    pull = np.broadcast_to(field, (*moment.shape[:-1], d))
+    torques = static_torque(model, q)
+    loaded = static_torque(model, q, {frame: np.concatenate([pull, moment], axis=-1)})
+    slopes = loaded - torques
+    slopes[np.abs(slopes) <= _ROUNDING * np.abs(loaded)] = 0.0
+    key = ("payload_map", "by torques")
+    kernel = model.compiled.get(key)
+    if kernel is None:
+        inputs = [Argument(name, (model.nv,)) for name in ("torques", "slopes", "effort")]
+        kernel = compile_program(trace("held", _held, inputs, _OUTPUTS))
+        model.compiled[key] = kernel
+    return kernel(torques, slopes, effort)
