@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from freebody.derivations.equations.equations import Equations
 from freebody.derivations.expressions.expression import Equation, Expression
-from freebody.derivations.render import documents
+from freebody.derivations.render import documents, term_sources
 from freebody.outputs.display import InWords, Titled, counted
 from freebody.scalars.trig import Trig
 
@@ -147,9 +147,8 @@ class Derivation(Titled):
 
     def _repr_html_(self) -> str:
         made = self._drawings()
-        return (f"<style>{made.style}</style>" if made.style else "") + documents.body(
-            self, made.svg
-        )
+        style = f"<style>{made.style}{term_sources.STYLE}</style>"
+        return style + documents.body(self, made.svg)
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from freebody.derivations.expressions.nodes import (
     Power,
     Product,
     Quotient,
+    Sourced,
     Sum,
 )
 from freebody.errors import FreebodyError
@@ -75,6 +76,7 @@ def arithmetic(
         Sum: lambda node, at: total(map(at, node.terms)),
         Product: lambda node, at: product(map(at, node.factors)),
         Negative: lambda node, at: negative(at(node.operand)),
+        Sourced: lambda node, at: at(node.operand),
         Quotient: lambda node, at: quotient(at(node.above), at(node.below)),
         Power: lambda node, at: power(at(node.base), node.exponent),
     }

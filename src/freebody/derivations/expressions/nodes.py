@@ -236,6 +236,13 @@ class Equation(Expression):
         return self.sides[-1]
 
 
+class Sourced(Expression):
+    """A term, and a word for where it came from; pages show that by colour and underline."""
+
+    operand: Expression
+    source: str
+
+
 class Words(Expression):
     """Upright words inside a formula."""
 

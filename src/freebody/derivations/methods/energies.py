@@ -72,12 +72,15 @@ class Energies:
         return self.s.weighs or self.has_springs
 
     @cached_property
+    def total_potential(self) -> Trig:
+        """V."""
+        return sum((self.potential(i) for i in self.s.weighted), self.springs)
+
+    @cached_property
     def lagrangian(self) -> Trig:
         """T - V."""
-        total = self.rotors - self.springs
-        for i in self.s.weighted:
-            total = total + self.kinetic(i) - self.potential(i)
-        return total
+        total = sum((self.kinetic(i) for i in self.s.weighted), self.rotors)
+        return total - self.total_potential
 
 
 def kinetic_step(s: Setting, energies: Energies) -> Step:

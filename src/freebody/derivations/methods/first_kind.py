@@ -95,7 +95,8 @@ class _FirstKindSteps:
     def equation(self, i: int) -> list[Step]:
         """The derivatives of L and the equation of one coordinate (5.23)."""
         s, energies = self.s, self.energies
-        derivatives, torque, friction = lagrange.derivatives(s, energies, i)
+        found = lagrange.derivatives(s, energies, i)
+        friction = found.friction
         k = s.index(i)
         x = s.coordinate(i)
         left = ex.add(
@@ -108,7 +109,7 @@ class _FirstKindSteps:
         )
         motor = s.motor(i) if not s.load else sym(f"Q{s.numbers[i]}")
         right = ex.add(motor, ex.neg_each(s.show(friction)))
-        total = torque + self.system.pressed[k] - self.works.get(i, s.symbols.zero())
+        total = found.needed + self.system.pressed[k] - self.works.get(i, s.symbols.zero())
         own = (
             "Along the coordinate act the joint's motor"
             if s.driven(i)
@@ -121,8 +122,8 @@ class _FirstKindSteps:
         )
         if not friction.is_zero:
             reason += " Friction opposes."
-        lines = (eq(left, right), eq(s.motor(i), s.show(total)))
-        return [derivatives, Step(f"The equation of {sym(x)}", reason, lines, ("5.23",))]
+        lines = (eq(left, right), eq(s.motor(i), found.sources.marked(s.show(total))))
+        return [found.step, Step(f"The equation of {sym(x)}", reason, lines, ("5.23",))]
 
     # ------------------------------------------------------------ all together
     def together(self) -> list[Step]:

@@ -3,18 +3,20 @@ coordinate (5.6-5.20, 6.15)."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 from freebody.algorithms.kinematics import BodyMotions, outward
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expressions import expression as ex
-from freebody.derivations.expressions.expression import Expression, eq
+from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.methods import glossary, step_reasons
 from freebody.derivations.methods.closed_form_steps import closed_form
 from freebody.derivations.methods.energies import Energies, kinetic_step, potential_step
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.term_sources import KINETIC, POTENTIAL, TIME, TermSources
 from freebody.derivations.methods.virtual_work import virtual_work
 from freebody.derivations.polynomials.symbols import RATE
 from freebody.scalars.trig import Trig
@@ -30,12 +32,13 @@ def work_out(setting: Setting) -> Worked:
     if s.load:
         step, works = virtual_work(s)
         steps.append(step)
+    by_coordinate = [derivatives(s, energies, i) for i in s.order]
     tau = []
-    for i in s.order:
-        more, torque = _equation(s, energies, i, works.get(i, load))
-        steps += more
+    for i, one in zip(s.order, by_coordinate, strict=True):
+        equation, torque = _equation(s, i, one, works.get(i, load))
+        steps += [one.step, equation]
         tau.append(torque)
-    steps.append(closed_form(s))
+    steps.append(_marked(closed_form(s), [one.sources for one in by_coordinate]))
     return Worked(tuple(steps), tuple(tau), symbols(s))
 
 
@@ -158,17 +161,32 @@ def _lagrangian(s: Setting, energies: Energies) -> Step:
     )
 
 
-def derivatives(s: Setting, energies: Energies, i: int) -> tuple[Step, Trig, Trig]:
-    """The three derivatives of L by one coordinate; what they and friction add up to; friction."""
+@dataclass(frozen=True)
+class Derivatives:
+    """The derivatives of L by one coordinate."""
+
+    step: Step
+    needed: Trig
+    """What they and friction add up to."""
+    friction: Trig
+    sources: TermSources
+    """Which terms of that are from which of them."""
+
+
+def derivatives(s: Setting, energies: Energies, i: int) -> Derivatives:
+    """The three derivatives of L by one coordinate, and what they add up to."""
     x, L = s.coordinate(i), energies.lagrangian
     by_rate, by_position = L.derivative(x + RATE), L.derivative(x)
     moved = by_rate.along(s.symbols.rates)
     friction = s.equations.drives[s.index(i)] - energies.springs.derivative(x)
+    potential = energies.total_potential.derivative(x)
+    parts = {TIME: moved}, {KINETIC: by_position + potential, POTENTIAL: potential}
+    in_time, in_space = (TermSources(s.symbols, part) for part in parts)
     slope, d_position = ex.partial("L", x + RATE), ex.partial("L", x)
     lines = (
         eq(slope, s.show(by_rate)),
-        eq(ex.d_dt(slope), s.show(moved)),
-        eq(d_position, s.show(by_position)),
+        eq(ex.d_dt(slope), in_time.marked(s.show(moved))),
+        eq(d_position, in_space.marked(s.show(by_position))),
     )
     step = Step(
         f"Derivatives for {sym(x)}",
@@ -177,13 +195,14 @@ def derivatives(s: Setting, energies: Energies, i: int) -> tuple[Step, Trig, Tri
         "brings in the accelerations.",
         lines,
     )
-    return step, moved - by_position + friction, friction
+    others = {} if friction.is_zero else {"friction": friction}
+    sources = TermSources(s.symbols, parts[0] | parts[1] | others)
+    return Derivatives(step, moved - by_position + friction, friction, sources)
 
 
-def _equation(s: Setting, energies: Energies, i: int, work: Trig) -> tuple[list[Step], Trig]:
-    """The derivatives and the equation of one coordinate; work: what the load adds to its force."""
-    first, needed, friction = derivatives(s, energies, i)
-    torque, x = needed - work, s.coordinate(i)
+def _equation(s: Setting, i: int, found: Derivatives, work: Trig) -> tuple[Step, Trig]:
+    """The equation of one coordinate; work: what the load adds to its force."""
+    torque, x, friction = found.needed - work, s.coordinate(i), found.friction
     slope, d_position = ex.partial("L", x + RATE), ex.partial("L", x)
     force = s.motor(i) if not s.load else sym(f"Q{s.numbers[i]}")
     right = ex.add(force, ex.neg_each(s.show(friction)))
@@ -200,10 +219,22 @@ def _equation(s: Setting, energies: Energies, i: int, work: Trig) -> tuple[list[
     equation = Step(
         f"The equation of {sym(x)}",
         reason,
-        (eq(ex.sub(ex.d_dt(slope), d_position), right), eq(s.motor(i), s.show(torque))),
+        (
+            eq(ex.sub(ex.d_dt(slope), d_position), right),
+            eq(s.motor(i), found.sources.marked(s.show(torque))),
+        ),
         ("5.7", number) if number else ("5.7",),
     )
-    return [first, equation], torque
+    return equation, torque
+
+
+def _marked(closed: Step, sources: Sequence[TermSources]) -> Step:
+    """The closed form, whose first lines are the torques, with their terms marked."""
+    lines = [
+        Equation((*line.sides[:-1], one.marked(line.rhs)))
+        for line, one in zip(closed.equations, sources, strict=False)
+    ]
+    return replace(closed, equations=(*lines, *closed.equations[len(lines) :]))
 
 
 METHOD = Method(

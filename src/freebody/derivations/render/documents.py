@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from freebody.derivations.expressions.nodes import Expression
-from freebody.derivations.render import page
+from freebody.derivations.render import page, term_sources
 from freebody.derivations.render.equation_numbers import cited
 from freebody.derivations.render.literal import declared, literal
 from freebody.derivations.render.living_parts import STYLE, LivingParts
@@ -234,6 +234,7 @@ body = _Document(
     symbol=lambda symbol: mathml(symbol, display=False),
     equations=lambda step: (
         f'<div class="equations{" result" * step.result}">{page.html([step.equations])}</div>'
+        f"{term_sources.legend(step.equations)}"
     ),
     title="<h1>{}</h1>",
     given="<p>{}</p>",
@@ -272,7 +273,7 @@ def html(
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">{policy(scripts)}'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         '<meta name="color-scheme" content="light dark"><link rel="icon" href="data:,">'
-        f"<title>{title}</title><style>{math_style()}{style}{_STYLE}</style></head>\n"
+        f"<title>{title}</title><style>{math_style()}{style}{_STYLE}{term_sources.STYLE}</style></head>\n"
         f"<body><main{kind}>\n{inside(derivation, figures)}\n</main>{run}</body></html>\n"
     )
 

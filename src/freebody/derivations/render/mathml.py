@@ -14,7 +14,9 @@ NAMESPACE = 'xmlns="http://www.w3.org/1998/Math/MathML"'
 _OPEN, _CLOSE = '<mo stretchy="false">(</mo>', '<mo stretchy="false">)</mo>'
 _THIN, _APPLY, _TIMES = '<mspace width="0.17em"/>', "<mo>&#x2061;</mo>", "<mo>&#x2062;</mo>"
 _DOTS = ("", "˙", "¨")
-_TAGS = re.compile(r"<[^>]*>|&[^;]*;|[˙¨]")
+_TAGS = re.compile(r"<[^>]*>|&[^;]*;|[˙¨]|\ue000[a-z]*\ue001|\ue002")
+_MARKS = re.compile("\ue000([a-z]*)\ue001|\ue002")
+"""Where a term with a source begins and ends, until it is known where lines end."""
 
 
 def mathml(node: Expression, display: bool = True) -> str:
@@ -30,6 +32,26 @@ def _width(string: str) -> float:
         len(_TAGS.sub("", s)) for s in re.findall(r"(?:</mi>|</mover>)<mrow>(.*?)</mrow>", string)
     )
     return 0.85 * (full - 0.4 * scripts) + 0.8 * string.count('form="infix"')
+
+
+def _in_elements(lines: list[str]) -> list[str]:
+    """Terms with a source as elements of their class; a term that is broken is one in each line."""
+    made, source = [], ""
+    for line in lines:
+        text = _opened(source) if source else ""
+        for piece in re.split("(\ue000[a-z]*\ue001|\ue002)", line):
+            mark = _MARKS.fullmatch(piece)
+            if mark is None:
+                text += piece
+                continue
+            source = mark[1] or ""
+            text += _opened(source) if source else "</mrow>"
+        made.append(text + "</mrow>" * bool(source))
+    return made
+
+
+def _opened(source: str) -> str:
+    return f'<mrow class="term-{source}">'
 
 
 def _digits(digits: str) -> str:
@@ -74,6 +96,8 @@ MATHML = Typesetter(
         gap=lambda before, after: _THIN if is_call(before) or is_call(after) else _TIMES,
         function="<mi>{}</mi>".format,
         words=lambda text: f"<mtext>{escape(text)}</mtext>",
+        sourced=lambda source, term: f"\ue000{source}\ue001{term}\ue002",
+        finished=_in_elements,
         plus=f'{BREAK}<mo form="infix">+</mo>',
         minus=f'{BREAK}<mo form="infix">−</mo>',
         lead='<mo form="prefix">−</mo>',

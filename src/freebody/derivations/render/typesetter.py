@@ -23,6 +23,7 @@ from freebody.derivations.expressions.nodes import (
     Power,
     Product,
     Quotient,
+    Sourced,
     Sum,
     Symbol,
     Transposed,
@@ -59,6 +60,8 @@ def precedence(node: Expression) -> int:
         if node.value < 0:
             return SUM
         return ATOM if node.value.denominator == 1 or node.decimal else PRODUCT
+    if isinstance(node, Sourced):
+        return precedence(node.operand)
     return _PRECEDENCE.get(type(node), ATOM)
 
 
@@ -92,6 +95,10 @@ class Notation:
     """An argument without the spaces around its signs."""
     words: Callable[[str], str] = str
     """Upright words."""
+    sourced: Callable[[str, str], str] = lambda source, term: term
+    """A term by where it came from; it may be broken."""
+    finished: Callable[[list[str]], list[str]] = list
+    """What is left to do when a formula has been broken into lines."""
     plus: str = f"{BREAK}+ "
     minus: str = f"{BREAK}− "
     lead: str = "−"
@@ -158,11 +165,14 @@ class Typesetter:
 
     def line(self, node: Expression) -> str:
         """A whole formula in one line."""
-        return self.notation.line.format(self.whole(node))
+        return self._finished([self.whole(node)])[0]
 
     def lines(self, node: Expression, room: float) -> list[str]:
         """The same in lines of about so many letters, broken before signs."""
-        return [self.notation.line.format(x) for x in broken(self(node), room, self.notation.width)]
+        return self._finished(broken(self(node), room, self.notation.width))
+
+    def _finished(self, lines: list[str]) -> list[str]:
+        return [self.notation.line.format(line) for line in self.notation.finished(lines)]
 
     def _number(self, node: Number) -> str:
         n, value = self.notation, node.value
@@ -280,6 +290,7 @@ class Typesetter:
         Vector: _column,
         Matrix: lambda self, node: self._array(node.rows, self.notation.matrix),
         Equation: lambda self, node: self.notation.equals.join(self(x, SUM) for x in node.sides),
+        Sourced: lambda self, node: self.notation.sourced(node.source, self(node.operand)),
         Words: lambda self, node: self.notation.words(node.text),
     }
 
