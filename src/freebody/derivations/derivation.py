@@ -48,7 +48,7 @@ class Step(InWords):
         return self.text()
 
     def _repr_html_(self) -> str:
-        return documents.body.step(self)
+        return f"<style>{term_sources.STYLE}</style>{documents.body.step(self)}"
 
 
 @dataclass(frozen=True)

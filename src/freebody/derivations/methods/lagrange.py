@@ -162,7 +162,7 @@ def _lagrangian(s: Setting, energies: Energies) -> Step:
 
 
 @dataclass(frozen=True)
-class Derivatives:
+class LagrangianDerivatives:
     """The derivatives of L by one coordinate."""
 
     step: Step
@@ -173,7 +173,7 @@ class Derivatives:
     """Which terms of that are from which of them."""
 
 
-def derivatives(s: Setting, energies: Energies, i: int) -> Derivatives:
+def derivatives(s: Setting, energies: Energies, i: int) -> LagrangianDerivatives:
     """The three derivatives of L by one coordinate, and what they add up to."""
     x, L = s.coordinate(i), energies.lagrangian
     by_rate, by_position = L.derivative(x + RATE), L.derivative(x)
@@ -197,10 +197,10 @@ def derivatives(s: Setting, energies: Energies, i: int) -> Derivatives:
     )
     others = {} if friction.is_zero else {"friction": friction}
     sources = TermSources(s.symbols, parts[0] | parts[1] | others)
-    return Derivatives(step, moved - by_position + friction, friction, sources)
+    return LagrangianDerivatives(step, moved - by_position + friction, friction, sources)
 
 
-def _equation(s: Setting, i: int, found: Derivatives, work: Trig) -> tuple[Step, Trig]:
+def _equation(s: Setting, i: int, found: LagrangianDerivatives, work: Trig) -> tuple[Step, Trig]:
     """The equation of one coordinate; work: what the load adds to its force."""
     torque, x, friction = found.needed - work, s.coordinate(i), found.friction
     slope, d_position = ex.partial("L", x + RATE), ex.partial("L", x)
