@@ -157,7 +157,7 @@ class Loops:
             "The equations hold at all times, so their time derivatives vanish: the matrix Φ_q of "
             "partial derivatives, multiplied by the rates, gives zero."
         )
-        zero = eq(ex.d_dt(sym("Phi")), ex.mul(self.phi_q, _dotted("q", 1)), ex.ZERO)
+        zero = eq(ex.d_dt(sym("Phi")), ex.mul(self.phi_q, dotted("q", 1)), ex.ZERO)
         return Step(
             "Velocity constraints",
             reason + self.unlisted(self.equations.Phi_q),
@@ -168,7 +168,7 @@ class Loops:
     def seconds(self) -> Step:
         """Φ_q q̈ = c."""
         rate = ex.Symbol("Phi_q_d", "Φ", ("q",), dots=1)
-        rule = eq(ex.mul(self.phi_q, _dotted("q", 2)), ex.neg(ex.mul(rate, _dotted("q", 1))), "c")
+        rule = eq(ex.mul(self.phi_q, dotted("q", 2)), ex.neg(ex.mul(rate, dotted("q", 1))), "c")
         lines = [eq(entry("c", k), self.s.show(x)) for k, x in enumerate(self.equations.c, 1)]
         reason = (
             "Differentiating once more gives the constraints on the accelerations; c holds the "
@@ -277,7 +277,7 @@ class Loops:
     @property
     def phi_q(self) -> Expression:
         """Φ_q."""
-        return ex.Symbol("Phi_q", "Φ", ("q",))
+        return PHI_Q
 
     def phi(self, k: int) -> Expression:
         """Φ_k."""
@@ -312,7 +312,18 @@ class Loops:
         return min((self.s.show_moved(x), self.s.show(x)), key=ex.size)
 
 
-def _dotted(letter: str, dots: int) -> Expression:
+PHI_Q = ex.Symbol("Phi_q", "Φ", ("q",))
+"""The matrix Φ_q."""
+
+
+def block_system() -> Equation:
+    """M q̈ + Φ_qᵀ λ = n and Φ_q q̈ = c as one system (5.29)."""
+    block = ex.matrix([[sym("M"), ex.transposed(PHI_Q)], [PHI_Q, ex.ZERO]])
+    return eq(ex.mul(block, ex.vector(dotted("q", 2), sym("lam"))), ex.vector("n", "c"))
+
+
+def dotted(letter: str, dots: int) -> Expression:
+    """q̇, q̈ and the like: all coordinates in one symbol."""
     return ex.Symbol(letter + ("", "_d", "_dd")[dots], letter, dots=dots)
 
 

@@ -14,10 +14,10 @@ from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.nodes import Words
 from freebody.derivations.expressions.printed_names import entry, sym
-from freebody.derivations.methods import glossary, lagrange
-from freebody.derivations.methods.cut_loops import LONG, Loops
+from freebody.derivations.methods import absolute_coordinates, glossary, lagrange
+from freebody.derivations.methods.cut_loops import LONG, Loops, block_system
 from freebody.derivations.methods.energies import HALF
-from freebody.derivations.methods.method import Method, Worked
+from freebody.derivations.methods.method import Method, MethodOption, Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.virtual_work import virtual_work
 from freebody.derivations.polynomials.symbols import RATE, SECOND
@@ -27,8 +27,11 @@ SHORT = 14
 """Numbers and symbols up to which a denominator is written in every quotient."""
 
 
-def work_out(setting: Setting) -> Worked:
-    """The steps; of an open chain that of the second kind, for there are no multipliers."""
+def work_out(setting: Setting, coordinates: str) -> Worked:
+    """The steps; of an open chain that of the second kind, for there are no multipliers.
+    coordinates: of the joints, or absolute ones, for which see `absolute_coordinates`."""
+    if coordinates == "absolute":
+        return absolute_coordinates.work_out(setting)
     if not setting.tree.loops:
         return _open_chain(setting)
     loops = Loops(setting)
@@ -146,8 +149,6 @@ class _FirstKindSteps:
             ),
             ("5.25", "5.26", "5.27"),
         )
-        block = ex.matrix([[sym("M"), ex.transposed(self.loops.phi_q)], [self.loops.phi_q, 0]])
-        unknown = ex.vector(ex.Symbol("q_dd", "q", dots=2), sym("lam"))
         n, m = len(self.s.symbols.coordinates), len(self.loops.equations.names)
         both = Step(
             "Accelerations and multipliers together",
@@ -155,7 +156,7 @@ class _FirstKindSteps:
             f"multipliers. The matrix can "
             "be inverted where Φ_q has full rank and M is positive definite on the motions that "
             "the loops allow.",
-            (eq(ex.mul(block, unknown), ex.vector("n", "c")),),
+            (block_system(),),
             ("5.29",),
             result=True,
         )
@@ -343,6 +344,14 @@ METHOD = Method(
     "loops as constraints with multipliers, and their reduction to independent coordinates",
     "lecture notes, section 5.4",
     work_out,
+    options=(
+        MethodOption(
+            "coordinates",
+            ("joint", "absolute"),
+            "those of the joints, or in the plane x, y, φ of each body with its joints as "
+            "constraints",
+        ),
+    ),
     closed=(2, 3),
     closed_first=True,
 )

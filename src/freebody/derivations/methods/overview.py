@@ -75,7 +75,7 @@ def _composed(s: Setting) -> list[str]:
                 f"{joints}; between them {'is' if len(links) == 1 else 'are'} {listed(links)}, "
                 "without mass."
             )
-        if taken_apart and body.joint.passive and body.kind.frees(given.dim):
+        if taken_apart and body.joint.passive and body.kind.frees(s.symbols.model.dim):
             told.append(
                 "Together they hold nothing: a force or moment through them stands for a bearing "
                 "that is not there, and vanishes with their equations."
