@@ -30,7 +30,7 @@ _HALF = 0.5
 """The distance for which the algorithms' equation of a rod is |r|² - d², up to its constant."""
 
 
-class _Order(Order):
+class _AbsoluteOrder(Order):
     """All angles are about one axis, which the structure of the tree does not tell here."""
 
     @cached_property
@@ -45,7 +45,7 @@ class _AbsoluteLayout(Layout):
     @cached_property
     def order(self) -> Order:
         """What the symbols are."""
-        return _Order(self.symbols)
+        return _AbsoluteOrder(self.symbols)
 
 
 @dataclass(frozen=True)
