@@ -61,6 +61,57 @@ def test_an_arm_reaches_its_own_postures():
     assert found.ways[4] == (poses.valid & poses.within_limits).sum()
 
 
+def test_a_family_is_its_members():
+    """An annulus for each length, with and without orientations; and as a dataset."""
+    arm = fb.planar("RR", l=[1.0, 0.6], lc=[0.5, 0.3], m=[1.0, 1.0], I=[0.1, 0.1])
+    lengths = np.array([0.9, 1.0, 1.2])
+    points = POINTS[::7, ::8]
+    r = RADIUS[::7, ::8, None]
+    found = fb.workspace(arm.bind(l1=lengths), points)
+    inside = (r > np.abs(lengths - 0.6)) & (r < lengths + 0.6)
+    assert (found.ways == np.where(inside, 2, 0)).all()
+    assert (found.reached == inside).all()
+    assert "of 3 members" in repr(found)
+    table = found.to_xarray()
+    assert table["ways"].dims == ("point0", "point1", "member")
+    assert (table["x"].values == points[..., 0]).all()
+    assert table["distance"].attrs["units"] == "m"
+    three = fb.planar("RRR", l=[1.0, 0.6, 0.3], lc=[0.5, 0.3, 0.1], m=[1.0] * 3, I=[0.1] * 3)
+    turns = np.array([[[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]] for a in (0.3, 2.0)])
+    family = three.bind(l1=[0.9, 1.2])
+    found = fb.workspace(family, points, orientation=turns)
+    assert found.ways.shape == (*points.shape[:2], 2, 2)
+    for k in range(2):
+        one = fb.workspace(family[k], points, orientation=turns)
+        assert (found.ways[..., k] == one.ways).all()
+        assert (found.share[..., k] == one.share).all()
+        assert np.allclose(found.distance[..., k], one.distance, atol=1e-12)
+    assert found.to_xarray()["ways"].dims == ("point0", "point1", "orientation", "member")
+
+
+def test_a_five_bar_reaches_where_both_arms_do():
+    """Two ways for each of two arms whose tips are pinned together: where two annuli overlap."""
+    model = fb.load("five_bar")
+    q = fb.assemble(model, {"theta1": 2.0, "theta2": 0.9})
+    feet, elbows, tip = [], [], fb.forward_kinematics(model, q)[:2, 2]
+    for body in model.bodies:
+        at = fb.forward_kinematics(model, q, frame=body.name)[:2, 2]
+        (feet if body.parent < 0 else elbows).append(at)
+    assert len(feet) == len(elbows) == 2
+    points = np.stack(np.meshgrid(np.linspace(-1, 2, 7), np.linspace(-0.9, 1.2, 6)), axis=-1)
+    points = np.concatenate([points.reshape(-1, 2), tip[None]])
+    found = fb.workspace(model, points)
+    ways = np.ones(len(points), dtype=int)
+    for foot, elbow in zip(feet, elbows, strict=True):
+        upper, fore = np.linalg.norm(elbow - foot), np.linalg.norm(tip - elbow)
+        r = np.linalg.norm(points - foot, axis=-1)
+        ways *= np.where((r > abs(upper - fore)) & (r < upper + fore), 2, 0)
+    assert (found.ways == ways).all()
+    assert found.ways[-1] == 4
+    assert not found.redundant
+    assert (np.isnan(found.distance) == (ways == 0)).all()
+
+
 def test_refusals():
     arm = fb.load("2R")
     for words, call in (
@@ -68,8 +119,6 @@ def test_refusals():
         ("points", lambda: fb.workspace(arm, [np.nan, 0.0])),
         ("orientation has shape", lambda: fb.workspace(arm, [1.0, 0.0], orientation=[1.0])),
         ("not a pose", lambda: fb.workspace(arm, [1.0, 0.0], orientation=2 * np.eye(2))),
-        ("closed chain", lambda: fb.workspace(fb.load("five_bar"), [0.0, 0.0])),
-        ("family", lambda: fb.workspace(arm.bind(l1=[1.0, 2.0]), [0.0, 0.0])),
     ):
         with pytest.raises(fb.FreebodyError, match=words):
             call()

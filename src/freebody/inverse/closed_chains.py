@@ -3,6 +3,7 @@ to close all of them is a working mode."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,9 +36,12 @@ _SETTLING = (1.0, 30.0, 1e3, 1e4)
 reach."""
 
 
-def of_closed_chain(problem: Problem, batch: tuple[int, ...]) -> Solutions:
-    """See `fb.inverse_kinematics`."""
+def of_closed_chain(
+    problem: Problem, batch: tuple[int, ...], away: Callable[[Array], Away] | None = None
+) -> Solutions:
+    """See `fb.inverse_kinematics`; away: how far targets are out of reach, by default sought."""
     work = _Held(problem)
+    away = away or work.away
     if work.plan is not None:
         candidates = work.plan.solve(np.tile(work.rest, (len(problem.target), 1)), problem.target)
         if candidates is not None:
@@ -51,8 +55,18 @@ def of_closed_chain(problem: Problem, batch: tuple[int, ...]) -> Solutions:
             ]
             nq = problem.solver.model.nq
             found = found_in_turn(solutions, branches, nq, "dyads, in closed form", [])
-            return gathered(problem, None, found, batch, work.away)
-    return gathered(problem, None, _searched(work), batch, work.away)
+            return gathered(problem, None, found, batch, away)
+    return gathered(problem, None, _searched(work), batch, away)
+
+
+def unmeasured(target: Array) -> Away:
+    """NaN for targets out of reach, whose distance takes longer to find than all solutions."""
+    return np.full(len(target), np.nan), lambda _: "Out of reach."
+
+
+def still_moves(problem: Problem, q: Array) -> bool:
+    """Whether the robot can move from a closed position q (nq,) while its tip stands still."""
+    return _Held(problem).freedom(q) > 0
 
 
 def _searched(work: _Held) -> Found:

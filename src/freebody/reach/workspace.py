@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import ShapeError
+from freebody.inverse.closed_chains import of_closed_chain, still_moves, unmeasured
 from freebody.inverse.kinematics import inverse_kinematics
 from freebody.inverse.numerical_solver import NumericalSolver
-from freebody.inverse.task import read_target
-from freebody.model.families import FamilyError
+from freebody.inverse.problem import Problem
+from freebody.inverse.task import Task, read_target
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable
+from freebody.reach.labelled_maps import axes_of, labelled
 from freebody.values import ByValue
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _AT_ONCE = 65536
 """Targets side by side, which bounds the memory."""
@@ -25,11 +31,12 @@ _AT_ONCE = 65536
 class WorkspaceMap(Tabled, ByValue):
     """In how many ways a frame comes to points (...), within the joints' limits.
 
-    points: (..., dim), m, world axes. ways: (...), or (..., m) for m orientations; 0 out of reach.
-    redundant: whether each point that is reached is reached in infinitely many ways; ways is 1
-    there. distance: as ways, m, from what can be reached, limits left aside; 0 where only they, or
-    the orientation, are in the way. oriented: whether the orientation was given. frame: its name.
-    method: how the ways were found.
+    points: (..., dim), m, world axes. ways: (...), or (..., m) for m orientations, of a family
+    (..., [m,] *family); 0 out of reach. redundant: whether each point that is reached is reached in
+    infinitely many ways; ways is 1 there. distance: as ways, m, from what can be reached, limits
+    left aside; 0 where only they, or the orientation, are in the way; NaN out of a closed chain's
+    reach. oriented: whether the orientation was given. frame: its name. method: how the ways were
+    found. family: the shape of the family.
     """
 
     points: Array
@@ -39,29 +46,56 @@ class WorkspaceMap(Tabled, ByValue):
     oriented: bool
     frame: str
     method: str
+    family: tuple[int, ...] = ()
 
     @property
     def reached(self) -> np.ndarray:
-        """Which points are reached (...), of several orientations in any."""
+        """Which points are reached (..., *family), of several orientations in any."""
         found = self.ways > 0
-        return np.asarray(found.any(axis=-1)) if self._several else found
+        return np.asarray(found.any(axis=self._axis)) if self._several else found
 
     @property
     def share(self) -> Array:
-        """Of the orientations the part in which each point is reached (...)."""
+        """Of the orientations the part in which each point is reached (..., *family)."""
         found = (self.ways > 0).astype(float)
-        return np.asarray(found.mean(axis=-1)) if self._several else found
+        return np.asarray(found.mean(axis=self._axis)) if self._several else found
+
+    @property
+    def _axis(self) -> int:
+        """That of several orientations."""
+        return self.points.ndim - 1
 
     @property
     def _several(self) -> bool:
-        return self.ways.ndim == self.points.ndim
+        return self.ways.ndim > self._axis + len(self.family)
+
+    def to_xarray(self) -> xr.Dataset:
+        """As a labelled dataset: ways, distance, share and reached over the points, with their
+        places as coordinates."""
+        dims = axes_of("point", self.points.ndim - 1)
+        family = axes_of("member", len(self.family))
+        all_of = (*dims, *(("orientation",) if self._several else ()), *family)
+        entries = {
+            "ways": (all_of, self.ways, "1", "ways to reach it within the limits"),
+            "distance": (all_of, self.distance, "m", "distance from what can be reached"),
+            "reached": ((*dims, *family), self.reached, "1", "whether it is reached"),
+            "share": ((*dims, *family), self.share, "1", "part of the orientations"),
+        }
+        places = {
+            axis: (dims, self.points[..., k], "m", f"{axis} of the point")
+            for k, axis in enumerate("xyz"[: self.points.shape[-1]])
+        }
+        about = {"frame": self.frame, "method": self.method, "redundant": int(self.redundant)}
+        return labelled(entries, places, about)
 
     def _title(self) -> str:
         count = self.reached.size
         how = "any orientation"
         if self.oriented:
-            how = f"{self.ways.shape[-1]} orientations" if self._several else "one orientation"
-        points = f"{int(self.reached.sum())} of {count} points"
+            many = self.ways.shape[self._axis] if self._several else 0
+            how = f"{many} orientations" if self._several else "one orientation"
+        members = f" of {int(np.prod(self.family))} members" if self.family else ""
+        points = f"{int(self.reached.sum())} of {count} points{members}"
         return f"WorkspaceMap: {points} of frame {self.frame!r}, {how}"
 
     def _table(self) -> TextTable:
@@ -90,14 +124,12 @@ def workspace(
     is tried at each point; without it the orientation is free.
 
     The ways are the solutions of `fb.inverse_kinematics`: all of them where it has a closed form,
-    else what many starts found, which may miss some. Open chains. Returns WorkspaceMap. Raises
+    else what many starts found, which may miss some; of a closed chain its working modes, all
+    loops closed. Each member of a family is asked for each point. Returns WorkspaceMap. Raises
     FreebodyError, ShapeError, NotFiniteError, UnknownNameError.
     """
     function, d = "workspace", model.dim
     model.require_values("the workspace")
-    model.require_tree(function)
-    if model.family:
-        raise FamilyError(function, model.name, model.family)
     name = model.frame(frame).name
     at = as_floats(function, "points", points)
     if at.shape[-1:] != (d,):
@@ -114,19 +146,57 @@ def workspace(
     task, poses = read_target(function, model, target, None)
     shape = poses.shape[:-2]
     flat = (target if given is None else poses).reshape(-1, *target.shape[len(shape) :])
-    ways, distance = np.zeros(len(flat), dtype=int), np.zeros(len(flat))
-    method = ""
-    for start in range(0, len(flat), _AT_ONCE):
-        part = slice(start, start + _AT_ONCE)
-        found = inverse_kinematics(model, flat[part], name)
-        ways[part] = (found.valid & found.within_limits).sum(axis=-1)
-        distance[part], method = found.distance, found.method
-    redundant = NumericalSolver(model, name, task).freedom > 0
+    find = _closed_chain if model.loops else _open_chain
+    ways, distance, method, redundant = find(model, name, task, flat)
     if redundant:
         ways = np.minimum(ways, 1)
+    whole = (*shape, *model.family)
     return WorkspaceMap(
-        at, ways.reshape(shape), redundant, distance.reshape(shape), given is not None, name, method
+        at,
+        ways.reshape(whole),
+        redundant,
+        distance.reshape(whole),
+        given is not None,
+        name,
+        method,
+        model.family,
     )
+
+
+Ways = tuple[np.ndarray, Array, str, bool]
+"""Ways and distances (N, *family), how they were found, and whether there are infinitely many."""
+
+
+def _open_chain(model: Model, frame: str, task: Task, target: Array) -> Ways:
+    ways = np.zeros((len(target), *model.family), dtype=int)
+    distance, method = np.zeros(ways.shape), ""
+    one = model[(0,) * len(model.family)] if model.family else model
+    of_members = (1,) * len(model.family)
+    at_once = max(1, _AT_ONCE // int(np.prod(model.family)))
+    for start in range(0, len(target), at_once):
+        part = slice(start, start + at_once)
+        goals = target[part].reshape(-1, *of_members, *target.shape[1:])
+        found = inverse_kinematics(model, goals, frame)
+        ways[part] = (found.valid & found.within_limits).sum(axis=-1)
+        distance[part], method = found.distance, found.method
+    return ways, distance, method, NumericalSolver(one, frame, task).freedom > 0
+
+
+def _closed_chain(model: Model, frame: str, task: Task, target: Array) -> Ways:
+    if model.family:
+        each = [
+            _closed_chain(model[index], frame, task, target) for index in np.ndindex(model.family)
+        ]
+        shape = (len(target), *model.family)
+        ways, distance = (np.stack([x[k] for x in each], -1).reshape(shape) for k in (0, 1))
+        return ways, distance, each[0][2], any(x[3] for x in each)
+    poses = read_target("workspace", model, target, None)[1]
+    problem = Problem(NumericalSolver(model, frame, task), poses, None, "mark", None, 0)
+    found = of_closed_chain(problem, (len(target),), away=unmeasured)
+    ways = (found.valid & found.within_limits).sum(axis=-1)
+    some = found.q[found.valid][:1]
+    redundant = len(some) > 0 and still_moves(problem, some[0])
+    return ways, found.distance, found.method, redundant
 
 
 def _poses(points: Array, R: Array) -> Array:

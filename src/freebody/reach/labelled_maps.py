@@ -1,0 +1,36 @@
+"""Maps as labelled datasets."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Entry = tuple[tuple[str, ...], Any, str, str]
+"""Dimensions, values, unit, and what it is."""
+
+
+def axes_of(name: str, count: int) -> tuple[str, ...]:
+    """Names of so many axes: `name`, or `name0`, `name1`, … of several."""
+    return (name,) if count == 1 else tuple(f"{name}{k}" for k in range(count))
+
+
+def labelled(
+    entries: Mapping[str, Entry],
+    coordinates: Mapping[str, Entry],
+    about: Mapping[str, Any],
+) -> xr.Dataset:
+    """A dataset with units; about: its attributes."""
+    import xarray as xr
+
+    def variables(given: Mapping[str, Entry]) -> dict[str, Any]:
+        return {
+            name: (dims, np.array(values), {"units": unit, "long_name": meaning})
+            for name, (dims, values, unit, meaning) in given.items()
+        }
+
+    return xr.Dataset(variables(entries), variables(coordinates), dict(about))
