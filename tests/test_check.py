@@ -166,6 +166,18 @@ def test_where_the_weights_pull_is_said_of_this_robot(gravity: tuple[float, ...]
 RUBBED = ARM.with_drive("joint1", viscous="b", coulomb="f")
 
 
+@pytest.mark.parametrize("family", "TV")
+def test_energies_of_a_body_are_those_of_its_payload_too(family: str):
+    loaded = ARM.with_payload(mass=1.5)
+    own = fb.check(ARM, f"{family}2 = 0").findings[0].right
+    assert fb.check(ARM, f"{family}2 = {own}")
+    verdict = fb.check(loaded, f"{family}2 = {own}")
+    assert not verdict
+    assert "1.5 l₂" in verdict.text
+    with pytest.raises(fb.FreebodyError, match="rc2"):  # a fraction that has no symbol
+        fb.check(loaded, "rc2x = 0")
+
+
 @pytest.mark.parametrize(
     ("friction", "words"),
     [

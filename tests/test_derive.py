@@ -63,6 +63,37 @@ def test_bundled_robots_are_derived(names):
     assert compare(first, fb.derive(model, "recursive"))
 
 
+LOADED = [
+    fb.planar("RR").with_payload(fb.Inertia.point(fb.Parameter("mp"), (0.1, fb.Parameter("b")))),
+    fb.planar("PR", m=[2, 3], I=[0, 0.1], l=[0, 1], lc=[0, "e"]).with_payload(mass=1.5),
+    fb.planar("R", m=[2], I=[0.1], l=[1], lc=[0.5]).with_payload(mass=1.5, com=[0.1, 0.2]),
+    spatial_arm(3, 2).with_payload(fb.Inertia(2.0, (0.1, 0.0, -0.2), (0.1, 0, 0, 0.2, 0, 0.2))),
+]
+
+
+@pytest.mark.parametrize("model", LOADED)
+def test_a_body_and_its_payload_are_derived_as_one(model):
+    ends_alike(model)
+    said = fb.derive(model, "lagrange").given
+    assert f"Body {model.nv} is link{model.nv} and payload as one rigid body" in said
+
+
+def test_numbers_of_parts_are_added_up():
+    own = fb.Inertia(2.0, (0.5, 0.0, 0.1), (0.1, 0, 0, 0.2, 0, 0.2))
+    row = {"m": own.mass, "com": own.com, "I": own.tensor, "a": 0.7}
+    arm = fb.dh([row], convention="modified")
+    load = fb.Inertia.point(1.5, (0.1, 0.2, 0.0))
+    (whole,) = fb.derive(arm.with_payload(load)).equations.symbols.model.bodies[0].inertias
+    assert whole.inertia == own + load
+
+
+def test_the_table_tells_the_symbols_of_the_whole():
+    text = fb.derive(LOADED[0], "lagrange").text()
+    assert "mt₂             mass of body 2 [kg]" in text
+    assert "ct₂x, ct₂y      distances from joint 2 to the centre of mass of body 2 [m]" in text
+    assert "mp" not in text
+
+
 def test_friction_springs_and_rotors_are_derived_too():
     names = {
         "viscous": "b1",

@@ -12,8 +12,8 @@ from freebody.derivations.methods import METHODS
 from freebody.derivations.methods.free_bodies import velocity_names
 from freebody.derivations.methods.method import Method
 from freebody.derivations.methods.overview import overview
-from freebody.derivations.methods.setting import Setting, require_chain_of_bodies
-from freebody.derivations.polynomials.symbols import symbols
+from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.whole_bodies import symbols_of_bodies, told
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.model import Model
@@ -45,11 +45,11 @@ def undrawn_derivation(
         load = record.at_rest and _has_moving_tip(model)
     names = LOADS[model.dim] if load else ()
     extra = (*names, *_multipliers(model), *velocity_names(model))
-    made = symbols(model, extra=extra, euler=not model.loops)
-    require_chain_of_bodies(made, f"derive {record.name!r}")
+    made = symbols_of_bodies(f"derive {record.name!r}", model, extra, euler=not model.loops)
     setting = Setting(made, names, at_rest=record.at_rest)
     worked = record(setting, **options)
     given, glossary = overview(setting, record, worked)
+    given = " ".join([given, *told(model, made)])
     return Derivation(
         record.name,
         worked.title or record.title,
@@ -132,7 +132,7 @@ def compare(first: Derivation, second: Derivation) -> Comparison:
     """Two derivations of one model, subtracted term by term; true when they are identical
     polynomials."""
     a, b = first.equations.symbols, second.equations.symbols
-    if a.given is not b.given:
+    if a.given != b.given:
         raise FreebodyError("compare: the derivations are of different models.")
     for derivation in (first, second):
         if not METHODS[derivation.method].finds_torques:

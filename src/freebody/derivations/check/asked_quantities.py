@@ -14,6 +14,7 @@ from freebody.derivations.equations.kinematics import Kinematics
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.evaluate import arithmetic, evaluate
 from freebody.derivations.expressions.expression import Expression
+from freebody.derivations.methods.energies import Energies
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.determinant import determinant
 from freebody.derivations.relations.quantities import QuantityValues, branches
@@ -199,27 +200,27 @@ class Targets:
         yield _LETTERS["L"], AskedQuantity("L", (), lambda: self.setting.element(eq.T - eq.V))
 
     def _of_body(self, family: str, body: int) -> Callable[[], Trig]:
-        """The terms of an energy with a body's mass or moment of inertia."""
+        """An energy of a body with all that is fixed to it."""
 
         def value() -> Trig:
-            inertial = self.setting.order.inertial
-            own = {name for name, (i, _) in inertial.items() if i == body}
-            terms = getattr(self.setting.equations, family).terms()
+            s = self._setting
+            energies, i = Energies(s, s.motion), s.tree.body_of[body]
             return self.setting.element(
-                self.setting.equations.symbols.ring.polynomial(
-                    (p, c) for p, c in terms if own & set(p)
-                )
+                energies.kinetic(i) if family == "T" else energies.potential(i)
             )
 
         return value
 
     # ------------------------------------------------------------ bodies
     @cached_property
+    def _setting(self) -> Setting:
+        return Setting(self.setting.equations.symbols)
+
+    @cached_property
     def _bodies(self) -> list[dict[str, Any]]:
         """What `fb.quantities` tells of each body, in the order of their numbers."""
-        s = Setting(self.setting.equations.symbols)
-        values = QuantityValues(s, "explicit")
-        return [values.of_body(i) for i in s.order]
+        values = QuantityValues(self._setting, "explicit")
+        return [values.of_body(i) for i in self._setting.order]
 
     @cached_property
     def _vectors(self) -> dict[str, list[list[AskedQuantity]]]:
@@ -237,6 +238,8 @@ class Targets:
                 ("rc", f"rc{n}", (f"rc{n}", f"rG{n}", f"pc{n}")),
                 ("f", f"f{n - 1}{n}", (f"f{n - 1}{n}", f"F{n - 1}{n}")),
             ):
+                if "c" in known and len(tree.bodies[tree.body_of[n - 1]].masses) > 1:
+                    continue  # a fraction, for which the model has no symbol
                 scalar = family.startswith("omega") and self.setting.is_planar
                 size = self.setting.symbols.model.dim
                 column = [

@@ -12,7 +12,7 @@ from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.methods.setting import Setting
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-from freebody.spatial import dot, neg
+from freebody.spatial import add, dot, times
 
 HALF = ex.num(Fraction(1, 2))
 
@@ -25,16 +25,21 @@ class Energies:
         self.moving = moving
 
     def kinetic(self, i: int) -> Trig:
-        """½ m v_c² + ½ ω · I ω of body i."""
-        s = self.s
-        v, w = s.centre_velocity(i), self.moving.w[i]
-        square = s.mass(i) * dot(v, v) + dot(w, s.tree.space.inertia_times(s.inertia(i), w))
-        return s.symbols.element(square) * 0.5
+        """½ m v_c² + ½ ω · I ω of body i, of each of its parts."""
+        space, v, w = self.s.tree.space, self.moving.v[i], self.moving.w[i]
+        total = self.s.symbols.zero()
+        for part in self.s.tree.bodies[i].masses:
+            vc = add(v, space.cross(w, part.c))
+            total = total + part.m * dot(vc, vc) + dot(w, space.inertia_times(part.inertia, w))
+        return total * 0.5
 
     def potential(self, i: int) -> Trig:
-        """-m g · r_c of body i."""
-        s = self.s
-        return s.symbols.element(s.mass(i) * dot(neg(s.tree.gravity), s.centre_position(i)))
+        """-m g · r_c of body i, of each of its parts."""
+        R, p = self.s.world[i]
+        total = self.s.symbols.zero()
+        for part in self.s.tree.bodies[i].masses:
+            total = total - part.m * dot(self.s.tree.gravity, add(p, times(R, part.c)))
+        return total
 
     @cached_property
     def springs(self) -> Trig:

@@ -238,6 +238,7 @@ class Setting:
     def _mass(self, i: int) -> Mass:
         """What body i weighs; one without mass is a point of none."""
         masses = self.tree.bodies[i].masses
+        assert len(masses) < 2, "its parts are made one by symbols_of_bodies"
         return masses[0] if masses else Mass(0.0, self.tree.space.zero, self._nothing())
 
     def _nothing(self) -> Any:
@@ -380,9 +381,9 @@ class Setting:
         return self.naming.driven(self.numbers[i])
 
 
-def require_chain_of_bodies(symbols: Symbols, what: str) -> None:
-    """Refuse what the derivations do not cover: joints of several axes, bodies without or with
-    several masses."""
+def require_single_joints(symbols: Symbols, what: str) -> None:
+    """Refuse what is not written out body by body: joints of several coordinates, and joints that
+    follow others."""
     model = symbols.model
     for body in model.bodies:
         if body.kind.nv != 1 or body.joint.mimic is not None:
@@ -395,11 +396,4 @@ def require_chain_of_bodies(symbols: Symbols, what: str) -> None:
                 f"{what}: joint {body.joint.name!r} of {model.name!r} is {body.kind.name}"
                 f"{' and follows another' if body.joint.mimic else ''}; derivations are written "
                 f"for independent joints of one coordinate: {instead}."
-            )
-    for i, k in enumerate(symbols.tree.body_of):
-        if len(symbols.tree.bodies[k].masses) > 1:
-            raise FreebodyError(
-                f"{what}: body {model.bodies[i].name!r} of {model.name!r} has "
-                f"{len(symbols.tree.bodies[k].masses)} masses; "
-                "derivations are written for one mass per body. Combine them, or use fb.equations."
             )

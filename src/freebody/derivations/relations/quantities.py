@@ -16,8 +16,8 @@ from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.methods.energies import Energies
 from freebody.derivations.methods.recursive import GRAVITIES
-from freebody.derivations.methods.setting import Setting, require_chain_of_bodies
-from freebody.derivations.polynomials.symbols import symbols
+from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.whole_bodies import symbols_of_bodies
 from freebody.derivations.polynomials.textbook_form import Layout
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.lazy import cached_property
@@ -75,8 +75,7 @@ def quantities(
     if gravity not in GRAVITIES:
         raise UnknownNameError("gravity", gravity, "fb.quantities", GRAVITIES)
     names = LOADS[model.dim] if load else ()
-    made = symbols(model, extra=names)
-    require_chain_of_bodies(made, "quantities")
+    made = symbols_of_bodies("quantities", model, names)
     setting = Setting(made, names, at_rest)
     if branches(made.tree):
         raise FreebodyError(
@@ -105,8 +104,10 @@ class QuantityValues:
         return found
 
     def of_body(self, i: int) -> Values:
-        """Of one body."""
-        return self._motion(i) | self._forces(i) | self._geometry(i)
+        """Of one body; of one whose parts are not made one nothing about its centre of mass."""
+        found = self._motion(i) | self._forces(i) | self._geometry(i)
+        is_whole = len(self.s.tree.bodies[i].masses) < 2
+        return found | self._centre(i) if is_whole else found
 
     @cached_property
     def record(self) -> Recursion:
@@ -167,12 +168,9 @@ class QuantityValues:
     def _motion(self, i: int) -> Values:
         n, s = self.s.numbers[i], self.s
         motion = self.record.motion
-        # of a body without mass its joint's origin stands for its centre
-        centres = self.record.vd_com[i] or [motion.vd[i]]
         found: Values = {
             f"omega{n}": self._angular(motion.w[i]), f"omega{n}_d": self._angular(motion.wd[i]),
             f"v{n}": self._axes(i, motion.v[i]), f"v{n}_d": self._axes(i, motion.vd[i]),
-            f"vc{n}": self._vector(s.centre_velocity(i)), f"vc{n}_d": self._axes(i, centres[0]),
         }  # fmt: skip
         nothing = self._vector(s.tree.space.zero)
         if n == 1:
@@ -210,25 +208,31 @@ class QuantityValues:
         children = s.tree.children(i)
         reach = s.to_child(i, children[0]) if children else s.to_tip(i)
         world = s.world[i][1]
+        return {f"r{n}": self._vector(world), f"s{n}": self._vector(reach)}
+
+    def _centre(self, i: int) -> Values:
+        """Mass and inertia, and what is told of the centre of mass: of a body without mass its
+        joint's origin stands for it."""
+        n, s, space = self.s.numbers[i], self.s, self.s.tree.space
+        record, spin = self.record, "M" if s.planar else "n"
+        acceleration = (record.vd_com[i] or [record.motion.vd[i]])[0]
+        force, moment = (record.F[i] or [space.zero])[0], (record.N[i] or [space.zero_angular])[0]
+        inertia = s.inertia(i)
         return {
-            f"r{n}": self._vector(world), f"rc{n}": self._vector(s.centre_position(i)),
-            f"s{n}": self._vector(reach), f"sc{n}": self._vector(s.centre(i)),
+            f"m{n}": self._element(s.mass(i)),
+            f"I{n}": self._element(inertia) if s.planar else tuple(map(self._vector, inertia)),
+            f"sc{n}": self._vector(s.centre(i)), f"rc{n}": self._vector(s.centre_position(i)),
+            f"vc{n}": self._vector(s.centre_velocity(i)), f"vc{n}_d": self._axes(i, acceleration),
+            f"fc{n}": self._axes(i, force), f"{spin}c{n}": self._angular(moment),
         }  # fmt: skip
 
     def _forces(self, i: int) -> Values:
         n, s, record = self.s.numbers[i], self.s, self.record
-        spin = "M" if s.planar else "n"
-        space, energies = s.tree.space, Energies(s, s.motion)
-        force, moment = (record.F[i] or [space.zero])[0], (record.N[i] or [space.zero_angular])[0]
+        spin, energies = "M" if s.planar else "n", Energies(s, s.motion)
         found: Values = {
-            f"m{n}": self._element(s.mass(i)),
             f"f{n - 1}{n}": self._axes(i, record.f[i]), f"{spin}{n}": self._angular(record.n[i]),
-            f"fc{n}": self._axes(i, force), f"{spin}c{n}": self._angular(moment),
             f"T{n}": energies.kinetic(i), f"V{n}": energies.potential(i),
         }  # fmt: skip
-        found[f"I{n}"] = (
-            self._element(s.inertia(i)) if s.planar else tuple(map(self._vector, s.inertia(i)))
-        )
         if not s.planar:
             found[f"gravity{n}"] = self._vector(s.gravity(i))
         if not s.tree.children(i):
