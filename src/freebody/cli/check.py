@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -13,7 +14,7 @@ from freebody.errors import FileError, FreebodyError
 EXAMPLE = "Example: freebody check 2R 'H12 = m2*(lc2^2 + l1*lc2*cos(theta2)) + I2'"
 
 _LARGEST = 80_000
-"""Bytes of a file; far more than an answer may have characters."""
+"""Bytes of standard input; far more than an answer may have characters."""
 
 
 def check(
@@ -21,8 +22,8 @@ def check(
     answer: Annotated[
         str,
         typer.Argument(
-            help="A file with equations, one per line, as text or LaTeX; or an equation; - for "
-            "stdin."
+            help="A file (.txt, .md, .tex, .ipynb, .py) with equations as text, LaTeX or Python; "
+            "or an equation; - for stdin."
         ),
     ],
     names: Annotated[
@@ -41,22 +42,35 @@ def check(
             "torques those of these angles; without it each angle is from the previous link.",
         ),
     ] = False,
+    form: Annotated[
+        str | None,
+        typer.Option(
+            "--form",
+            metavar="FORM",
+            help="How the answer is written where no file's suffix tells it: text, markdown, "
+            "latex, notebook or python.",
+        ),
+    ] = None,
     convention: options.Convention = None,
 ) -> None:
     """Compare your own equations (tau1, H12, c1, G1, J11, T, V, …) with the robot's, and name the
     mistakes.
 
-    Exit status 0: all are right. 1: a mistake was found. 2: something cannot be read.
+    From Markdown, LaTeX and notebooks the equations are taken, and the words between them passed
+    over. Exit status 0: all are right. 1: a mistake was found. 2: something cannot be read.
     """
     from freebody.derivations.check.answer_text import AnswerError
     from freebody.derivations.check.check import check as verdict_on
 
-    text = _text(answer)
+    own = _answer(answer)
     meanings = dict(map(_renaming, names or []))
     model = options.load(robot, convention=convention)
     try:
         with terminal.progress("comparing"):
-            verdict = verdict_on(model, text, meanings, absolute=absolute)
+            verdict = verdict_on(model, own, meanings, absolute=absolute, form=form)
+    except FileError as error:
+        hint = "an answer is a file, an equation such as 'H12 = …', or - for what is piped in"
+        raise FileError(answer, None, f"{error.problem.rstrip('.')}; {hint}.") from None
     except AnswerError as problem:
         terminal.error(problem.problem)
         if problem.context:
@@ -64,11 +78,11 @@ def check(
         raise typer.Exit(2) from None
     terminal.out().print(verdict.text, markup=False, soft_wrap=True)
     if not verdict:
-        raise typer.Exit(1)
+        raise typer.Exit(2 if all(equation.equal for equation in verdict.equations) else 1)
 
 
-def _text(answer: str) -> str:
-    """What a file, stdin or the argument itself says."""
+def _answer(answer: str) -> str | Path:
+    """A file, what stdin says, or the argument itself."""
     from freebody.formats import read_file
 
     if answer == "-":
@@ -79,14 +93,7 @@ def _text(answer: str) -> str:
                 f"answer."
             )
         return read_file.decoded("standard input", data)
-    if "=" in answer or "\n" in answer:
-        return answer
-    try:
-        data = read_file.read(answer, _LARGEST, "an answer")
-    except FileError as error:
-        hint = "an answer is a file, an equation such as 'H12 = …', or - for what is piped in"
-        raise FileError(answer, None, f"{error.problem.rstrip('.')}; {hint}.") from None
-    return read_file.decoded(answer, data)
+    return answer if "=" in answer or "\n" in answer else Path(answer)
 
 
 def _renaming(text: str) -> tuple[str, str]:

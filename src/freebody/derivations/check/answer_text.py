@@ -2,24 +2,12 @@
 
 from __future__ import annotations
 
-import re
+from bisect import bisect_right
+from dataclasses import dataclass
 from typing import Self
 
-from freebody.derivations.grammar.source import Source, UnreadableError
-
-_STATE = (
-    r"(?:\\(?:d?dot|boldsymbol|mathbf)\s*\{?\s*)*(?:\\(?:var)?[Tt]heta|[qQΘθϑ])[\u0307\u0308]?"
-    r"\s*\}{0,2}"
-)
-_ARGUMENTS = re.compile(
-    r"(?<![\w\\])((?:[A-Za-z]|\\?tau|τ|\\?phi|\\?Gamma|J_P|J_\{P\})\s*)"
-    rf"(\(\s*{_STATE}(?:\s*,\s*{_STATE})*\s*\))(?=\s*&?\s*(?:=|$))",
-    re.MULTILINE,
-)
-"""A quantity and what it depends on: M(q), C(q, q̇)."""
-_DETERMINANT = re.compile(
-    r"(?<![\w\\])\\?det(?:\s+|\s*\(\s*)J(?:_P|_\{P\})?\s*\)?(?=\s*&?\s*(?:=|$))", re.MULTILINE
-)
+from freebody.derivations.check.formula_spellings import FILL, respelt
+from freebody.derivations.grammar.source import Source, Span, UnreadableError
 
 
 class AnswerError(UnreadableError):
@@ -29,22 +17,54 @@ class AnswerError(UnreadableError):
     asked_by = "check: "
 
 
+@dataclass(frozen=True)
 class AnswerText(Source):
     """An answer's text, every character at its place; what says nothing to check is blank."""
+
+    written: str = ""
+    """As the user wrote it, character by character; "" where that is `text`."""
+    parts: tuple[tuple[str, int], ...] = ()
+    """Of a notebook the cells, and where they begin."""
 
     what, error = "answer", AnswerError
 
     @classmethod
     def of(cls, text: str) -> Self:
         plain = super().of(text)
-        return cls(_DETERMINANT.sub(_as_name, _ARGUMENTS.sub(_alone, plain.text)))
+        return cls.of_formulas(plain.text)
 
+    @classmethod
+    def of_formulas(cls, text: str, written: str = "", parts: tuple = ()) -> Self:
+        """Text with accents decomposed, and as it was written before words were taken away."""
+        size = len("".join(text.split()))
+        if size > cls.longest:
+            raise AnswerError(f"the answer has {size} characters; at most {cls.longest} are read")
+        return cls(respelt(text), written or text, parts)
 
-def _alone(match: re.Match[str]) -> str:
-    """The quantity, and blanks in place of its arguments."""
-    return match[1] + " " * len(match[2])
+    @property
+    def shown(self) -> str:
+        return self.written or self.text
 
+    def __getitem__(self, span: Span) -> str:
+        return super().__getitem__(self._with_padding(span))
 
-def _as_name(match: re.Match[str]) -> str:
-    """The determinant of the Jacobian by the name that it has here, and as long as it was."""
-    return "detJ".ljust(len(match[0]))
+    def caret(self, span: Span) -> str:
+        """The line, and carets below the piece as it was written."""
+        return super().caret(self._with_padding(span))
+
+    def _with_padding(self, span: Span) -> Span:
+        """A piece with the blanks behind what is shorter here than it was written."""
+        end = span[1]
+        while self.text[end : end + 1] == FILL:
+            end += 1
+        return span[0], end
+
+    def part(self, at: int) -> tuple[str, int]:
+        k = bisect_right(self.parts, at, key=lambda part: part[1])
+        return self.parts[k - 1] if k else ("", 0)
+
+    def where(self, at: int) -> str:
+        """The line of a place, in words."""
+        part, _ = self.part(at)
+        line = f"line {self.place(at)[0]}"
+        return f"{part}, {line}" if part else line

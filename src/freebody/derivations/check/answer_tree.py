@@ -17,6 +17,8 @@ class Named(Expression):
 
     name: str
     value: Trig
+    is_derivative: bool = False
+    """Whether it is a derivative, named as it is written."""
     is_generator: bool = False
     """Whether the name is the ring's own for the value."""
 

@@ -70,6 +70,7 @@ _TITLES = {
     "vc_d": "the acceleration of the centre of mass of body {}",
     "rc": "the centre of mass of body {}",
     "f": "the force on body {} at its joint",
+    "derivative": "a derivative of the robot's quantities",
 }
 _LETTERS = {
     "tau": ("tau", "Q", "Gamma"),

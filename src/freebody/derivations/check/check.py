@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 from freebody.derivations.check.answer_text import AnswerError
 from freebody.derivations.check.asked_quantities import Targets
-from freebody.derivations.check.claims import claims
+from freebody.derivations.check.claims import statements
+from freebody.derivations.check.documents import FORMS, AnswerDocument, form_of
 from freebody.derivations.check.equation_verdict import Judge
 from freebody.derivations.check.right_equations import setting, turned_by
 from freebody.derivations.check.verdict import Verdict
 from freebody.derivations.equations.equations import equations
+from freebody.errors import UnknownNameError
+from freebody.formats import read_file
 from freebody.model.model import Model
 
 MOST_EXPLAINED = 12
 """Wrong equations of one answer that are looked into."""
+LARGEST_FILE = 4_000_000
+"""Bytes of a file; notebooks hold pictures."""
 
 
 def check(
@@ -24,6 +32,7 @@ def check(
     names: Mapping[str, str] | None = None,
     *,
     absolute: bool = False,
+    form: str | None = None,
 ) -> Verdict:
     """Whether an answer is equal to the model's own equations, and if not, where and why.
 
@@ -35,6 +44,11 @@ def check(
     cos(θ1+θ2). names: what the user's own names stand for, {"L1": "l1"}, {"q": "theta"}
     for all that are numbered, {"C": "cos", "S": "sin"} where C12 is a cosine.
 
+    A path is that of a file: plain text, Markdown (.md), LaTeX (.tex), a notebook of Jupyter
+    (.ipynb) or Python with SymPy (.py, never run), from which the equations are taken, words
+    between them passed over. form: "text", "markdown", "latex", "notebook" or "python" of a text
+    that is such a document.
+
     absolute: in the answer the angles of a planar robot are those of the links themselves, all
     measured from one direction, not each from the previous link; M, C, c, G, J and τ_i are then
     those of these angles (τ_i the torque on link i of drives that stand on the ground).
@@ -45,21 +59,36 @@ def check(
 
     The text is parsed, never run; raises AnswerError, which points at the place, for what cannot be
     read, and for a quantity that is given by itself. The comparison is exact: forms that are equal
-    are found equal. The verdict is true when all equations are; `.text` says it in words,
-    `.findings` lists the mistakes.
+    are found equal. The verdict is true when all equations are, and none about the robot's
+    quantities was left unread; `.text` says it in words, `.findings` lists the mistakes.
     """
     model.require_tree("check")
     zeros = [name for name, value in model.parameters.items() if value == 0]
     where = setting(equations(model), zeros, turned_by(model) if absolute else None)
-    found, unused = claims(where, text_of(answer), names or {})
-    judge = Judge(
-        where, Targets(where, velocity=any(claim.target.family == "h" for claim in found)), found
-    )
+    document = document_of(answer, form)
+    said = statements(where, document, names or {})
+    velocity = any(claim.target.family == "h" for claim in said.claims)
+    judge = Judge(where, Targets(where, velocity=velocity), said.claims)
     judged, wrong = [], 0
-    for claim in found:
-        judged.append(judge.verdict(claim, explain=wrong < MOST_EXPLAINED))
-        wrong += not judged[-1].equal
-    return Verdict(tuple(judged), model.name, unused)
+    for claim in said.claims:
+        verdict = judge.verdict(claim, explain=wrong < MOST_EXPLAINED)
+        place = claim.source.where(claim.node.span[0]) if document.told else ""
+        judged.append(replace(verdict, where=place))
+        wrong += not verdict.equal
+    return Verdict(tuple(judged), model.name, said.unused, said.unread)
+
+
+def document_of(answer: Any, form: str | None) -> AnswerDocument:
+    """An answer as document: a path is that of a file, whose suffix tells the form."""
+    if form is not None and form not in FORMS:
+        raise UnknownNameError("form", form, "check", FORMS)
+    if isinstance(answer, PathLike):
+        path = Path(answer)
+        record = FORMS[form] if form else form_of(path.name)
+        text = read_file.decoded(str(path), read_file.read(path, LARGEST_FILE, "an answer"))
+        document = record.read(text)
+        return replace(document, told=document.told or "\n" in text.strip())
+    return FORMS[form or "text"].read(text_of(answer))
 
 
 def text_of(answer: Any) -> str:

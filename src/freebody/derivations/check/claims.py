@@ -6,26 +6,30 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NoReturn
 
 from freebody.derivations.check import undriven_joints
+from freebody.derivations.check.answer_lines import DocumentReader, Line
 from freebody.derivations.check.answer_text import AnswerError, AnswerText
 from freebody.derivations.check.answer_tree import Named
 from freebody.derivations.check.asked_quantities import AMBIGUOUS, AskedQuantity, Targets
 from freebody.derivations.check.circular_answers import GivenQuantity, refuse_circles, uses
+from freebody.derivations.check.documents.answer_document import AnswerDocument, Piece
 from freebody.derivations.check.exact_polynomials import PolynomialReader
 from freebody.derivations.check.reading import AnswerParser
 from freebody.derivations.check.right_equations import FAMILIES, RightEquations
 from freebody.derivations.check.units import is_of_another_kind
+from freebody.derivations.check.verdict import UnreadEquation
 from freebody.derivations.check.vocabulary import Vocabulary, spellings
 from freebody.derivations.expressions.nodes import Expression, Matrix, Negative, Sum
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import Token, tokens
 from freebody.derivations.grammar.parser import around
 from freebody.derivations.grammar.source import Source
-from freebody.errors import listed
+from freebody.errors import FreebodyError, listed
 from freebody.scalars.trig import Trig
 
-MOST_EQUATIONS, MOST_SIDES = 100, 6
+MOST_EQUATIONS = 100
 
 
 @dataclass(frozen=True)
@@ -36,26 +40,38 @@ class Claim:
     target: AskedQuantity
     node: Expression
     value: Trig
-    source: Source
+    source: AnswerText
     uses: tuple[GivenQuantity, ...] = ()
     """Quantities that it is given by."""
 
 
-def claims(
-    setting: RightEquations, text: str, names: Mapping[str, str]
-) -> tuple[list[Claim], tuple[str, ...]]:
-    """All that an answer states, in its order; and the names of its own that no statement uses, as
-    they are written."""
-    source = AnswerText.of(text)
-    coefficients = setting.turned is None and re.search(r"(?<![A-Za-z\\])h(?![a-z])", text)
+@dataclass(frozen=True)
+class Statements:
+    """What a document says: claims in its order, the names of its own that no statement uses as
+    they are written, and what was not read."""
+
+    claims: list[Claim]
+    unused: tuple[str, ...]
+    unread: tuple[UnreadEquation, ...] = ()
+
+
+def statements(
+    setting: RightEquations, document: AnswerDocument, names: Mapping[str, str]
+) -> Statements:
+    """All that an answer states."""
+    coefficients = setting.turned is None and re.search(
+        r"(?<![A-Za-z\\])h(?![a-z])", document.formulas
+    )
     targets = Targets(setting, velocity=bool(coefficients))
     vocabulary = Vocabulary(setting, targets.names)
     for name, meaning in names.items():
         _rename(vocabulary, targets, name, meaning)
-    for name in _new_names(source, vocabulary):
+    reading = DocumentReader(document, vocabulary, targets.names)
+    source = reading.source
+    for name in _new_names(source, reading.pieces, vocabulary):
         vocabulary.define(name, setting.zero)
-    lines = [_sides(source, line) for line in _lines(tokens(source, vocabulary))]
-    if not lines:
+    lines = reading.lines()
+    if not lines and not reading.unread:
         raise AnswerError(
             "the answer is empty; write an equation such as H12 = m2*(lc2^2 + l1*lc2*cos(theta2)) "
             "+ I2"
@@ -64,21 +80,36 @@ def claims(
         raise AnswerError(
             f"the answer has {len(lines)} equations; at most {MOST_EQUATIONS} are read"
         )
-    reading = _ClaimReader(source, vocabulary, targets)
-    own = reading.definitions(lines)
+    claimed = _ClaimReader(source, vocabulary, targets)
+    own: list[Line] = []
+    for line in lines:
+        with reading.passing_over(line):
+            own += claimed.definitions(line, lines)
     found: list[Claim] = []
     for line in lines:
-        if line not in own:
-            found += reading.claims(line, found)
+        if line not in own and line not in reading.failed:
+            with reading.passing_over(line):
+                found += claimed.claims(line, found)
     if not found:
-        names_given = dict.fromkeys(source[line[0][0].span] for line in own)
-        taken = "are taken for names" if len(names_given) > 1 else "is taken for a name"
-        raise AnswerError(
-            f"{listed(names_given, 8)} {taken} of your own, not one of the robot's quantities; "
-            f"write the quantity to be checked, such as tau1 = …"
-        )
+        _refuse_nothing(source, own, reading.unread)
     refuse_circles(source, found)
-    return found, _unused(source, own, lines)
+    unread = sorted(reading.unread, key=lambda row: row.at)
+    return Statements(found, _unused(source, own, lines), tuple(unread))
+
+
+def _refuse_nothing(
+    source: Source, own: Sequence[Line], unread: Sequence[UnreadEquation]
+) -> NoReturn:
+    """Raise the error that nothing was found to be checked."""
+    if unread:
+        first = unread[0]
+        raise AnswerError(f"no equation could be read; {first.where}: {first.reason}")
+    names_given = dict.fromkeys(source[line[0][0].span] for line in own)
+    taken = "are taken for names" if len(names_given) > 1 else "is taken for a name"
+    raise AnswerError(
+        f"{listed(names_given, 8)} {taken} of your own, not one of the robot's quantities; "
+        f"write the quantity to be checked, such as tau1 = …"
+    )
 
 
 def _unused(source: Source, own: Sequence[Line], lines: Sequence[Line]) -> tuple[str, ...]:
@@ -140,101 +171,42 @@ def _plain(name: str) -> str:
     return word.plain
 
 
-def _new_names(source: Source, vocabulary: Vocabulary) -> list[str]:
+def _new_names(source: Source, pieces: Sequence[Piece], vocabulary: Vocabulary) -> list[str]:
     """Names before a = that mean nothing else: the user introduces them."""
     found = []
-    for match in re.finditer(
-        r"(?m)^[^\S\n]*(?:&\s*)?((?:[^\W\d_]|\\[a-zA-Z])[^=\n;,&+*/()-]{0,40}?)(?:\s*&)?\s*=(?!=)",
-        source.text,
-    ):
-        word = words.spell(source, match.start(1))
+    begun = [m for x in pieces if (m := _OWN_NAME.match(source.text, x.start, x.end))]
+    for match in [*begun, *_NEXT_OWN_NAME.finditer(source.text)]:
+        try:
+            word = words.spell(source, match.start(1))
+        except FreebodyError:  # told where the line is read
+            continue
         alone = not source.text[word.end : match.end(1)].strip()
         if alone and words.cut(source, word, vocabulary.known, vocabulary.functions) is None:
             found.append(word.plain)
     return found
 
 
-# ---------------------------------------------------------------- lines
-Line = tuple[tuple[Token, ...], ...]
-"""The sides of an equation."""
-
-
-def _lines(found: Sequence[Token]) -> list[list[Token]]:
-    """Tokens by equation: a line that begins with an operator, or stands behind one, continues the
-    one before.
-
-    A minus may begin an equation of its own, -a = b.
-    """
-    pieces: list[list[Token]] = [[]]
-    depth = 0
-    for token in found:
-        depth += {"open": 1, "begin": 1, "close": -1, "end": -1}.get(token.kind, 0)
-        if token.kind in ("line", "row", "stop", "comma") and depth <= 0:
-            pieces.append([])
-        elif not (token.kind in ("amp", "line") and (depth <= 0 or not _in_matrix(token))):
-            pieces[-1].append(token)
-    lines: list[list[Token]] = []
-    for piece in pieces:
-        if not piece:
-            continue
-        own = piece[0].text == "-" and any(token.kind == "equals" for token in piece)
-        continues = (piece[0].kind in ("operator", "equals") and not own) or (
-            lines and _is_open(lines[-1])
-        )
-        if lines and continues:
-            lines[-1] += piece
-        else:
-            lines.append(piece)
-    return lines
-
-
-def _in_matrix(token: Token) -> bool:
-    """Whether a token inside brackets separates entries of a matrix: & always, a ; but no line
-    break."""
-    return token.kind == "amp" or token.text == ";"
-
-
-def _is_open(line: list[Token]) -> bool:
-    """Whether a line ends where something must follow."""
-    return line[-1].kind in ("operator", "equals")
-
-
-def _sides(source: Source, line: list[Token]) -> Line:
-    sides: list[list[Token]] = [[]]
-    for token in line:
-        if token.kind == "equals":
-            sides.append([])
-        else:
-            sides[-1].append(token)
-    if len(sides) == 1:
-        source.fail(
-            "this line has no equals sign; write, for example, tau1 = … or H12 = …",
-            (line[0].start, line[-1].end),
-        )
-    if len(sides) > MOST_SIDES:
-        source.fail(
-            f"more than {MOST_SIDES} sides in one equation",
-            sides[MOST_SIDES][0].span if sides[MOST_SIDES] else line[-1].span,
-        )
-    for k, side in enumerate(sides):
-        if not side:
-            equals = [token for token in line if token.kind == "equals"][max(0, k - 1)]
-            source.fail("one side of this = is empty", equals.span)
-    return tuple(map(tuple, sides))
+_NAME_AND_EQUALS = (
+    r"[^\S\n]*(?:&\s*)?((?:[^\W\d_]|\\[a-zA-Z])[^=\n;,&+*/()-]{0,40}?)(?:\s{0,9}&)?\s{0,9}=(?!=)"
+)
+_OWN_NAME = re.compile(_NAME_AND_EQUALS)
+_NEXT_OWN_NAME = re.compile(rf"(?:^|[,;]|\\\\){_NAME_AND_EQUALS}", re.MULTILINE)
 
 
 # ---------------------------------------------------------------- meaning
 class _ClaimReader:
     """Lines into claims."""
 
-    def __init__(self, source: Source, vocabulary: Vocabulary, targets: Targets):
+    def __init__(self, source: AnswerText, vocabulary: Vocabulary, targets: Targets):
         self.source, self.vocabulary, self.targets = source, vocabulary, targets
         self.setting = vocabulary.setting
         self.replaced: dict[str, Trig] = {}
 
     def parse(self, side: Sequence[Token]) -> Expression:
         """A side as tree."""
-        return AnswerParser(self.source, side, self.vocabulary, self._quantity).side()
+        return AnswerParser(
+            self.source, side, self.vocabulary, self._quantity, self.targets.single
+        ).side()
 
     def value(self, node: Expression) -> Trig:
         """A tree as polynomial."""
@@ -253,37 +225,30 @@ class _ClaimReader:
         used = tuple(uses(node, self.targets.single, self.vocabulary))
         return Claim(label, target, node, self.value(node), self.source, used)
 
-    def definitions(self, lines: Sequence[Line]) -> list[Line]:
-        """Lines that introduce a name of the user's own, or an h that other lines use: their values
-        are noted."""
-        found = []
-        for line in lines:
-            name = (
-                line[0][0].text
-                if len(line) == 2 and len(line[0]) == 1 and line[0][0].kind == "name"
-                else ""
+    def definitions(self, line: Line, lines: Sequence[Line]) -> list[Line]:
+        """The line, if it introduces a name of the user's own, or an h that other lines use: its
+        value is noted."""
+        name = (
+            line[0][0].text
+            if len(line) == 2 and len(line[0]) == 1 and line[0][0].kind == "name"
+            else ""
+        )
+        if not name or (
+            name in self.targets.names
+            and not self._is_own_h(name, line, lines)
+            and not self._is_own_number(name, line, lines)
+        ):
+            return []
+        if name in self.vocabulary.waves or name in self.setting.zeros or not self._is_free(name):
+            self.source.fail(
+                f"{self.source[line[0][0].span]} is a symbol of the model, not a result to be "
+                f"checked",
+                line[0][0].span,
             )
-            if not name or (
-                name in self.targets.names
-                and not self._is_own_h(name, line, lines)
-                and not self._is_own_number(name, line, lines)
-            ):
-                continue
-            if (
-                name in self.vocabulary.waves
-                or name in self.setting.zeros
-                or not self._is_free(name)
-            ):
-                self.source.fail(
-                    f"{self.source[line[0][0].span]} is a symbol of the model, not a result to be "
-                    f"checked",
-                    line[0][0].span,
-                )
-            node = self.parse(line[1])
-            given = tuple(use.target for use in uses(node, self.targets.single, self.vocabulary))
-            self.vocabulary.define(name, self.value(node), given)
-            found.append(line)
-        return found
+        node = self.parse(line[1])
+        given = tuple(use.target for use in uses(node, self.targets.single, self.vocabulary))
+        self.vocabulary.define(name, self.value(node), given)
+        return [line]
 
     def _is_free(self, name: str) -> bool:
         """Whether a name stands for nothing of the model: for nothing, or for what only other
@@ -326,28 +291,32 @@ class _ClaimReader:
 
     def claims(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
         """What one equation states, after others."""
-        named = [side for side in line if self._target(side) is not None]
-        other = [side for side in line if self._target(side) is None]
+        subjects = [self._subject(side) for side in line]
+        named = [subject for subject in subjects if subject is not None]
         if not named or len(line) < 2:
             return self._implicit(line, before)
+        other = [side for side, subject in zip(line, subjects, strict=True) if subject is None]
         if not other:
-            named, other = named[:1], named[1:]
+            named, other = named[:1], list(line[1:])
         found = []
         for side in other:
             node = self.parse(side)
-            for name in named:
-                found += self._pairs(name[0], node)
+            for subject in named:
+                found += self._pairs(subject, node)
         return found
 
-    def _target(self, side: Sequence[Token]) -> str | None:
-        """The quantity that a side is, if it is one alone."""
+    def _subject(self, side: Sequence[Token]) -> Token | Named | None:
+        """The quantity, or the derivative of one, that a side is, if it is one alone."""
         if len(side) == 1 and side[0].kind == "name" and side[0].text in self.targets.names:
-            return side[0].text
-        return None
+            return side[0]
+        node = self.parse(side) if side[0].kind == "partial" else None
+        return node if isinstance(node, Named) and node.is_derivative else None
 
-    def _pairs(self, name: Token, node: Expression) -> list[Claim]:
+    def _pairs(self, name: Token | Named, node: Expression) -> list[Claim]:
         """The claims of name = node, entry by entry where it is a vector or matrix."""
         label = self.source[name.span]
+        if isinstance(name, Named):
+            return [self._claim(label, AskedQuantity("derivative", (), lambda: name.value), node)]
         single, table = self.targets.single.get(name.text), self.targets.tables.get(name.text)
         if not isinstance(node, Matrix):
             if single is None:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from types import MappingProxyType
 
 from freebody.derivations.check.answer_tree import Named, Wave
+from freebody.derivations.check.asked_quantities import AskedQuantity
+from freebody.derivations.check.circular_answers import uses
 from freebody.derivations.check.exact_polynomials import LARGEST_EXPONENT, PolynomialReader
 from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.expressions.nodes import Expression, Number, Power
@@ -18,7 +21,7 @@ from freebody.scalars.trig import Trig
 
 class AnswerParser(Parser):
     """Reads one side of an equation. `quantity(name)` gives the right value of τ1, H12, … where one
-    stands for it."""
+    stands for it; `quantities` are what these names stand for."""
 
     largest_exponent = LARGEST_EXPONENT
     negative_powers = "negative powers do not occur in these equations"
@@ -29,10 +32,58 @@ class AnswerParser(Parser):
         tokens: Sequence[Token],
         vocabulary: Vocabulary,
         quantity: Callable[[str], Trig | None],
+        quantities: Mapping[str, AskedQuantity] = MappingProxyType({}),
     ):
         super().__init__(source, tokens)
         self.vocabulary, self.quantity = vocabulary, quantity
+        self.quantities = quantities
         self.reader = PolynomialReader(source, vocabulary.setting.ring)
+
+    def primary(self) -> Expression:
+        """Also ∂L/∂θ̇1, and d/dt in front of a bracket, name or derivative."""
+        if self.token.kind != "partial":
+            return super().primary()
+        first = self.take()
+        self._deeper(first)
+        node = self._differentiated(first.start)
+        self.depth -= 1
+        return node
+
+    def _differentiated(self, start: int) -> Expression:
+        of = None if self.is_operator("/") else self._operand()
+        if not self.is_operator("/"):
+            self.fail_here("the bar of a derivative, as in ∂L/∂θ̇1,")
+        self.take()
+        self.expect("partial", "∂")
+        by = self.expect("name", "what is differentiated by")
+        of = self._operand() if of is None else of
+        span = self.since(start)
+        value = self.reader.read(of)
+        if by.text == "t":
+            value = value.along(self.vocabulary.setting.symbols.rates)
+        else:
+            value = value.derivative(self._variable(by))
+        self.vocabulary.uses[self.source[span]] = tuple(
+            use.target for use in uses(of, self.quantities, self.vocabulary)
+        )
+        return Named(self.source[span], value, is_derivative=True, span=span)
+
+    def _operand(self) -> Expression:
+        """What is differentiated: a bracket, a derivative or a name."""
+        if self.token.kind not in ("open", "partial", "name"):
+            self.fail_here("what is differentiated")
+        return self.primary()
+
+    def _variable(self, token: Token) -> str:
+        """The coordinate, rate or parameter of a name."""
+        value = self.vocabulary.symbols.get(token.text)
+        terms = list(value.terms()) if value is not None else []
+        if len(terms) == 1 and terms[0][1] == 1 and set(terms[0][0].values()) == {1}:
+            (name,) = terms[0][0]
+            return name
+        self.source.fail(
+            f"{self.source[token.span]} is no coordinate to differentiate by", token.span
+        )
 
     def makes_table(self, function: Token) -> bool:
         return self._function(function) == "Matrix"

@@ -50,13 +50,16 @@ class EquationVerdict:
     example: Example | None = None
     example_text: str = ""
     note: str = ""
+    where: str = ""
+    """Of a document the equation's line, "line 12"; "" of an answer without lines."""
 
     @property
     def text(self) -> str:
         """The verdict in words."""
+        where = f"{self.where}: " if self.where else ""
         if self.equal:
-            return f"{self.name} is right.{' ' if self.note else ''}{self.note}"
-        lines = [f"{self.name}, {self.title}, is not right."]
+            return f"{where}{self.name} is right.{' ' if self.note else ''}{self.note}"
+        lines = [f"{where}{self.name}, {self.title}, is not right."]
         lines += [f"  {cause}" for cause in self.causes]
         for finding in self.findings:
             lines.append(f"  {finding.message}")
@@ -64,6 +67,21 @@ class EquationVerdict:
         if self.example_text:
             lines.append(f"  {self.example_text}")
         return "\n".join(lines)
+
+
+@dataclass(frozen=True)
+class UnreadEquation:
+    """An equation of a document that was passed over."""
+
+    at: int
+    """Its place in the text, to put them in order."""
+    where: str
+    """Its line, in words."""
+    text: str
+    """As it is written, shortened."""
+    reason: str
+    is_asked: bool
+    """Whether it is about one of the robot's quantities, so that something was left unchecked."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -76,6 +94,8 @@ class Verdict(InWords):
     unchecked: tuple[str, ...] = ()
     """Names on the left of lines that were read as names of the user's own, and that no other line
     uses: what they are said to be was not checked."""
+    unread: tuple[UnreadEquation, ...] = ()
+    """Equations of a document that could not be read."""
 
     def _title(self) -> str:
         right = sum(equation.equal for equation in self.equations)
@@ -83,7 +103,12 @@ class Verdict(InWords):
         return f"Verdict: {right} of {counted(len(self.equations), 'equation')} right, {mistakes}"
 
     def __bool__(self) -> bool:
-        return all(equation.equal for equation in self.equations)
+        return all(x.equal for x in self.equations) and not self.left_out
+
+    @property
+    def left_out(self) -> tuple[UnreadEquation, ...]:
+        """Equations about the robot's quantities that could not be read."""
+        return tuple(x for x in self.unread if x.is_asked)
 
     @property
     def findings(self) -> tuple[Mistake, ...]:
@@ -104,6 +129,7 @@ class Verdict(InWords):
             lines.append(
                 f"Not checked: {names}, which {are} no quantity of the robot's that is known here."
             )
+        lines += [f"Not read, {x.where}: {x.text}: {x.reason}." for x in self.unread]
         return "\n".join(lines)
 
     def __str__(self) -> str:

@@ -15,8 +15,8 @@ from freebody.derivations.grammar.source import Source, Span
 
 @dataclass(frozen=True)
 class Token:
-    """kind: number name function power operator open close fraction comma equals line amp row begin
-    end stop."""
+    """kind: number name function power operator open close fraction partial comma equals line amp
+    row begin end stop."""
 
     kind: str
     text: str
@@ -79,11 +79,11 @@ MATRICES = frozenset(("matrix", "pmatrix", "bmatrix", "Bmatrix", "vmatrix", "sma
 """LaTeX environments that hold a matrix; other environments are passed over."""
 
 
-def tokens(source: Source, language: Grammar) -> list[Token]:
-    """All tokens of a text, the last of kind "stop"."""
+def tokens(source: Source, language: Grammar, piece: Span | None = None) -> list[Token]:
+    """All tokens of a text, or of a piece of it, the last of kind "stop"."""
     found: list[Token] = []
-    at = 0
-    while at < len(source.text):
+    at, end = piece or (0, len(source.text))
+    while at < end:
         after_fraction = _wants_digit(found)
         for token in _next(source, at, language, after_fraction):
             at = token.end
@@ -131,6 +131,8 @@ def _mark(source: Source, at: int) -> Token:
         return Token("open", c, at, at + 1)
     if c in _CLOSING:
         return Token("close", c, at, at + 1)
+    if c == "∂":
+        return Token("partial", c, at, at + 1)
     if c in "=,&°":
         size = 2 if text[at : at + 2] == "==" else 1
         return Token({"=": "equals", ",": "comma", "&": "amp", "°": "degree"}[c], c, at, at + size)

@@ -28,7 +28,7 @@ DEEPEST = 100
 
 _PAIR = {"(": ")", "[": "]", "{": "}"}
 PI = Fraction(repr(math.pi))
-_STARTS = ("name", "function", "open", "fraction")
+_STARTS = ("name", "function", "open", "fraction", "partial")
 """Tokens that begin a factor, numbers apart."""
 
 

@@ -23,10 +23,17 @@ class UnreadableError(FreebodyError, ValueError):
     """What refuses it, in front of the message."""
 
     def __init__(
-        self, problem: str, advice: str = "", line: int = 0, column: int = 0, context: str = ""
+        self,
+        problem: str,
+        advice: str = "",
+        line: int = 0,
+        column: int = 0,
+        context: str = "",
+        part: str = "",
     ):
-        self.line, self.column, self.context = line, column, context
-        where = f" (line {line}, column {column})" if line else ""
+        self.line, self.column, self.context, self.part = line, column, context, part
+        where = f" ({part}line {line}, column {column})" if line else ""
+        self.bare = problem
         self.problem = f"{self.asked_by}{problem}{where}.{' ' if advice else ''}{advice}"
         super().__init__(self.problem + (f"\n{context}" if context else ""))
 
@@ -52,34 +59,47 @@ class Source:
             )
         return cls(unicodedata.normalize("NFD", text))
 
+    @property
+    def shown(self) -> str:
+        """The text as it was written, character by character where `text` is."""
+        return self.text
+
     def __getitem__(self, span: Span) -> str:
         """What is written there, on one line."""
-        return " ".join(unicodedata.normalize("NFC", self.text[span[0] : span[1]]).split())
+        return " ".join(unicodedata.normalize("NFC", self.shown[span[0] : span[1]]).split())
+
+    def part(self, at: int) -> tuple[str, int]:
+        """The part of the text that this place is in, in words, and where it begins; of a text in
+        one piece "" and 0."""
+        return "", 0
 
     def place(self, at: int) -> tuple[int, int]:
         """Line and column, from 1; dots above letters take no column."""
-        before = self.text[:at]
+        before = self.shown[self.part(at)[1] : at]
         start = before.rfind("\n") + 1
         return before.count("\n") + 1, _width(before[start:]) + 1
 
     def fail(self, problem: str, span: Span, advice: str = "") -> NoReturn:
         """Raise an error that points at a piece of the text."""
         line, column = self.place(span[0])
-        raise self.error(problem, advice, line, column, self.caret(span))
+        part, _ = self.part(span[0])
+        raise self.error(
+            problem, advice, line, column, self.caret(span), f"{part}, " if part else ""
+        )
 
     def caret(self, span: Span) -> str:
         """The line, cut at "…" where it is long, and below it carets under the piece."""
-        start = self.text.rfind("\n", 0, span[0]) + 1
-        end = self.text.find("\n", span[0])
-        end = len(self.text) if end < 0 else end
+        start = self.shown.rfind("\n", 0, span[0]) + 1
+        end = self.shown.find("\n", span[0])
+        end = len(self.shown) if end < 0 else end
         first = max(start, min(span[0] - _SHOWN // 2, end - _SHOWN))
-        while first > start and unicodedata.combining(self.text[first]):
+        while first > start and unicodedata.combining(self.shown[first]):
             first -= 1
         last = min(end, first + _SHOWN)
-        shown = self.text[first:last].replace("\t", " ")
+        shown = self.shown[first:last].replace("\t", " ")
         shown = ("…" + shown[1:] if first > start else shown) + ("…" if last < end else "")
-        size = max(1, _width(self.text[span[0] : min(span[1], end)]))
-        pad = " " * (_width(self.text[first : span[0]]) + 4)
+        size = max(1, _width(self.shown[span[0] : min(span[1], end)]))
+        pad = " " * (_width(self.shown[first : span[0]]) + 4)
         return f"    {unicodedata.normalize('NFC', shown)}\n{pad}{'^' * min(size, _SHOWN)}"
 
 

@@ -1,0 +1,106 @@
+"""An answer as a document: which of its characters are formulas, each at its own place."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from freebody.derivations.check.answer_text import AnswerError
+from freebody.derivations.grammar.source import Span
+
+LARGEST = 400_000
+"""Characters of a document; of its formulas fewer are read, see `AnswerText.longest`."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A stretch of a document with formulas."""
+
+    start: int
+    end: int
+    lenient: bool = False
+    """Whether an equation in it that cannot be read is passed over and told, where it is not about
+    one of the robot's quantities."""
+
+
+@dataclass(frozen=True)
+class AnswerDocument:
+    """A text as it was written, and the same with blanks for all that is not formula."""
+
+    written: str
+    formulas: str
+    pieces: tuple[Piece, ...]
+    prose: tuple[Span, ...] = ()
+    """Lines in which formulas may stand between words."""
+    parts: tuple[tuple[str, int], ...] = ()
+    """Of a notebook the cells: what they are called and where they begin."""
+    told: bool = False
+    """Whether a verdict says the line of each equation."""
+    strict: bool = False
+    """Whether an equation about a quantity of the robot's that cannot be read raises an error;
+    else it is told, and the verdict is not true."""
+
+
+@dataclass(frozen=True)
+class DocumentForm:
+    """A way to write an answer."""
+
+    name: str
+    words: str
+    suffixes: tuple[str, ...]
+    read: Callable[[str], AnswerDocument]
+
+
+def plain_characters(text: str) -> str:
+    """A text with accents decomposed and the line ends of any system as one character; raises
+    AnswerError where it is too long."""
+    if len(text) > LARGEST:
+        raise AnswerError(f"the answer has {len(text)} characters; at most {LARGEST} are read")
+    return unicodedata.normalize("NFD", text.replace("\r\n", "\n").replace("\r", "\n"))
+
+
+@dataclass
+class Blanks:
+    """A text that is changed character by character, its length kept."""
+
+    text: str
+    characters: list[str] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.characters = list(self.text)
+
+    def __str__(self) -> str:
+        return "".join(self.characters)
+
+    def put(self, start: int, end: int, new: str = "") -> None:
+        """Something at least as short in place of a stretch, blanks behind it; line ends stay."""
+        for k in range(start, end):
+            if self.characters[k] != "\n":
+                self.characters[k] = " "
+        self.characters[start : start + len(new)] = new
+
+    def only(self, kept: list[Span]) -> None:
+        """Blanks everywhere else; `kept` in order."""
+        at = 0
+        for start, end in [*kept, (len(self.characters), len(self.characters))]:
+            self.put(at, max(at, start))
+            at = max(at, end)
+
+    def replaced(self, pattern: re.Pattern[str], new: str = "") -> None:
+        """The same in place of every match."""
+        for match in pattern.finditer(str(self)):
+            self.put(*match.span(), new)
+
+
+def between(text: str, opening: str, closing: str) -> list[Span]:
+    """What stands between pairs of two marks, without them, in time proportional to the text."""
+    found, at = [], 0
+    while (start := text.find(opening, at)) >= 0:
+        end = text.find(closing, start + len(opening))
+        if end < 0:
+            break
+        found.append((start + len(opening), end))
+        at = end + len(closing)
+    return found

@@ -1,0 +1,183 @@
+"""LaTeX: a document, or formulas as they stand in one."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from freebody.derivations.check.documents import plain
+from freebody.derivations.check.documents.answer_document import (
+    AnswerDocument,
+    Blanks,
+    DocumentForm,
+    Piece,
+    between,
+    plain_characters,
+)
+from freebody.derivations.grammar.lexer import MATRICES
+from freebody.derivations.grammar.source import Span
+
+_DISPLAYS = (
+    "equation", "align", "gather", "multline", "eqnarray", "flalign", "alignat", "displaymath",
+    "math", "dmath", "IEEEeqnarray",
+)  # fmt: skip
+_COMMENT = re.compile(r"(?<!\\)(?:\\\\)*(%[^\n]*)")
+_DOCUMENT, _END = r"\begin{document}", r"\end{document}"
+
+_GROUP = r"\{[^{}]{0,200}\}"
+_NOTHING = re.compile(
+    rf"\\(?:tag\*?|label|eqref|ref|cite|hspace\*?|vspace\*?|color|phantom|hphantom|vphantom)\s*{_GROUP}"
+    r"|\\(?:notag|nonumber|limits|nolimits|allowbreak|strut|mathstrut|hfill|hline|centering"
+    r"|thinspace|medspace|thickspace|enspace|therefore|Rightarrow|implies|Longrightarrow|quad"
+    r"|qquad|dots|ldots|cdots|iff)(?![A-Za-z])"
+)
+"""Commands that say nothing about the matter, with what they are given."""
+_AROUND = re.compile(
+    r"\\(?:boxed|fbox|underline|overline|ensuremath|displaystyle|underbrace|overbrace)(?![A-Za-z])\s*"
+    rf"|\\(?:textcolor|colorbox)\s*{_GROUP}\s*"
+)
+"""Commands around a formula that is read without them; below an underbrace stand words."""
+_TEXT = re.compile(rf"(?<![_^{{])\\(?:text|mbox|textrm|textit|intertext|mathrm)\s*({_GROUP})")
+_HALF_BRACE = re.compile(r"\\left\s*\\?[.{](?=\s*(?:\\begin|$))|\\right\s*\.|\\left\s*\\lbrace")
+_ENVIRONMENT = re.compile(r"\\(begin|end)\s*\{([A-Za-z]+)\*?\}|\\\\")
+_ARRAY = re.compile(r"\\(begin|end)\s*\{array\}(?:\s*\{[^{}]{0,40}\})?")
+
+
+def read(text: str) -> AnswerDocument:
+    """The formulas between dollar signs and in displays; where there are none, all of it as plain
+    text."""
+    written = plain_characters(text)
+    whole = Blanks(written)
+    for match in _COMMENT.finditer(written):
+        whole.put(*match.span(1))
+    start = str(whole).find(_DOCUMENT)
+    if start >= 0:
+        whole.put(0, start + len(_DOCUMENT))
+    found = formulas(str(whole))
+    if not found:
+        document = plain.read(text)
+        told = "\n" in written.strip()
+        return AnswerDocument(
+            written, str(whole), document.pieces, document.prose, told=told, strict=True
+        )
+    whole.only(found)
+    pieces = clean(whole, found)
+    return AnswerDocument(written, str(whole), tuple(pieces), told=True)
+
+
+def formulas(text: str) -> list[Span]:
+    """What stands in displays and between dollar signs, in order, none inside another."""
+    found: list[Span] = []
+    for name in _DISPLAYS:
+        for star in ("", "*"):
+            opening, closing = f"\\begin{{{name}{star}}}", f"\\end{{{name}{star}}}"
+            found += between(text, opening, closing)
+    found += between(text, "\\[", "\\]") + between(text, "\\(", "\\)")
+    outside = Blanks(text.replace("\\$", "  "))
+    for start, end in found:
+        outside.put(start, end)
+    rest = str(outside)
+    displays = between(rest, "$$", "$$")
+    found += displays
+    for start, end in displays:
+        outside.put(start - 2, end + 2)
+    found += [
+        (start, end)
+        for start, end in between(str(outside), "$", "$")
+        if "\n\n" not in text[start:end]
+    ]
+    return _outermost(sorted(found))
+
+
+def _outermost(spans: list[Span]) -> list[Span]:
+    kept: list[Span] = []
+    for start, end in spans:
+        if not kept or start >= kept[-1][1]:
+            kept.append((start, end))
+    return kept
+
+
+def clean(whole: Blanks, found: list[Span]) -> list[Piece]:
+    """Formulas without what says nothing, `whole` changed in place; a piece for each equation."""
+    for start, end in found:
+        for k in range(start, end):  # in a formula the end of a line is none
+            if whole.characters[k] == "\n":
+                whole.characters[k] = " "
+    whole.replaced(_NOTHING)
+    whole.replaced(_HALF_BRACE)
+    _take_words(whole)
+    _open_boxes(whole)
+    _open_arrays(whole)
+    text = str(whole)
+    pieces: list[Piece] = []
+    for span in found:
+        pieces += (Piece(*row, lenient=True) for row in rows(text, span))
+    return pieces
+
+
+def _open_boxes(whole: Blanks) -> None:
+    """Formulas without the boxes and braces around them."""
+    text = str(whole)
+    braces = _braces(text)
+    for match in _AROUND.finditer(text):
+        whole.put(*match.span())
+        close = braces.get(match.end())
+        if close is None:
+            continue
+        whole.put(match.end(), match.end() + 1)
+        whole.put(close, close + 1)
+        below = re.compile(r"\s*[_^]\s*").match(text, close + 1)
+        if "brace" in match[0] and below:
+            end = braces.get(below.end(), below.end())
+            whole.put(close, end + 1)
+
+
+def _braces(text: str) -> dict[int, int]:
+    """Where each brace that opens is closed."""
+    found, opened = {}, []
+    for match in re.finditer(r"[{}]", text):
+        if match[0] == "{":
+            opened.append(match.start())
+        elif opened:
+            found[opened.pop()] = match.start()
+    return found
+
+
+def _open_arrays(whole: Blanks) -> None:
+    """Arrays of equations without their begin and end."""
+    text = str(whole)
+    opened: list[re.Match[str]] = []
+    for match in _ARRAY.finditer(text):
+        if match[1] == "begin":
+            opened.append(match)
+        elif opened:
+            begin = opened.pop()
+            if "=" in text[begin.end() : match.start()]:
+                whole.put(*begin.span())
+                whole.put(*match.span())
+
+
+def _take_words(whole: Blanks) -> None:
+    """Words set as text become what a line's end is: a comma."""
+    for match in _TEXT.finditer(str(whole)):
+        words = match[1][1:-1].strip()
+        if len(words) > 1 and ("mathrm" not in match[0] or " " in words):
+            whole.put(*match.span(), ",")
+
+
+def rows(text: str, span: Span) -> Iterator[Span]:
+    """A display cut where a row with an equals sign begins; rows of matrices are none."""
+    depth, start = 0, span[0]
+    for match in _ENVIRONMENT.finditer(text, *span):
+        if match[1]:
+            depth += (1 if match[1] == "begin" else -1) * (match[2] in MATRICES)
+        elif depth <= 0:
+            end = text.find("\\\\", match.end(), span[1])
+            following = text[match.end() : end if end >= 0 else span[1]]
+            if "=" in following and following.lstrip(" &")[:1] not in ("=", "+", "-"):
+                yield start, match.end()
+                start = match.end()
+    yield start, span[1]
+
+
+FORM = DocumentForm("latex", "LaTeX, a document or formulas", (".tex", ".latex", ".ltx"), read)

@@ -1,0 +1,33 @@
+"""Plain text: equations on lines of their own, or among words."""
+
+from __future__ import annotations
+
+from freebody.derivations.check.documents.answer_document import (
+    AnswerDocument,
+    DocumentForm,
+    Piece,
+    plain_characters,
+)
+from freebody.derivations.grammar.source import Span
+
+
+def read(text: str) -> AnswerDocument:
+    """All of it may be formula; words are found by the vocabulary."""
+    plain = plain_characters(text)
+    return AnswerDocument(
+        plain, plain, (Piece(0, len(plain)),), tuple(lines(plain, 0, len(plain))), strict=True
+    )
+
+
+def lines(text: str, start: int, end: int) -> list[Span]:
+    """The lines between two places."""
+    found = []
+    while start < end:
+        stop = text.find("\n", start, end)
+        stop = end if stop < 0 else stop
+        found.append((start, stop))
+        start = stop + 1
+    return found
+
+
+FORM = DocumentForm("text", "plain text, an equation a line", (".txt",), read)

@@ -1,0 +1,108 @@
+"""Python as students write it with SymPy: assignments are equations. It is read, never run."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from freebody.derivations.check.documents.answer_document import (
+    AnswerDocument,
+    Blanks,
+    DocumentForm,
+    Piece,
+    plain_characters,
+)
+from freebody.derivations.grammar.source import Span
+
+_ASSIGNED = re.compile(r"[ \t]{0,12}([A-Za-z_]\w{0,60})[ \t]*(?::[^=\n]{0,40})?(=)(?!=)")
+_DECLARED = re.compile(
+    r"\b(?:symbols|Symbol|dynamicsymbols|Function|var|lambdify|import|ReferenceFrame|Point|open)\b"
+    r"|[\"'](?:\w|\s)"
+)
+_STRINGS = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
+_MODULES = re.compile(r"(?<![\w.])(?:sp|sympy|sm|smp|np|numpy|math|mp|me)\.(?=[A-Za-z])")
+_WRAPPERS = re.compile(
+    r"(?<![\w.])(?:simplify|trigsimp|expand|factor|expand_trig|together|cancel|nsimplify)(?=\s*\()"
+)
+_RATIONAL = re.compile(r"(?<![\w.])(?:Rational|S)\(\s*(\d{1,9})\s*(?:,\s*(\d{1,9})\s*)?\)")
+_RATE = re.compile(r"(?<![\w.])([A-Za-z]\w{0,30})\.diff\(\s*t\s*(?:,\s*([12])\s*|,\s*t\s*)?\)")
+_METHODS = re.compile(r"\.(?:simplify|expand|doit|trigsimp)\(\s*\)")
+
+
+def clean(whole: Blanks, span: Span) -> list[Piece]:
+    """A piece for each assignment, `whole` changed in place: nothing else of the code is left."""
+    pieces = []
+    kept: list[Span] = []
+    code = "".join(whole.characters[slice(*span)])
+    for a, b in _statements(code):
+        text, start, end = code[a:b], span[0] + a, span[0] + b
+        assigned = _ASSIGNED.match(text)
+        if assigned is None or _DECLARED.search(text):
+            continue
+        if re.search(rf"(?<!\w){assigned[1]}(?!\w)", text[assigned.end() :]):
+            continue  # tau = simplify(tau)
+        kept.append((start, end))
+        pieces.append(Piece(start, end, lenient=True))
+        whole.put(start + assigned.end(1), start + assigned.start(2))
+    at = span[0]
+    for start, end in [*kept, (span[1], span[1])]:
+        whole.put(at, start)
+        at = end
+    for start, end in kept:
+        _plain(whole, start, end)
+    return pieces
+
+
+def _plain(whole: Blanks, start: int, end: int) -> None:
+    """What SymPy's functions mean in a formula."""
+    inside = "".join(whole.characters[start:end])
+    for match in _MODULES.finditer(inside):
+        whole.put(start + match.start(), start + match.end())
+    inside = "".join(whole.characters[start:end])
+    for pattern in (_WRAPPERS, _METHODS):
+        for match in pattern.finditer(inside):
+            whole.put(start + match.start(), start + match.end())
+    for match in _RATIONAL.finditer(inside):
+        new = f"({match[1]}/{match[2]})" if match[2] else match[1]
+        whole.put(start + match.start(), start + match.end(), new)
+    for match in _RATE.finditer(inside):
+        twice = "," in match[0] and match[2] != "1"
+        new = "d" * (1 + twice) + match[1]
+        whole.put(start + match.start(), start + match.end(), new)
+
+
+def _statements(code: str) -> Iterator[Span]:
+    """Lines, those inside brackets joined; without comments at their ends."""
+    depth, start, at = 0, 0, 0
+    while at < len(code):
+        c = code[at]
+        if c in "\"'":
+            match = _STRINGS.match(code, at)
+            at = match.end() - 1 if match else at
+        elif c in "([{":
+            depth += 1
+        elif c in ")]}":
+            depth = max(0, depth - 1)
+        elif c == "#":
+            stop = code.find("\n", at)
+            stop = len(code) if stop < 0 else stop
+            if depth == 0:
+                yield start, at
+                start = stop + 1
+            at = stop
+        elif c in "\n;" and depth == 0:
+            yield start, at
+            start = at + 1
+        at += 1
+    yield start, len(code)
+
+
+def read(text: str) -> AnswerDocument:
+    """All of it is code."""
+    written = plain_characters(text)
+    whole = Blanks(written)
+    pieces = clean(whole, (0, len(written)))
+    return AnswerDocument(written, str(whole), tuple(pieces), told=True)
+
+
+FORM = DocumentForm("python", "Python code with SymPy", (".py",), read)

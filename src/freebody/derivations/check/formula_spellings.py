@@ -1,0 +1,91 @@
+"""Formulas that have another spelling here, at most as long: M(q) is M, \\frac{d\\theta}{dt} a dot.
+
+Blanks are counted up to a few, so that a text of nothing but blanks takes no time.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from freebody.derivations.expressions.printed_names import GREEK
+
+FILL = "\x1f"
+"""A blank behind what is shorter here than it was written."""
+
+_S = r"\s{0,9}"
+_STATE = (
+    rf"(?:\\(?:d?dot|boldsymbol|mathbf){_S}\{{?{_S})*(?:\\(?:var)?[Tt]heta|[qQΘθϑ])"
+    rf"[\u0307\u0308]?{_S}\}}{{0,2}}"
+)
+_ARGUMENTS = re.compile(
+    rf"(?<![\w\\])((?:[A-Za-z]|\\?tau|τ|\\?phi|\\?Gamma|J_P|J_\{{P\}}){_S})"
+    rf"(\({_S}{_STATE}(?:{_S},{_S}{_STATE})*{_S}\))(?={_S}&?{_S}(?:=|$))",
+    re.MULTILINE,
+)
+"""A quantity and what it depends on: M(q), C(q, q̇)."""
+_DETERMINANT = re.compile(
+    rf"(?<![\w\\])\\?det(?:\s{{1,9}}|{_S}\({_S})J(?:_P|_\{{P\}})?{_S}\)?(?={_S}&?{_S}(?:=|$))",
+    re.MULTILINE,
+)
+_NAME = (
+    rf"(?P<name>(?:\\(?:var)?(?:{'|'.join(GREEK)})(?![A-Za-z])|[A-Za-zΑ-ω]){_S}"
+    rf"(?:_{_S}(?:\{{[^{{}}]{{1,20}}\}}|\w)|[0-9₀-₉]{{1,2}})?)"
+)
+_D = rf"(?:\\mathrm{_S}\{{{_S}d{_S}\}}|\\mathrm\s{{1,9}}d|d){_S}"
+_TWICE = rf"{_S}(?:\^{_S}(?:\{{{_S}2{_S}\}}|2)|²){_S}"
+_FRACTION = r"\\[td]?frac"
+_BY_TIME = rf"\{{{_S}{_D}t(?:{_TWICE})?{_S}\}}"
+_RATE = re.compile(rf"{_FRACTION}{_S}\{{{_S}{_D}(?P<twice>{_TWICE})?{_NAME}{_S}\}}{_S}{_BY_TIME}")
+"""\\frac{d^2 \\theta_1}{dt^2}."""
+_RATE_OF = re.compile(
+    rf"{_FRACTION}{_S}\{{{_S}{_D}(?P<twice>{_TWICE})?{_S}\}}{_S}{_BY_TIME}{_S}{_NAME}"
+    r"(?![A-Za-z_{^])"
+)
+"""\\frac{d}{dt} \\theta_1, as SymPy has it."""
+_PLAIN_RATE = re.compile(
+    r"(?<![\w\\])d(?P<twice>\^2|²|2(?=[^\W\d]))?\s?(?P<name>[^\W\d_]{1,7}_?[0-9₀-₉]{0,2})\s?/\s?"
+    r"dt(?:\^?2|²)?(?!\w)"
+)
+"""dθ1/dt, d²θ1/dt²."""
+_LETTERS = r"[A-Za-zΑ-ω0-9₀-₉_\\^{}\s\u0307\u0308.]"
+_PARTIAL = re.compile(
+    rf"{_FRACTION}{_S}\{{{_S}\\partial{_S}(?P<of>{_LETTERS}{{0,30}}?){_S}\}}{_S}"
+    rf"\{{{_S}\\partial{_S}(?P<by>(?:[^{{}}]|\{{[^{{}}]{{1,20}}\}}){{1,40}}?){_S}\}}"
+)
+"""\\frac{\\partial L}{\\partial \\dot{\\theta}_1}."""
+_BY_TIME_OF = re.compile(
+    rf"{_FRACTION}{_S}\{{{_S}{_D}\}}{_S}\{{{_S}{_D}t{_S}\}}|(?<![\w\\])d\s?/\s?dt(?!\w)"
+)
+"""\\frac{d}{dt} of what follows."""
+_OF_TIME = re.compile(rf"((?<=[\w}}])){_S}\{{{_S}\\left{_S}\({_S}t{_S}\\right{_S}\){_S}\}}")
+"""The argument of a function of time, as SymPy sets it in LaTeX."""
+
+
+def respelt(text: str) -> str:
+    """A text with each formula that has another spelling here in that, filled up."""
+    for pattern, rule in _SPELLINGS:
+        text = pattern.sub(lambda match, rule=rule: rule(match).ljust(len(match[0]), FILL), text)
+    return text
+
+
+def _dotted(match: re.Match[str]) -> str:
+    """A derivative by time as a dot above its letter."""
+    return f"\\{'d' * (match['twice'] is not None)}dot{{{match['name'].strip()}}}"
+
+
+def _plain_rate(match: re.Match[str]) -> str:
+    """The same of a name in plain letters: dtheta1."""
+    return f"{'d' * (1 + (match['twice'] is not None))}{match['name']}"
+
+
+_SPELLINGS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
+    (_OF_TIME, lambda match: match[1]),
+    (_RATE, _dotted),
+    (_RATE_OF, _dotted),
+    (_PLAIN_RATE, _plain_rate),
+    (_PARTIAL, lambda match: f"∂{match['of']}/∂{match['by']}"),
+    (_BY_TIME_OF, lambda match: "∂/∂t"),
+    (_ARGUMENTS, lambda match: match[1]),
+    (_DETERMINANT, lambda match: "detJ"),
+)

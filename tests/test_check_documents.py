@@ -1,0 +1,250 @@
+"""Whole answers: text, Markdown, LaTeX, notebooks and code, with words between the equations."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+
+import pytest
+
+import freebody as fb
+from freebody.cli.app import run
+from freebody.derivations.check.answer_text import AnswerError
+
+ARM = fb.planar("RR")
+
+MARKDOWN = r"""# Homework 3: the $2R$ arm, where x = y
+
+We use $\theta_1$ and $\theta_2$; for $\theta_2 = 0$ the arm is stretched, and $g = 9.81$.
+
+The mass matrix is
+$$
+M(q) = \begin{bmatrix} m_1 l_{c1}^2 + I_1 + m_2 (l_1^2 + l_{c2}^2 + 2 l_1 l_{c2} c_2) + I_2
+ & m_2 (l_{c2}^2 + l_1 l_{c2} c_2) + I_2 \\
+ m_2 (l_{c2}^2 + l_1 l_{c2} c_2) + I_2 & m_2 l_{c2}^2 + I_2 \end{bmatrix} \tag{1}
+$$
+and the gravity of joint two is \(G_2 = m_2 g l_{c2} \cos(\theta_1 + \theta_2)\), where:
+
+- so h = m2 l1 lc2 sin(theta2), and c2 = h dtheta1^2.
+
+$$\begin{aligned}
+\frac{\partial L}{\partial \dot\theta_2} &= H_{12} \dot{\theta}_1 + H_{22} \dot{\theta}_2 \\
+\tau_2 &= H_{12} \frac{d^2\theta_1}{dt^2} + H_{22} \ddot\theta_2 \\
+&+ h \left(\frac{d\theta_1}{dt}\right)^2 + G_2
+\end{aligned}$$
+
+```python
+import sympy as sp
+theta1, theta2 = sp.symbols('theta1 theta2')
+G1 = sp.simplify(m1*g*lc1*sp.cos(theta1) + m2*g*(l1*sp.cos(theta1)
+     + lc2*sp.cos(theta1 + theta2)))   # = the weight
+```
+"""
+
+LATEX = r"""\documentclass{article}
+\newcommand{\x}{y = 3}
+\begin{document}
+\section{Answer} % H22 = 0
+For $T_1 = \tfrac12 (m_1 l_{c1}^2 + I_1)\dot\theta_1^2$ see \eqref{eq:a}.
+\begin{align}
+  H_{22} &= m_2 l_{c2}^2 + I_2, \label{eq:a} \\
+  H_{12} &= m_2\left(l_{c2}^2 + l_1 l_{c2}\cos\theta_2\right) \nonumber \\
+         &\quad + I_2 \tag{2}
+\end{align}
+\[ \left\{ \begin{array}{l} G_1 = (m_1 l_{c1} + m_2 l_1) g\, c_1 + m_2 g l_{c2} c_{12} \\
+ G_2 = m_2 g\, l_{c2} c_{12} \end{array} \right. \]
+\begin{equation*}
+\begin{cases} \dot{x} = -l_1 s_1 \dot\theta_1 - l_2 s_{12}(\dot\theta_1+\dot\theta_2) \\
+ \boxed{\dot{y} = l_1 c_1 \dot\theta_1 + l_2 c_{12} (\dot\theta_1+\dot\theta_2)} \end{cases}
+\end{equation*}
+so $\mathbf{\tau_2} = \underbrace{H_{12}\ddot\theta_1}_{\text{inertia}} + H_{22}\ddot\theta_2
+ + h\dot\theta_1^2 + G_2 \text{ with } h = m_2 l_1 l_{c2} \sin\theta_2$.
+\end{document}
+"""
+
+TEXT = """Homework 3, by me
+
+The mass matrix is as follows:
+H22 = m2 lc2^2 + I2
+So we get H12 = m2*(lc2^2 + l1*lc2*cos(theta2)) + I2, and therefore
+for joint 2 the gravity term is G2 = m2 g lc2 c12. That was easy.
+where h = m2 l1 lc2 s2
+tau2 = H12 θ̈1 + H22 θ̈2
+   + h (dθ1/dt)² + G2
+When θ2 = 0 the arm is stretched.
+"""
+
+CODE = """import sympy as sp
+m1, m2 = sp.symbols('m1 m2')
+H22 = m2*lc2**2 + I2
+H12 = sp.simplify(m2*(lc2**2 + l1*lc2*sp.cos(theta2)) + I2)
+H12 = H12.expand()
+tau2 = (H12*theta1.diff(t, 2) + H22*theta2.diff(t, 2)  # inertia
+        + m2*l1*lc2*sin(theta2)*theta1.diff(t)**2 + G2)
+T1 = sp.Rational(1, 2)*(m1*lc1**2 + I1)*sp.diff(theta1, t)**2
+print(tau2 == 0)
+"""
+
+NOTEBOOK = json.dumps(
+    {
+        "cells": [
+            {"cell_type": "markdown", "source": ["# A\n", "The term $G_2 = m_2 g l_{c2} c_{12}$."]},
+            {"cell_type": "code", "source": CODE, "outputs": []},
+            {"cell_type": "raw", "source": "H22 = 3"},
+        ]
+    }
+)
+
+DOCUMENTS = {
+    "answer.md": (MARKDOWN, 9, ["line 7", "line 8", "line 9", "line 9", "line 11", "line 13"]),
+    "answer.tex": (LATEX, 8, ["line 5", "line 7", "line 8", "line 11", "line 12", "line 14"]),
+    "answer.txt": (TEXT, 4, ["line 4", "line 5", "line 6", "line 8"]),
+    "answer.py": (CODE, 4, ["line 3", "line 4", "line 6", "line 8"]),
+    "answer.ipynb": (NOTEBOOK, 5, ["cell 1, line 2", "cell 2, line 3", "cell 2, line 4"]),
+}
+
+
+@pytest.mark.parametrize("name", DOCUMENTS)
+def test_a_whole_file_is_read(name: str, tmp_path: Path):
+    text, count, places = DOCUMENTS[name]
+    file = tmp_path / name
+    file.write_text(text, encoding="utf-8")
+    verdict = fb.check(ARM, file)
+    assert verdict, verdict
+    assert len(verdict.equations) >= count
+    assert [x.where for x in verdict.equations][: len(places)] == places
+    assert verdict.text.startswith(f"{places[0]}: ")
+
+
+@pytest.mark.parametrize(
+    ("name", "right", "wrong", "place"),
+    [
+        ("answer.md", r"\cos(\theta_1 + \theta_2)\)", r"\sin(\theta_1 + \theta_2)\)", "line 11"),
+        ("answer.md", "c2 = h dtheta1^2", "c2 = -h dtheta1^2", "line 13"),
+        ("answer.md", "- so h = m2", "- so h = 2 m2", "line 13"),
+        ("answer.md", "&+ h", "&- h", "line 17"),
+        ("answer.md", r"H_{12} \dot{\theta}_1", r"H_{22} \dot{\theta}_1", "line 16"),
+        ("answer.md", "m1*g*lc1*sp.cos", "m1*g*lc1*sp.sin", "line 24"),
+        ("answer.tex", r"&\quad + I_2", r"&\quad - I_2", "line 8"),
+        ("answer.tex", r"\boxed{\dot{y} = l", r"\boxed{\dot{y} = -l", "line 15"),
+        ("answer.tex", r"}_{\text{inertia}} +", r"}_{\text{inertia}} -", "line 17"),
+        ("answer.tex", "with } h = m", "with } h = -m", "line 17"),
+        ("answer.txt", "   + h (d", "   - h (d", "line 8"),
+        ("answer.txt", "where h = m2", "where h = -m2", "line 8"),
+        ("answer.py", "theta1.diff(t, 2)", "theta1.diff(t, 1)", "line 6"),
+        ("answer.py", "Rational(1, 2)", "Rational(1, 3)", "line 8"),
+        ("answer.ipynb", "lc2*sp.cos(theta2)", "lc2*sp.sin(theta2)", "cell 2, line 4"),
+    ],
+)
+def test_a_mistake_in_a_file_is_found_on_its_line(name: str, right: str, wrong: str, place: str):
+    text = DOCUMENTS[name][0]
+    assert right in text
+    form = {"md": "markdown", "tex": "latex", "txt": "text", "py": "python", "ipynb": "notebook"}
+    verdict = fb.check(ARM, text.replace(right, wrong), form=form[name.split(".")[1]])
+    assert not verdict
+    assert place in [x.where or place for x in verdict.equations if not x.equal]
+    assert all(x.findings or x.causes for x in verdict.equations if not x.equal)
+
+
+def test_what_is_passed_over_is_told_only_where_it_is_an_equation():
+    verdict = fb.check(ARM, MARKDOWN, form="markdown")
+    assert [(x.where, x.text) for x in verdict.unread] == [
+        ("line 3", r"\theta_2 = 0"),
+        ("line 3", "g = 9.81"),
+    ]
+    assert r"Not read, line 3: \theta_2 = 0: " in verdict.text
+    (passed,) = fb.check(ARM, TEXT).unread
+    assert (passed.where, passed.text) == ("line 10", "θ2 = 0 the arm is stretched")
+
+
+def test_an_equation_about_the_robot_that_is_not_read_is_no_success(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+):
+    text = MARKDOWN.replace("c2 = h dtheta1^2", "tau1 = L.differentiated()")
+    verdict = fb.check(ARM, text, form="markdown")
+    assert not verdict
+    assert all(equation.equal for equation in verdict.equations)
+    assert [x.where for x in verdict.left_out] == ["line 13"]
+    file = tmp_path / "answer.md"
+    file.write_text(text, encoding="utf-8")
+    assert run(["check", "RR", str(file)]) == 2
+    assert "Not read, line 13: tau1 = L.differentiated()" in capsys.readouterr().out
+    assert run(["check", "RR", str(file), "--form", "nothing"]) == 2
+    assert "no form 'nothing'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("H22 = m2 lc2^2 + I2 + damping", "no symbol 'damping'"),
+        ("H22 = m2 lc2^2 + I2\n + damping", "no symbol 'damping'"),
+        ("H22 = m2 lc2^2 + I2 + l1*\n damping", "no symbol 'damping'|a term is expected"),
+        ("foo + H22 = m2 lc2^2 + I2", "no symbol 'foo'"),
+        ("foo H22 - damping = m2 lc2^2 + I2", "no equation could be read"),
+        ("foo/2 H22 = m2 lc2^2 + I2", "no symbol 'foo'"),
+        ("The answer is easy.", "the answer is empty"),
+        ("Let n = 3 be a number", "no equation could be read; line 1"),
+    ],
+)
+def test_no_term_is_taken_for_words(text: str, words: str):
+    with pytest.raises(AnswerError, match=words):
+        fb.check(ARM, text)
+
+
+def test_derivatives_of_the_energies_are_read():
+    right = [
+        "∂L/∂θ̇1 = H11 θ̇1 + H12 θ̇2",
+        r"\frac{d}{dt}\left(\frac{\partial L}{\partial \dot\theta_2}\right) = H_{12}\ddot\theta_1"
+        r" + H_{22}\ddot\theta_2 - m_2 l_1 l_{c2} s_2 \dot\theta_1 \dot\theta_2",
+        "d/dt ∂L/∂θ̇1 - ∂L/∂θ1 = tau1",
+        "∂V/∂θ2 = m2 g lc2 c12",
+        "tau1 = d/dt(H11 dtheta1 + H12 dtheta2) + ∂V/∂q1",
+    ]
+    for text in right:
+        assert fb.check(ARM, text), text
+        assert not fb.check(ARM, text.replace(" = ", " = -", 1)), text
+    with pytest.raises(AnswerError, match="defined by itself"):
+        fb.check(ARM, "L = L + ∂L/∂q1 - ∂L/∂q1")
+    with pytest.raises(AnswerError, match="no coordinate to differentiate by"):
+        fb.check(ARM, "∂L/∂θ12 = 0")
+
+
+def test_sympys_own_latex_of_functions_of_time_is_read():
+    text = (
+        r"\tau_2 = H_{12} \frac{d^{2}}{d t^{2}} \theta_{1}{\left(t \right)} + H_{22} "
+        r"\frac{d^{2}}{d t^{2}} \theta_{2}{\left(t \right)} + l_{1} lc_{2} m_{2} "
+        r"\sin{\left(\theta_{2}{\left(t \right)} \right)} "
+        r"\left(\frac{d}{d t} \theta_{1}{\left(t \right)}\right)^{2} + G_2"
+    )
+    assert fb.check(ARM, text)
+    assert not fb.check(ARM, text.replace(r"\sin", r"\cos"))
+
+
+HOSTILE = [
+    ("$" * 399_999, "markdown"),
+    ("$a=1$ " * 60_000, "markdown"),
+    ("\\begin{align}" * 30_000, "latex"),
+    ("$" + "\\boxed{" * 50_000 + "=$", "latex"),
+    ("```\n" * 99_000, "markdown"),
+    ("the word = is " * 28_000, "text"),
+    ("H12 " + " " * 390_000 + "= I2 +", "text"),
+    ("x" * 1_000_000, "text"),
+    (json.dumps({"cells": [{"cell_type": "code", "source": "(" * 100_000}]}), "notebook"),
+    (json.dumps({"cells": [{"cell_type": "code", "source": 3}]}), "notebook"),
+    ("[" * 300_000, "notebook"),
+    ('{"cells":' * 40_000, "notebook"),
+    ("∂" * 19_000, "text"),
+    ("\\" * 399_000 + "%", "latex"),
+    ("H12 = \ud800\u202e", "text"),
+    ("H12 = 🤖", "markdown"),
+    ("__import__('os').system('touch x') = 3", "python"),
+]
+
+
+@pytest.mark.parametrize(("text", "form"), HOSTILE, ids=range(len(HOSTILE)))
+def test_hostile_documents_are_refused_in_bounded_time(text: str, form: str):
+    begun = time.process_time()
+    with pytest.raises(AnswerError):
+        fb.check(ARM, text, form=form)
+    assert time.process_time() - begun < 3.0
