@@ -7,7 +7,11 @@ from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 
 from freebody.derivations.check.answer_text import AnswerError, AnswerText
-from freebody.derivations.check.documents.answer_document import AnswerDocument, Blanks, Piece
+from freebody.derivations.check.documents.answer_document import (
+    AnswerDocument,
+    Blanks,
+    FormulaPiece,
+)
 from freebody.derivations.check.documents.prose import sentences
 from freebody.derivations.check.verdict import UnreadEquation
 from freebody.derivations.check.vocabulary import Vocabulary
@@ -36,7 +40,7 @@ class DocumentReader:
         self.source, self.pieces = self._without_words()
 
     # ------------------------------------------------------------ words
-    def _without_words(self) -> tuple[AnswerText, list[Piece]]:
+    def _without_words(self) -> tuple[AnswerText, list[FormulaPiece]]:
         """The formulas, and the pieces that they are read in."""
         document = self.document
         blanks, apart = Blanks(document.formulas), list[Span]()
@@ -99,7 +103,7 @@ class DocumentReader:
                 lines.append(_sides(self.source, line))
         return lines
 
-    def _says_something(self, piece: Piece) -> bool:
+    def _says_something(self, piece: FormulaPiece) -> bool:
         """Whether a piece holds an equation, or may continue one; of plain text all does."""
         text = self.source.text[piece.start : piece.end].strip()
         return bool(text) and (not piece.lenient or "=" in text or text[0] in "+-*/&")
@@ -138,15 +142,15 @@ class DocumentReader:
         )
 
 
-def _parted(piece: Piece, apart: Sequence[Span]) -> Iterator[Piece]:
+def _parted(piece: FormulaPiece, apart: Sequence[Span]) -> Iterator[FormulaPiece]:
     """A piece cut at stretches that stand among words, which are lenient."""
     at = piece.start
     for start, end in apart:
         if piece.start <= start < piece.end:
-            yield Piece(at, start, piece.lenient)
-            yield Piece(start, end, lenient=True)
+            yield FormulaPiece(at, start, piece.lenient)
+            yield FormulaPiece(start, end, lenient=True)
             at = end
-    yield Piece(at, piece.end, piece.lenient)
+    yield FormulaPiece(at, piece.end, piece.lenient)
 
 
 def _lines(found: Sequence[Token]) -> list[list[Token]]:

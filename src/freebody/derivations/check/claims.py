@@ -14,7 +14,7 @@ from freebody.derivations.check.answer_text import AnswerError, AnswerText
 from freebody.derivations.check.answer_tree import Named
 from freebody.derivations.check.asked_quantities import AMBIGUOUS, AskedQuantity, Targets
 from freebody.derivations.check.circular_answers import GivenQuantity, refuse_circles, uses
-from freebody.derivations.check.documents.answer_document import AnswerDocument, Piece
+from freebody.derivations.check.documents.answer_document import AnswerDocument, FormulaPiece
 from freebody.derivations.check.exact_polynomials import PolynomialReader
 from freebody.derivations.check.reading import AnswerParser
 from freebody.derivations.check.right_equations import FAMILIES, RightEquations
@@ -171,7 +171,7 @@ def _plain(name: str) -> str:
     return word.plain
 
 
-def _new_names(source: Source, pieces: Sequence[Piece], vocabulary: Vocabulary) -> list[str]:
+def _new_names(source: Source, pieces: Sequence[FormulaPiece], vocabulary: Vocabulary) -> list[str]:
     """Names before a = that mean nothing else: the user introduces them."""
     found = []
     begun = [m for x in pieces if (m := _OWN_NAME.match(source.text, x.start, x.end))]

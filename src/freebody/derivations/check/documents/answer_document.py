@@ -15,7 +15,7 @@ LARGEST = 400_000
 
 
 @dataclass(frozen=True)
-class Piece:
+class FormulaPiece:
     """A stretch of a document with formulas."""
 
     start: int
@@ -31,7 +31,7 @@ class AnswerDocument:
 
     written: str
     formulas: str
-    pieces: tuple[Piece, ...]
+    pieces: tuple[FormulaPiece, ...]
     prose: tuple[Span, ...] = ()
     """Lines in which formulas may stand between words."""
     parts: tuple[tuple[str, int], ...] = ()

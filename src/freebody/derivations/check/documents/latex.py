@@ -10,7 +10,7 @@ from freebody.derivations.check.documents.answer_document import (
     AnswerDocument,
     Blanks,
     DocumentForm,
-    Piece,
+    FormulaPiece,
     between,
     plain_characters,
 )
@@ -97,7 +97,7 @@ def _outermost(spans: list[Span]) -> list[Span]:
     return kept
 
 
-def clean(whole: Blanks, found: list[Span]) -> list[Piece]:
+def clean(whole: Blanks, found: list[Span]) -> list[FormulaPiece]:
     """Formulas without what says nothing, `whole` changed in place; a piece for each equation."""
     for start, end in found:
         for k in range(start, end):  # in a formula the end of a line is none
@@ -109,9 +109,9 @@ def clean(whole: Blanks, found: list[Span]) -> list[Piece]:
     _open_boxes(whole)
     _open_arrays(whole)
     text = str(whole)
-    pieces: list[Piece] = []
+    pieces: list[FormulaPiece] = []
     for span in found:
-        pieces += (Piece(*row, lenient=True) for row in rows(text, span))
+        pieces += (FormulaPiece(*row, lenient=True) for row in rows(text, span))
     return pieces
 
 

@@ -9,7 +9,7 @@ from freebody.derivations.check.documents.answer_document import (
     AnswerDocument,
     Blanks,
     DocumentForm,
-    Piece,
+    FormulaPiece,
     between,
     plain_characters,
 )
@@ -30,13 +30,13 @@ def read(text: str) -> AnswerDocument:
     return AnswerDocument(written, str(whole), tuple(pieces), tuple(prose), told=True)
 
 
-def parted(written: str) -> tuple[Blanks, list[Piece], list[Span]]:
+def parted(written: str) -> tuple[Blanks, list[FormulaPiece], list[Span]]:
     """The text without what is no formula, its pieces, and its lines of words."""
     whole = Blanks(written)
     for start, end in between(written, "<!--", "-->"):
         whole.put(start - 4, end + 3)
     text = str(whole)
-    pieces: list[Piece] = []
+    pieces: list[FormulaPiece] = []
     prose: list[Span] = []
     displays: list[Span] = []
     at = 0
@@ -50,7 +50,7 @@ def parted(written: str) -> tuple[Blanks, list[Piece], list[Span]]:
             pieces += python_code.clean(whole, inside)
         else:
             prose += plain.lines(text, *inside)
-            pieces.append(Piece(*inside, lenient=True))
+            pieces.append(FormulaPiece(*inside, lenient=True))
         at = end
     displays += _lines(whole, text, (at, len(text)), pieces, prose)
     pieces += latex.clean(whole, displays)
@@ -71,7 +71,7 @@ def _fences(text: str) -> list[tuple[int, int, str, Span]]:
 
 
 def _lines(
-    whole: Blanks, text: str, span: Span, pieces: list[Piece], prose: list[Span]
+    whole: Blanks, text: str, span: Span, pieces: list[FormulaPiece], prose: list[Span]
 ) -> list[Span]:
     """The formulas between dollar signs and in displays; of lines without any, that may hold
     formulas among words, a paragraph is a piece."""
@@ -89,7 +89,7 @@ def _lines(
             k += 1
         holds = k < len(formulas) and formulas[k][0] < line[1]
         if paragraph and (holds or not text[slice(*line)].strip()):
-            pieces.append(Piece(paragraph[0][0], paragraph[-1][1], lenient=True))
+            pieces.append(FormulaPiece(paragraph[0][0], paragraph[-1][1], lenient=True))
             paragraph = []
         if holds:
             k = _keep(whole, line, formulas, k)

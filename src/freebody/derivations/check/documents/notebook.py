@@ -11,7 +11,7 @@ from freebody.derivations.check.documents.answer_document import (
     AnswerDocument,
     Blanks,
     DocumentForm,
-    Piece,
+    FormulaPiece,
     plain_characters,
 )
 from freebody.derivations.grammar.source import Span
@@ -20,13 +20,13 @@ from freebody.derivations.grammar.source import Span
 def read(text: str) -> AnswerDocument:
     """Its cells, one after the other; outputs are not read."""
     written, formulas = "", ""
-    pieces: list[Piece] = []
+    pieces: list[FormulaPiece] = []
     prose: list[Span] = []
     parts: list[tuple[str, int]] = []
     for number, (kind, source) in enumerate(_cells(text), 1):
         own, at = plain_characters(source), len(written)
         parts.append((f"cell {number}", at))
-        found: list[Piece] = []
+        found: list[FormulaPiece] = []
         if kind == "markdown":
             whole, found, lines = markdown.parted(own)
             prose += ((at + start, at + end) for start, end in lines)
@@ -36,7 +36,7 @@ def read(text: str) -> AnswerDocument:
                 found = python_code.clean(whole, (0, len(own)))
             else:
                 whole.put(0, len(own))
-        pieces += (Piece(at + x.start, at + x.end, x.lenient) for x in found)
+        pieces += (FormulaPiece(at + x.start, at + x.end, x.lenient) for x in found)
         written += own + "\n"
         formulas += str(whole) + "\n"
     return AnswerDocument(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from freebody.derivations.check.documents.answer_document import (
     AnswerDocument,
     DocumentForm,
-    Piece,
+    FormulaPiece,
     plain_characters,
 )
 from freebody.derivations.grammar.source import Span
@@ -15,7 +15,11 @@ def read(text: str) -> AnswerDocument:
     """All of it may be formula; words are found by the vocabulary."""
     plain = plain_characters(text)
     return AnswerDocument(
-        plain, plain, (Piece(0, len(plain)),), tuple(lines(plain, 0, len(plain))), strict=True
+        plain,
+        plain,
+        (FormulaPiece(0, len(plain)),),
+        tuple(lines(plain, 0, len(plain))),
+        strict=True,
     )
 
 

@@ -9,7 +9,7 @@ from freebody.derivations.check.documents.answer_document import (
     AnswerDocument,
     Blanks,
     DocumentForm,
-    Piece,
+    FormulaPiece,
     plain_characters,
 )
 from freebody.derivations.grammar.source import Span
@@ -29,7 +29,7 @@ _RATE = re.compile(r"(?<![\w.])([A-Za-z]\w{0,30})\.diff\(\s*t\s*(?:,\s*([12])\s*
 _METHODS = re.compile(r"\.(?:simplify|expand|doit|trigsimp)\(\s*\)")
 
 
-def clean(whole: Blanks, span: Span) -> list[Piece]:
+def clean(whole: Blanks, span: Span) -> list[FormulaPiece]:
     """A piece for each assignment, `whole` changed in place: nothing else of the code is left."""
     pieces = []
     kept: list[Span] = []
@@ -42,7 +42,7 @@ def clean(whole: Blanks, span: Span) -> list[Piece]:
         if re.search(rf"(?<!\w){assigned[1]}(?!\w)", text[assigned.end() :]):
             continue  # tau = simplify(tau)
         kept.append((start, end))
-        pieces.append(Piece(start, end, lenient=True))
+        pieces.append(FormulaPiece(start, end, lenient=True))
         whole.put(start + assigned.end(1), start + assigned.start(2))
     at = span[0]
     for start, end in [*kept, (span[1], span[1])]:
