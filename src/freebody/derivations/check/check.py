@@ -72,7 +72,7 @@ def check(
     judged, wrong = [], 0
     for claim in said.claims:
         verdict = judge.verdict(claim, explain=wrong < MOST_EXPLAINED)
-        place = claim.source.where(claim.node.span[0]) if document.told else ""
+        place = claim.source.where(claim.node.span[0]) if document.tells_lines else ""
         judged.append(replace(verdict, where=place))
         wrong += not verdict.equal
     return Verdict(tuple(judged), model.name, said.unused, said.unread)
@@ -86,8 +86,7 @@ def document_of(answer: Any, form: str | None) -> AnswerDocument:
         path = Path(answer)
         record = FORMS[form] if form else form_of(path.name)
         text = read_file.decoded(str(path), read_file.read(path, LARGEST_FILE, "an answer"))
-        document = record.read(text)
-        return replace(document, told=document.told or "\n" in text.strip())
+        return replace(record.read(text), told=True)
     return FORMS[form or "text"].read(text_of(answer))
 
 

@@ -37,10 +37,15 @@ class AnswerDocument:
     parts: tuple[tuple[str, int], ...] = ()
     """Of a notebook the cells: what they are called and where they begin."""
     told: bool = False
-    """Whether a verdict says the line of each equation."""
+    """Whether it is a document, of which a verdict says the line of each equation."""
     strict: bool = False
     """Whether an equation about a quantity of the robot's that cannot be read raises an error;
     else it is told, and the verdict is not true."""
+
+    @property
+    def tells_lines(self) -> bool:
+        """Whether a verdict says the line of each equation."""
+        return self.told and "\n" in self.written.strip()
 
 
 @dataclass(frozen=True)

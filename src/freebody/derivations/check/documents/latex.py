@@ -56,9 +56,8 @@ def read(text: str) -> AnswerDocument:
     found = formulas(str(whole))
     if not found:
         document = plain.read(text)
-        told = "\n" in written.strip()
         return AnswerDocument(
-            written, str(whole), document.pieces, document.prose, told=told, strict=True
+            written, str(whole), document.pieces, document.prose, told=True, strict=True
         )
     whole.only(found)
     pieces = clean(whole, found)

@@ -14,13 +14,8 @@ from freebody.derivations.grammar.source import Span
 def read(text: str) -> AnswerDocument:
     """All of it may be formula; words are found by the vocabulary."""
     plain = plain_characters(text)
-    return AnswerDocument(
-        plain,
-        plain,
-        (FormulaPiece(0, len(plain)),),
-        tuple(lines(plain, 0, len(plain))),
-        strict=True,
-    )
+    whole = FormulaPiece(0, len(plain))
+    return AnswerDocument(plain, plain, (whole,), tuple(lines(plain, 0, len(plain))), strict=True)
 
 
 def lines(text: str, start: int, end: int) -> list[Span]:
