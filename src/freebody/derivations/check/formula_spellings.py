@@ -86,6 +86,6 @@ _SPELLINGS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] =
     (_PLAIN_RATE, _plain_rate),
     (_PARTIAL, lambda match: f"∂{match['of']}/∂{match['by']}"),
     (_BY_TIME_OF, lambda match: "∂/∂t"),
-    (_ARGUMENTS, lambda match: match[1]),
+    (_ARGUMENTS, lambda match: match[1].ljust(len(match[0]))),  # a label goes without them
     (_DETERMINANT, lambda match: "detJ"),
 )
