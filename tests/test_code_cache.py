@@ -42,7 +42,7 @@ def compile_again(monkeypatch):
     original = machine.object_code
     for k in range(kernel.RECENT):  # others push it out of the kernels that are kept
         fb.compile(lambda q, k=k: q + k, {"q": ()}, target="numpy")
-    monkeypatch.setattr(cpu, "object_code", lambda text: worked.append(1) or original(text))
+    monkeypatch.setattr(cpu, "object_code", lambda *a, **k: worked.append(1) or original(*a, **k))
     result = swap_kernel(target="cpu")(np.array([1.0, 2.0, 3.0]))
     monkeypatch.setattr(cpu, "object_code", original)
     assert result.tolist() == [2.0, 2.0, 3.0]
@@ -215,7 +215,7 @@ import freebody as fb
 from freebody.targets.llvm import cpu
 from freebody.math import sin
 if len(sys.argv) > 1:
-    def refuse(text): raise AssertionError("compiled again")
+    def refuse(*given, **options): raise AssertionError("compiled again")
     cpu.object_code = refuse
 k = fb.compile(lambda q: [sin(q[0]) * q[1], q[0]], {"q": 2}, {"r": 2})
 print(k(np.random.default_rng(0).normal(size=(11, 2)) * [1e7, 1.0]).tobytes().hex())

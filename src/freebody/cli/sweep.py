@@ -60,6 +60,13 @@ def sweep(
     client: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Of a Dask cluster's scheduler.")
     ] = None,
+    cpu: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LEVEL",
+            help="Processors that give the same last digits, such as x86-64-v3; else this one's.",
+        ),
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="CSV file for the whole table.")
     ] = None,
@@ -95,6 +102,7 @@ def sweep(
             reduce=names,
             store=store,
             client=client,
+            cpu=cpu,
             progress=_timed(progress),
         )
     head, rows = _table(found, list(axes)[:-1])

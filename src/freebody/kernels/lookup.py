@@ -72,9 +72,10 @@ def kernel(
     or "body" axes (for joint wrenches "child"). rows: of operational space, among "vx", "vy", "vz",
     "wx", "wy", "wz" (plane "vx", "vy", "w"; default all). wrench_frames: frames that carry external
     wrenches; each becomes a further input (..., 6): wrench0, wrench1, … in their order.
-    target: where it runs: "cpu" (machine code by LLVM), "numpy" (node by node, without a compiler)
-    or "cuda" (NVIDIA's GPUs; it takes arrays in their memory); None: what FREEBODY_TARGET says,
-    else the CPU. width: samples in a CPU vector; None: as many as suit it.
+    target: where it runs: "cpu" (machine code by LLVM for this CPU), "cpu:x86-64-v3" (for all that
+    reach this level, to the same bytes), "numpy" (node by node, without a compiler) or "cuda"
+    (NVIDIA's GPUs; it takes arrays in their memory); None: what FREEBODY_TARGET says, else the CPU.
+    width: samples in a CPU vector; None: as many as suit it.
     dtype: "float32" computes with numbers of 32 bits, about twice as fast in batches, to about 6
     digits of a sample's largest entry; arrays of other real types are rounded to it, and so are the
     robot's numbers. inputs: numbers of the model that are to be given, by names and patterns of

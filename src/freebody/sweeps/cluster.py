@@ -3,16 +3,19 @@ order."""
 
 from __future__ import annotations
 
+import pickle
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import lru_cache
 from itertools import islice
 from math import ceil
 from typing import Any, NamedTuple
 
-from freebody.errors import FreebodyError, MissingPackageError
+from freebody.errors import FreebodyError, MissingPackageError, listed
 from freebody.locks import imported
 from freebody.sweeps.evaluation import BlockResult, Keep, SweepBlock, SweepTask
-from freebody.targets.llvm.machine import host
+from freebody.sweeps.identity import computed_with, differing, target_of
+from freebody.targets import KernelError
 
 _WORTH = 0.5
 """Seconds of work that are worth sending."""
@@ -65,7 +68,10 @@ def _in_order(
 ) -> Iterator[BlockResult]:
     """Results are fetched when they are there, since a worker that is lost takes with it what was
     not, and wait here for those before them."""
-    sent = client.scatter(task, broadcast=True)
+    # as bytes: what a worker cannot read would break its connection instead of being said
+    packed = imported("cloudpickle").dumps(task)
+    where = target_of(task.function)
+    sent, here = client.scatter(packed, broadcast=True), computed_with(where)
     coming = as_completed(with_results=True)
     pieces: dict[Any, _SentBlocks] = {}
     arrived: dict[int, list[BlockResult]] = {}
@@ -77,7 +83,7 @@ def _in_order(
                 some = list(islice(blocks, together))
                 if not some:
                     break
-                future = client.submit(_done, sent, some, repr(host()), pure=False)
+                future = client.submit(_done, sent, some, where, here, pure=False)
                 pieces[future] = _SentBlocks(begun, some)
                 begun += 1
                 coming.add(future)
@@ -105,12 +111,28 @@ class _SentBlocks(NamedTuple):
     blocks: list[SweepBlock]
 
 
-def _done(task: SweepTask, blocks: list[SweepBlock], cpu: str) -> tuple[list[BlockResult], float]:
+def _done(
+    packed: bytes, blocks: list[SweepBlock], where: str | None, wanted: Mapping[str, str]
+) -> tuple[list[BlockResult], float]:
     """On a worker: the results, and the seconds that they took."""
-    if repr(host()) != cpu:
+    others = differing(wanted, computed_with(where))
+    if others:
+        advice = "Run the sweep on machines of one kind, with the same packages"
         raise FreebodyError(
-            "sweep: a worker's processor is not of the kind of this machine's, so that last digits "
-            "would depend on who computed what. Run the sweep on machines of one kind."
+            f"sweep: a worker has another {listed(others)} than this machine, so that last digits "
+            f"would depend on who computed what. {advice}, or name in cpu= a level that all "
+            f'processors reach, such as "x86-64-v3".'
         )
+    try:
+        task = _read(packed)
+    except KernelError as problem:
+        raise FreebodyError(f"sweep, on a worker of the cluster: {problem}") from None
     start = time.perf_counter()
     return [task(block) for block in blocks], time.perf_counter() - start
+
+
+@lru_cache(maxsize=1)
+def _read(packed: bytes) -> SweepTask:
+    """Once for all blocks: its kernel is compiled, or found in the cache."""
+    task: SweepTask = pickle.loads(packed)
+    return task

@@ -156,7 +156,12 @@ def _of_batch(name: str, value: Any, batch: tuple[int, ...]) -> Array:
 
 
 def named_formulas(
-    model: Model, names: Sequence[str], frame: str | None, reference: str, numbers: Sequence[str]
+    model: Model,
+    names: Sequence[str],
+    frame: str | None,
+    reference: str,
+    numbers: Sequence[str],
+    target: str | None,
 ) -> SweptKernel:
     """The kernel of formulas, to which numbers of the model are given."""
     if model.loops:
@@ -164,7 +169,7 @@ def named_formulas(
             f"sweep: {model.name!r} is a closed chain, whose loops must close at each state. Give "
             f"a function, such as lambda model, q: fb.{names[0]}(model, q), which refuses others."
         )
-    option = {"frame": frame, "reference": reference}
+    option = {"frame": frame, "reference": reference, "target": target}
     made: Any = (
         kernel(model, names, **option, inputs=tuple(numbers))
         if numbers

@@ -4,22 +4,57 @@ from __future__ import annotations
 
 import hashlib
 import inspect
+import platform
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy._core._multiarray_umath import __cpu_features__
 
 from freebody.errors import FreebodyError
+from freebody.kernels.inputs import InputKernel
 from freebody.model.model import Model
 from freebody.sweeps.evaluation import SweepTask
-from freebody.sweeps.functions import SweptCallable, SweptKernel
+from freebody.sweeps.functions import SweptCallable, SweptFunction
 from freebody.targets import Kernel
-from freebody.targets.llvm.machine import host
+from freebody.targets.llvm.cpu import compiler_version
+from freebody.targets.llvm.machine import at_level
+from freebody.targets.target import chosen_target
+
+
+def target_of(function: SweptFunction) -> str | None:
+    """Where its kernel runs; None of a function of Python."""
+    kernel = _kernel(function)
+    return None if kernel is None else kernel.target
+
+
+def computed_with(where: str | None) -> dict[str, str]:
+    """What the last digits of a function's values depend on besides its arguments: versions, and
+    the processor that its code is made for, which for a level (`cpu=`) is the same everywhere.
+
+    where: the target of its kernel; None of a function of Python, which may call kernels of the
+    process's own target and whatever NumPy has.
+    """
+    target, _, level = (where or chosen_target(None)).partition(":")
+    found = {"freebody": compiler_version(), "NumPy": np.__version__}
+    if target == "cpu":
+        made_for = at_level(level or None)
+        found["processor"] = " ".join((made_for.triple, made_for.cpu, *sorted(made_for.has)))
+        found["LLVM"] = made_for.llvm
+    if target != "cpu" or where is None:
+        used = sorted(name for name, there in __cpu_features__.items() if there)
+        found["processor's instructions used by NumPy"] = f"{platform.machine()} {' '.join(used)}"
+    return found
+
+
+def differing(here: Mapping[str, str], there: Mapping[str, str]) -> list[str]:
+    """Names of what is not the same."""
+    return [key for key in {**here, **there} if here.get(key) != there.get(key)]
 
 
 def identity(task: SweepTask, points: int) -> str:
-    """SHA-256 in hexadecimal, of the function, the robot, the grid, what is gathered, and how the
-    table is cut into blocks of so many points; and of the kind of processor, whose code gives the
-    last digits."""
+    """SHA-256 in hexadecimal, of the function, the robot, the grid, what is gathered, how the table
+    is cut into blocks of so many points, and what it is computed with."""
     digest = hashlib.sha256()
 
     def add(*parts: Any) -> None:
@@ -27,7 +62,8 @@ def identity(task: SweepTask, points: int) -> str:
             content = part if isinstance(part, bytes) else repr(part).encode()
             digest.update(len(content).to_bytes(8, "little") + content)
 
-    add("1", repr(host()), np.__version__, points, task.tile, task.hoisted, task.wanted)
+    with_what = sorted(computed_with(target_of(task.function)).items())
+    add("2", with_what, points, task.tile, task.hoisted, task.wanted)
     add(task.outputs, *_function(task.function), *_value(task.model))
     for axes in (task.grid.rows, task.grid.columns):
         add(*(part for axis in axes for part in (axis.name, *_given(axis.given))))
@@ -42,11 +78,15 @@ def _given(arrays: dict[str, Any]) -> list[Any]:
 def _function(function: Any) -> list[Any]:
     if isinstance(function, SweptCallable):
         return _value(function.function)
-    assert isinstance(function, SweptKernel)
-    made = function.kernel
-    kernel = made if isinstance(made, Kernel) else made.kernel
-    code = kernel.program.digest if kernel.loop is None else kernel.loop.content
+    kernel = _kernel(function)
+    assert kernel is not None
+    code = kernel.program.digest
     return [code, kernel.target, kernel.width, kernel.dtype.name, function.numbers]
+
+
+def _kernel(function: SweptFunction) -> Kernel | None:
+    made = getattr(function, "kernel", None)
+    return made.kernel if isinstance(made, InputKernel) else made
 
 
 def _value(value: Any) -> list[Any]:

@@ -10,22 +10,24 @@ import contextlib
 import json
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from freebody.errors import FileError, FreebodyError, MissingPackageError
+from freebody.errors import FileError, FreebodyError, MissingPackageError, listed
 from freebody.locks import imported
 from freebody.outputs.files import reason
 from freebody.sweeps.evaluation import BlockResult, FailedPoint, SweepBlock, SweepTask
+from freebody.sweeps.identity import differing
 
 if TYPE_CHECKING:
     import xarray as xr
 
 _HASH = "freebody_sweep"
+_WITH, _FINISHED = "computed_with", "finished"
 _LEFT = re.compile(r"\.[0-9a-f]{32}\.partial$")
 """Name of a file that Zarr is writing; one stays behind where the process was killed."""
 _REASONS = 8192
@@ -43,13 +45,14 @@ class SweepStore:
         task: SweepTask,
         groups: Sequence[tuple[range, list[SweepBlock]]],
         identity: str,
+        computed_with: Mapping[str, str],
     ):
         try:
             self._zarr = imported("zarr")
         except ModuleNotFoundError:
             raise MissingPackageError("sweep: store=", "zarr", "sweep") from None
         self.path = Path(path)
-        self._task, self._groups = task, groups
+        self._task, self._groups, self._with = task, groups, computed_with
         with self._said():
             self._open(identity)
             self.done = ~np.isnan(self._failed[:])
@@ -70,11 +73,15 @@ class SweepStore:
             if not self._is_bare():
                 raise self._of_others()
             self._create(found.create_group(PARTS, overwrite=True))
-            found.attrs[_HASH] = identity  # last: a store without it was never begun
+            # last: a store without it was never begun
+            found.attrs.update({_WITH: dict(self._with), _HASH: identity})
         elif held != identity:
+            others = differing(self._with, dict(found.attrs.get(_WITH, {})))
+            what = "its function, model, grid, reduction or block size"
             raise FreebodyError(
-                f"sweep: {self.path} holds another sweep: its function, model, grid, reduction "
-                f"or block size, or the kind of processor, differs. Name another store."
+                f"sweep: {self.path} holds another sweep: "
+                + (f"it was begun with another {listed(others)}" if others else f"{what} differs")
+                + ". Name another store."
             )
         for left in self.path.rglob("*.partial"):
             if _LEFT.search(left.name):
@@ -180,11 +187,22 @@ class SweepStore:
         texts = [name for name, x in found.coords.items() if x.dtype.kind not in "fiu"]
         plain = found.drop_vars(texts)
         names = {str(name): [str(x) for x in found[name].values] for name in texts}
-        plain.attrs = {**found.attrs, "names": json.dumps(names), _HASH: self._hash()}
+        with self._said():
+            begun = self._root().attrs
+        plain.attrs = {**found.attrs, "names": json.dumps(names)}
+        plain.attrs |= {_WITH: begun[_WITH], _HASH: begun[_HASH]}
         plain.attrs["failures"] = json.dumps(found.attrs["failures"])
         with self._said():
-            plain.to_zarr(str(self.path), mode="a", zarr_format=3, consolidated=False)
+            root = self._root()
+            if not root.attrs.get(_FINISHED):
+                for name in [x for x in root if x != PARTS]:
+                    del root[name]  # begun by a process that was stopped, and not whole
+                plain.to_zarr(str(self.path), mode="a", zarr_format=3, consolidated=False)
+                self._root().attrs[_FINISHED] = True
         return found
+
+    def _root(self) -> Any:
+        return self._zarr.open_group(str(self.path), mode="r+")
 
     def values(self) -> xr.Dataset:
         """All values of each output, (rows, columns, *core), read when they are looked at."""
@@ -193,9 +211,6 @@ class SweepStore:
         path, names = str(self.path), [name for name, _ in self._task.outputs]
         with self._said():
             return xr.open_zarr(path, group=PARTS, chunks=None, consolidated=False)[names]
-
-    def _hash(self) -> str:
-        return self._zarr.open_group(str(self.path), mode="r").attrs[_HASH]
 
     def _at(self, block: SweepBlock) -> tuple[int, int]:
         rows, across = self._groups[0]

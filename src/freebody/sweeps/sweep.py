@@ -24,11 +24,12 @@ from freebody.sweeps.functions import (
     names_of,
     reader,
 )
-from freebody.sweeps.identity import identity
+from freebody.sweeps.identity import computed_with, identity, target_of
 from freebody.sweeps.reductions import SweepReduction, reductions
 from freebody.sweeps.run import Progress, evaluated
 from freebody.sweeps.store import SweepStore
-from freebody.targets import Kernel
+from freebody.targets import Kernel, compile_program
+from freebody.targets.target import target_named
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -54,6 +55,7 @@ def sweep(
     block: int = 1 << 20,
     store: str | PathLike[str] | None = None,
     client: Any = None,
+    cpu: str | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """A function at every point of the grid of many parameters and states, reduced on the way.
@@ -78,13 +80,17 @@ def sweep(
     all but the last. Needs the extra `sweep`.
     client: a `distributed.Client` of Dask or the address of its scheduler: blocks are evaluated by
     its workers, with the same bytes as here; default this process. Needs the extra `sweep`.
+    cpu: a level of processors for which kernels are compiled ("x86-64-v2", "x86-64-v3",
+    "x86-64-v4", "armv8-a"): all that reach it give the same bytes; default this machine's own.
     progress: called with what is being done, and which share of it is.
 
     Returns an xarray Dataset over the other axes, with `failed`, how many points had no value (NaN,
     or refused: a mass below 0, a singular matrix); they count in no reduction, and its attributes
     name some and why. Raises FreebodyError where no point has a value, and for wrong arguments.
     """
-    grid, swept = _read(model, function, over, at, frame, reference, reduce is not None, along)
+    target = _target(cpu, function)
+    split = reduce is not None, along
+    grid, swept = _read(model, function, over, at, frame, reference, split, target)
     chosen = reductions(reduce) if reduce is not None else ()
     outputs = _outputs(swept, grid)
     task = _task(model, grid, swept, outputs, chosen)
@@ -95,7 +101,7 @@ def sweep(
     if store is None:
         results = map(watched, blocks, evaluated(task, blocks, None, client))
         return dataset(model, swept, _joined(grid, outputs, chosen, groups, results))
-    kept = SweepStore(store, task, groups, identity(task, points))
+    kept = SweepStore(store, task, groups, identity(task, points), computed_with(target_of(swept)))
     missing = [x for x in blocks if not kept.holds(x)]
     watched.done += sum(map(_points, blocks)) - sum(map(_points, missing))
     for each, result in zip(missing, evaluated(task, missing, kept.write, client), strict=True):
@@ -149,10 +155,13 @@ def _read(
     at: Any,
     frame: str | None,
     reference: str,
-    reduced: bool,
-    along: str | Sequence[str] | None,
+    split: tuple[bool, str | Sequence[str] | None],
+    target: str | None,
 ) -> tuple[SweepGrid, SweptFunction]:
-    """The grid and what is evaluated on it."""
+    """The grid and what is evaluated on it.
+
+    split: whether values are reduced, and along which axes.
+    """
     if callable(function) and (frame is not None or reference != "world"):
         raise FreebodyError("sweep: frame= and reference= are those of a formula.")
     shapes = input_shapes(function, model, frame, reference)
@@ -173,7 +182,7 @@ def _read(
                 f"sweep: the function needs {listed(missing)}; let it vary in over=, or give it "
                 f"in at=."
             )
-    rows, columns = _split(axes, reduced, along)
+    rows, columns = _split(axes, *split)
     swept: SweptFunction
     if isinstance(function, Kernel):
         if numbers:
@@ -181,12 +190,35 @@ def _read(
                 f"sweep: {numbers[0]!r} is no input of {function.program.name}, which takes "
                 f"{listed(shapes or ())}."
             )
-        swept = SweptKernel(function, ())
+        swept = SweptKernel(_for(target, function), ())
     elif callable(function):
         swept = SweptCallable(function, model, numbers)
     else:
-        swept = named_formulas(model, names_of(function), frame, reference, numbers)
+        swept = named_formulas(model, names_of(function), frame, reference, numbers, target)
     return SweepGrid(rows, columns, constants), swept
+
+
+def _target(cpu: Any, function: Any) -> str | None:
+    """Where kernels run: on processors of a level."""
+    if cpu is None:
+        return None
+    levels = target_named("cpu").kinds
+    if not isinstance(cpu, str):
+        raise KindError("sweep", "cpu", cpu, f"the name of a level: {listed(levels)}")
+    if cpu not in levels:
+        raise UnknownNameError("CPU", cpu, "sweep", levels)
+    if callable(function) and not isinstance(function, Kernel):
+        raise FreebodyError(
+            f"sweep: cpu= is for kernels: the name of a formula, or what fb.compile returns. A "
+            f"function of Python calls what it likes; set FREEBODY_TARGET=cpu:{cpu} where it runs."
+        )
+    return f"cpu:{cpu}"
+
+
+def _for(target: str | None, kernel: Kernel) -> Kernel:
+    if target is None:
+        return kernel
+    return compile_program(kernel.program, target=target, dtype=kernel.dtype.name)
 
 
 def _numbers(model: Model, names: list[str], shapes: Mapping[str, Any] | None) -> tuple[str, ...]:

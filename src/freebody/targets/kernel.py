@@ -266,8 +266,8 @@ def compile_program(
 
     Args:
         program: from `trace`.
-        target: "cpu", "numpy" or "cuda"; by default the environment's FREEBODY_TARGET, else the CPU
-            where LLVM is.
+        target: "cpu", "cpu:" with a level, "numpy" or "cuda"; by default the environment's
+            FREEBODY_TARGET, else the CPU where LLVM is.
         width: samples in a vector (2, 4, 8; 16 of float32); by default FREEBODY_WIDTH, else what
             suits the CPU. Both are read once, when a process first needs a kernel.
         dtype: "float64" or "float32", of the numbers that come in, are computed with and come out.

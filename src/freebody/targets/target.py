@@ -6,7 +6,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -41,6 +41,7 @@ class Target:
     shared among threads. missing: what this machine lacks to run it, in words; empty if nothing.
     host: whether its kernels compute with the host's memory, which tensors of the CPU are. NumPy
     stands in for them where a program has no inputs, or an empty argument; others take these too.
+    kinds: narrower targets by name, asked for as "target:kind".
     """
 
     build: Callable[[Program, int | None, str], Kernel]
@@ -50,12 +51,15 @@ class Target:
     loops: bool
     missing: Callable[[], str] = lambda: ""
     host: bool = True
+    kinds: Mapping[str, Callable[[], Target]] = field(default_factory=dict)
 
 
 @cache
 def target_named(name: str) -> Target:
-    """The record of a target of the table."""
-    return importlib.import_module(TARGETS[name]).TARGET
+    """The record of a target of the table, or of a kind of one."""
+    name, _, kind = name.partition(":")
+    record: Target = importlib.import_module(TARGETS[name]).TARGET
+    return record.kinds[kind]() if kind else record
 
 
 def chosen_target(name: str | None) -> str:
@@ -67,9 +71,16 @@ def chosen_target(name: str | None) -> str:
     name = name or settings.TARGET
     if not name:
         return "cpu" if importlib.util.find_spec("llvmlite") else "numpy"
-    if name not in TARGETS:
+    whole, colon, kind = name.partition(":")
+    if whole not in TARGETS:
         known = ", ".join(TARGETS)
         raise KernelError(f"no target {name!r}. Targets: {known} (argument or FREEBODY_TARGET).")
+    if colon and kind not in target_named(whole).kinds:
+        kinds = ", ".join(target_named(whole).kinds)
+        raise KernelError(
+            f"target {whole!r} has no kind {kind!r}. "
+            + (f"Kinds: {kinds}; write {whole}:KIND." if kinds else "Leave it out.")
+        )
     return name
 
 

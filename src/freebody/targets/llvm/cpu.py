@@ -1,12 +1,14 @@
-"""This machine's CPU as a target: programs as LLVM vector code, compiled or found on disk, loaded
-as a gufunc."""
+"""This machine's CPU as a target, or a level that it reaches: programs as LLVM vector code,
+compiled or found on disk, loaded as a gufunc."""
 
 from __future__ import annotations
 
 import hashlib
 import importlib.metadata
+import importlib.util
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
+from dataclasses import replace
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +21,20 @@ from freebody.targets.llvm.emit import emit, emit_own
 from freebody.targets.llvm.gufunc import make_gufunc
 from freebody.targets.llvm.lanes import REALS
 from freebody.targets.llvm.loader import LoadedCode, load
-from freebody.targets.llvm.machine import LONGEST_VECTOR, WIDTHS, Machine, host, object_code
+from freebody.targets.llvm.machine import (
+    LEVELS,
+    LONGEST_VECTOR,
+    WIDTHS,
+    Host,
+    Machine,
+    at_level,
+    lacking,
+    object_code,
+)
 from freebody.targets.llvm.shared_functions import declarations, declared_once, object_beside
 from freebody.targets.target import Target
 
+_NAME = "cpu"
 _LENGTH = 8
 """Bytes of a length."""
 
@@ -53,33 +65,33 @@ class _QuickKernel(Kernel):
         return self._checked.function(general, held, fastcall.unit_entries(units) if units else b"")
 
 
-def _build(program: Program, width: int | None, dtype: str) -> Kernel:
-    here, real = host(), REALS[dtype]
+def _build(level: str | None, program: Program, width: int | None, dtype: str) -> Kernel:
+    here, real = at_level(level), REALS[dtype]
     machine = here.machine(width, real)
     fast = fastcall.available()
-    key = disk.key(program.digest, here, machine, _compiler_version(), fast)
+    key = disk.key(program.digest, here, machine, compiler_version(), fast)
     code = disk.load(key)
     if code is None:
-        code = _compiled(program, machine, fast)
+        code = _compiled(program, machine, fast, here)
         disk.store(key, code)
     symbols = ("kernel", *fastcode.EXPORTS) if fast else ("kernel",)
     loaded, addresses = load(_apart(code), symbols, fastcall.symbols(real) if fast else {})
     ufunc = make_gufunc(
         addresses["kernel"], program.name, program.inputs, program.outputs, loaded, real
     )
-    kernel = Kernel(program, "cpu", machine.width, ufunc, dtype)
+    kernel = Kernel(program, _NAME + (f":{level}" if level else ""), machine.width, ufunc, dtype)
     kernel = _QuickKernel(kernel, addresses, loaded) if fast else kernel
     kernel.loop = BatchLoop(addresses["kernel"], key, loaded)
     return kernel
 
 
-def _compiled(program: Program, machine: Machine, fast: bool) -> bytes:
+def _compiled(program: Program, machine: Machine, fast: bool, here: Host) -> bytes:
     """The kernel's own object and the one that is loaded beside it, the length of the first in
     front: all that a process needs which finds it on disk."""
     text = emit_own(optimise(program), machine)
     text += fastcode.text(program, machine.real) if fast else ""
-    own = object_code(declared_once(text + declarations(text, machine)))
-    return len(own).to_bytes(_LENGTH, "little") + own + object_beside(machine)
+    own = object_code(declared_once(text + declarations(text, machine)), here=here)
+    return len(own).to_bytes(_LENGTH, "little") + own + object_beside(machine, here)
 
 
 def _apart(code: bytes) -> tuple[bytes, bytes]:
@@ -87,12 +99,12 @@ def _apart(code: bytes) -> tuple[bytes, bytes]:
     return code[_LENGTH:end], code[end:]
 
 
-def _source(program: Program, width: int, dtype: str) -> str:
-    return emit(optimise(program), host().machine(width, REALS[dtype]))
+def _source(level: str | None, program: Program, width: int, dtype: str) -> str:
+    return emit(optimise(program), at_level(level).machine(width, REALS[dtype]))
 
 
 @cache
-def _compiler_version() -> str:
+def compiler_version() -> str:
     """Of the compiler's own text: whatever is changed in it, cached objects of the former text are
     not used."""
     digest = hashlib.sha256()
@@ -109,13 +121,24 @@ def _installed_version() -> str:
         return "not installed"
 
 
-TARGET = Target(
-    build=_build,
-    source=_source,
-    widths={
-        dtype: tuple(n for n in WIDTHS if n * real.bits <= LONGEST_VECTOR)
-        for dtype, real in REALS.items()
-    },
-    variant=lambda _: fastcall.available(),
-    loops=True,
-)
+def _target(level: str | None) -> Target:
+    return Target(
+        build=partial(_build, level),
+        source=partial(_source, level),
+        widths={
+            dtype: tuple(n for n in WIDTHS if n * real.bits <= LONGEST_VECTOR)
+            for dtype, real in REALS.items()
+        },
+        variant=lambda _: fastcall.available(),
+        loops=True,
+        missing=partial(_missing, level),
+    )
+
+
+def _missing(level: str | None) -> str:
+    if importlib.util.find_spec("llvmlite") is None:
+        return "llvmlite is not installed"
+    return lacking(level) if level else ""
+
+
+TARGET = replace(_target(None), kinds={level: partial(_target, level) for level in LEVELS})

@@ -12,7 +12,7 @@ from functools import cache
 from typing import Any
 
 from freebody.targets.llvm import llvm_lock
-from freebody.targets.llvm.machine import CompileError, host, host_machine
+from freebody.targets.llvm.machine import CompileError, code_generator, host
 
 
 class LoadedCode(int):
@@ -58,7 +58,7 @@ def load(
         # an engine of its own: what several share is not given back until all of them are gone
         module = llvm.parse_assembly("", _context())
         module.triple = host().triple
-        engine = llvm.create_mcjit_compiler(module, host_machine(jit=True))
+        engine = llvm.create_mcjit_compiler(module, code_generator(jit=True))
         engine.remove_module(module)  # it would be compiled, although there is nothing in it
         module.close()
         try:

@@ -1,12 +1,13 @@
-"""The machine that kernels are compiled for, and the way from LLVM text to an object for it."""
+"""The machine that kernels are compiled for, this one or a level that others reach too, and the
+way from LLVM text to an object for it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, listed
 from freebody.targets.llvm.lanes import DOUBLE, Lanes, Real
 from freebody.targets.llvm.llvm_lock import exclusive
 
@@ -36,7 +37,7 @@ class CompileError(FreebodyError, RuntimeError):
 
 @dataclass(frozen=True)
 class Host:
-    """This machine's CPU as LLVM names it."""
+    """A machine's CPU as LLVM names it: this one's, or a level that this one reaches."""
 
     triple: str
     cpu: str
@@ -63,6 +64,51 @@ class Host:
         return Machine(width or bits // real.bits, fma, self.x86, real)
 
 
+@dataclass(frozen=True)
+class CpuLevel:
+    """A level that many CPUs reach, for which LLVM gives all of them the same code.
+
+    llvm: its name there. features: what a CPU has that reaches it, in LLVM's words.
+    """
+
+    x86: bool
+    llvm: str
+    features: tuple[str, ...]
+
+
+_V2 = ("cx16", "popcnt", "sahf", "sse3", "sse4.1", "sse4.2", "ssse3")
+_V3 = (*_V2, "avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe", "xsave")
+_V4 = (*_V3, "avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl")
+
+LEVELS = {
+    "x86-64": CpuLevel(True, "x86-64", ()),
+    "x86-64-v2": CpuLevel(True, "x86-64-v2", _V2),
+    "x86-64-v3": CpuLevel(True, "x86-64-v3", _V3),
+    "x86-64-v4": CpuLevel(True, "x86-64-v4", _V4),
+    "armv8-a": CpuLevel(False, "generic", ()),
+}
+"""By name. x86: the System V ABI, AMD64 Architecture Processor Supplement, table 3.1."""
+
+
+def lacking(level: str) -> str:
+    """What this machine lacks to run code for a level, in words; empty where it runs it."""
+    here, wanted = host(), LEVELS[level]
+    if here.x86 != wanted.x86:
+        return f"this machine ({here.triple}) is of another architecture"
+    missing = [name for name in wanted.features if name not in here.has]
+    return f"this CPU ({here.cpu}) lacks {listed(missing)}" if missing else ""
+
+
+def at_level(level: str | None) -> Host:
+    """The host; with a level a CPU that reaches it and has no more."""
+    here = host()
+    if level is None:
+        return here
+    wanted = LEVELS[level]
+    features = ",".join(f"+{name}" for name in wanted.features)
+    return replace(here, cpu=wanted.llvm, features=features)
+
+
 @cache
 def host() -> Host:
     """The host, asked once."""
@@ -78,12 +124,12 @@ def host() -> Host:
     )
 
 
-def object_code(text: str, opt: int = 2) -> bytes:
-    """A relocatable object for the host."""
+def object_code(text: str, opt: int = 2, here: Host | None = None) -> bytes:
+    """A relocatable object for the host, or a level of it."""
     import llvmlite.binding as llvm
 
-    here = host()
-    with exclusive(), host_machine(opt) as machine, llvm.create_context() as context:
+    here = here or host()
+    with exclusive(), code_generator(opt, here=here) as machine, llvm.create_context() as context:
         # a context keeps all constants that were ever read in it: one for each text
         try:
             module = llvm.parse_assembly(text, context)
@@ -96,11 +142,11 @@ def object_code(text: str, opt: int = 2) -> bytes:
             return machine.emit_object(module)
 
 
-def host_machine(opt: int = 2, jit: bool = False) -> Any:
-    """LLVM's code generator for the host."""
+def code_generator(opt: int = 2, jit: bool = False, here: Host | None = None) -> Any:
+    """LLVM's for the host, or a level of it."""
     import llvmlite.binding as llvm
 
-    here = host()
+    here = here or host()
     return llvm.Target.from_triple(here.triple).create_target_machine(
         cpu=here.cpu, features=here.features, opt=opt, reloc="pic", codemodel="small", jit=jit
     )

@@ -11,17 +11,17 @@ from functools import cache
 
 from freebody.targets.llvm import fastchecks
 from freebody.targets.llvm.lanes import Lanes
-from freebody.targets.llvm.machine import Machine, object_code
+from freebody.targets.llvm.machine import Host, Machine, object_code
 from freebody.targets.llvm.sample_transfers import transfer_functions
 from freebody.targets.llvm.sincos import reduction, sincos
 from freebody.targets.llvm.uniform import gather
 
 
 @cache
-def object_beside(machine: Machine) -> bytes:
+def object_beside(machine: Machine, here: Host) -> bytes:
     """The object of all of them, for kernels whose text has `declarations`."""
     text = "\n".join([*_functions(machine).values(), attributes(machine.lanes)])
-    return object_code(declared_once(text.replace("define internal", "define")))
+    return object_code(declared_once(text.replace("define internal", "define")), here=here)
 
 
 def definitions(text: str, machine: Machine) -> str:
