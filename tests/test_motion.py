@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -131,8 +132,81 @@ def test_rates_that_contradict_the_positions_are_mentioned(tmp_path: Path):
         fb.load("2R"), csv(tmp_path / "m.csv", f"t,joint1,joint2,joint2.v\n{rows}\n")
     )
     assert motion.notices == (
-        "The rates given for 'joint2' differ from the slope of the positions by more than 5 %.",
+        "The rates given for 'joint2' are not the slope of the positions: between t = 0 and 1 s "
+        "this is 1 rad/s, and 5 and 5 rad/s are given.",
     )
+
+
+T = np.linspace(0.0, 2.0, 21)
+SINES = np.stack([np.sin(3 * T), 0.2 * np.cos(5 * T)], axis=-1)
+RATES = np.stack([3 * np.cos(3 * T), -np.sin(5 * T)], axis=-1)
+SECONDS = np.stack([-9 * np.sin(3 * T), -5 * np.cos(5 * T)], axis=-1)
+CONTRADICTIONS = {
+    "the rates of the other": (RATES[:, ::-1], SECONDS[:, ::-1], ("rates",)),
+    "in degrees": (np.degrees(RATES), None, ("rates",)),
+    "a fifth too fast": (1.2 * RATES, None, ("rates",)),
+    "two samples late": (np.roll(RATES, 2, axis=0), None, ("rates",)),
+    "accelerations of another": (RATES, SECONDS[:, ::-1], ("accelerations",)),
+    "a wrong sign": (RATES, -SECONDS, ("accelerations",)),
+}
+
+
+@pytest.mark.parametrize("case", CONTRADICTIONS)
+def test_what_contradicts_itself_is_told(case: str):
+    rates, seconds, told = CONTRADICTIONS[case]
+    model = fb.load("2R")
+    of_arrays = fb.Motion.of(model, T, SINES, rates, seconds)
+    columns = {f"joint{k + 1}": SINES[:, k] for k in range(2)}
+    columns |= {f"joint{k + 1}.v": rates[:, k] for k in range(2)}
+    if seconds is not None:
+        columns |= {f"joint{k + 1}.a": seconds[:, k] for k in range(2)}
+    of_table = fb.Motion.of(model, {"t": T, **columns})
+    assert of_arrays.notices == of_table.notices
+    assert len(told) == len(of_arrays.notices)
+    for what, notice in zip(told, of_arrays.notices, strict=True):
+        assert re.match(rf"The {what} given for 'joint\d', and those of 1 more, are not", notice)
+    np.testing.assert_array_equal(of_arrays.qd, rates)  # used as given
+
+
+@pytest.mark.parametrize("every", [1, 2, 3])
+def test_what_agrees_is_not_doubted_though_coarsely_sampled(every: int):
+    model, some = fb.load("2R"), slice(None, None, every)
+    motion = fb.Motion.of(model, T[some], SINES[some], RATES[some], SECONDS[some])
+    assert motion.notices == ()
+    way = [[0.0, 0.0], [1.0, -0.5], [0.4, 1.0]]
+    limits = {"velocity": 2.0, "acceleration": 5.0}
+    for planned in (
+        fb.trapezoid(model, way, **limits, step=0.02 * every),
+        fb.s_curve(model, way, **limits, jerk=50.0, step=0.02 * every),
+        fb.time_optimal(model, way, **limits, points=401),
+    ):
+        read = fb.Motion.of(model, planned.t, planned.q, planned.qd, planned.qdd)
+        assert read.notices == ()
+
+
+def test_rates_of_a_free_body_are_held_against_its_quaternions():
+    model = fb.load("quadrotor")
+    q, qd = fb.random_state(model, seed=3)[:2]
+    t = np.linspace(0.0, 0.5, 26)
+    turned = fb.integrate(model, q, t[:, None] * qd)
+    rates = np.broadcast_to(qd, (26, 6)).copy()
+    still = turned.copy()
+    still[:, :3] = q[:3]
+    rates[:, :3] = 0.0
+    assert fb.Motion.of(model, t, still, rates).notices == ()
+    rates[:, 4] *= -1.0
+    (told,) = fb.Motion.of(model, t, still, rates).notices
+    assert told.startswith("The rates given for 'flight.wy' are not the slope of the positions")
+
+
+def test_slow_rates_of_a_file_are_kept_as_they_are_given(tmp_path: Path):
+    """Near rest too: an s-curve leaves it with the square of the time."""
+    model = fb.load("2R")
+    motion = fb.s_curve(model, [[0.0, 0.0], [1.0, -0.5]], jerk=50.0, acceleration=5.0)
+    read = read_motion(model, fb.write_motion(model, motion, tmp_path / "m.csv"))
+    t = np.linspace(*motion.t[[0, -1]], 2001)
+    for found, exact in zip(read.at(t), motion.at(t), strict=True):
+        np.testing.assert_allclose(found, exact, rtol=0, atol=1e-8 * np.abs(exact).max())
 
 
 ROWS = "0,0,0\n1,1,1\n2,2,2\n3,3,3\n"

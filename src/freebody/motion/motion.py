@@ -299,21 +299,9 @@ def _refuse_gap(first: Motion, second: Motion) -> None:
             )
 
 
-def motion_of(
-    model: Model,
-    t: ArrayLike,
-    q: ArrayLike,
-    qd: ArrayLike | None = None,
-    qdd: ArrayLike | None = None,
-    source: str = "given as arrays",
-    notices: tuple[str, ...] = (),
-) -> Motion:
-    """A motion from samples t (T,), q (T, nq); rates and accelerations that are not given are
-    differentiated.
-
-    Missing rates are those of the quintic spline through q (cubic below 6 samples); missing
-    accelerations are those of the same spline, or where qd is given, of the spline through qd.
-    """
+def motion_of(model: Model, t: ArrayLike, q: ArrayLike, source: str = "given as arrays") -> Motion:
+    """A motion from samples t (T,), q (T, nq): rates and accelerations are those of the quintic
+    spline through q (cubic below 6 samples)."""
     times = vector_of_times(t)
     positions = vector("motion", model, "q", q)
     where = layout(model)
@@ -322,15 +310,8 @@ def motion_of(
             f"motion: q has {positions.shape[0]} rows, t has {len(times)}; they must be as many."
         )
     positions = continuous(where, positions)
-    first, second = derivatives(times, positions)
-    found = state_of(where, positions, first, second)
-    rates = found[1] if qd is None else vector("motion", model, "qd", qd)
-    if qdd is not None:
-        accelerations = vector("motion", model, "qdd", qdd)
-    else:
-        accelerations = found[2] if qd is None else derivatives(times, rates)[0]
-    differentiated = "" if qdd is not None else "positions" if qd is None else "rates"
-    return Motion(times, found[0], rates, accelerations, source, where, notices, differentiated)
+    states = state_of(where, positions, *derivatives(times, positions))
+    return Motion(times, *states, source, where, differentiated="positions")
 
 
 def derivatives(t: Array, x: Array, at_rest: bool = False) -> tuple[Array, Array]:

@@ -13,9 +13,10 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.model.model import Model
 from freebody.motion.closed_chain_motion import completed
+from freebody.motion.files.contradictions import GivenRates
 from freebody.motion.files.smoothing import best_cutoff, noise, smooth
 from freebody.motion.motion import Motion, derivatives
-from freebody.motion.ranges import angular
+from freebody.motion.ranges import Flags, angular
 from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import continuous, state_of
 
@@ -139,30 +140,31 @@ def _amplified(motion: Motion) -> float:
     return float(np.sqrt((found**2).mean()))
 
 
-def along_rates(t: Array, q: Array, rates: Array) -> tuple[Array, Array]:
-    """(positions, slope), each (T, n), of positions with noise brought in line with given rates,
-    both (T, n).
+def along_rates(t: Array, q: Array, rates: Array) -> Array:
+    """Positions (T, n) with noise, which most of the rates (T, n) do not explain, brought in line
+    with these; without noise as they are.
 
     The rates are integrated, and the slow difference from the positions is added: what remains of
-    it at the cutoff that its noise asks for. The slope is that of the result. Positions without
-    noise are left as they are, their slope being differentiated.
+    it at the cutoff that its noise asks for.
     """
     spline = make_interp_spline(t, rates, k=5 if len(t) >= 6 else 3)
     travelled = spline.antiderivative()(t)
     sigma = noise(t, q)
-    positions, slope = q.copy(), derivatives(t, q)[0]
-    noisy = sigma > 0.0
+    given = GivenRates.of(t, np.diff(q, axis=0), np.abs(q).max(), rates[:-1], rates[1:])
+    loud = np.median(given.unexplained, axis=0) > 0.0
+    positions, noisy = q.copy(), (sigma > 0.0) & loud
     if noisy.any():
         off = (q - travelled)[:, noisy]
         slow = smooth(t, off, best_cutoff(t, off, sigma[noisy]))
         positions[:, noisy] = travelled[:, noisy] + slow(t)
-        slope[:, noisy] = rates[:, noisy] + slow.derivative()(t)
-    return positions, slope
+    return positions
 
 
-def rested(model: Model, motion: Motion, speed: Array | float = 0.0) -> Motion:
+def rested(
+    model: Model, motion: Motion, speed: Array | float = 0.0, given: Flags | bool = False
+) -> Motion:
     """The motion in which a coordinate slower than `speed`, or than a millionth of the fastest of
-    its kind, is at rest.
+    its kind, is at rest; where its rate was `given` (nv,), only what is rounding is rest.
 
     A rate of 1e-14, such as differentiation leaves, would feel the whole Coulomb friction. Where
     nothing moves, what the rounding of the positions leaves is rest, and in a coordinate that rests
@@ -170,13 +172,15 @@ def rested(model: Model, motion: Motion, speed: Array | float = 0.0) -> Motion:
     """
     turns, size = angular(model), np.abs(motion.qd)
     fastest = np.array([size[:, turns == kind].max() for kind in turns])
-    step = float(np.diff(motion.t).min())
-    rounded = ROUNDED * float(np.abs(motion.q).max(initial=0.0)) / step
-    rest = size <= np.maximum(speed, REST * fastest)
+    position = ROUNDED * float(np.abs(motion.q).max(initial=0.0))
+    shortest, mean = float(np.diff(motion.t).min()), motion.duration / (len(motion.t) - 1)
+    rest = size <= np.maximum(speed, np.where(given, ROUNDED, REST) * fastest)
     if model.loops:  # one rate alone that is made zero would open a loop
         rest &= rest.all(axis=1, keepdims=True)
-    rest |= size <= rounded
-    none = rest.all(axis=0) & (np.abs(motion.qdd).max(axis=0) <= 8.0 * rounded / step)
+    # samples of a planned motion may be next to each other; what is given there is not rounding
+    rest |= size <= np.where(given, position / mean, position / shortest)
+    still = 8.0 * position / shortest**2
+    none = rest.all(axis=0) & (np.abs(motion.qdd).max(axis=0) <= still)
     return replace(motion, qd=np.where(rest, 0.0, motion.qd), qdd=np.where(none, 0.0, motion.qdd))
 
 

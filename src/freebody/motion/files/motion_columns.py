@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Literal
 
 import numpy as np
 
@@ -12,19 +12,19 @@ from freebody.arrays import Array
 from freebody.errors import LoopError, UnknownNameError
 from freebody.model.model import Model
 from freebody.motion.closed_chain_motion import completed
+from freebody.motion.files.contradictions import contradictions
 from freebody.motion.files.csv_columns import quoted
 from freebody.motion.files.implausible_units import implausible_units
-from freebody.motion.files.measured_motions import ROUNDED, along_rates, rested
+from freebody.motion.files.measured_motions import along_rates, rested
 from freebody.motion.motion import FEWEST, Motion, derivatives, motion_of
 from freebody.motion.piecewise import hermite
-from freebody.motion.ranges import angular, position_columns
+from freebody.motion.ranges import Flags, angular, position_columns
 from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import layout, state_of
 
 _UNIT = 1e-3  # how far a quaternion of a file, printed with few digits, may be off unit length
-_DISAGREE = (
-    0.05  # given rates this far from the differentiated ones, over the largest, are worth a word
-)
+Problem = Callable[..., Exception]
+"""(text, row or None) -> what to raise."""
 
 
 def doubted(
@@ -37,7 +37,7 @@ def doubted(
     return replace(motion, notices=(*said, *motion.notices))
 
 
-def check_names(model: Model, header: list[str], problem: Any) -> None:
+def check_names(model: Model, header: list[str], problem: Problem) -> None:
     """Every column known, every position there."""
     simple = {model.position_names[k] for k in position_columns(model)[0]}
     known = [
@@ -70,7 +70,7 @@ def check_names(model: Model, header: list[str], problem: Any) -> None:
         )
 
 
-def _check_leaders(model: Model, header: list[str], problem: Any) -> None:
+def _check_leaders(model: Model, header: list[str], problem: Problem) -> None:
     """Of a closed chain some positions suffice; rates follow from the loops."""
     rates = [
         name for name in header if name[-2:] in (".v", ".a") and name not in model.position_names
@@ -112,70 +112,85 @@ def without_jumps(
     return t[kept], {name: column[kept] for name, column in columns.items()}, before
 
 
-def with_jumps(motion: Motion, before: Array | None) -> Motion:
-    """The motion whose accelerations `before` (T, n) its times are not those behind them."""
+def motion_from_columns(
+    model: Model,
+    t: Array,
+    columns: dict[str, Array],
+    source: str,
+    problem: Problem,
+    before: Array | None = None,
+) -> Motion:
+    """The motion of columns by name; before: as `without_jumps` finds them."""
+    if len(t) < FEWEST:
+        raise problem(f"{len(t)} samples; a motion needs at least {FEWEST}.")
+    if model.loops:
+        try:
+            return rested(model, completed(model, t, columns, source))
+        except LoopError as error:
+            raise problem(str(error)) from None
+    positions = np.stack([columns[name] for name in model.position_names], axis=-1)
+    q = _unit(model, positions, problem)
+    rates, accelerations = (_given(model, columns, ending) for ending in (".v", ".a"))
+    of_all = "".join(f"; {part}" for part in _told(model, rates))
+    return given_motion(model, t, q, rates, accelerations, f"{source}{of_all}", before)
+
+
+def _given(model: Model, columns: Mapping[str, Array], ending: str) -> Array:
+    """(T, nv) rates or accelerations, NaN where there is no column."""
+    found = np.full((len(columns[model.position_names[0]]), model.nv), np.nan)
+    for kq, kv in zip(*position_columns(model), strict=True):
+        column = columns.get(model.position_names[kq] + ending)
+        if column is not None:
+            found[:, kv] = column
+    return found
+
+
+def given_motion(
+    model: Model,
+    t: Array,
+    q: Array,
+    rates: Array,
+    accelerations: Array,
+    source: str,
+    before: Array | None = None,
+) -> Motion:
+    """The motion of an open chain with samples q (T, nq), and rates and accelerations (T, nv) with
+    NaN in the columns that are to be differentiated; before: (T, nv) the accelerations with which
+    the times are reached, where they jump. Notices say what contradicts itself."""
+    plain = motion_of(model, t, q, source)
+    q, notices = plain.q, []
+    known, told = (~np.isnan(x).any(axis=0) for x in (rates, accelerations))
+    if known.all() and plain.layout.flat:
+        q = along_rates(t, q, rates)
+        notices += _in_line(model, np.abs(q - plain.q))
+    qd, qdd = np.where(known, rates, plain.qd), plain.qdd.copy()
+    if known.any():
+        qdd[:, known] = derivatives(t, rates[:, known])[0]
+    qdd = np.where(told, accelerations, qdd)
+    motion = replace(plain, q=q, qd=qd, qdd=qdd, differentiated=_differentiated(known, told))
+    notices += contradictions(model, motion, known, told, before)
+    motion = rested(model, replace(motion, notices=tuple(notices)), given=known)
     if before is None:
         return motion
     pieces = hermite(motion.t, motion.q, motion.qd, motion.qdd, before)
     return replace(motion, pieces=pieces)
 
 
-def motion_from_columns(
-    model: Model, t: Array, columns: dict[str, Array], source: str, problem: Any
-) -> Motion:
-    return rested(model, _as_given(model, t, columns, source, problem))
+def _differentiated(known: Flags, told: Flags) -> Literal["", "positions", "rates"]:
+    if told.all():
+        return ""
+    return "rates" if known.all() else "positions"
 
 
-def _as_given(
-    model: Model, t: Array, columns: dict[str, Array], source: str, problem: Any
-) -> Motion:
-    if len(t) < FEWEST:
-        raise problem(f"{len(t)} samples; a motion needs at least {FEWEST}.")
-    if model.loops:
-        try:
-            return completed(model, t, columns, source)
-        except LoopError as error:
-            raise problem(str(error)) from None
-    q = _unit(model, np.stack([columns[name] for name in model.position_names], axis=-1), problem)
-    plain = motion_of(model, t, q, source=source)
-    rates = {name: columns[f"{name}.v"] for name in model.position_names if f"{name}.v" in columns}
-    slopes, notices = plain.qd, []
-    if rates and len(rates) == model.nq:
-        given = np.stack(list(rates.values()), axis=-1)
-        q, slopes = along_rates(t, q, given)
-        notices += _in_line(model, np.abs(q - plain.q))
+def _told(model: Model, rates: Array) -> Iterator[str]:
+    """Where the rates come from."""
     iq, iv = position_columns(model)
-    qd, qdd = plain.qd.copy(), plain.qdd.copy()
-    off = []
-    for kq, kv in zip(iq, iv, strict=True):
-        name = model.position_names[kq]
-        if name in rates:
-            qd[:, kv] = rates[name]
-            qdd[:, kv] = derivatives(t, rates[name][:, None])[0][:, 0]
-            largest = max(np.abs(qd[:, kv]).max(), np.abs(slopes[:, kv]).max())
-            rounded = ROUNDED * np.abs(q[:, kq]).max() / np.diff(t).min()
-            if np.abs(qd[:, kv] - slopes[:, kv]).max() > max(_DISAGREE * largest, rounded):
-                off.append(name)
-        if f"{name}.a" in columns:
-            qdd[:, kv] = columns[f"{name}.a"]
-    if off:
-        notices.append(
-            f"The rates given for {quoted(off)} differ from the slope of the positions by more "
-            f"than 5 %."
-        )
-    accelerated = all(f"{name}.a" in columns for name in model.position_names)
-    return replace(
-        motion_of(model, t, q, qd, qdd, _told(model, source, list(rates)), tuple(notices)),
-        differentiated="" if accelerated else "rates" if len(rates) == model.nq else "positions",
-    )
-
-
-def _told(model: Model, source: str, rates: list[str]) -> str:
-    """Where the motion and its rates come from."""
-    all_given = len(rates) == model.nq
-    how = "rates as given" if all_given else f"rates of {quoted(rates)} as given" if rates else ""
-    rest = "" if all_given else "differentiated by a spline through the positions"
-    return f"{source}; {'; '.join(part for part in (how, rest) if part)}"
+    names = [model.position_names[k] for k in iq[~np.isnan(rates[0, iv])]]
+    all_given = len(names) == model.nq
+    if names:
+        yield "rates as given" if all_given else f"rates of {quoted(names)} as given"
+    if not all_given:
+        yield "differentiated by a spline through the positions"
 
 
 def _in_line(model: Model, moved: Array) -> list[str]:
@@ -191,7 +206,7 @@ def _in_line(model: Model, moved: Array) -> list[str]:
     ]
 
 
-def _unit(model: Model, q: Array, problem: Any) -> Array:
+def _unit(model: Model, q: Array, problem: Problem) -> Array:
     """q with quaternions of exactly unit length; refuses those that are far off."""
     where = layout(model)
     for iq, _ in where.turns:

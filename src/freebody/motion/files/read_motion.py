@@ -20,7 +20,6 @@ from freebody.motion.files.motion_columns import (
     check_names,
     doubted,
     motion_from_columns,
-    with_jumps,
     without_jumps,
 )
 from freebody.motion.motion import FEWEST, Motion
@@ -54,8 +53,8 @@ def read_motion(model: Model, path: str | os.PathLike[str]) -> Motion:
         k = int(late[0]) + 1
         now, before = compared(t[k], t[k - 1], digits=6)
         raise problem(f"t = {now} does not come after {before}; times must increase.", k)
-    motion = motion_from_columns(model, t, columns, f"read from {file.name}, {count} rows", problem)
-    motion = with_jumps(motion, before)
+    source = f"read from {file.name}, {count} rows"
+    motion = motion_from_columns(model, t, columns, source, problem, before)
     return doubted(model, motion, columns, read.told, "'{} ({})' in the header")
 
 

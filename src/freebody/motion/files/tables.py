@@ -13,15 +13,14 @@ from freebody.labels import refuse_other_times, row_times
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.motion.files.csv_columns import TIMES, factor, kinds, named_unit
-from freebody.motion.files.measured_motions import rested
 from freebody.motion.files.motion_columns import (
     check_names,
     doubted,
+    given_motion,
     motion_from_columns,
-    with_jumps,
     without_jumps,
 )
-from freebody.motion.motion import Motion, motion_of, vector_of_times
+from freebody.motion.motion import Motion, vector_of_times
 from freebody.trees.public_calls import finite_vector
 
 
@@ -47,8 +46,9 @@ def motion_of_samples(model: Model, t: Any, q: Any, qd: Any, qdd: Any) -> Motion
     given = {"q": q} | {k: x for k, x in (("qd", qd), ("qdd", qdd)) if x is not None}
     arrays = {name: _rows(model, name, value, len(times)) for name, value in given.items()}
     if not model.loops:
-        found = motion_of(model, times, arrays["q"], arrays.get("qd"), arrays.get("qdd"))
-        return rested(model, found)
+        none = np.full((len(times), model.nv), np.nan)
+        rates, accelerations = (arrays.get(name, none) for name in ("qd", "qdd"))
+        return given_motion(model, times, arrays["q"], rates, accelerations, "given as arrays")
     if len(arrays) > 1:
         raise FreebodyError(
             "Motion.of: the rates of a closed chain are found from its positions; leave out "
@@ -91,7 +91,7 @@ def motion_from_table(model: Model, table: Any) -> Motion:
             raise _problem(f"{name!r} has {len(column)} samples, 't' has {len(times)}.")
     times, columns, before = without_jumps(model, times, columns)
     t = vector_of_times(times)
-    motion = with_jumps(motion_from_columns(model, t, columns, "a table", _problem), before)
+    motion = motion_from_columns(model, t, columns, "a table", _problem, before)
     where = "attrs['units'] of '{}' as '{}'" if hasattr(table, "data_vars") else "'{} ({})'"
     return doubted(model, motion, columns, frozenset(told), where)
 
