@@ -282,6 +282,22 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: fb.Motion.of(ARM, {"t": T, "elbow_joint": 1.0}), "has shape (), expected one number"),
     (lambda: fb.Motion.of(ARM, {"elbow_joint": T}), "it needs a one-dimensional 'time' or 't'"),
     (lambda: fb.quintic(ARM, WAY, [0.0, 0.1, 0.2, 0.3]), "needs 1.6447 s within its limits"),
+    (
+        lambda: fb.quintic(fb.load("2R"), [[0, 0], [1, 1]], acceleration=1e300),
+        "acceleration of joint1 is 1e+300, expected at most 1e+12; infinity says that there is no",
+    ),
+    (
+        lambda: fb.quintic(fb.load("2R"), [[0, 0], [1e-200, 0], [1, 1]], acceleration=1.0),
+        "waypoints 0 and 1 are the same",
+    ),
+    (
+        lambda: fb.spline(fb.load("2R"), [[0, 0], [1e-200, 0], [1, 1]], acceleration=1.0),
+        "waypoints 0 and 1 are the same",
+    ),
+    (
+        lambda: fb.quintic(fb.load("2R"), [[0, 0], [1, 1]]),
+        "is not known; give times=, velocity=, acceleration= or jerk= (descriptions",
+    ),
     (lambda: fb.quintic(ARM, WAY[:1]), "expected at least two rows: (k, 6)"),
     (lambda: fb.quintic(ARM, WAY, [0.0, 1.0]), "times has shape (2,), expected (4,)"),
     (lambda: fb.quintic(ARM, WAY, [0.0, 1.0, 1.0, 2.0]), "times must be finite and increase"),
@@ -316,6 +332,18 @@ def test_what_cannot_be_is_refused_with_what_to_do(case: int):
     with pytest.raises(fb.FreebodyError) as problem:
         function()
     assert words in str(problem.value)
+
+
+@pytest.mark.parametrize("plan", [fb.quintic, fb.trapezoid, fb.s_curve])
+def test_a_joint_that_hardly_moves_goes_along(plan: Callable[..., fb.Motion]):
+    """Its own quickest motion would take next to no time."""
+    limits = {"acceleration": 2.0} | ({"jerk": 5.0} if plan is fb.s_curve else {})
+    found = plan(fb.load("2R"), [[0.0, 0.0], [1.0, 1e-200], [0.0, 1e-13]], **limits)
+    alone = plan(fb.load("2R"), [[0.0, 0.0], [1.0, 0.0], [0.0, 0.0]], **limits)
+    assert found.duration == alone.duration
+    np.testing.assert_array_equal(found.q[:, 0], alone.q[:, 0])
+    assert found.q[-1, 1] == pytest.approx(1e-13)
+    assert np.abs(found.qdd[:, 1]).max() < 1e-12
 
 
 # ---------------------------------------------------------------- files and the command
@@ -395,7 +423,18 @@ MISTAKEN = [
     ("joint1\n1", [], "way.csv:1: there is no column for 'joint2'"),
     ("joint1,joint2\n1,2\n2,x", [], "way.csv:3: column 'joint2': 'x' is not a number"),
     ("joint1,joint2\n1,2", ["--acceleration", "1"], "expected at least two rows: (k, 2)"),
-    ("joint1,joint2\n1,2\n2,3", [], "spline: how fast '2R' may move is not known; give times="),
+    (
+        "joint1,joint2\n1,2\n2,3",
+        [],
+        "give a column t of times, --velocity or --acceleration (descriptions of robots",
+    ),
+    ("joint1,joint2\n1,2\n2,3", ["--by", "s-curve"], "not known; give --jerk (descriptions"),
+    (
+        "joint1,joint2\n1,2\n2,3",
+        ["--by", "time-optimal"],
+        "joint1 and joint2 may move as fast as they like; give --velocity, --acceleration or "
+        "--torque.",
+    ),
     ("joint1,joint2\n1,2\n2,3", ["--jerk", "1"], "--jerk has no meaning for spline; it takes"),
     ("# none", [], "the file is empty; a file of waypoints has a header, joint names, and"),
 ]  # fmt: skip

@@ -392,6 +392,7 @@ def paths(model: fb.Model, count: int) -> list[CubicSpline]:
 
 
 # ---------------------------------------------------------------- refused
+CURVE = CubicSpline([0.0, 0.3, 0.7, 1.0], WAY)
 STEP = PPoly([[[0.0, 0.0], [0.0, 0.0]], [[1.0, 0.0], [1.0, 1.0]]], [0.0, 1.0, 2.0])
 DWELL = PPoly(
     [
@@ -416,6 +417,17 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
         lambda: fb.time_optimal(arm(), []),
         "time_optimal: path has shape (0,), expected (..., 2)",
     ),
+    (
+        lambda: fb.time_optimal(arm(), [WAY, [[0, 0], [1, 1], [np.nan, 1], [1, 2]]]),
+        "time_optimal: path 1 is nan at sample 2 for 'joint1'",
+    ),
+    (
+        lambda: fb.time_optimal(
+            with_limits(arm(), lower=-2.0, upper=2.0), [WAY, 5 * np.array(WAY)]
+        ),
+        "waypoint 1 of path 1 has joint1 at 5, outside its range",
+    ),
+    (lambda: fb.time_optimal(arm(), [CURVE, STEP]), "path 1 jumps at s = 1: itself of joint2 by 1"),
     (lambda: fb.time_optimal(arm(), WAY, points=1), "points is 1, expected a whole number from 2"),
     (lambda: fb.time_optimal(arm(), WAY, points=9.5), "points is 9.5, expected a whole number"),
     (lambda: fb.time_optimal(arm(), WAY, torque=-1.0), "torque of joint1 is -1, expected a limit"),

@@ -154,6 +154,21 @@ class MissingValueError(FreebodyError, ValueError):
         )
 
 
+class MissingArgumentError(FreebodyError):
+    """None of some arguments was given, one of which is needed; the command line words it with its
+    options."""
+
+    def __init__(self, problem: str, names: Iterable[str], remark: str = ""):
+        self.problem, self.names, self.remark = problem, tuple(names), remark
+        super().__init__(self.worded([f"{name}=" for name in self.names]))
+
+    def worded(self, names: Iterable[str]) -> str:
+        """The message, with names of the arguments as they are given here."""
+        known = list(names)
+        either = " or ".join(part for part in (", ".join(known[:-1]), *known[-1:]) if part)
+        return f"{self.problem}; give {either}{self.remark}."
+
+
 class MissingPackageError(FreebodyError, ImportError):
     """Something whose package is not installed: that of an extra, or one that comes with
     freebody."""

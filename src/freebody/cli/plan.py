@@ -10,7 +10,7 @@ import typer
 
 from freebody.cli import options, terminal
 from freebody.cli.options import MimicChoice, PhysicalChoice
-from freebody.errors import FreebodyError, listed
+from freebody.errors import FreebodyError, MissingArgumentError, listed
 from freebody.outputs.display import TextTable
 
 if TYPE_CHECKING:
@@ -61,6 +61,9 @@ def plan(
     ] = None,
     acceleration: Annotated[float | None, _limit("Limit of each joint, rad/s² or m/s².")] = None,
     jerk: Annotated[float | None, _limit("Limit of each joint, rad/s³ or m/s³.")] = None,
+    torque: Annotated[
+        float | None, _limit("Limit of each drive, N m or N, beside the robot's own.")
+    ] = None,
     step: Annotated[
         float | None,
         _limit("Seconds between rows. Default: 400 even steps, and where polynomials meet."),
@@ -81,7 +84,7 @@ def plan(
 
     model = options.load(robot, None, base, mimic, physical, snap_angles, convention)
     planner = PLANNERS[by.value]
-    given = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk}
+    given = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk, "torque": torque}
     limits = {name: value for name, value in given.items() if value is not None}
     for name in limits:
         if name not in planner.limits:
@@ -90,7 +93,11 @@ def plan(
                 f"{listed(f'--{x}' for x in planner.limits)}."
             )
     q, times = _read(model, waypoints)
-    motion = planner.plan(model, q, times, **limits, step=step)
+    try:
+        motion = planner.plan(model, q, times, **limits, step=step)
+    except MissingArgumentError as problem:
+        names = ["a column t of times" if x == "times" else f"--{x}" for x in problem.names]
+        raise FreebodyError(problem.worded(names)) from None
     path = write_motion(model, motion, out, "knots" if step is None else "samples")
     _print(model, motion, path)
 

@@ -24,6 +24,6 @@ PLANNERS = {
     "quintic": Planner(quintic, ("velocity", "acceleration", "jerk")),
     "trapezoid": Planner(trapezoid, ("velocity", "acceleration")),
     "s-curve": Planner(s_curve, ("velocity", "acceleration", "jerk")),
-    "time-optimal": Planner(time_optimal_through, ("velocity", "acceleration")),
+    "time-optimal": Planner(time_optimal_through, ("velocity", "acceleration", "torque")),
 }
 """By name; the first is the command's default."""

@@ -26,19 +26,20 @@ _PARTS = 11  # into which the first and the last interval of a grid are divided
 
 
 def path_curve(
-    function: str, model: Model, given: Any, limits: PlanningLimits
+    function: str, model: Model, given: Any, limits: PlanningLimits, name: str = "path"
 ) -> PiecewisePolynomial:
     """The curve of one path: a polynomial in pieces as it is; of waypoints (k, nq) or a motion's
-    positions the natural cubic spline, s being the distance along the chords, 1 in all."""
+    positions the natural cubic spline, s being the distance along the chords, 1 in all. name: of
+    the path in messages."""
     if isinstance(given, PPoly):
-        return _of_scipy(function, model, given)
+        return _of_scipy(function, model, given, _label(name))
     positions = given.q if isinstance(given, Motion) else given
-    q = checked_waypoints(function, model, positions, limits, name="path")
+    q = checked_waypoints(function, model, positions, limits, name=name)
     length = np.linalg.norm(np.diff(q, axis=0), axis=1)
     moves = length > _SAME * length.sum()
     if not moves.any():
         raise FreebodyError(
-            f"{function}: the path has {len(q)} positions, all the same; give at least two."
+            f"{function}: {_label(name)} has {len(q)} positions, all the same; give at least two."
         )
     points = q[np.concatenate([[True], moves])]
     s = np.concatenate([[0.0], np.cumsum(length[moves])]) / length[moves].sum()
@@ -46,33 +47,39 @@ def path_curve(
     return interpolated(s, points, 3, "natural")
 
 
-def _of_scipy(function: str, model: Model, given: PPoly) -> PiecewisePolynomial:
+def _label(name: str) -> str:
+    return "the path" if name == "path" else name
+
+
+def _of_scipy(function: str, model: Model, given: PPoly, label: str) -> PiecewisePolynomial:
     breaks, coefficients = np.array(given.x), np.array(given.c)
     if coefficients.shape[2:] != (model.nq,):
         raise FreebodyError(
-            f"{function}: the path has values of shape {coefficients.shape[2:]}, expected "
+            f"{function}: {label} has values of shape {coefficients.shape[2:]}, expected "
             f"({model.nq},): model {model.name!r} has nq = {model.nq}."
         )
     if not (np.isfinite(coefficients).all() and np.isfinite(breaks).all()):
-        raise FreebodyError(f"{function}: the path has a coefficient that is not finite.")
+        raise FreebodyError(f"{function}: {label} has a coefficient that is not finite.")
     if not (np.diff(breaks) > 0.0).all():
-        raise FreebodyError(f"{function}: the breaks of the path must increase.")
+        raise FreebodyError(f"{function}: the breaks of {label} must increase.")
     curve = PiecewisePolynomial(breaks, coefficients)
-    _refuse_jump(function, model, curve, "itself")
-    _refuse_jump(function, model, curve.derivative(), "its first derivative")
+    _refuse_jump(function, model, curve, label, "itself")
+    _refuse_jump(function, model, curve.derivative(), label, "its first derivative")
     if not coefficients[:-1].any():
-        raise FreebodyError(f"{function}: the path does not move: all its derivatives are 0.")
+        raise FreebodyError(f"{function}: {label} does not move: all its derivatives are 0.")
     return curve
 
 
-def _refuse_jump(function: str, model: Model, curve: PiecewisePolynomial, what: str) -> None:
+def _refuse_jump(
+    function: str, model: Model, curve: PiecewisePolynomial, label: str, what: str
+) -> None:
     """A path that is not smooth enough to be moved along."""
     starts = curve.coefficients[-1]
     gap = np.abs(starts[1:] - curve.at_ends[:-1])
     if gap.size and gap.max() > 1e-6 * (1e-6 + np.abs(starts).max()):
         k, j = np.unravel_index(np.argmax(gap), gap.shape)
         raise FreebodyError(
-            f"{function}: the path jumps at s = {curve.breaks[k + 1]:.6g}: {what} of "
+            f"{function}: {label} jumps at s = {curve.breaks[k + 1]:.6g}: {what} of "
             f"{model.position_names[j]} by {gap[k, j]:.3g}; it must be continuous, and its first "
             f"derivative too."
         )
@@ -85,6 +92,7 @@ def refuse_out_of_range(
     samples: PathSamples,
     path: int,
     limits: PlanningLimits,
+    label: str,
 ) -> None:
     """Refuse a path that leaves the range of a joint, between its waypoints and samples too."""
     iq, iv = position_columns(model)
@@ -101,7 +109,7 @@ def refuse_out_of_range(
         for k in np.flatnonzero(way * (value - limit) > SLACK * np.maximum(1.0, np.abs(value))):
             there, least, most = compared(value[k], low[k], high[k], digits=5)
             raise FreebodyError(
-                f"{function}: at s = {s[k]:.4g} of the path {model.velocity_names[iv[k]]} is at "
+                f"{function}: at s = {s[k]:.4g} of {label} {model.velocity_names[iv[k]]} is at "
                 f"{there}, outside its range from {least} to {most}; move the path, or give more "
                 f"waypoints."
             )

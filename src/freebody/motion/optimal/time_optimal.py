@@ -81,7 +81,10 @@ def time_optimal(
             f"{_NAME}: points is {shown(points)}, expected a whole number from 2 up."
         )
     given, many = _each(path)
-    curves = [path_curve(_NAME, model, one, limits) for one in given]
+    curves = [
+        path_curve(_NAME, model, one, limits, f"path {k}" if many else "path")
+        for k, one in enumerate(given)
+    ]
     if model.passive:
         raise FreebodyError(
             f"{_NAME}: nothing drives {listed(model.passive_names, 4)} of {model.name!r}; a "
@@ -102,6 +105,7 @@ def time_optimal_through(
     *,
     velocity: Limit = None,
     acceleration: Limit = None,
+    torque: Limit = None,
     step: float | None = None,
 ) -> Motion:
     """`time_optimal` as a planner of motions through waypoints, with samples `step` s apart."""
@@ -109,7 +113,8 @@ def time_optimal_through(
         raise FreebodyError(
             f"{_NAME}: the times of waypoints are what it finds; leave them out, or take a spline."
         )
-    motion = time_optimal(model, waypoints, velocity=velocity, acceleration=acceleration)
+    limits: dict[str, Any] = {"velocity": velocity, "acceleration": acceleration, "torque": torque}
+    motion = time_optimal(model, waypoints, **limits)
     assert isinstance(motion, Motion)
     if step is None:
         return motion
@@ -155,9 +160,9 @@ def _motions(
     own = [curves[k] for k in block.paths]
     grids = np.stack([grid(curve, block.intervals) for curve in own], axis=1)
     problem = path_problem(robot, own, grids)
-    for k, curve in enumerate(own):
-        refuse_out_of_range(_NAME, robot.model, curve, problem.at, k, limits)
     labels = ["the path"] if len(curves) == 1 else [f"path {k}" for k in block.paths]
+    for k, curve in enumerate(own):
+        refuse_out_of_range(_NAME, robot.model, curve, problem.at, k, limits, labels[k])
     found = _solved(problem, labels)
     for label, worst in zip(labels, found.worst, strict=True):
         if worst > _FAR_FROM_HELD:

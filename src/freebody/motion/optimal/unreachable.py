@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import linprog
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError, listed
+from freebody.errors import FreebodyError, MissingArgumentError, listed
 from freebody.model.model import Model
 from freebody.motion.optimal.path_limits import PathProblem, RobotLimits, unlimited
 from freebody.motion.optimal.speed_profile import SpeedProfile
@@ -30,7 +30,7 @@ def refuse_unreachable(
     for path in map(int, np.flatnonzero(~moves | free)):
         start = f"{function}: {labels[path]}"
         if moves[path]:
-            raise FreebodyError(f"{start} {_without_limit(problem, profile, path)}")
+            raise _without_limit(start, problem, profile, path)
         reason = _held_still(problem, path) or _excluded(problem, profile, path)
         raise FreebodyError(
             f"{start} cannot be followed: {reason}. Move the path, lighten the load, or give "
@@ -96,14 +96,17 @@ def _excluded(problem: PathProblem, profile: SpeedProfile, path: int) -> str:
     )
 
 
-def _without_limit(problem: PathProblem, profile: SpeedProfile, path: int) -> str:
+def _without_limit(
+    start: str, problem: PathProblem, profile: SpeedProfile, path: int
+) -> FreebodyError:
     i = int(np.argmax(profile.x[:, path]))
     names = list(_moving(problem.limits.model, problem.at.first[i, path]))
     if not names:
-        return f"stands still {_at(problem, i, path)}; leave that piece out."
-    return (
-        f"has no quickest motion: {_at(problem, i, path)} {listed(names, 3)} may move as fast as "
-        f"they like; give velocity=, acceleration= or torque=."
+        return FreebodyError(f"{start} stands still {_at(problem, i, path)}; leave that piece out.")
+    return MissingArgumentError(
+        f"{start} has no quickest motion: {_at(problem, i, path)} {listed(names, 3)} may move as "
+        f"fast as they like",
+        ("velocity", "acceleration", "torque"),
     )
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array, as_floats
-from freebody.errors import FreebodyError, ShapeError
+from freebody.errors import FreebodyError, MissingArgumentError, ShapeError
 from freebody.model.model import Model
 from freebody.motion.motion import Motion, require_motion
 from freebody.motion.ranges import Ranges, position_columns, ranges
@@ -18,8 +18,10 @@ from freebody.trees.public_calls import Vector, finite_vector, vector
 
 SLACK = 1e-9
 """Of a limit (or rad, m): what a motion that was planned along it is off by rounding."""
-_LEAST = 1e-9
-"""Of a limit: what is smaller is none that a robot moves under."""
+SAME = 1e-12
+"""rad, m: waypoints nearer to each other are one."""
+_LEAST, _MOST = 1e-9, 1e12
+"""Of a limit: what is smaller is none that a robot moves under, what is larger is none."""
 Limit = Vector | float | None
 
 
@@ -102,6 +104,14 @@ def _read(function: str, model: Model, name: str, value: Limit) -> Array:
             f"{function}: {name} of {model.velocity_names[k]} is {given}, expected a limit above "
             f"0, of at least {least}."
         )
+    large = np.isfinite(array) & (array > _MOST)
+    if large.any():
+        k = int(np.argmax(large))
+        given, most = compared(array[k], _MOST, digits=6)
+        raise FreebodyError(
+            f"{function}: {name} of {model.velocity_names[k]} is {given}, expected at most {most}; "
+            f"infinity says that there is no limit."
+        )
     return array
 
 
@@ -147,26 +157,27 @@ def quickest(
     velocity: Array,
     acceleration: Array,
     limits: PlanningLimits,
-    sought: str,
+    *sought: str,
 ) -> float:
     """How many times as fast a motion with these peaks (nv,) may be run.
 
-    sought: an argument that says how fast. Raises FreebodyError where nothing limits it.
+    sought: arguments that say how fast. Raises MissingArgumentError where nothing limits it.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         by_speed = np.where(velocity > 0.0, limits.velocity / velocity, np.inf)
         by_size = np.where(acceleration > 0.0, limits.acceleration / acceleration, np.inf)
     factor = float(min(by_speed.min(), np.sqrt(by_size.min())))
     if not np.isfinite(factor):
-        raise unlimited(function, model, f"{sought}=, velocity= or acceleration=")
+        raise pace_unknown(function, model, *sought, "velocity", "acceleration")
     return factor
 
 
-def unlimited(function: str, model: Model, needed: str) -> FreebodyError:
-    """What to raise where nothing says how fast a motion may be."""
-    return FreebodyError(
-        f"{function}: how fast {model.name!r} may move is not known; give {needed} "
-        f"(descriptions of robots have limits of speed at most)."
+def pace_unknown(function: str, model: Model, *needed: str) -> MissingArgumentError:
+    """What to raise where nothing says how fast a motion may be; needed: arguments that do."""
+    return MissingArgumentError(
+        f"{function}: how fast {model.name!r} may move is not known",
+        needed,
+        " (descriptions of robots have limits of speed at most)",
     )
 
 
@@ -196,7 +207,7 @@ def checked_waypoints(
     name: str = "waypoints",
 ) -> Array:
     """Waypoints (k, nq), k > 1, within the limits; refuses robots that no such motion is planned
-    for. name: of the argument that they are. `one`: of one position, where they are the same."""
+    for. name: of what they are in messages. `one`: of one position, where they are the same."""
     model.require_values("a motion")
     model.require_tree(function, "fb.Motion.of with the positions of the driven joints")
     if model.nq != model.nv:
@@ -219,7 +230,11 @@ def checked_waypoints(
     if beyond[k, j] > SLACK * max(1.0, abs(x[k, j])):
         there, least, most = compared(x[k, j], low[j], high[j], digits=5)
         raise FreebodyError(
-            f"{function}: {one or f'waypoint {k}'} has {model.velocity_names[iv[j]]} at "
+            f"{function}: {one or _numbered(int(k), name)} has {model.velocity_names[iv[j]]} at "
             f"{there}, outside its range from {least} to {most}."
         )
     return q
+
+
+def _numbered(k: int, name: str) -> str:
+    return f"waypoint {k}" if name == "waypoints" else f"waypoint {k} of {name}"

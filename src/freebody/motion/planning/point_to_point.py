@@ -12,14 +12,15 @@ from freebody.motion.motion import Motion
 from freebody.motion.piecewise import PiecewisePolynomial, side_by_side
 from freebody.motion.planning.planned import planned, read_times
 from freebody.motion.planning.planning_limits import (
+    SAME,
     Limit,
     PlanningLimits,
     checked_waypoints,
+    pace_unknown,
     planning_limits,
-    unlimited,
     within_limits,
 )
-from freebody.motion.planning.profiles import PROFILES
+from freebody.motion.planning.profiles import LIMITS, PROFILES
 from freebody.outputs.numbers import compared, rounded_up
 from freebody.trees.public_calls import Vector
 
@@ -136,7 +137,7 @@ def _move(
 ) -> PiecewisePolynomial:
     """The k-th move from one waypoint to the next; `wanted`: its duration."""
     profile, way = PROFILES[name], ends[1] - ends[0]
-    moving = np.flatnonzero(way)
+    moving = np.flatnonzero(np.abs(way) > SAME)
     if not len(moving):
         raise FreebodyError(
             f"{function}: waypoints {k} and {k + 1} are the same; leave one out, and to wait there "
@@ -144,13 +145,11 @@ def _move(
         )
     curves: dict[int, PiecewisePolynomial] = {}
     for i in moving:
-        own = {x: float(getattr(limits, x)[i]) for x in ("velocity", "acceleration", "jerk")}
+        own = {x: float(getattr(limits, x)[i]) for x in LIMITS}
         missing = [x for x in profile.needs if not np.isfinite(own[x])]
         if missing or not any(map(np.isfinite, own.values())):
             if wanted is None or profile.needs:
-                raise unlimited(
-                    function, model, f"{missing[0]}=" if missing else "times= or a limit"
-                )
+                raise pace_unknown(function, model, *(missing or ("times", *LIMITS)))
             own["velocity"] = 2.0 * abs(way[i]) / wanted  # any: it is run in the wanted duration
         curves[int(i)] = profile.quickest(abs(float(way[i])), *own.values())
     slowest = max(curves, key=lambda i: curves[i].breaks[-1])
@@ -164,13 +163,9 @@ def _move(
     duration = shortest if wanted is None else wanted
     columns = []
     for i, start in enumerate(ends[0]):
-        powers = np.array([[[start]]])
-        if i in curves:
-            curve = curves[i].scaled(float(curves[i].breaks[-1]) / duration)
-            powers = curve.coefficients * np.sign(way[i])
-            powers[-1] += start
-            breaks = np.append(curve.breaks[:-1], duration)
-        else:
-            breaks = np.array([0.0, duration])
-        columns.append(PiecewisePolynomial(breaks, powers))
+        like = i if i in curves else slowest  # what hardly moves goes along
+        curve = curves[like].scaled(float(curves[like].breaks[-1]) / duration)
+        powers = curve.coefficients * (way[i] / abs(way[like]))
+        powers[-1] += start
+        columns.append(PiecewisePolynomial(np.append(curve.breaks[:-1], duration), powers))
     return side_by_side(columns)

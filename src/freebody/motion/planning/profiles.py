@@ -16,6 +16,8 @@ import numpy as np
 
 from freebody.motion.piecewise import PiecewisePolynomial
 
+LIMITS = ("velocity", "acceleration", "jerk")
+
 
 @dataclass(frozen=True)
 class Profile:

@@ -14,6 +14,7 @@ from freebody.motion.motion import Motion
 from freebody.motion.piecewise import Degree, Ends, interpolated
 from freebody.motion.planning.planned import planned, read_times
 from freebody.motion.planning.planning_limits import (
+    SAME,
     Limit,
     PlanningLimits,
     checked_waypoints,
@@ -73,8 +74,9 @@ def _proportional(q: Array, limits: PlanningLimits) -> Array:
     pace = np.where(np.isfinite(limits.velocity), limits.velocity, np.sqrt(limits.acceleration))
     pace = np.where(np.isfinite(pace), pace, 1.0)
     gaps = (np.abs(np.diff(q, axis=0)) / pace).max(axis=1)
-    if (gaps == 0.0).any():
-        k = int(np.argmin(gaps))
+    same = np.abs(np.diff(q, axis=0)).max(axis=1) <= SAME
+    if same.any():
+        k = int(np.argmax(same))
         raise FreebodyError(
             f"spline: waypoints {k} and {k + 1} are the same; leave one out, or give times."
         )

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import make_interp_spline
 
 from freebody.arrays import Array, above_zero, as_floats, refuse_not_finite
-from freebody.errors import FreebodyError, ShapeError
+from freebody.errors import FreebodyError, MissingArgumentError, ShapeError
 from freebody.inverse.numerical_solver import NumericalSolver
 from freebody.inverse.task import Task, read_target
 from freebody.model.model import Model
@@ -231,9 +231,9 @@ class _TipPlan:
             try:
                 factor = min(
                     factor,
-                    quickest(self.function, self.model, *sizes, self.limits, "duration=, speed"),
+                    quickest(self.function, self.model, *sizes, self.limits, "duration", "speed"),
                 )
-            except FreebodyError:  # nothing else limits it
+            except MissingArgumentError:  # nothing else limits it
                 if speed is None:
                     raise
         T = 1.0 / factor if duration is None else duration
