@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -71,6 +72,7 @@ def test_what_was_stopped_goes_on(tmp_path, monkeypatch, reduce):
     for stop in (0.1, 0.3, 0.9):
 
         def stopping(told: str, share: float, stop: float = stop) -> None:
+            assert re.fullmatch(r"\d+ of 720 points, \S+ a second, \d+ s left", told)
             if share >= stop:
                 raise KeyboardInterrupt
 

@@ -5,8 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import itertools
-import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -103,7 +101,7 @@ def sweep(
             store=store,
             client=client,
             cpu=cpu,
-            progress=_timed(progress),
+            progress=progress,
         )
     head, rows = _table(found, list(axes)[:-1])
     if out is not None:
@@ -149,17 +147,6 @@ def _states(model: Model, function: str, motion: str | None, states: int | None,
         return default_motion(model) if motion is None else read_motion(model, motion)
     every = dict(zip(("q", "qd", "qdd"), random_state(model, seed, states), strict=True))
     return {name: x for name, x in every.items() if name in needed}
-
-
-def _timed(progress: Callable[[str, float], None]) -> Callable[[str, float], None]:
-    """With the time that is left."""
-    start = time.monotonic()
-
-    def told(text: str, share: float) -> None:
-        left = (time.monotonic() - start) * (1.0 / share - 1.0)
-        progress(f"{text}, {left:.0f} s left", share)
-
-    return told
 
 
 def _table(found: xr.Dataset, axes: list[str]) -> tuple[list[str], list[list[str]]]:

@@ -11,9 +11,9 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, FreebodyWarning
 from freebody.model.model import Model
 from freebody.sweeps.axes import SweepAxis, SweepGrid
-from freebody.sweeps.evaluation import BlockResult, FailedPoint, SweepBlock
+from freebody.sweeps.evaluation import BlockResult, FailedPoint, SweepBlock, SweepTask
 from freebody.sweeps.functions import SweptFunction
-from freebody.sweeps.reductions import Gathered, SweepReduction, joined
+from freebody.sweeps.reductions import Gathered, SweepReduction, finished, joined
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,13 +25,11 @@ _SHOWN = 10
 class SweepArrays:
     """The arrays of a result, filled as blocks come in."""
 
-    def __init__(
-        self,
-        grid: SweepGrid,
-        outputs: tuple[tuple[str, tuple[int, ...]], ...],
-        reductions: tuple[SweepReduction, ...],
-    ):
-        self.grid, self.outputs, self.reductions = grid, outputs, reductions
+    def __init__(self, task: SweepTask, held: bool = True):
+        """held: whether values are to be kept here; else only what failed."""
+        self.grid, self.reductions = grid, reductions = task.grid, task.reductions
+        self.outputs = task.outputs if held else ()
+        self._whole_rows = task.whole_rows
         rows, columns = grid.shape
         self.failed = np.zeros(rows, dtype=np.int64)
         self.reasons: list[FailedPoint] = []
@@ -40,12 +38,12 @@ class SweepArrays:
         self._open: list[Gathered] | None = None
         names = [x.name for x in reductions] or [""]
         try:
-            for output, core in outputs:
+            for output, core in self.outputs:
                 shape = (rows, *core) if reductions else (rows, columns, *core)
                 self.values |= {(output, name): np.full(shape, np.nan) for name in names}
         except MemoryError:
             raise FreebodyError(
-                f"sweep: the {rows * columns:.3g} points of {outputs[0][0]} do not fit into "
+                f"sweep: the {rows * columns:.3g} points of {task.outputs[0][0]} do not fit into "
                 f"memory; give reduce=, or fewer points."
             ) from None
 
@@ -59,15 +57,15 @@ class SweepArrays:
         if result.gathered:
             found = result.gathered
             self._open = found if self._open is None else joined(self._open, found)
+            if self._whole_rows or block.columns.stop == self.grid.shape[1]:
+                self._finish(rows)
 
-    def finish(self, rows: range) -> None:
+    def _finish(self, rows: slice) -> None:
         """All blocks of these rows are in."""
-        if self._open is None:
-            return
-        for (output, _), found in zip(self.outputs, self._open, strict=True):
-            for reduction in self.reductions:
-                place = slice(rows.start, rows.stop)
-                self.values[output, reduction.name][place] = reduction.finish(found)
+        for (output, _), found in zip(self.outputs, self._open or (), strict=True):
+            done = found if self._whole_rows else finished(self.reductions, found)
+            for name, values in done.items():
+                self.values[output, name][rows] = values
         self._open = None
 
 

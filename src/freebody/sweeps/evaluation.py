@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
+from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.sweeps.axes import SweepGrid
 from freebody.sweeps.functions import FAILURES, FAULTS, SweptFunction
-from freebody.sweeps.reductions import Gathered, gathered, joined
+from freebody.sweeps.reductions import (
+    Gathered,
+    SweepReduction,
+    finished,
+    gathered,
+    joined,
+    needed,
+)
 
 NOT_A_NUMBER = "the result is not a number"
+_GATHERED = 1 << 24
+"""Bytes that are gathered from a tile: a histogram has half a megabyte for a row of six joints."""
 _MOST_REASONS = 20
 """Of failed points of a block, whose place and reason are kept; the others are counted."""
 
@@ -24,8 +34,6 @@ Reasons = dict[tuple[int, int], str]
 """By row and column."""
 Named = Mapping[str, Array]
 """By output."""
-InOrder = Callable[[Callable[[Any], Any], Sequence[Any]], Iterator[Any]]
-"""A function of each thing, in order, as `map`."""
 
 
 class FailedPoint(NamedTuple):
@@ -45,8 +53,9 @@ class SweepBlock(NamedTuple):
 
 @dataclass
 class BlockResult:
-    """What came out of a block: of each output what the reductions need, or all values; how many
-    points of each row failed; some of these."""
+    """What came out of a block: of each output what its reductions are or, where rows go on in
+    further blocks, what they need, or all values; how many points of each row failed; some of
+    these."""
 
     gathered: list[Gathered]
     values: list[Array]
@@ -54,6 +63,8 @@ class BlockResult:
     reasons: list[FailedPoint] = field(default_factory=list)
 
 
+InOrder = Callable[[Callable[[SweepBlock], BlockResult], list[SweepBlock]], Iterator[BlockResult]]
+"""What a function makes of each tile, in order, as `map`."""
 Keep = Callable[[SweepBlock, BlockResult], object]
 """What is done with a block as soon as it is there."""
 
@@ -67,8 +78,10 @@ class SweepTask:
     function: SweptFunction
     outputs: tuple[tuple[str, tuple[int, ...]], ...]
     """Names and core shapes."""
-    wanted: tuple[str, ...]
-    """What is gathered; empty: the values themselves."""
+    reductions: tuple[SweepReduction, ...]
+    """None: the values themselves."""
+    whole_rows: bool
+    """Whether a block has all columns of its rows, so that they are reduced there."""
     rows_are_robots: bool
     """Whether numbers of the model vary, along rows alone."""
     hoisted: bool
@@ -81,27 +94,31 @@ class SweepTask:
         side_by_side: a `map`, which may be one that evaluates several tiles at a time.
         """
         whole = BlockResult([], [], np.zeros(len(block.rows), dtype=np.int64))
-        if not self.wanted:
+        if not self.reductions:
             shape = len(block.rows), len(block.columns)
             whole.values = [np.empty((*shape, *core)) for _, core in self.outputs]
         refused = self._refused(block.rows)
-        high = max(1, self.tile // len(block.columns))
+        high = max(1, min(self.tile // len(block.columns), _GATHERED // self._row_bytes))
         tiles = [
-            SweepBlock(rows, columns)
-            for rows in _cut(block.rows, high)
+            SweepBlock(some, columns)
+            for some in _cut(block.rows, high)
             for columns in _cut(block.columns, self.tile)
         ]
         parts: list[list[Gathered]] = []
+        rows: list[Gathered] | None = None  # those of which some columns are in
         found = side_by_side(lambda tile: self._tile(tile, block, refused, whole.values), tiles)
         for tile, part in zip(tiles, found, strict=True):
             whole.failed[_within(tile.rows, block.rows)] += part.failed
             whole.reasons += part.reasons[: _MOST_REASONS - len(whole.reasons)]
-            if not self.wanted:
+            if not self.reductions:
                 continue
-            if tile.columns.start == block.columns.start:
+            if tile.columns == block.columns:
                 parts.append(part.gathered)
-            else:
-                parts[-1] = joined(parts[-1], part.gathered)
+                continue
+            rows = part.gathered if rows is None else joined(rows, part.gathered)
+            if tile.columns.stop == block.columns.stop:
+                parts.append(self._reduced(rows))
+                rows = None
         if parts:
             whole.gathered = [
                 {key: np.concatenate([part[k][key] for part in parts]) for key in parts[0][k]}
@@ -109,16 +126,27 @@ class SweepTask:
             ]
         return whole
 
-    def empty(self, block: SweepBlock) -> list[Gathered]:
-        """What the reductions gather from a block, of values that are not there."""
-        shape = len(block.rows), len(block.columns)
-        values = [np.full((*shape, *core), np.nan) for _, core in self.outputs]
-        return gathered(values, self.wanted, block.columns.start)
+    def _reduced(self, found: list[Gathered]) -> list[Gathered]:
+        return [finished(self.reductions, x) for x in found] if self.whole_rows else found
+
+    def empty(self) -> list[Gathered]:
+        """What a block of one row has of each output, of values that are not there."""
+        return self._reduced(self._nothing())
+
+    def _nothing(self) -> list[Gathered]:
+        values = [np.full((1, 1, *core), np.nan) for _, core in self.outputs]
+        return gathered(values, needed(self.reductions), 0)
+
+    @cached_property
+    def _row_bytes(self) -> int:
+        """Of what is gathered for a row, before it is reduced."""
+        return max(1, sum(array.nbytes for x in self._nothing() for array in x.values()))
 
     def _tile(
         self, tile: SweepBlock, block: SweepBlock, refused: dict[int, str], places: list[Array]
     ) -> BlockResult:
-        """What came out of a tile; its values, where all are wanted, are put into the block's."""
+        """What came out of a tile, reduced where it has all that the block has of its rows; its
+        values, where all are wanted, are put into the block's."""
         rows, columns = tile
         reasons: Reasons = {}
         named = self._values(rows, columns, refused, reasons)
@@ -133,7 +161,9 @@ class SweepTask:
                 told.append(FailedPoint(*place, reasons.get(place, NOT_A_NUMBER)))
         for whole, x in zip(places, values, strict=False):
             whole[_within(rows, block.rows), _within(columns, block.columns)] = x
-        found = gathered(values, self.wanted, columns.start)
+        found = gathered(values, needed(self.reductions), columns.start)
+        if columns == block.columns:
+            found = self._reduced(found)
         return BlockResult(found, [], failed.sum(axis=1), told)
 
     def _values(

@@ -63,7 +63,8 @@ def identity(task: SweepTask, points: int) -> str:
             digest.update(len(content).to_bytes(8, "little") + content)
 
     with_what = sorted(computed_with(target_of(task.function)).items())
-    add("2", with_what, points, task.tile, task.hoisted, task.wanted)
+    add("2", with_what, points, task.tile, task.hoisted)
+    add([x.name for x in task.reductions])
     add(task.outputs, *_function(task.function), *_value(task.model))
     for axes in (task.grid.rows, task.grid.columns):
         add(*(part for axis in axes for part in (axis.name, *_given(axis.given))))

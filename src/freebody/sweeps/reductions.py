@@ -178,6 +178,16 @@ def _named(name: str) -> SweepReduction:
     )
 
 
+def needed(reductions: Sequence[SweepReduction]) -> tuple[str, ...]:
+    """Accumulators."""
+    return tuple(dict.fromkeys(key for x in reductions for key in x.needs))
+
+
+def finished(reductions: Sequence[SweepReduction], found: Gathered) -> Gathered:
+    """By reduction, of all that was gathered of some rows."""
+    return {x.name: x.finish(found) for x in reductions}
+
+
 def gathered(values: Sequence[Array], wanted: Sequence[str], first: int) -> list[Gathered]:
     """Of each output's values in a tile, (R, C, *core), what the reductions need."""
     return [{key: _ACCUMULATORS[key].gather(x, first) for key in wanted} for x in values]

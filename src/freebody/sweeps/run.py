@@ -7,15 +7,17 @@ the process costs at most the one block that was under way.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
+from freebody.sweeps.axes import SweepGrid
 from freebody.sweeps.evaluation import BlockResult, Keep, SweepBlock, SweepTask
 from freebody.targets.threads import cpus
 
 Progress = Callable[[str, float], None]
-"""What is being done, and which share of it is."""
+"""How far it is, in words and as a share."""
 
 
 def evaluated(
@@ -44,3 +46,30 @@ def _one_by_one(
         if keep is not None:
             keep(block, result)
         yield result
+
+
+def points_of(block: SweepBlock) -> int:
+    """How many points a block has."""
+    return len(block.rows) * len(block.columns)
+
+
+class Watched:
+    """Tells how far a sweep is, block by block, and how quick."""
+
+    def __init__(self, grid: SweepGrid, progress: Progress | None, found: int = 0):
+        """found: points that were done before."""
+        self._found, self._here, self._whole = found, 0, grid.shape[0] * grid.shape[1]
+        self._progress, self._begun = progress, time.monotonic()
+
+    def __call__(self, block: SweepBlock, result: BlockResult) -> BlockResult:
+        """The same result, when the caller has been told."""
+        self._here += points_of(block)
+        if self._progress is not None:
+            done = self._found + self._here
+            rate = self._here / max(time.monotonic() - self._begun, 1e-6)
+            left = (self._whole - done) / rate
+            self._progress(
+                f"{done:.3g} of {self._whole:.3g} points, {rate:.2g} a second, {left:.0f} s left",
+                done / self._whole,
+            )
+        return result

@@ -52,6 +52,7 @@ class SweepStore:
         except ModuleNotFoundError:
             raise MissingPackageError("sweep: store=", "zarr", "sweep") from None
         self.path = Path(path)
+        self._kept = task.empty() if task.reductions else []
         self._task, self._groups, self._with = task, groups, computed_with
         with self._said():
             self._open(identity)
@@ -106,13 +107,12 @@ class SweepStore:
 
     def _shapes(self) -> dict[str, tuple[tuple[int, ...], np.dtype]]:
         """By name of an array what a point of a block's rows has in it, and its type."""
-        task, one = self._task, SweepBlock(range(1), range(1))
-        if not task.wanted:
+        task = self._task
+        if not task.reductions:
             return {name: (core, np.dtype(float)) for name, core in task.outputs}
-        known = task.empty(one)
         return {
             f"{name}-{key}": (array.shape[1:], array.dtype)
-            for (name, _), found in zip(task.outputs, known, strict=True)
+            for (name, _), found in zip(task.outputs, self._kept, strict=True)
             for key, array in found.items()
         }
 
@@ -121,7 +121,7 @@ class SweepStore:
         high, wide, count = len(rows), len(across[0].columns), len(across)
         every = self._task.grid.shape[0]
         for key, (core, kind) in self._shapes().items():
-            along = (columns, wide) if not self._task.wanted else (count, 1)
+            along = (count, 1) if self._task.reductions else (columns, wide)
             parts.create_array(
                 key,
                 shape=(every, along[0], *core),
@@ -158,7 +158,7 @@ class SweepStore:
         """Put a block in its place."""
         rows, (group, part) = slice(block.rows.start, block.rows.stop), self._at(block)
         with self._said():
-            if self._task.wanted:
+            if self._task.reductions:
                 for (name, _), found in zip(self._task.outputs, result.gathered, strict=True):
                     for key, array in found.items():
                         self._arrays[f"{name}-{key}"][rows, part] = array
@@ -175,12 +175,12 @@ class SweepStore:
         rows, (group, part) = slice(block.rows.start, block.rows.stop), self._at(block)
         with self._said():
             gathered = [
-                {key: self._arrays[f"{name}-{key}"][rows, part] for key in self._task.wanted}
-                for name, _ in self._task.outputs
+                {key: self._arrays[f"{name}-{key}"][rows, part] for key in keys}
+                for (name, _), keys in zip(self._task.outputs, self._kept, strict=False)
             ]
             failed = self._failed[rows, part].astype(np.int64)
             told = _unpacked(self._told[group, part]) if failed.any() else []
-        return BlockResult(gathered if self._task.wanted else [], [], failed, told)
+        return BlockResult(gathered, [], failed, told)
 
     def finish(self, found: xr.Dataset) -> xr.Dataset:
         """Put the result beside its parts, names in the attributes; the same dataset."""

@@ -26,7 +26,7 @@ from freebody.sweeps.functions import (
 )
 from freebody.sweeps.identity import computed_with, identity, target_of
 from freebody.sweeps.reductions import SweepReduction, reductions
-from freebody.sweeps.run import Progress, evaluated
+from freebody.sweeps.run import Progress, Watched, evaluated, points_of
 from freebody.sweeps.store import SweepStore
 from freebody.targets import Kernel, compile_program
 from freebody.targets.target import target_named
@@ -36,6 +36,9 @@ if TYPE_CHECKING:
 
 _TILE = 1 << 18
 """Numbers of one output that are computed at once: they stay in a processor's cache."""
+_BLOCK, _LARGEST_BLOCK, _BLOCKS = 1 << 20, 1 << 24, 1 << 10
+"""Points of a block where the caller does not say; in large grids more, so that there are about so
+many blocks."""
 _LARGEST = 1 << 23
 """Numbers of one output of a block, where all values are kept: 64 MB."""
 _WORTH_HOISTING = 64
@@ -52,7 +55,7 @@ def sweep(
     along: str | Sequence[str] | None = None,
     frame: str | None = None,
     reference: str = "world",
-    block: int = 1 << 20,
+    block: int | None = None,
     store: str | PathLike[str] | None = None,
     client: Any = None,
     cpu: str | None = None,
@@ -73,7 +76,8 @@ def sweep(
     "argpeak" (the place on each axis, and what is given there), or several; None: all values.
     along: axes that are reduced; default the last.
     frame, reference: as for `fb.kernel`. block: points that are one piece of work: sums, and so
-    the last digits of means, depend on it alone, not on the number of processors.
+    the last digits of means, depend on it alone, not on the number of processors; default 2**20,
+    and up to 2**24 on grids of more than 10**9 points.
     store: folder of a Zarr store, in which each block is put when it is done; the same call goes on
     with what is there, after whatever stopped it, and ends with the same bytes. Without reduce= the
     values stay there: they are read when they are looked at, over one axis `point` in the place of
@@ -82,7 +86,8 @@ def sweep(
     its workers, with the same bytes as here; default this process. Needs the extra `sweep`.
     cpu: a level of processors for which kernels are compiled ("x86-64-v2", "x86-64-v3",
     "x86-64-v4", "armv8-a"): all that reach it give the same bytes; default this machine's own.
-    progress: called with what is being done, and which share of it is.
+    progress: called after each block with what is done, how many points a second and how long it
+    still takes, in words, and with the share that is done.
 
     Returns an xarray Dataset over the other axes, with `failed`, how many points had no value (NaN,
     or refused: a mass below 0, a singular matrix); they count in no reduction, and its attributes
@@ -93,58 +98,31 @@ def sweep(
     grid, swept = _read(model, function, over, at, frame, reference, split, target)
     chosen = reductions(reduce) if reduce is not None else ()
     outputs = _outputs(swept, grid)
-    task = _task(model, grid, swept, outputs, chosen)
-    points = _block(block, outputs, chosen)
+    points = _block(block, outputs, chosen, grid)
+    task = _task(model, grid, swept, outputs, chosen, points)
     groups = blocks_of(grid.shape, points)
     blocks = [x for _, some in groups for x in some]
-    watched = _Watched(grid, progress)
     if store is None:
+        watched = Watched(grid, progress)
         results = map(watched, blocks, evaluated(task, blocks, None, client))
-        return dataset(model, swept, _joined(grid, outputs, chosen, groups, results))
+        return dataset(model, swept, _joined(SweepArrays(task), blocks, results))
     kept = SweepStore(store, task, groups, identity(task, points), computed_with(target_of(swept)))
     missing = [x for x in blocks if not kept.holds(x)]
-    watched.done += sum(map(_points, blocks)) - sum(map(_points, missing))
+    watched = Watched(grid, progress, sum(map(points_of, blocks)) - sum(map(points_of, missing)))
     for each, result in zip(missing, evaluated(task, missing, kept.write, client), strict=True):
         watched(each, result)
-    arrays = _joined(grid, outputs, chosen, groups, map(kept.read, blocks), bool(chosen))
+    arrays = _joined(SweepArrays(task, bool(chosen)), blocks, map(kept.read, blocks))
     if chosen:
         return kept.finish(dataset(model, swept, arrays))
     return lazy_dataset(model, swept, arrays, kept.values())
 
 
-def _points(block: SweepBlock) -> int:
-    return len(block.rows) * len(block.columns)
-
-
-class _Watched:
-    """Tells how far a sweep is, block by block."""
-
-    def __init__(self, grid: SweepGrid, progress: Progress | None):
-        self.done, self._whole = 0, grid.shape[0] * grid.shape[1]
-        self._progress = progress
-
-    def __call__(self, block: SweepBlock, result: BlockResult) -> BlockResult:
-        self.done += _points(block)
-        if self._progress is not None:
-            told = f"{self.done:.3g} of {self._whole:.3g} points"
-            self._progress(told, self.done / self._whole)
-        return result
-
-
 def _joined(
-    grid: SweepGrid,
-    outputs: tuple[tuple[str, tuple[int, ...]], ...],
-    chosen: tuple[SweepReduction, ...],
-    groups: list[tuple[range, list[SweepBlock]]],
-    results: Iterator[BlockResult],
-    held: bool = True,
+    arrays: SweepArrays, blocks: list[SweepBlock], results: Iterator[BlockResult]
 ) -> SweepArrays:
-    """The results of all blocks, in order."""
-    arrays = SweepArrays(grid, outputs if held else (), chosen)
-    for rows, blocks in groups:
-        for each in blocks:
-            arrays.add(each, next(results))
-        arrays.finish(rows)
+    """With the results of all blocks, in order."""
+    for each, result in zip(blocks, results, strict=True):
+        arrays.add(each, result)
     return arrays
 
 
@@ -279,6 +257,7 @@ def _task(
     swept: SweptFunction,
     outputs: tuple[tuple[str, tuple[int, ...]], ...],
     chosen: tuple[SweepReduction, ...],
+    points: int,
 ) -> SweepTask:
     """All that is decided by the grid as a whole, and so the same in each block."""
     moved = {name for axis in grid.columns for name in axis.given}
@@ -289,7 +268,8 @@ def _task(
         grid,
         swept,
         outputs,
-        tuple(dict.fromkeys(key for x in chosen for key in x.needs)),
+        chosen,
+        grid.shape[1] <= points,
         by_row,
         by_row and grid.shape[1] >= _WORTH_HOISTING,
         max(64, _TILE // largest),
@@ -300,7 +280,12 @@ def _block(
     block: Any,
     outputs: tuple[tuple[str, tuple[int, ...]], ...],
     chosen: tuple[SweepReduction, ...],
+    grid: SweepGrid,
 ) -> int:
+    """Points of a block."""
+    if block is None:
+        rows, columns = grid.shape
+        block = min(max(_BLOCK, 1 << (rows * columns // _BLOCKS).bit_length()), _LARGEST_BLOCK)
     if not isinstance(block, int) or isinstance(block, bool) or block < 1:
         raise KindError("sweep", "block", block, "a whole number of points from 1 up")
     largest = max(int(np.prod(core)) for _, core in outputs)
