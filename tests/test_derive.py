@@ -94,6 +94,37 @@ def test_the_table_tells_the_symbols_of_the_whole():
     assert "mp" not in text
 
 
+@pytest.mark.parametrize(
+    ("name", "lines"), [("cart_pole", ["n₀₁ = 0"]), ("furuta", ["n₁₂x = 0", "n₀₁x = 0"])]
+)
+def test_nothing_is_passed_on_along_a_joint_without_a_motor(name, lines):
+    """By the equation of motion of that joint, from which the printed reactions differ."""
+    derivation = fb.derive(fb.load(name), "newton-euler")
+    text = derivation.text()
+    assert all(f"      {line}\n" in text for line in lines)
+    told = "Nothing is passed on along the coordinate of a joint without a motor."
+    assert told in " ".join(text.split())
+
+
+@pytest.mark.parametrize("method", ["lagrange", "lagrange-first-kind"])
+def test_the_table_tells_the_energies_of_rotors_and_springs(method):
+    words = {
+        "T_r": "kinetic energy of the motors' rotors",
+        "V_s": "potential energy of the springs",
+    }
+    for drive, told in (({}, set()), ({"rotor": 1.0}, {"T_r"}), ({"stiffness": 1.0}, {"V_s"})):
+        arm = fb.planar("R").with_drive("joint1", **drive)
+        rows = {str(x.symbols[0]): x.words for x in fb.derive(arm, method).glossary}
+        assert {name: rows[name] for name in rows.keys() & words} == {x: words[x] for x in told}
+
+
+def test_the_table_tells_what_bodies_in_numbers_are_called():
+    for method, more in (("lagrange", "z_i"), ("newton-euler", "z_i"), ("recursive", "f_i,k")):
+        rows = [str(x.symbols[0]) for x in fb.derive(fb.load("scara"), method).glossary]
+        assert {"m_i", "I_i", "R_i^k", more} <= set(rows)
+        assert len(set(rows)) == len(rows)
+
+
 def test_friction_springs_and_rotors_are_derived_too():
     names = {
         "viscous": "b1",

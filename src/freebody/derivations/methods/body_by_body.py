@@ -127,11 +127,10 @@ class FreeBodies:
         s, n = self.s, self.s.numbers[i]
         lines = []
         if reactions:
-            lines.append(
-                eq(s.force_name(s.tree.bodies[i].parent, i), s.column(self.reactions.f[i]))
-            )
+            force, moment = self.reactions.borne[i]
+            lines.append(eq(s.force_name(s.tree.bodies[i].parent, i), s.column(force)))
             if not s.is_pin(i):
-                lines.append(eq(s.joint_moment(i), s.angular(self.reactions.n[i])))
+                lines.append(eq(s.joint_moment(i), s.angular(moment)))
         lines.append(eq(s.motor(i), s.show(self.tau[i])))
         return Step(
             f"Substitute the motion: joint {n}",

@@ -16,7 +16,7 @@ from freebody.derivations.expressions.nodes import Words
 from freebody.derivations.expressions.printed_names import entry, sym
 from freebody.derivations.methods import absolute_coordinates, glossary, lagrange
 from freebody.derivations.methods.cut_loops import LONG, Loops, block_system
-from freebody.derivations.methods.energies import HALF
+from freebody.derivations.methods.energies import HALF, Energies
 from freebody.derivations.methods.method import Method, MethodOption, Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.virtual_work import virtual_work
@@ -45,12 +45,16 @@ def work_out(setting: Setting, coordinates: str) -> Worked:
         "sought."
     )
     return Worked(
-        tuple(steps), tuple(work.forces), _symbols(setting), sought=sought, system=loops.system
+        tuple(steps),
+        tuple(work.forces),
+        _symbols(setting, work.energies),
+        sought=sought,
+        system=loops.system,
     )
 
 
-def _symbols(s: Setting) -> Iterator[Meaning]:
-    yield from lagrange.symbols(s)
+def _symbols(s: Setting, energies: Energies) -> Iterator[Meaning]:
+    yield from lagrange.symbols(s, energies)
     yield glossary.loop_equations()
     yield Meaning((sym("lam_k"),), "its multiplier: the loop's constraint force", "")
     yield glossary.joint_forces()

@@ -3,10 +3,12 @@ method introduces."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 
-from freebody.derivations.derivation import Meaning
+from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.expression import Symbol, nodes
 from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import joints_that
@@ -20,10 +22,13 @@ METER, KILOGRAM, NEWTON, MOMENT = "m", "kg", "N", "N m"
 INERTIA, SPEED, ACCELERATION, JOULE = "kg m²", "m/s", "m/s²", "J"
 
 
-def glossary(s: Setting, introduced: Iterable[Meaning], forces: bool) -> tuple[Meaning, ...]:
-    """Coordinates and motors, parameters, then what the method introduces; forces: whether there
-    are any."""
+def glossary(
+    s: Setting, introduced: Iterable[Meaning], forces: bool, steps: Iterable[Step]
+) -> tuple[Meaning, ...]:
+    """Coordinates and motors, parameters, then what the method introduces and what else stands in
+    its steps; forces: whether there are any."""
     rows = [*_coordinates(s, forces), *_parameters(s, not forces), *introduced]
+    rows += _further(s, rows, steps)
     if s.load:
         rows.append(Meaning((vec("f"),), "force on the tip, by the surroundings", NEWTON))
     return tuple(rows)
@@ -73,6 +78,25 @@ def _parameters(s: Setting, moved: bool) -> Iterator[Meaning]:
     gravity = s.layout.order.gravity
     if gravity and s.weighs and not moved:
         yield Meaning((sym(gravity),), "acceleration of gravity", ACCELERATION)
+
+
+def _further(s: Setting, rows: Iterable[Meaning], steps: Iterable[Step]) -> Iterator[Meaning]:
+    """Generic symbols of the steps that no row explains yet."""
+    told = {x.name for row in rows for x in row.symbols if isinstance(x, Symbol)}
+    lines = (line for step in steps for line in step.equations)
+    used = {x.name for line in lines for x in nodes(line) if isinstance(x, Symbol)} - told
+    n = r"\d+"
+    for pattern, symbol, words, unit in (
+        (f"m{n}", sym("m_i"), "mass of body i", KILOGRAM),
+        (f"I{n}", sym("I_i"), "inertia of body i about its centre of mass", INERTIA),
+        (f"z{n}", vec("z_i"), f"direction of a {joints_that(s, turn=True)} joint's axis", ""),
+        (f"R{n}_{n}", _ROTATION, "turns components in the axes of body i to those of body k", ""),
+    ):
+        if symbol.name not in told and any(re.fullmatch(pattern, name) for name in used):
+            yield Meaning((symbol,), words, unit)
+
+
+_ROTATION = Symbol("R_i,k", "R", ("i",), high="k")
 
 
 def _in_model(s: Setting, moved: bool) -> Iterator[tuple[Parameter, str, str]]:

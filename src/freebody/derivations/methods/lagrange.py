@@ -39,10 +39,10 @@ def work_out(setting: Setting) -> Worked:
         steps += [one.step, equation]
         tau.append(torque)
     steps.append(_marked(closed_form(s), [one.sources for one in by_coordinate]))
-    return Worked(tuple(steps), tuple(tau), symbols(s))
+    return Worked(tuple(steps), tuple(tau), symbols(s, energies))
 
 
-def symbols(s: Setting) -> Iterator[Meaning]:
+def symbols(s: Setting, energies: Energies) -> Iterator[Meaning]:
     """What the energies bring in."""
     yield Meaning(
         (sym("r_ci", True),), "centre of mass of body i, from the base's origin", glossary.METER
@@ -51,6 +51,10 @@ def symbols(s: Setting) -> Iterator[Meaning]:
     yield Meaning(
         (sym("T_i"), sym("V_i")), "kinetic and potential energy of body i", glossary.JOULE
     )
+    if energies.has_rotors:
+        yield Meaning((sym("T_r"),), "kinetic energy of the motors' rotors", glossary.JOULE)
+    if energies.has_springs:
+        yield Meaning((sym("V_s"),), "potential energy of the springs", glossary.JOULE)
     yield Meaning((sym("L"),), "Lagrangian", glossary.JOULE)
 
 

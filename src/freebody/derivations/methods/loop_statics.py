@@ -140,11 +140,11 @@ class _Balance(Equilibrium):
         """Forces in the joints."""
         s = self.s
         lines = [
-            eq(s.force_name(s.tree.bodies[i].parent, i), s.column(self.reactions.f[i]))
+            eq(s.force_name(s.tree.bodies[i].parent, i), s.column(self.reactions.borne[i][0]))
             for i in s.order
         ]
         lines += [
-            eq(s.joint_moment(i), s.angular(self.reactions.n[i]))
+            eq(s.joint_moment(i), s.angular(self.reactions.borne[i][1]))
             for i in s.order
             if not s.is_pin(i)
         ]

@@ -28,7 +28,7 @@ def overview(s: Setting, method: Method, worked: Worked) -> tuple[str, tuple[Mea
         *_load(s),
         worked.sought or _sought(s),
     ]
-    return " ".join(told), worked.table or glossary(s, worked.symbols, forces)
+    return " ".join(told), worked.table or glossary(s, worked.symbols, forces, worked.steps)
 
 
 def _about(s: Setting) -> list[str]:

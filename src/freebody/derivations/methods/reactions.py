@@ -3,7 +3,7 @@ inward."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression
@@ -12,6 +12,9 @@ from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, add, dot, scale, sub, times
 
+Reaction = tuple[Vector, Vector]
+"""Force and moment."""
+
 
 class SolvedReactions:
     """f and n of body i: force and moment of its parent on it at joint i, in the axes that are
@@ -19,12 +22,41 @@ class SolvedReactions:
 
     def __init__(self, setting: Setting):
         self.s = setting
-        self.f: dict[int, Vector] = {}
-        self.n: dict[int, Vector] = {}
-        for i in reversed(range(len(setting.tree.bodies))):
-            self._solve(i)
+        self._found = self._inward(lambda i, reaction: reaction)
 
-    def _solve(self, i: int) -> None:
+    @property
+    def f(self) -> dict[int, Vector]:
+        """Forces."""
+        return {i: f for i, (f, _) in self._found.items()}
+
+    @property
+    def n(self) -> dict[int, Vector]:
+        """Moments about the joints."""
+        return {i: n for i, (_, n) in self._found.items()}
+
+    @cached_property
+    def borne(self) -> dict[int, Reaction]:
+        """(f, n) by the bearings alone: without what a joint without a motor would have to give
+        along its coordinate, which vanishes by its equation of motion."""
+        return self._inward(self._without_motor)
+
+    def _without_motor(self, i: int, reaction: Reaction) -> Reaction:
+        s, (f, n) = self.s, reaction
+        if s.driven(i) or not self.drives[i].is_zero or s.turns(i) == s.slides(i):
+            return reaction
+        ((w, v),) = s.tree.bodies[i].columns
+        v = s.axes(i, v)
+        if s.turns(i):
+            return f, sub(n, scale(dot(w, n), w))
+        return sub(f, scale(dot(v, f), v)), n
+
+    def _inward(self, passed_on: Callable[[int, Reaction], Reaction]) -> dict[int, Reaction]:
+        found: dict[int, Reaction] = {}
+        for i in reversed(range(len(self.s.tree.bodies))):
+            found[i] = passed_on(i, self._solved(i, found))
+        return found
+
+    def _solved(self, i: int, found: dict[int, Reaction]) -> Reaction:
         """From the two equations of body i, the reactions at its children being known."""
         s, space = self.s, self.s.tree.space
         f = scale(s.mass(i), sub(s.centre_acceleration(i), s.gravity(i)))
@@ -33,16 +65,14 @@ class SolvedReactions:
         )
         for k in s.tree.children(i):
             R = s.motion.joints[k][0]
-            f_k, n_k = (
-                (self.f[k], self.n[k])
-                if s.planar
-                else (times(R, self.f[k]), space.turn(R, self.n[k]))
-            )
+            f_k, n_k = found[k]
+            if not s.planar:
+                f_k, n_k = times(R, f_k), space.turn(R, n_k)
             f = add(f, f_k)
             n = add(n, n_k, space.moment(s.to_child(i, k), f_k))
         for force, moment in self.applied(i):
             f, n = sub(f, force), sub(n, moment)
-        self.f[i], self.n[i] = f, n
+        return f, n
 
     def applied(self, i: int) -> Iterable[tuple[Vector, Vector]]:
         """Forces on body i from outside, weight apart, with their moments about its joint."""
@@ -53,9 +83,9 @@ class SolvedReactions:
     def motor(self, i: int) -> Trig:
         """The component of joint i's reaction that its motor gives, and what its drive takes
         besides."""
-        s = self.s
+        s, (f, n) = self.s, self._found[i]
         ((w, v),) = s.tree.bodies[i].columns
-        along = dot(w, self.n[i]) + dot(s.axes(i, v), self.f[i])
+        along = dot(w, n) + dot(s.axes(i, v), f)
         return s.symbols.element(along) + self.drives[i]
 
     @cached_property

@@ -125,4 +125,7 @@ def substituted(s: Setting, i: int, reactions: bool) -> str:
         if reactions
         else ""
     )
-    return f"With the vectors substituted: {carried}{motor}, sorted by accelerations and rates."
+    told = f"With the vectors substituted: {carried}{motor}, sorted by accelerations and rates."
+    if reactions and not all(map(s.driven, s.order)):
+        told += " Nothing is passed on along the coordinate of a joint without a motor."
+    return told
