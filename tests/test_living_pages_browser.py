@@ -121,8 +121,65 @@ def test_every_method_has_a_page_that_can_be_tried(driver, tmp_path, method):
             np.testing.assert_allclose(row, rows[0], rtol=1e-12, atol=1e-14)
 
 
+@pytest.mark.parametrize("name", ["furuta", "elbow_arm", "cylindrical_arm"])
+def test_the_numbers_of_an_arm_in_space_are_those_of_the_kernels(driver, tmp_path, name):
+    """Torques, and forces at the joints, which the page has in axes of the bodies."""
+    model = fb.load(name)
+    opened(driver, tmp_path, fb.derive(model, "newton-euler"))
+    names = driver.execute_script(NAMES)
+    coordinates = fb.equations(model).symbols.coordinates
+    state = RANDOM.uniform(0.2, 1.5, len(names)).tolist()
+    driver.execute_script(SET, state)
+    shown, numbers = values(driver), dict(zip(names, state, strict=True))
+    arm = model.bind(**{name: numbers[name] for name in model.parameters if name in numbers})
+    motion = [[numbers.get(x + dots, 0.0) for x in coordinates] for dots in ("", "_d", "_dd")]
+    tau, forces = fb.inverse_dynamics(arm, *motion), fb.joint_wrenches(arm, *motion)
+    assert len(shown["tau1"]) == 3  # as z · n, with the motion, and in the closed form
+    for k in range(model.nv):
+        for found in shown.get(f"tau{k + 1}", ()):  # a passive joint has none
+            np.testing.assert_allclose(found, [tau[k]], rtol=1e-9, atol=1e-11)
+        for found in shown[f"f{k}{k + 1}"]:
+            size = np.linalg.norm(forces[k][:3])
+            np.testing.assert_allclose(np.linalg.norm(found), size, rtol=1e-9)
+
+
+def test_an_arm_in_space_is_seen_from_where_one_likes(driver, tmp_path):
+    opened(driver, tmp_path, fb.derive(fb.load("elbow_arm"), "newton-euler"))
+    arrows, before = np.array(driver.execute_script(ARROWS)), values(driver)
+    driver.execute_script(
+        """for (const [id, value] of [['turn', 90], ['tilt', 90]]) {
+        const slider = document.getElementById(id); slider.value = value;
+        slider.dispatchEvent(new Event('input')); }"""
+    )
+    moved = np.array(driver.execute_script(ARROWS))
+    assert values(driver) == before
+    assert np.abs(moved - arrows).max() > 5
+    for ends in (arrows, moved):
+        _, back, on, *_ = ends[:, 2:] - ends[:, :2]
+        np.testing.assert_allclose(on, -back, atol=1e-9)
+    # from above, with x down the page: what is vertical in space has no length
+    assert np.linalg.norm(moved[:, 2:] - moved[:, :2], axis=1).max() < 20
+
+
+def test_vectors_of_three_entries_are_predicted(driver, tmp_path):
+    opened(driver, tmp_path, fb.derive(fb.load("furuta"), "newton-euler"))
+    driver.find_element("id", "predict").click()
+    for answer, verdict in {
+        "[theta2_d, theta1_d sin(theta2), theta1_d cos(theta2)]": "Right: ",
+        "theta2_d*[1, 0, 0] + cross([theta1_d, 0, 0], [0, c2, -s2])": "Right: ",
+        "[theta2_d, theta1_d sin(theta2), 0]": "Not right: ",
+        "cross([1, 0, 0], [theta1_d, theta2_d, 0])": "Not right: ",
+        "[theta1_d, theta2_d]": "Not right: ",
+        "[1, 2] + [1, 2, 3]": "Cannot be read: ",
+        "cross(1, [1, 2, 3])": "Cannot be read: ",
+        "[1, 2, 3, 4]": "Cannot be read: ",
+    }.items():
+        said, _ = driver.execute_script(ANSWER, "omega2", answer)
+        assert said.startswith(verdict), (answer, said)
+
+
 def test_other_robots_have_pages_without_a_script():
-    for robot, method in (("RRRRR", "kinematics"), ("four_bar", "statics"), ("furuta", "statics")):
+    for robot, method in (("RRRRR", "kinematics"), ("four_bar", "statics"), ("ur5e", "statics")):
         model = fb.planar(robot) if robot.isupper() else fb.load(robot)
         assert living(fb.derive(model, method)) is None
 

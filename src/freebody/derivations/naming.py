@@ -142,8 +142,9 @@ class Naming:
         return self._parameter(n, "mass") or sym_of(f"m{n}")
 
     def inertia(self, n: int) -> Symbol:
-        """The model's name for the moment of inertia of body n in the plane, else I_n."""
-        return (self._parameter(n, "tensor") if self.planar else None) or sym_of(f"I{n}")
+        """In the plane the model's name for the moment of inertia of body n, or I_n; in space the
+        matrix I_n."""
+        return (self._parameter(n, "tensor") or sym_of(f"I{n}")) if self.planar else vec(f"I{n}")
 
     def _parameter(self, n: int, quantity: str) -> Symbol | None:
         parts = self.body(n).inertias

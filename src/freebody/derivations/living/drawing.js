@@ -4,14 +4,16 @@
 const SVG = document.getElementById("arm").namespaceURI;
 function put(parent, tag, attributes, text) {
   const made = document.createElementNS(SVG, tag);
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (value !== undefined) made.setAttribute(name, value);
+  }
   if (text !== undefined) made.textContent = text;
   parent.append(made);
   return made;
 }
 const line = (parent, kind, a, b, width) => put(parent, "line",
   {class: kind, x1: a[0], y1: a[1], x2: b[0], y2: b[1], "stroke-width": width});
-const length = (v) => Math.hypot(v[0], v[1]);
+const length = (v) => Math.hypot(...v);
 
 // The next larger of a few round numbers: scales then stay while a slider moves a little.
 function round(size) {
@@ -21,21 +23,21 @@ function round(size) {
 }
 
 const LONGEST_ARROW = 55, HEAD = 8;
-function arrow(parent, kind, from, along, name) {
-  const size = length(along);
-  if (size < 1) return;
-  const [u, v] = [along[0] / size, along[1] / size], tip = [from[0] + along[0], from[1] + along[1]];
+// heads: two of a moment in space, which is a vector along the axis about which it turns.
+function arrow(parent, {kind, from, along, heads}) {
+  const size = length(along), [u, v] = unit(along), tip = [from[0] + along[0], from[1] + along[1]];
   const back = [tip[0] - HEAD * u, tip[1] - HEAD * v];
   line(parent, kind, from, size > HEAD ? back : from);
-  put(parent, "polygon", {class: `${kind}-head`, points:
-    `${tip} ${[back[0] - 3.5 * v, back[1] + 3.5 * u]} ${[back[0] + 3.5 * v, back[1] - 3.5 * u]}`});
-  put(parent, "text", {class: `${kind}-text halo`, x: tip[0] + 9 * u, y: tip[1] + 9 * v + 4,
-    "text-anchor": u < -0.3 ? "end" : u > 0.3 ? "start" : "middle"}, name);
+  for (let k = 0; k < heads; k++) {
+    const [x, y] = [-0.7 * HEAD * k * u, -0.7 * HEAD * k * v], [a, b] = [back[0] + x, back[1] + y];
+    put(parent, "polygon", {class: `${kind}-head`, points:
+      `${[tip[0] + x, tip[1] + y]} ${[a - 3.5 * v, b + 3.5 * u]} ${[a + 3.5 * v, b - 3.5 * u]}`});
+  }
 }
 
 const NOISE = 1e-9;  // Of the largest moment or force: smaller ones are rounding.
 // A moment: three quarters of a circle, anticlockwise where positive.
-function turn(parent, at, value, name, radius, away) {
+function turn(parent, at, value, radius) {
   const way = value > 0 ? 1 : -1;
   const on = (angle) => [at[0] + radius * Math.cos(angle), at[1] - radius * Math.sin(way * angle)];
   const from = on(-0.5), to = on(3.8), back = on(3.8 - 9 / radius);
@@ -44,10 +46,12 @@ function turn(parent, at, value, name, radius, away) {
   const out = [(back[0] - at[0]) / radius, (back[1] - at[1]) / radius];
   put(parent, "polygon", {class: "moment-head", points:
     `${to} ${[back[0] + 4 * out[0], back[1] + 4 * out[1]]} ${[back[0] - 4 * out[0], back[1] - 4 * out[1]]}`});
-  const beside = Math.min(Math.max(at[0] + 32 * away[0], 48), 312);
-  put(parent, "text", {class: "moment-text halo", x: beside, y: at[1] + 26 * away[1] + 4, "text-anchor": "middle"}, `${name} = ${shown(value)}`);
 }
 
+function axis(parent, place, along) {
+  line(parent, "axisline", [place[0] - 22 * along[0], place[1] + 22 * along[1]],
+    [place[0] + 22 * along[0], place[1] - 22 * along[1]]);
+}
 function joint(parent, place, slides) {
   if (slides) put(parent, "rect", {class: "pin", x: place[0] - 7, y: place[1] - 5, width: 14, height: 10});
   else put(parent, "circle", {class: "pin", cx: place[0], cy: place[1], r: 5});
@@ -60,25 +64,39 @@ function bars(parent, body, at) {
   for (const end of ends) line(parent, "bar", at(body.joint), end, 10);
 }
 
-const vector = (y, places) => [y[places[0]], y[places[1]]];
-const minus = (a, b) => [a[0] - b[0], a[1] - b[1]];
+// A vector of the plane, or one of space as it is seen; its size is that in space.
+const view = {turn: 0, tilt: 0};
+function seen(v) {
+  if (v.length < 3) return v;
+  const [c, s] = [Math.cos(view.turn), Math.sin(view.turn)];
+  const away = c * v[0] + s * v[1], up = v[2];
+  return [c * v[1] - s * v[0], Math.cos(view.tilt) * up - Math.sin(view.tilt) * away];
+}
+const vector = (y, places) => places.map((k) => y[k]);
+const minus = (a, b) => a.map((u, k) => u - b[k]);
+const opposite = (v) => v.map((u) => -u);
 
 function drawArm(svg, bodies, y) {
   svg.replaceChildren();
-  let from = [0, 0], reach = 0;
+  let from = [0, 0, 0], reach = 0;
   for (const body of bodies) {
     for (const place of [body.joint, body.end]) {
       reach += length(minus(vector(y, place), from));
       from = vector(y, place);
     }
   }
-  const scale = 128 / (reach || 1), at = (places) => [180 + scale * y[places[0]], 135 - scale * y[places[1]]];
-  line(svg, "hatch", [150, 135], [210, 135]);
+  const scale = 118 / (reach || 1);
+  const at = (places) => {
+    const [u, v] = seen(vector(y, places));
+    return [180 + scale * u, 125 - scale * v];
+  };
+  line(svg, "hatch", [150, 125], [210, 125]);
   for (const body of bodies) {
-    if (body.slides) line(svg, "rail", body.index ? at(bodies[body.index - 1].joint) : [180, 135], at(body.joint));
+    if (body.slides) line(svg, "rail", body.index ? at(bodies[body.index - 1].joint) : [180, 125], at(body.joint));
     bars(svg, body, at);
   }
   for (const body of bodies) {
+    if (body.axis) axis(svg, at(body.joint), seen(vector(y, body.axis)));
     joint(svg, at(body.joint), body.slides);
     centre(svg, at(body.centre));
   }
@@ -88,11 +106,11 @@ function drawArm(svg, bodies, y) {
 function loads(bodies, y) {
   return bodies.map((body, k) => {
     const forces = [["reaction", body.joint, vector(y, body.force), body.called.force]];
-    const moments = [[body.joint, y[body.moment[0]], body.called.moment]];
+    const moments = [[body.joint, vector(y, body.moment), body.called.moment]];
     const child = bodies[k + 1];
     if (child) {
-      forces.push(["reaction", child.joint, minus([0, 0], vector(y, child.force)), `\u2212${child.called.force}`]);
-      moments.push([child.joint, -y[child.moment[0]], `\u2212${child.called.moment}`]);
+      forces.push(["reaction", child.joint, opposite(vector(y, child.force)), `\u2212${child.called.force}`]);
+      moments.push([child.joint, opposite(vector(y, child.moment)), `\u2212${child.called.moment}`]);
     }
     forces.push(["weight", body.centre, vector(y, body.weight), body.called.weight]);
     if (body.load) forces.push(["external", body.tip, vector(y, body.load), "f"]);
@@ -100,37 +118,54 @@ function loads(bodies, y) {
   });
 }
 
-// All bodies in a row of cells; one scale for their forces, one for their lengths. Returns the force
-// that the longest arrow stands for.
+// All bodies in rows of two cells; one scale for their forces, one for their lengths. Returns the
+// force that the longest arrow stands for.
+const WIDE = 360, TALL = 175, LARGEST_BODY = 88;
 function drawBodies(svg, bodies, y) {
   svg.replaceChildren();
-  const all = loads(bodies, y), wide = 360 / Math.min(2, bodies.length), tall = 190;
-  svg.setAttribute("viewBox", `0 0 360 ${tall * Math.ceil(bodies.length / 2)}`);
-  const longest = round(Math.max(...all.flatMap((one) => one.forces.map((force) => length(force[2])))));
-  const most = Math.max(longest, ...all.flatMap((one) => one.moments.map((moment) => Math.abs(moment[1]))));
-  const size = Math.max(...bodies.map((body) => length(minus(vector(y, body.end), vector(y, body.joint))))) || 1;
+  const all = loads(bodies, y), cell = [WIDE / Math.min(2, bodies.length), TALL];
+  const bottom = TALL * Math.ceil(bodies.length / 2);
+  svg.setAttribute("viewBox", `0 0 ${WIDE} ${bottom}`);
+  const largest = (vectors) => Math.max(...vectors.map(length));
+  const longest = round(largest(all.flatMap((one) => one.forces.map((force) => force[2]))));
+  const turning = round(largest(all.flatMap((one) => one.moments.map((moment) => moment[1]))));
+  const drawn = (v, unit) => seen(v).map((u, k) => (k ? -1 : 1) * LONGEST_ARROW * u / unit);
+  const size = largest(bodies.map((body) => minus(vector(y, body.end), vector(y, body.joint)))) || 1;
+  const names = [], taken = [];
   all.forEach(({body, forces, moments}, k) => {
-    const a = vector(y, body.joint), b = vector(y, body.end);
-    const middle = [(k % 2 + 0.5) * wide, (Math.floor(k / 2) + 0.5) * tall], scale = 85 / size;
-    const at = (places) => {
-      const place = vector(y, places);
-      return [middle[0] + scale * (place[0] - (a[0] + b[0]) / 2), middle[1] - scale * (place[1] - (a[1] + b[1]) / 2)];
-    };
-    const cell = put(svg, "g", {});
-    bars(cell, body, at);
-    joint(cell, at(body.joint), body.slides);
-    centre(cell, at(body.centre));
-    const [from, to] = [at(body.joint), at(body.end)], long = length(minus(to, from)) || 1;
-    const along = long > 1 ? [(to[0] - from[0]) / long, (to[1] - from[1]) / long] : [0, -1];
-    for (const [place, moment, name] of moments) {
-      if (Math.abs(moment) < NOISE * most) continue;
-      const first = place === body.joint;
-      turn(cell, at(place), moment, name, first ? 13 : 18, first ? [-along[0], -along[1]] : along);
+    const [a, b] = [body.joint, body.end].map((places) => seen(vector(y, places))), scale = LARGEST_BODY / size;
+    const middle = [(k % 2 + 0.5) * cell[0], (Math.floor(k / 2) + 0.5) * cell[1]];
+    const at = (places) => seen(vector(y, places)).map((u, i) =>
+      middle[i] + (i ? -1 : 1) * scale * (u - (a[i] + b[i]) / 2));
+    const group = put(svg, "g", {});
+    bars(group, body, at);
+    joint(group, at(body.joint), body.slides);
+    centre(group, at(body.centre));
+    const [from, to] = [at(body.joint), at(body.end)], away = unit(minus(to, from));
+    taken.push(...along(from, to, 6));
+    const arrows = forces.map(([kind, place, force, text]) =>
+      ({kind, from: at(place), along: drawn(force, longest), text, heads: 1}));
+    for (const [place, moment, text] of moments) {
+      if (length(moment) < NOISE * Math.max(longest, turning)) continue;
+      const first = place === body.joint, radius = first ? 13 : 18, [x, y] = at(place);
+      if (moment.length > 1) arrows.push({kind: "moment", from: [x, y], along: drawn(moment, turning), text, heads: 2});
+      else {
+        turn(group, [x, y], moment[0], radius);
+        taken.push(around([x, y], radius, radius));
+        const way = length(away) ? (first ? opposite(away) : away) : [0, 1];
+        names.push({kind: "moment", text: `${text} = ${shown(moment[0])}`, way,
+          tip: [x + radius * way[0], y + radius * way[1]]});
+      }
     }
-    for (const [kind, place, force, name] of forces) {
-      const along = [LONGEST_ARROW * force[0] / longest, -LONGEST_ARROW * force[1] / longest];
-      arrow(cell, kind, at(place), along, name);
+    const long = arrows.filter((one) => length(one.along) >= 1);
+    spread(long);
+    for (const one of long) {
+      arrow(group, one);
+      const tip = one.from.map((u, i) => u + one.along[i]);
+      taken.push(...along(one.from, tip, 3));
+      names.push({kind: one.kind, text: one.text, tip, way: unit(one.along)});
     }
   });
+  write(svg, names, taken, WIDE, bottom);
   return longest;
 }

@@ -1,5 +1,5 @@
 // Formulas that are typed: read by a parser of our own, never run as code. A formula becomes a
-// function of the inputs x and the values y, whose result is a number or, of a vector, [a, b].
+// function of the inputs x and the values y, whose result is a number or, of a vector, [a, b] or [a, b, c].
 
 const MARKS = "\u2080\u2081\u2082\u2083\u2084\u2085\u2086\u2087\u2088\u2089";
 const GREEK = {"\u03b8": "theta", "\u03c4": "tau", "\u03c9": "omega", "\u03bb": "lam"};
@@ -37,12 +37,13 @@ function tokens(text) {
   }
 }
 
-// Arithmetic of numbers and vectors of two entries.
+// Arithmetic of numbers and vectors of two or three entries.
 const isVector = Array.isArray;
 const one = (a, f) => isVector(a) ? a.map(f) : f(a);
 function sum(a, b) {
   if (isVector(a) !== isVector(b)) throw unreadable("A number and a vector cannot be added.");
-  return isVector(a) ? [a[0] + b[0], a[1] + b[1]] : a + b;
+  if (isVector(a) && a.length !== b.length) throw unreadable("Vectors of two and of three entries cannot be added.");
+  return isVector(a) ? a.map((u, k) => u + b[k]) : a + b;
 }
 function product(a, b) {
   if (isVector(a) && isVector(b)) throw unreadable("Of two vectors write cross(a, b) or dot(a, b).");
@@ -57,12 +58,14 @@ function scalar(a) {
   return a;
 }
 function cross(a, b) {
-  if (!isVector(b)) throw unreadable("cross(a, b) needs a vector b.");
+  if (!isVector(b) || (b.length === 3 && !isVector(a))) throw unreadable("cross(a, b) needs vectors a and b.");
+  if (isVector(a) && a.length !== b.length) throw unreadable("cross(a, b) needs vectors of one size.");
+  if (b.length === 3) return [0, 1, 2].map((k) => a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3]);
   return isVector(a) ? a[0] * b[1] - a[1] * b[0] : [-a * b[1], a * b[0]];
 }
 function dot(a, b) {
-  if (!isVector(a) || !isVector(b)) throw unreadable("dot(a, b) needs two vectors.");
-  return a[0] * b[0] + a[1] * b[1];
+  if (!isVector(a) || !isVector(b) || a.length !== b.length) throw unreadable("dot(a, b) needs two vectors.");
+  return a.reduce((total, u, k) => total + u * b[k], 0);
 }
 const CALLS = {
   sin: (a) => Math.sin(scalar(a)), cos: (a) => Math.cos(scalar(a)), sgn: (a) => Math.sign(scalar(a)),
@@ -140,11 +143,14 @@ function readFormula(text, meaning) {
       return inside;
     }
     if (token.kind === "[") {
-      const first = expression();
-      expect(",");
-      const second = expression();
+      const entries = [expression()];
+      while (next() === "," && entries.length < 3) {
+        at++;
+        entries.push(expression());
+      }
+      if (entries.length < 2) expect(",");
       expect("]");
-      return (x, y) => [scalar(first(x, y)), scalar(second(x, y))];
+      return (x, y) => entries.map((entry) => scalar(entry(x, y)));
     }
     if (token.kind !== "name") throw unreadable(`${token.text} stands where a number or a name is needed.`);
     return Object.hasOwn(FUNCTIONS, token.text) ? call(token.text) : name(token.text);

@@ -10,6 +10,7 @@ from freebody.derivations.derivation import Derivation, Step
 from freebody.derivations.expressions.expression import Equation, Expression, Symbol
 from freebody.derivations.expressions.nodes import nodes, replaced
 from freebody.derivations.expressions.printed_names import vec
+from freebody.derivations.living.axes import own_axes, scalar_name, world_axes
 from freebody.derivations.methods import METHODS
 from freebody.derivations.methods.recursive import GRAVITIES
 from freebody.derivations.relations.formula import symbol
@@ -32,6 +33,8 @@ class ValuedLine:
     value: Any
     names: tuple[str, ...]
     """Of the line's own symbols that have a value, those of its left side first."""
+    in_world: bool = False
+    """Whether it holds, and has this value, only with all vectors in axes of the world."""
 
 
 @dataclass(frozen=True)
@@ -65,15 +68,26 @@ def _by(derivation: Derivation, gravity: str) -> LineValues:
     )
     known = frozenset(values)
     values |= {new: values[name] for new, name in _RATES.items() if new not in values}
+    if symbols.model.dim == 3:
+        values = own_axes(values, {name: symbols.ring[name] for name in symbols.ring.names})
     waiting = [(step, line) for step in derivation.steps for line in step.equations]
     while new := _defined((line for _, line in waiting), values):
         values |= new
-    lines = tuple(
-        ValuedLine(step, line, x, _names(line, values))
-        for step, line in waiting
-        if (x := _common(line, values)) is not None
-    )
-    return LineValues(values, known, lines)
+    made = [_valued(step, line, values) for step, line in waiting]
+    if symbols.model.dim == 3:
+        world = world_axes(values)
+        made = [
+            one or _valued(step, line, world, in_world=True)
+            for one, (step, line) in zip(made, waiting, strict=True)
+        ]
+    return LineValues(values, known, tuple(one for one in made if one))
+
+
+def _valued(
+    step: Step, line: Equation, values: Quantities, in_world: bool = False
+) -> ValuedLine | None:
+    x = _common(line, values)
+    return None if x is None else ValuedLine(step, line, x, _names(line, values), in_world)
 
 
 def _defined(lines: Iterable[Equation], values: Quantities) -> dict[str, Any]:
@@ -111,9 +125,18 @@ def _same(a: Any, b: Any) -> bool:
 
 def _value(side: Expression, values: Quantities) -> Any:
     try:
-        return value(replaced(side, _GRAVITY), values)
+        return value(replaced(side, _GRAVITY | _scalars(side, values)), values)
     except (FreebodyError, KeyError, ZeroDivisionError):
         return None
+
+
+def _scalars(side: Expression, values: Quantities) -> dict[Expression, Expression]:
+    """Parameters with the name of a matrix: the matrix is bold."""
+    return {
+        x: symbol(name)
+        for x in nodes(side)
+        if isinstance(x, Symbol) and not x.bold and (name := scalar_name(x.name)) in values
+    }
 
 
 def _names(line: Equation, values: Quantities) -> tuple[str, ...]:

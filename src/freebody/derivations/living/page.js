@@ -44,7 +44,7 @@ const known = new Map();
 for (const [name, places] of Object.entries(page.names)) {
   known.set(name, (x, y) => valueOf(places, y));
   const [, letters, dots] = /^(.*?)((?:_d{1,2})?)$/.exec(name);
-  if (places.length > 1) ["x", "y"].forEach((axis, k) => known.set(letters + axis + dots, (x, y) => y[places[k]]));
+  if (places.length > 1) ["x", "y", "z"].slice(0, places.length).forEach((axis, k) => known.set(letters + axis + dots, (x, y) => y[places[k]]));
 }
 page.inputs.forEach((input, k) => {
   for (const name of [input.name, ...spellings(input.name)]) {
@@ -62,7 +62,7 @@ function wave(word) {
   return (x, y) => f(names.reduce((total, name) => total + known.get(name)(x, y), 0));
 }
 function meaning(line) {
-  const own = line.own.flatMap((name) => [name, `${name}x`, `${name}y`]);
+  const own = line.own.flatMap((name) => [name, `${name}x`, `${name}y`, `${name}z`]);
   return (word) => own.includes(word) ? undefined : known.get(word) || wave(word);
 }
 
@@ -122,7 +122,7 @@ function question(row, reveal) {
   const field = element("div", {class: "answer", "data-name": row.line.name}, "");
   const label = element("label", {}, "");
   const input = element("input", {type: "text", maxlength: LONGEST, spellcheck: "false", autocomplete: "off"}, "");
-  if (row.line.vector) input.placeholder = "[x, y]";
+  if (row.line.vector) input.placeholder = row.line.vector === 3 ? "[x, y, z]" : "[x, y]";
   const button = element("button", {type: "button"}, "Check"), verdict = element("p", {role: "status"}, "");
   label.append(row.element.querySelector("math").cloneNode(true), " = ", input);
   const check = () => {
@@ -161,6 +161,12 @@ page.inputs.forEach((input, k) => find(`in${k}`).addEventListener("input", (even
   x[k] = Number(event.target.value);
   follow();
 }));
+for (const angle of ["turn", "tilt"]) {
+  const slider = find(angle), set = () => { view[angle] = Number(slider.value) * Math.PI / 180; };
+  if (!slider) continue;
+  set();
+  slider.addEventListener("input", () => { set(); follow(); });
+}
 find("again").addEventListener("click", () => {
   page.inputs.forEach((input, k) => { find(`in${k}`).value = x[k] = input.value; });
   follow();
