@@ -225,7 +225,7 @@ ONE_ROBOT = {
         "inverse_acceleration",
         "free_body_diagram",
     ),
-    *("kinematic_diagram", "payload_map", "dexterity", "ellipsoids", "linearize"),
+    *("kinematic_diagram", "dexterity", "ellipsoids", "linearize"),
 }
 WHOLE_RUNS = {"simulate", "inverse_kinematics"}
 """Of test_simulate_many.py, test_calibrated_arms.py: they return more than arrays."""

@@ -10,7 +10,15 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.inverse.answer import gathered
-from freebody.inverse.from_nearby import NearbyForm, difference, farther, followed, form_near
+from freebody.inverse.descent_kernel import descent_kernel
+from freebody.inverse.from_nearby import (
+    Follow,
+    NearbyForm,
+    difference,
+    farther,
+    followed,
+    form_near,
+)
 from freebody.inverse.problem import Problem
 from freebody.inverse.solutions import Solutions
 from freebody.kernels import structural
@@ -86,7 +94,10 @@ def _side_by_side(
     if not len(some):
         return [], every
     known = farther(known, float(apart[near].max()))
-    found, sure = followed(problem.part(some), known, lambda q, rows: poses(q, some[rows]))
+    step = descent_kernel(model, solver.frame, task.rows, solver.columns)
+    own = None if step is None else step.numbers[0].reshape(len(numbers), -1)[member[some]]
+    follow = Follow(lambda q, rows: poses(q, some[rows]), step, own)
+    found, sure = followed(problem.part(some), known, follow)
     good = np.flatnonzero(sure & np.isfinite(found.miss).any(axis=-1))
     if not len(good):
         return [], every

@@ -15,12 +15,14 @@ from freebody.algorithms.screws import chain_to
 from freebody.arrays import Array
 from freebody.inverse.by_closed_form import candidates
 from freebody.inverse.closed_form import ClosedFormArm, closed_form_for
+from freebody.inverse.descent_kernel import descend_by_kernel
 from freebody.inverse.levenberg_marquardt import descend
 from freebody.inverse.many_starts import by_search
 from freebody.inverse.numerical_solver import EXACT, NumericalSolver
 from freebody.inverse.problem import Found, Problem
 from freebody.inverse.solutions import APART, wrapped
 from freebody.inverse.task import Task
+from freebody.kernels.structural import Bound
 from freebody.model.model import Model
 from freebody.trees.states import random_state
 
@@ -32,6 +34,38 @@ _MISSED = 1e-4
 
 Poses = Callable[[Array, np.ndarray], tuple[Array, Array]]
 """(q (M, nq), which targets (M,)) -> pose and Jacobian of the arm that each is of."""
+
+
+@dataclass(frozen=True, eq=False)
+class Follow:
+    """The arms that branches are followed to, each target's its own."""
+
+    poses: Poses
+    kernel: Bound | None
+    """Of a step; None where steps are made with the poses."""
+    numbers: Array | None = None
+    """(N, …), which the kernel takes for each target; None where all are of one arm."""
+
+    def descended(
+        self, solver: NumericalSolver, q: Array, target: Array, rows: np.ndarray
+    ) -> Array:
+        """Where starts q (M, nq) come to, each of the target of a row."""
+        task, k = solver.task, len(solver.task.linear)
+        goal, iterations = 1e-3 * EXACT, 100
+        if self.kernel is not None:
+            numbers = None if self.numbers is None else self.numbers[rows]
+            scales = 1.0 / solver.length, 1.0
+            return descend_by_kernel(
+                self.kernel, q, target, scales, None,
+                numbers=numbers, goal=goal, iterations=iterations,
+            )[0]  # fmt: skip
+        scale = np.array([1.0 / solver.length] * k + [1.0] * (len(task.rows) - k))
+
+        def residual(q: Array, some: np.ndarray) -> tuple[Array, Array]:
+            T, J = self.poses(q, rows[some])
+            return scale * task.error(T, target[some]), scale[:, None] * J
+
+        return descend(residual, q, solver.moved, goal=goal, iterations=iterations)[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +118,8 @@ def difference(form: ClosedFormArm, solver: NumericalSolver, q: Array, T: Array)
 def by_nearby(problem: Problem, known: NearbyForm) -> Found:
     """What the branches lead to, and for targets for which this is not sure many starts too."""
     solver = problem.solver
-    found, sure = followed(problem, known, lambda q, _: solver.pose_and_jacobian(q))
+    follow = Follow(lambda q, _: solver.pose_and_jacobian(q), solver.descent)
+    found, sure = followed(problem, known, follow)
     rows = np.flatnonzero(~sure)
     if not len(rows):
         return found
@@ -92,7 +127,7 @@ def by_nearby(problem: Problem, known: NearbyForm) -> Found:
     return searched if len(rows) == len(sure) else found.with_rows(rows, searched)
 
 
-def followed(problem: Problem, known: NearbyForm, poses: Poses) -> tuple[Found, np.ndarray]:
+def followed(problem: Problem, known: NearbyForm, follow: Follow) -> tuple[Found, np.ndarray]:
     """The solutions (N, branches) that the branches of the arm nearby lead to, and whether this is
     sure (N,): each of them led to one of its own, or is none there either."""
     solver, form = problem.solver, known.form
@@ -108,9 +143,9 @@ def followed(problem: Problem, known: NearbyForm, poses: Poses) -> tuple[Found, 
     miss, left = np.full(tried.shape, np.nan), np.full(tried.shape, np.inf)
     if len(rows):
         target = problem.target[rows]
-        at = _descended(solver, starts[tried], target, lambda x, some: poses(x, rows[some]))
+        at = follow.descended(solver, starts[tried], target, rows)
         at = wrapped(solver, at, problem.reference)
-        left[tried] = solver.task.miss(poses(at, rows)[0], target)
+        left[tried] = solver.task.miss(follow.poses(at, rows)[0], target)
         good = left[tried] <= EXACT
         q[tried], miss[tried] = np.where(good[:, None], at, np.nan), left[tried]
     there = left <= EXACT
@@ -122,17 +157,6 @@ def followed(problem: Problem, known: NearbyForm, poses: Poses) -> tuple[Found, 
         "The arm is nearly one with a closed form: what its branches lead to, perhaps not all."
     ]
     return Found(q, miss, form.names, known.method, notes), sure
-
-
-def _descended(solver: NumericalSolver, q: Array, target: Array, poses: Poses) -> Array:
-    task, k = solver.task, len(solver.task.linear)
-    scale = np.array([1.0 / solver.length] * k + [1.0] * (len(task.rows) - k))
-
-    def residual(q: Array, rows: np.ndarray) -> tuple[Array, Array]:
-        T, J = poses(q, rows)
-        return scale * task.error(T, target[rows]), scale[:, None] * J
-
-    return descend(residual, q, solver.moved, goal=1e-3 * EXACT, iterations=100)[0]
 
 
 def _merged(q: Array) -> np.ndarray:

@@ -11,10 +11,12 @@ import numpy as np
 from freebody.algorithms.kinematics import ancestors
 from freebody.algorithms.screws import arm_length
 from freebody.arrays import Array
+from freebody.inverse.descent_kernel import descend_by_kernel, descent_kernel
 from freebody.inverse.levenberg_marquardt import descend
 from freebody.inverse.task import Task
 from freebody.kernels import structural
 from freebody.kernels.formulas import Option
+from freebody.kernels.structural import Bound
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.trees.states import generic_state, integrate
@@ -70,6 +72,16 @@ class NumericalSolver:
         names = ("forward_kinematics", "jacobian")
         return structural.fetch(self.model, names, Option(self.frame))
 
+    @cached_property
+    def descent(self) -> Bound | None:
+        """The kernel of a step of `solve`; None without one."""
+        return descent_kernel(self.model, self.frame, self.task.rows, self.columns)
+
+    @property
+    def columns(self) -> list[int]:
+        """The entries of q that are moved."""
+        return [k for k in np.flatnonzero(self.moving).tolist() if k != self.still]
+
     def pose_and_jacobian(self, q: Array) -> tuple[Array, Array]:
         """T (..., dim + 1, dim + 1) and the counted rows of J (..., r, nv) at q (..., nq)."""
         T, J = self._kernel(q)
@@ -98,6 +110,13 @@ class NumericalSolver:
     ) -> tuple[Array, Array]:
         """(q, scaled residual) from starts (N, nq) to targets (N, …); `within` keeps to the limits;
         the orientation counts `weight` times."""
+        goal = 1e-3 * EXACT if weight == 1.0 else 0.0
+        by_kernel = self.descent
+        if by_kernel is not None:
+            scales, limits = (1.0 / self.length, weight), self.bounds if within else None
+            return descend_by_kernel(
+                by_kernel, starts, target, scales, limits, goal=goal, iterations=iterations
+            )
         k = len(self.task.linear)
         scale = np.array([1.0 / self.length] * k + [weight] * (len(self.task.rows) - k))
 
@@ -109,7 +128,6 @@ class NumericalSolver:
             moved = self.moved(q, step)
             return np.clip(moved, *self.bounds) if within else moved
 
-        goal = 1e-3 * EXACT if weight == 1.0 else 0.0
         return descend(residual, starts, move, goal=goal, iterations=iterations)
 
     def polished(self, q: Array, target: Array) -> tuple[Array, Array]:

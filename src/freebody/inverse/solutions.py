@@ -195,18 +195,23 @@ def verified(
     good = np.flatnonzero(np.isfinite(flat).all(axis=-1))
     miss = np.full(N * k, np.inf)
     if len(good):
-        near = good[solver.miss(flat[good], goals[good]) < 1e-4 * max(1.0, solver.length)]
+        miss[good] = solver.miss(flat[good], goals[good])
+        # one for all that are there already and stand alike
+        there = (miss <= EXACT).reshape(N, k)
+        first = distinct(solver.model, flat.reshape(q.shape), there, 0.1 * apart).ravel()
+        close = miss < 1e-4 * max(1.0, solver.length)
+        near = np.flatnonzero(close & (first | ~there.ravel()))
+        miss[:] = np.inf
         if len(near):
             flat = flat.copy()
-            flat[near], miss[near] = solver.polished(flat[near], goals[near])
+            flat[near], _ = solver.polished(flat[near], goals[near])
             flat[near] = wrapped(solver, flat[near], reference)
             miss[near] = solver.miss(flat[near], goals[near])
-    results = []
-    for i in range(N):
-        rows = np.arange(i * k, (i + 1) * k)
-        rows = _distinct(solver.model, flat, rows[miss[rows] <= EXACT], apart)
-        results.append(Verified(flat[rows], miss[rows], rows - i * k))
-    return results
+    kept = distinct(solver.model, flat.reshape(q.shape), (miss <= EXACT).reshape(N, k), apart)
+    return [
+        Verified(flat[rows + i * k], miss[rows + i * k], rows)
+        for i, rows in enumerate(map(np.flatnonzero, kept))
+    ]
 
 
 def wrapped(solver: NumericalSolver, q: Array, reference: Array) -> Array:
@@ -233,17 +238,23 @@ def wrapped(solver: NumericalSolver, q: Array, reference: Array) -> Array:
     return q
 
 
-def _distinct(model: Model, q: Array, rows: np.ndarray, apart: float) -> np.ndarray:
-    """Of rows of q the first of those that are one position."""
-    kept: list[int] = []
+def distinct(model: Model, q: Array, there: np.ndarray, apart: float) -> np.ndarray:
+    """Which of positions q (N, k, nq) that are there (N, k) are none before them, to `apart`."""
+    kept, left = np.zeros(there.shape, dtype=bool), there.copy()
     turning = turning_coordinates(model)
-    for row in rows:
-        ways = [q[row] - q[other] for other in kept]
-        for way in ways:
-            way[turning] -= 2 * np.pi * np.round(way[turning] / (2 * np.pi))
-        if all(np.abs(way).max(initial=0.0) > apart for way in ways):
-            kept.append(int(row))
-    return np.array(kept, dtype=int)
+    while len(rows := np.flatnonzero(left.any(axis=1))):
+        first = np.argmax(left[rows], axis=1)
+        kept[rows, first] = True
+        alike = left[rows]
+        for k, turns in enumerate(turning):
+            way = q[rows, :, k] - q[rows, first, k][:, None]
+            if turns:
+                way -= 2 * np.pi * np.round(way / (2 * np.pi))
+            with np.errstate(invalid="ignore"):
+                alike &= np.abs(way) <= apart
+        left[rows] &= ~alike
+        left[rows, first] = False
+    return kept
 
 
 def turning_coordinates(model: Model) -> np.ndarray:
