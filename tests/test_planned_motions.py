@@ -18,6 +18,7 @@ from freebody.cli.plan import PlannerChoice
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planners import PLANNERS as PLANNERS_BY_NAME
 from freebody.motion.planning.profiles import PROFILES
+from freebody.report.replay import replayed
 from support.extras import extra
 
 ARM = fb.load("ur5e")
@@ -193,6 +194,27 @@ def test_torques_that_jump_hundreds_of_times_lead_back_to_the_motion():
     assert all(check.passed for check in study.checks)
     assert study.replay is not None
     assert np.nanmax(study.replay.misses) < 1e-11
+
+
+def test_with_dry_friction_the_replay_goes_from_jump_to_jump_too():
+    arm = fb.load("2R").with_drive("joint1", coulomb=2.0).with_drive("joint2", coulomb=2.0)
+    motion = fb.time_optimal(arm, [[0, 0], [1, -0.5], [0.4, 1]], torque=[150, 40], points=31)
+    replay = replayed(arm, motion)
+    assert replay.method == "Radau"  # begins again at once
+    assert np.nanmax(replay.misses) < 1e-8
+    assert replay.drift_time[-1] == motion.t[-1]
+    assert replay.drift.max() < 1e-6
+
+
+def test_polynomials_that_meet_without_a_jump_are_replayed_each_in_its_place():
+    arm = fb.load("2R")
+    way = [[0, 0], [0.4, 0.5], [1, 0.7], [0.8, -0.3]]
+    motion = fb.spline(arm, way, degree=3, acceleration=3).then(
+        fb.trapezoid(arm, way[::-1], acceleration=3)
+    )
+    assert len(motion.jumps) < len(motion.knots) - 2
+    replay = replayed(arm, motion)
+    assert np.nanmax(replay.misses) < 1e-7
 
 
 @pytest.mark.parametrize("off", [-1e-13, 1e-13])

@@ -44,6 +44,7 @@ _EVALUATIONS = (
     30_000  # of the open-loop run, which might otherwise follow a tumbling robot for minutes
 )
 _MOST_EVALUATIONS = 150_000  # of the pieces together
+_MANY_JUMPS = 30
 
 
 def replayed(model: Model, motion: Motion) -> Replay:
@@ -222,24 +223,27 @@ def _land(
     count, n = len(length), whole.size
 
     cuts = _cuts(motion.jumps, start, length)
-    around: Array | None = None  # within the stretch between cuts
+    inside = 0.0, 1.0  # of the stretch between cuts
+
+    def torque_at(s: float) -> Array:
+        return reference.torque(start + s * length, start + np.clip(s, *inside) * length)
 
     def rate(s: float, y: Array) -> Array:
         t = start + s * length
         states = y.reshape(count, n)
-        return (whole.rate(t, states, reference.torque(t, around)) * length[:, None]).ravel()
+        return (whole.rate(t, states, torque_at(s)) * length[:, None]).ravel()
 
     def slope(s: float, y: Array) -> Any:
         t = start + s * length
-        torque = reference.torque(t, around)
+        torque = torque_at(s)
         A = whole.jacobian(t, y.reshape(count, n), torque) * length[:, None, None]
         return block_diag(A, format="csc") if count > 1 else A[0]
 
     options: dict[str, Any] = {"jac": slope} if method != "DOP853" else {}
     y, counted = reference.state(start).ravel(), _limited(rate, _MOST_EVALUATIONS)
     for s0, s1 in pairwise(cuts):
+        inside = _inside(s0, s1)
         if len(cuts) > 2:
-            around = start + 0.5 * (s0 + s1) * length
             options["first_step"] = s1 - s0
         try:
             found = solve_ivp(counted, (s0, s1), y, method=method, **_tolerances(method), **options)
@@ -262,7 +266,13 @@ def _cuts(jumps: Array, start: Array, length: Array) -> list[float]:
     return [0.0, *cuts[apart].tolist(), 1.0]
 
 
+def _inside(start: float, end: float) -> tuple[float, float]:
+    """Its ends from within: there a jump is not yet, or is over."""
+    return start + _BESIDE * (end - start), end - _BESIDE * (end - start)
+
+
 _SAME = 1e-9  # of a piece
+_BESIDE = 1e-6  # of a stretch between jumps
 _ASTRAY = "astray"
 
 
@@ -293,14 +303,16 @@ def _open_loop(
     It ends where a joint has gone astray by its whole range, or when its evaluations are spent.
     """
     reference, model = _Reference(whole, motion), whole.model
+    inside = 0.0, 0.0  # of the stretch that is run
+
+    def torque_at(t: float) -> Array:
+        return reference.torque(np.asarray(t), np.asarray(np.clip(t, *inside)))
 
     def rate(t: float, y: Array) -> Array:
-        now = np.asarray(t)
-        return whole.rate(now, y, reference.torque(now))
+        return whole.rate(np.asarray(t), y, torque_at(t))
 
     def slope(t: float, y: Array) -> Array:
-        now = np.asarray(t)
-        return whole.jacobian(now, y, reference.torque(now))
+        return whole.jacobian(np.asarray(t), y, torque_at(t))
 
     def astray(t: float, y: Array) -> float:
         q = whole.split(whole.normalised(y))[0]
@@ -311,17 +323,19 @@ def _open_loop(
     stepper: dict[str, Any] = {"jac": slope} if method != "DOP853" else {}
     counted, ended = _limited(rate, _EVALUATIONS), ""
     times, states = [motion.t[0]], [reference.state(motion.t[0])]
-    # in stretches, so that what was reached before evaluations ran out is kept
-    for part in np.array_split(np.arange(1, len(motion.t)), max(1, len(motion.t) // 20)):
-        if not len(part):
-            continue
+    y = states[0]
+    for start, end in pairwise(_stretches(motion)):
+        inside = _inside(start, end)
+        seen = motion.t[(motion.t > start) & (motion.t < end)]
+        if len(motion.jumps):
+            stepper["first_step"] = end - start
         try:
             found = solve_ivp(
                 counted,
-                (times[-1], motion.t[part[-1]]),
-                states[-1],
+                (start, end),
+                y,
                 method=method,
-                t_eval=motion.t[part],
+                t_eval=np.append(seen, end),
                 **_tolerances(method),
                 events=astray,
                 **stepper,
@@ -334,9 +348,17 @@ def _open_loop(
         if found.status != 0:
             ended = _ASTRAY if found.status == 1 else "the integrator found no further step"
             break
+        y = states[-1]
     t = np.array(times)
     q = whole.split(whole.normalised(np.stack(states)))[0]
     return t, np.abs(difference(model, motion.at(t)[0], q)), ended
+
+
+def _stretches(motion: Motion) -> Array:
+    """Times between which the open-loop run goes at once: accelerations jump at them, or what was
+    reached before evaluations ran out is kept."""
+    edges = np.unique(np.concatenate([motion.t[::20], motion.t[-1:], motion.jumps]))
+    return edges[np.append(np.diff(edges) > _SAME * motion.duration, True)]
 
 
 def _tolerances(method: str) -> dict[str, float]:
@@ -344,10 +366,13 @@ def _tolerances(method: str) -> dict[str, float]:
 
 
 def _method(model: Model, whole: System, motion: Motion) -> str:
-    """Implicit where friction is stiff at some of a few poses of the motion."""
+    """Implicit where friction is stiff at some of a few poses of the motion: of several steps, or
+    where many jumps of the accelerations have it begin again, of one."""
     samples = motion.q[:: max(1, len(motion.t) // 8)]
     stiffest = max(samples, key=lambda q: decay_rate(model, whole.friction, q))
-    return "BDF" if suited_method(whole, stiffest, motion.duration) != "DOP853" else "DOP853"
+    if suited_method(whole, stiffest, motion.duration) == "DOP853":
+        return "DOP853"
+    return "Radau" if len(motion.jumps) > _MANY_JUMPS else "BDF"
 
 
 def _landed(edges: Array, factors: Array, misses: Array) -> str:
