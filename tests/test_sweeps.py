@@ -11,7 +11,7 @@ import pytest
 import freebody as fb
 from freebody.cli.app import run as run_command
 from freebody.kernels import lookup
-from freebody.sweeps import run
+from freebody.sweeps import run, samples
 from freebody.sweeps.reductions import QUANTILE_ERROR
 
 ARM = fb.planar("RR", l=[0.4, 0.3], lc=[0.2, 0.15], m=[2.0, 1.0], I=[0.03, 0.01])
@@ -245,6 +245,46 @@ def test_samples_fill_their_ranges(method):
     assert (fb.samples(256, ranges, method=method, seed=5)["m2"] != found["m2"]).any()
     parts = np.bincount(((found["m2"] - 1.0) * 128).astype(int), minlength=256)
     assert (parts.max() == 1) == (method != "random")
+
+
+@pytest.mark.parametrize("method", ["sobol", "random"])
+def test_samples_follow_from_the_seed_and_their_place_alone(method, monkeypatch):
+    """Any of any number of them, and a sweep reads those of its block."""
+    monkeypatch.setattr(samples, "_RUN", 64)
+    ranges = {"m2": (1.0, 3.0), "q": (np.array([-1.0, 0.0]), np.array([1.0, 0.5]))}
+    held = fb.samples(300, ranges, method=method, seed=4)
+    whole = dict(held)
+    monkeypatch.setattr(samples, "_HELD", 0)
+    found = fb.samples(10**12, ranges, method=method, seed=4)
+    for places in (slice(0, 5), slice(60, 200), np.array([[299, 3], [64, 130]])):
+        for name, values in found.at(places).items():
+            assert (values == whole[name][places]).all()
+    assert not (found.at(slice(0, 64))["m2"] == found.at(slice(64, 128))["m2"]).any()
+    last = found.at(slice(10**12 - 3, 10**12))["q"]
+    assert last.shape == (3, 2)
+    over = {"s": fb.samples(300, ranges, method=method, seed=4), "l1": [0.2, 0.3]}
+    for along in (["s"], ["l1"], ["s", "l1"]):
+        given = {"reduce": ["max", "argmax"], "along": along}
+        a, b = (
+            fb.sweep(ARM, "gravity_torque", over={**over, "s": x}, block=100, **given)
+            for x in (over["s"], whole)
+        )
+        assert a.equals(b)
+
+
+def test_a_sweep_of_any_length_begins_at_once():
+    def stop(told: str, share: float) -> None:
+        raise KeyboardInterrupt
+
+    ranges = {name: (-np.ones(2), np.ones(2)) for name in ("q", "qd", "qdd")}
+    over = {"m2": MASSES, "state": fb.samples(10**12, ranges, method="random")}
+    with pytest.raises(KeyboardInterrupt):
+        fb.sweep(ARM, "inverse_dynamics", over=over, reduce="max", progress=stop, block=1000)
+
+
+def test_a_latin_hypercube_is_made_as_a_whole():
+    with pytest.raises(fb.FreebodyError, match="'latin-hypercube' do not fit into memory, and are"):
+        fb.samples(10**15, {"m2": (0, 1)}, method="latin-hypercube").at(slice(0, 1))
 
 
 def test_samples_refuse():

@@ -12,6 +12,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, KindError, listed
 from freebody.motion.motion import Motion
+from freebody.sweeps.samples import Samples
 
 Read = Callable[[str, Any], tuple[str, Array]]
 """(name, values) -> the name in full, and the values (n, *core), checked."""
@@ -22,14 +23,22 @@ class SweepAxis:
     """One axis of the grid: its name, and all that varies together along it, each (n, *core)."""
 
     name: str
-    given: dict[str, Array]
+    given: Mapping[str, Array]
     times: Array | None = None
     """Of a motion, s."""
 
     @property
     def size(self) -> int:
         """How many points it has."""
+        if isinstance(self.given, Samples):
+            return self.given.count
         return len(next(iter(self.given.values())))
+
+    def at(self, places: slice | np.ndarray) -> dict[str, Array]:
+        """What is given at some places, (*places, *core)."""
+        if isinstance(self.given, Samples):
+            return self.given.at(places)
+        return {name: array[places] for name, array in self.given.items()}
 
 
 def read_axes(over: Any, read: Read, inputs: Sequence[str] | None) -> tuple[SweepAxis, ...]:
@@ -57,6 +66,9 @@ def _axis(name: Any, value: Any, read: Read, inputs: Sequence[str] | None) -> Sw
     if not isinstance(name, str):
         raise KindError("sweep", "a key of over", name, "a name")
     times = None
+    if isinstance(value, Samples):  # their ranges are read instead of all points
+        full = {key: read(key, np.stack(pair))[0] for key, pair in value.bounds.items()}
+        return SweepAxis(name, value.renamed(full))
     if isinstance(value, Motion):
         times = value.t
         value = {
@@ -105,18 +117,18 @@ class SweepGrid:
         """What is given in a part of the table: by name (R or 1, C or 1, *core)."""
         found = {name: value[None, None] for name, value in self.constants.items()}
         for axis, index in zip(self.rows, _places(self.rows, rows), strict=True):
-            found |= {name: array[index][:, None] for name, array in axis.given.items()}
+            found |= {name: array[:, None] for name, array in axis.at(index).items()}
         for axis, index in zip(self.columns, _places(self.columns, columns), strict=True):
-            found |= {name: array[index][None] for name, array in axis.given.items()}
+            found |= {name: array[None] for name, array in axis.at(index).items()}
         return found
 
     def row_points(self) -> dict[str, Array]:
         """What is given at each row, (R, ...)."""
         rows = range(self.shape[0])
         return {
-            name: array[index]
+            name: array
             for axis, index in zip(self.rows, _places(self.rows, rows), strict=True)
-            for name, array in axis.given.items()
+            for name, array in axis.at(index).items()
         }
 
     def column(self, index: np.ndarray) -> dict[str, tuple[np.ndarray, dict[str, Array]]]:
@@ -127,7 +139,7 @@ class SweepGrid:
         places = np.unravel_index(np.where(none, 0, index), sizes)
         found = {}
         for axis, place in zip(self.columns, places, strict=True):
-            values = {name: array[place] for name, array in axis.given.items()}
+            values = axis.at(place)
             for array in values.values():
                 array[none] = np.nan
             found[axis.name] = np.where(none, -1, place), values

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from freebody.errors import FreebodyError, MissingPackageError, listed
 from freebody.locks import imported
 from freebody.sweeps.evaluation import BlockResult, Keep, SweepBlock, SweepTask
-from freebody.sweeps.identity import computed_with, differing, target_of
+from freebody.sweeps.identity import SweepNeeds, computed_with, differing, needs_of
 from freebody.targets import KernelError
 
 _WORTH = 0.5
@@ -70,8 +70,8 @@ def _in_order(
     not, and wait here for those before them."""
     # as bytes: what a worker cannot read would break its connection instead of being said
     packed = imported("cloudpickle").dumps(task)
-    where = target_of(task.function)
-    sent, here = client.scatter(packed, broadcast=True), computed_with(where)
+    needs = needs_of(task)
+    sent, here = client.scatter(packed, broadcast=True), computed_with(needs)
     coming = as_completed(with_results=True)
     pieces: dict[Any, _SentBlocks] = {}
     arrived: dict[int, list[BlockResult]] = {}
@@ -83,7 +83,7 @@ def _in_order(
                 some = list(islice(blocks, together))
                 if not some:
                     break
-                future = client.submit(_done, sent, some, where, here, pure=False)
+                future = client.submit(_done, sent, some, needs, here, pure=False)
                 pieces[future] = _SentBlocks(begun, some)
                 begun += 1
                 coming.add(future)
@@ -112,10 +112,10 @@ class _SentBlocks(NamedTuple):
 
 
 def _done(
-    packed: bytes, blocks: list[SweepBlock], where: str | None, wanted: Mapping[str, str]
+    packed: bytes, blocks: list[SweepBlock], needs: SweepNeeds, wanted: Mapping[str, str]
 ) -> tuple[list[BlockResult], float]:
     """On a worker: the results, and the seconds that they took."""
-    others = differing(wanted, computed_with(where))
+    others = differing(wanted, computed_with(needs))
     if others:
         advice = "Run the sweep on machines of one kind, with the same packages"
         raise FreebodyError(

@@ -239,11 +239,36 @@ def _halved(whole: range) -> tuple[range, range]:
     return whole[:middle], whole[middle:]
 
 
-def blocks_of(shape: tuple[int, int], points: int) -> list[tuple[range, list[SweepBlock]]]:
-    """The table as blocks of at most so many points: rows that belong together, with their blocks
-    in the order of columns. Known by the shape alone, so that it is the same wherever it runs."""
-    rows, columns = shape
-    wide = min(columns, points)
-    high = max(1, points // wide) if wide == columns else 1
-    across = _cut(range(columns), wide)
-    return [(part, [SweepBlock(part, some) for some in across]) for part in _cut(range(rows), high)]
+@dataclass(frozen=True)
+class SweepBlocks:
+    """The table of a shape as blocks of at most so many points, in order: rows together,
+    block after block along the columns. Known by the shape alone, so that it is the same wherever
+    it runs."""
+
+    shape: tuple[int, int]
+    points: int
+
+    @property
+    def wide(self) -> int:
+        """Columns of a block."""
+        return min(self.shape[1], self.points)
+
+    @property
+    def high(self) -> int:
+        """Rows of a block: one, where it does not have all columns."""
+        return max(1, self.points // self.wide) if self.wide == self.shape[1] else 1
+
+    @property
+    def count(self) -> tuple[int, int]:
+        """Blocks along the rows and the columns."""
+        return -(-self.shape[0] // self.high), -(-self.shape[1] // self.wide)
+
+    def place(self, block: SweepBlock) -> tuple[int, int]:
+        """Where a block is, counted in blocks."""
+        return block.rows.start // self.high, block.columns.start // self.wide
+
+    def __iter__(self) -> Iterator[SweepBlock]:
+        every, across = range(self.shape[0]), range(self.shape[1])
+        for r in range(0, len(every), self.high):
+            for c in range(0, len(across), self.wide):
+                yield SweepBlock(every[r : r + self.high], across[c : c + self.wide])

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+import importlib.metadata
 import inspect
 import platform
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy._core._multiarray_umath import __cpu_features__
@@ -16,34 +17,43 @@ from freebody.kernels.inputs import InputKernel
 from freebody.model.model import Model
 from freebody.sweeps.evaluation import SweepTask
 from freebody.sweeps.functions import SweptCallable, SweptFunction
+from freebody.sweeps.samples import SAMPLERS, Samples
 from freebody.targets import Kernel
 from freebody.targets.llvm.cpu import compiler_version
 from freebody.targets.llvm.machine import at_level
 from freebody.targets.target import chosen_target
 
 
-def target_of(function: SweptFunction) -> str | None:
-    """Where its kernel runs; None of a function of Python."""
-    kernel = _kernel(function)
-    return None if kernel is None else kernel.target
+class SweepNeeds(NamedTuple):
+    """What computes a sweep. target: of its kernel; None of a function of Python, which may call
+    kernels of the process's own target and whatever NumPy has. scipy: whether it makes samples."""
+
+    target: str | None
+    scipy: bool
 
 
-def computed_with(where: str | None) -> dict[str, str]:
-    """What the last digits of a function's values depend on besides its arguments: versions, and
-    the processor that its code is made for, which for a level (`cpu=`) is the same everywhere.
+def needs_of(task: SweepTask) -> SweepNeeds:
+    """What computes a task."""
+    kernel = _kernel(task.function)
+    every = [axis.given for axis in (*task.grid.rows, *task.grid.columns)]
+    scipy = any(isinstance(x, Samples) and SAMPLERS[x.method].scipy for x in every)
+    return SweepNeeds(None if kernel is None else kernel.target, scipy)
 
-    where: the target of its kernel; None of a function of Python, which may call kernels of the
-    process's own target and whatever NumPy has.
-    """
-    target, _, level = (where or chosen_target(None)).partition(":")
+
+def computed_with(needs: SweepNeeds) -> dict[str, str]:
+    """What last digits depend on besides the arguments: versions, and the processor that code is
+    made for, which for a level (`cpu=`) is the same everywhere."""
+    target, _, level = (needs.target or chosen_target(None)).partition(":")
     found = {"freebody": compiler_version(), "NumPy": np.__version__}
     if target == "cpu":
         made_for = at_level(level or None)
         found["processor"] = " ".join((made_for.triple, made_for.cpu, *sorted(made_for.has)))
         found["LLVM"] = made_for.llvm
-    if target != "cpu" or where is None:
+    if target != "cpu" or needs.target is None:
         used = sorted(name for name, there in __cpu_features__.items() if there)
         found["processor's instructions used by NumPy"] = f"{platform.machine()} {' '.join(used)}"
+    if needs.scipy:
+        found["SciPy"] = importlib.metadata.version("scipy")
     return found
 
 
@@ -62,7 +72,7 @@ def identity(task: SweepTask, points: int) -> str:
             content = part if isinstance(part, bytes) else repr(part).encode()
             digest.update(len(content).to_bytes(8, "little") + content)
 
-    with_what = sorted(computed_with(target_of(task.function)).items())
+    with_what = sorted(computed_with(needs_of(task)).items())
     add("2", with_what, points, task.tile, task.hoisted)
     add([x.name for x in task.reductions])
     add(task.outputs, *_function(task.function), *_value(task.model))
@@ -72,7 +82,10 @@ def identity(task: SweepTask, points: int) -> str:
     return digest.hexdigest()
 
 
-def _given(arrays: dict[str, Any]) -> list[Any]:
+def _given(arrays: Mapping[str, Any]) -> list[Any]:
+    if isinstance(arrays, Samples):
+        bounds = [part for name, pair in arrays.bounds.items() for part in (name, *_value(pair))]
+        return ["samples", arrays.count, arrays.method, arrays.seed, *bounds]
     return [part for name, array in arrays.items() for part in (name, *_value(array))]
 
 

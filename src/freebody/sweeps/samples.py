@@ -1,50 +1,175 @@
-"""`samples`: points spread over ranges, for one axis of a sweep."""
+"""`samples`: points spread over ranges, for one axis of a sweep.
+
+They come in runs, each of which follows from the seed and its number alone: whoever needs some
+points makes their runs, and nobody needs the list of all.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from freebody.arrays import Array, as_floats
 from freebody.errors import FreebodyError, KindError, UnknownNameError
+from freebody.lazy import cached_property
+
+_RUN = 1 << 18
+"""Points of a run."""
+_HELD = 1 << 24
+"""Numbers of samples that are held as a whole: 128 MB."""
+
+Unit = Callable[[int, int, np.random.Generator], Array]
+"""(count, dimensions, generator) -> points of the unit cube (count, dimensions)."""
 
 
-def _sobol(count: int, dimensions: int, seed: int) -> Array:
+def _sobol(count: int, dimensions: int, rng: np.random.Generator) -> Array:
     from scipy.stats import qmc
 
-    engine = qmc.Sobol(dimensions, rng=np.random.default_rng(seed))
-    return engine.random_base2((count - 1).bit_length())[:count]
+    return qmc.Sobol(dimensions, rng=rng).random_base2((count - 1).bit_length())[:count]
 
 
-def _latin(count: int, dimensions: int, seed: int) -> Array:
+def _latin(count: int, dimensions: int, rng: np.random.Generator) -> Array:
     from scipy.stats import qmc
 
-    return qmc.LatinHypercube(dimensions, rng=np.random.default_rng(seed)).random(count)
+    return qmc.LatinHypercube(dimensions, rng=rng).random(count)
 
 
-def _random(count: int, dimensions: int, seed: int) -> Array:
-    return np.random.default_rng(seed).random((count, dimensions))
+def _random(count: int, dimensions: int, rng: np.random.Generator) -> Array:
+    return rng.random((count, dimensions))
 
 
-SAMPLERS: dict[str, Callable[[int, int, int], Array]] = {
-    "sobol": _sobol,
-    "latin-hypercube": _latin,
-    "random": _random,
+@dataclass(frozen=True)
+class Sampler:
+    """A way to spread points. runs: whether each run of points can be made without the others.
+    scipy: whether its points are SciPy's, and may change with it."""
+
+    unit: Unit
+    runs: bool
+    scipy: bool
+
+
+SAMPLERS = {
+    "sobol": Sampler(_sobol, True, True),
+    "latin-hypercube": Sampler(_latin, False, True),
+    "random": Sampler(_random, True, False),
 }
-"""(count, dimensions, seed) -> points of the unit cube (count, dimensions)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Samples(Mapping[str, Array]):
+    """Points by name, made when they are asked for: `found["m2"]` has all of them, (count, ...).
+
+    bounds: by name (low, high), arrays of one shape.
+    """
+
+    count: int
+    method: str
+    seed: int
+    bounds: dict[str, tuple[Array, Array]]
+
+    def __getitem__(self, name: str) -> Array:
+        low, high = self.bounds[name]
+        first = 0
+        for other, (lows, _) in self.bounds.items():
+            if other == name:
+                break
+            first += lows.size
+        part = self._points(slice(0, self.count))[:, first : first + low.size]
+        return low + (high - low) * part.reshape(-1, *low.shape)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.bounds)
+
+    def __len__(self) -> int:
+        return len(self.bounds)
+
+    def at(self, places: slice | np.ndarray) -> dict[str, Array]:
+        """By name those at some places, (*places, ...)."""
+        points = self._points(places)
+        found, first = {}, 0
+        for name, (low, high) in self.bounds.items():
+            part = points[..., first : first + low.size]
+            first += low.size
+            found[name] = low + (high - low) * part.reshape(*part.shape[:-1], *low.shape)
+        return found
+
+    def renamed(self, names: Mapping[str, str]) -> Samples:
+        """The same points by other names."""
+        bounds = {names[name]: pair for name, pair in self.bounds.items()}
+        return Samples(self.count, self.method, self.seed, bounds)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Samples, (self.count, self.method, self.seed, self.bounds)  # without the points
+
+    @property
+    def _dimensions(self) -> int:
+        return sum(low.size for low, _ in self.bounds.values())
+
+    def _points(self, places: slice | np.ndarray) -> Array:
+        """Of the unit cube, (*places, dimensions)."""
+        if self.count * self._dimensions <= _HELD:
+            return self._all[places]
+        size = _RUN if SAMPLERS[self.method].runs else self.count
+        if isinstance(places, slice):
+            start, stop, _ = places.indices(self.count)
+            numbers = range(start // size, -(-stop // size))
+            parts = [
+                self._run(k)[max(start - k * size, 0) : min(stop - k * size, size)] for k in numbers
+            ]
+            return parts[0] if len(parts) == 1 else np.concatenate(parts)
+        found = np.empty((*places.shape, self._dimensions))
+        run, within = np.divmod(places, size)
+        for k in np.unique(run).tolist():
+            here = run == k
+            found[here] = self._run(k)[within[here]]
+        return found
+
+    @cached_property
+    def _all(self) -> Array:
+        if not SAMPLERS[self.method].runs:
+            return self._run(0)
+        return np.concatenate([self._run(k) for k in range(-(-self.count // _RUN))])
+
+    def _run(self, number: int) -> Array:
+        size = self.count
+        if SAMPLERS[self.method].runs:
+            size = min(_RUN, self.count - number * _RUN)
+        return _made(self.method, size, self._dimensions, self.seed, number)
+
+
+@lru_cache(maxsize=4)
+def _made(method: str, count: int, dimensions: int, seed: int, run: int) -> Array:
+    rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(run,)))
+    try:
+        points = SAMPLERS[method].unit(count, dimensions, rng)
+    except MemoryError:
+        raise FreebodyError(
+            f"samples: {count} points of method {method!r} do not fit into memory, and are made as "
+            f"a whole; 'sobol' and 'random' make them part by part."
+        ) from None
+    points.flags.writeable = False
+    return points
 
 
 def samples(
     count: int, ranges: Mapping[str, Any], *, method: str = "sobol", seed: int = 0
-) -> dict[str, Array]:
+) -> Samples:
     """Points spread over ranges, as one axis of `fb.sweep`: by name arrays (count, ...).
 
     ranges: by name (low, high), numbers or arrays of one shape, such as {"link2.mass": (1, 3),
     "q": (-np.ones(6), np.ones(6))}. method: "sobol" (scrambled Sobol points; most even for a power
-    of two), "latin-hypercube" (each range cut into `count` equal parts, one point in each), both of
-    scipy.stats.qmc, or "random" (uniform, independent). seed: the same seed gives the same points.
+    of two; more than 2**18 are several such sets, each scrambled by itself), "latin-hypercube"
+    (each range cut into `count` equal parts, one point in each), both of scipy.stats.qmc, or
+    "random" (uniform, independent). seed: a whole number from 0 up; the same seed gives the same
+    points, of which a smaller count has the first ones (but of a Latin hypercube).
+
+    Points are made when they are read. A sweep reads those of its block alone: Sobol and random
+    points follow from the seed and the number of their set of 2**18, so that any number of them
+    takes no memory; a Latin hypercube is made as a whole.
 
     Raises FreebodyError, UnknownNameError.
     """
@@ -52,15 +177,12 @@ def samples(
         raise UnknownNameError("method", method, "samples", SAMPLERS)
     if not isinstance(count, int | np.integer) or isinstance(count, bool) or count < 1:
         raise KindError("samples", "count", count, "a whole number from 1 up")
+    if not isinstance(seed, int | np.integer) or isinstance(seed, bool) or seed < 0:
+        raise KindError("samples", "seed", seed, "a whole number from 0 up")
     if not isinstance(ranges, Mapping) or not ranges:
         raise KindError("samples", "ranges", ranges, "a dict, as {'link2.mass': (1.0, 3.0)}")
     bounds = {name: _bounds(name, pair) for name, pair in ranges.items()}
-    points = SAMPLERS[method](int(count), sum(low.size for low, _ in bounds.values()), seed)
-    found, first = {}, 0
-    for name, (low, high) in bounds.items():
-        part = points[:, first : first + low.size].reshape(count, *low.shape)
-        found[name], first = low + (high - low) * part, first + low.size
-    return found
+    return Samples(int(count), method, int(seed), bounds)
 
 
 def _bounds(name: str, pair: Any) -> tuple[Array, Array]:

@@ -20,7 +20,7 @@ import numpy as np
 from freebody.errors import FileError, FreebodyError, MissingPackageError, listed
 from freebody.locks import imported
 from freebody.outputs.files import reason
-from freebody.sweeps.evaluation import BlockResult, FailedPoint, SweepBlock, SweepTask
+from freebody.sweeps.evaluation import BlockResult, FailedPoint, SweepBlock, SweepBlocks, SweepTask
 from freebody.sweeps.identity import differing
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ class SweepStore:
         self,
         path: str | os.PathLike[str],
         task: SweepTask,
-        groups: Sequence[tuple[range, list[SweepBlock]]],
+        blocks: SweepBlocks,
         identity: str,
         computed_with: Mapping[str, str],
     ):
@@ -53,7 +53,7 @@ class SweepStore:
             raise MissingPackageError("sweep: store=", "zarr", "sweep") from None
         self.path = Path(path)
         self._kept = task.empty() if task.reductions else []
-        self._task, self._groups, self._with = task, groups, computed_with
+        self._task, self._blocks, self._with = task, blocks, computed_with
         with self._said():
             self._open(identity)
             self.done = ~np.isnan(self._failed[:])
@@ -117,9 +117,8 @@ class SweepStore:
         }
 
     def _create(self, parts: Any) -> None:
-        (rows, across), columns = self._groups[0], self._task.grid.shape[1]
-        high, wide, count = len(rows), len(across[0].columns), len(across)
-        every = self._task.grid.shape[0]
+        (every, columns), blocks = self._task.grid.shape, self._blocks
+        high, wide, (groups, count) = blocks.high, blocks.wide, blocks.count
         for key, (core, kind) in self._shapes().items():
             along = (count, 1) if self._task.reductions else (columns, wide)
             parts.create_array(
@@ -130,7 +129,7 @@ class SweepStore:
                 fill_value=float("nan") if kind.kind == "f" else 0,
                 dimension_names=("row", "column", *(f"{key}_{k}" for k in range(len(core)))),
             )
-        told = (len(self._groups), count, _REASONS)
+        told = (groups, count, _REASONS)
         parts.create_array(
             "reasons",
             shape=told,
@@ -152,11 +151,11 @@ class SweepStore:
 
     def holds(self, block: SweepBlock) -> bool:
         """Whether the block is whole on the disk."""
-        return bool(self.done[block.rows.start, self._at(block)[1]])
+        return bool(self.done[block.rows.start, self._blocks.place(block)[1]])
 
     def write(self, block: SweepBlock, result: BlockResult) -> None:
         """Put a block in its place."""
-        rows, (group, part) = slice(block.rows.start, block.rows.stop), self._at(block)
+        rows, (group, part) = slice(block.rows.start, block.rows.stop), self._blocks.place(block)
         with self._said():
             if self._task.reductions:
                 for (name, _), found in zip(self._task.outputs, result.gathered, strict=True):
@@ -172,7 +171,7 @@ class SweepStore:
 
     def read(self, block: SweepBlock) -> BlockResult:
         """What was written of a block, without its values."""
-        rows, (group, part) = slice(block.rows.start, block.rows.stop), self._at(block)
+        rows, (group, part) = slice(block.rows.start, block.rows.stop), self._blocks.place(block)
         with self._said():
             gathered = [
                 {key: self._arrays[f"{name}-{key}"][rows, part] for key in keys}
@@ -211,10 +210,6 @@ class SweepStore:
         path, names = str(self.path), [name for name, _ in self._task.outputs]
         with self._said():
             return xr.open_zarr(path, group=PARTS, chunks=None, consolidated=False)[names]
-
-    def _at(self, block: SweepBlock) -> tuple[int, int]:
-        rows, across = self._groups[0]
-        return block.rows.start // len(rows), block.columns.start // len(across[0].columns)
 
     @contextmanager
     def _said(self) -> Iterator[None]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from math import prod
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,7 @@ from freebody.errors import FreebodyError, KindError, UnknownNameError, listed
 from freebody.model.model import Model
 from freebody.sweeps.axes import SweepAxis, SweepGrid, read_axes
 from freebody.sweeps.dataset import SweepArrays, dataset, lazy_dataset
-from freebody.sweeps.evaluation import BlockResult, SweepBlock, SweepTask, blocks_of
+from freebody.sweeps.evaluation import BlockResult, SweepBlocks, SweepTask
 from freebody.sweeps.functions import (
     FAILURES,
     FAULTS,
@@ -24,7 +25,7 @@ from freebody.sweeps.functions import (
     names_of,
     reader,
 )
-from freebody.sweeps.identity import computed_with, identity, target_of
+from freebody.sweeps.identity import computed_with, identity, needs_of
 from freebody.sweeps.reductions import SweepReduction, reductions
 from freebody.sweeps.run import Progress, Watched, evaluated, points_of
 from freebody.sweeps.store import SweepStore
@@ -100,15 +101,14 @@ def sweep(
     outputs = _outputs(swept, grid)
     points = _block(block, outputs, chosen, grid)
     task = _task(model, grid, swept, outputs, chosen, points)
-    groups = blocks_of(grid.shape, points)
-    blocks = [x for _, some in groups for x in some]
+    blocks = SweepBlocks(grid.shape, points)
     if store is None:
         watched = Watched(grid, progress)
         results = map(watched, blocks, evaluated(task, blocks, None, client))
         return dataset(model, swept, _joined(SweepArrays(task), blocks, results))
-    kept = SweepStore(store, task, groups, identity(task, points), computed_with(target_of(swept)))
+    kept = SweepStore(store, task, blocks, identity(task, points), computed_with(needs_of(task)))
     missing = [x for x in blocks if not kept.holds(x)]
-    watched = Watched(grid, progress, sum(map(points_of, blocks)) - sum(map(points_of, missing)))
+    watched = Watched(grid, progress, prod(grid.shape) - sum(map(points_of, missing)))
     for each, result in zip(missing, evaluated(task, missing, kept.write, client), strict=True):
         watched(each, result)
     arrays = _joined(SweepArrays(task, bool(chosen)), blocks, map(kept.read, blocks))
@@ -118,7 +118,7 @@ def sweep(
 
 
 def _joined(
-    arrays: SweepArrays, blocks: list[SweepBlock], results: Iterator[BlockResult]
+    arrays: SweepArrays, blocks: SweepBlocks, results: Iterator[BlockResult]
 ) -> SweepArrays:
     """With the results of all blocks, in order."""
     for each, result in zip(blocks, results, strict=True):
