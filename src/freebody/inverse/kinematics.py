@@ -83,38 +83,13 @@ def inverse_kinematics(
             return sure
     except UNCLEAR:
         pass
-    model.require_values("inverse kinematics")
-    if limits not in LIMITS:
-        raise UnknownNameError("choice", limits, "inverse_kinematics: limits=", LIMITS)
-    if starts is not None and starts < 1:
-        raise FreebodyError(f"inverse_kinematics: starts is {starts}, expected at least 1.")
-    chosen, poses = read_target("inverse_kinematics", model, target, task)
-    solver = NumericalSolver(model, model.frame(frame).name, chosen)
-    flat = poses.reshape(-1, *poses.shape[-2:])
-    start = None if q0 is None else finite_vector("inverse_kinematics", model, "q0", q0)
-    if start is not None and start.ndim != 1:
-        raise FreebodyError(
-            f"inverse_kinematics: q0 has shape {start.shape}, expected ({model.nq},)."
-        )
-    if model.family:
-        if redundancy is not None:
-            raise FamilyError("inverse_kinematics: redundancy=", model.name, model.family)
-        one = partial(
-            inverse_kinematics,
-            frame=frame, task=chosen.names, q0=start, limits=limits, starts=starts, seed=seed,
-        )  # fmt: skip
-        first = Problem(
-            replace(solver, model=model[(0,) * len(model.family)]), flat, start, limits, starts,
-            seed,
-        )  # fmt: skip
-        return of_family(model, first, poses.shape[:-2], one)
-    problem = Problem(solver, flat, start, limits, starts, seed)
-    if model.loops and redundancy is None:
-        return of_closed_chain(problem, poses.shape[:-2])
-    form = None if model.loops else closed_form_for(model, solver.frame, chosen)
-    if form is not None and not form.serves(flat):
-        form = None
+    problem, poses = _asked(model, target, frame, task, q0, limits, starts, seed)
     batch = poses.shape[:-2]
+    if model.family:
+        return _of_members(model, problem, batch, redundancy)
+    if model.loops and redundancy is None:
+        return of_closed_chain(problem, batch)
+    form = _form(problem)
     if redundancy is not None:
         batch, problem = _held(problem, form, redundancy, poses)
     if not len(problem.target):
@@ -128,6 +103,59 @@ def inverse_kinematics(
         found = by_closed_form(problem, form)
         remember(problem, form, frame, task)
     return gathered(problem, form, found, batch)
+
+
+def _asked(
+    model: Model,
+    target: ArrayLike,
+    frame: str | None,
+    task: str | Sequence[str] | None,
+    q0: Vector | None,
+    limits: str,
+    starts: int | None,
+    seed: int,
+) -> tuple[Problem, Array]:
+    """The arguments checked, of a family as a problem of its first member; the targets as poses (…,
+    dim + 1, dim + 1)."""
+    function = "inverse_kinematics"
+    model.require_values("inverse kinematics")
+    if limits not in LIMITS:
+        raise UnknownNameError("choice", limits, f"{function}: limits=", LIMITS)
+    if starts is not None and starts < 1:
+        raise FreebodyError(f"{function}: starts is {starts}, expected at least 1.")
+    chosen, poses = read_target(function, model, target, task)
+    solver = NumericalSolver(model, model.frame(frame).name, chosen)
+    start = None if q0 is None else finite_vector(function, model, "q0", q0)
+    if start is not None and start.ndim != 1:
+        raise FreebodyError(f"{function}: q0 has shape {start.shape}, expected ({model.nq},).")
+    if model.family:
+        solver = replace(solver, model=model[(0,) * len(model.family)])
+    flat = poses.reshape(-1, *poses.shape[-2:])
+    return Problem(solver, flat, start, limits, starts, seed), poses
+
+
+def _of_members(
+    model: Model, first: Problem, batch: tuple[int, ...], redundancy: ArrayLike | None
+) -> Solutions:
+    """Of a family; first: the problem of its first member."""
+    if redundancy is not None:
+        raise FamilyError("inverse_kinematics: redundancy=", model.name, model.family)
+    solver = first.solver
+    one = partial(
+        inverse_kinematics,
+        frame=solver.frame, task=solver.task.names, q0=first.q0, limits=first.limits,
+        starts=first.starts, seed=first.seed,
+    )  # fmt: skip
+    return of_family(model, first, batch, one)
+
+
+def _form(problem: Problem) -> ClosedFormArm | None:
+    """The arm's closed form, where it has one for this task and the targets."""
+    solver = problem.solver
+    if solver.model.loops:
+        return None
+    form = closed_form_for(solver.model, solver.frame, solver.task)
+    return form if form is not None and form.serves(problem.target) else None
 
 
 def _without_form(problem: Problem) -> Found:
