@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from freebody.elementary import Scalar
@@ -117,8 +118,23 @@ class BodyMotions:
     """[ω̇×] + [ω×][ω×] of each body."""
 
 
+Named = Callable[[str, int, Vector], Vector]
+"""What later steps of a recursion are given for a vector (its name in the record, its body, its
+value): the value itself, or in a derivation a name for it."""
+
+
+def unnamed(name: str, body: int, value: Vector) -> Vector:
+    """The value itself."""
+    return value
+
+
 def outward(
-    tree: Tree, q: Vector, qd: Vector, qdd: Vector, base_acceleration: Vector | None = None
+    tree: Tree,
+    q: Vector,
+    qd: Vector,
+    qdd: Vector,
+    base_acceleration: Vector | None = None,
+    named: Named = unnamed,
 ) -> BodyMotions:
     """Outward recursion (4.6-4.11; 6.16-6.22 revolute, 6.23-6.27 prismatic, in one form).
 
@@ -157,6 +173,8 @@ def outward(
         vd = add(
             times(E, vd_at_joint), vd_joint, vd_bias, scale(2.0, space.cross(w_before, v_joint))
         )
+        w, wd = named("w", i, w), named("wd", i, wd)
+        v, vd = named("v", i, v), named("vd", i, vd)
         motion.w.append(w)
         motion.wd.append(wd)
         motion.v.append(v)

@@ -19,7 +19,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from freebody.algorithms.kinematics import BodyMotions, joint_poses, outward, world_poses
+from freebody.algorithms.kinematics import (
+    BodyMotions,
+    Named,
+    joint_poses,
+    outward,
+    unnamed,
+    world_poses,
+)
 from freebody.elementary import Scalar, sign
 from freebody.model.tree import Tree, TreeBody
 from freebody.spatial import Vector, add, dot, neg, scale, sub, times, transposed
@@ -50,12 +57,13 @@ def rnea(
     qdd: Vector,
     external: Sequence[External] = (),
     gravity: str = "base",
+    named: Named = unnamed,
 ) -> Recursion:
     """Inverse dynamics. gravity: "base" accelerates the base by -g, "explicit" adds each body's
-    weight."""
+    weight. named: what stands for each vector in what follows from it."""
     space = tree.space
-    motion = outward(tree, q, qd, qdd, neg(tree.gravity) if gravity == "base" else None)
-    weights = _fields(tree, motion) if gravity == "explicit" else None
+    motion = outward(tree, q, qd, qdd, neg(tree.gravity) if gravity == "base" else None, named)
+    weights = _fields(tree, motion, named) if gravity == "explicit" else None
     result = Recursion(motion)
     f: list[Vector] = []
     n: list[Vector] = []
@@ -63,7 +71,7 @@ def rnea(
         centres, forces, moments = [], [], []
         f_i, n_i = space.zero, space.zero_angular
         for mass in body.masses:
-            centre = add(motion.vd[i], times(motion.rates[i], mass.c))
+            centre = named("vd_com", i, add(motion.vd[i], times(motion.rates[i], mass.c)))
             F = scale(mass.m, centre)
             N = space.euler(mass.inertia, motion.w[i], motion.wd[i])
             if mass.h is not None:
@@ -71,6 +79,7 @@ def rnea(
                 N = add(
                     N, space.moment(mass.h, centre if weights is None else sub(centre, weights[i]))
                 )
+            F, N = named("F", i, F), named("N", i, N)
             needed = F if weights is None else sub(F, scale(mass.m, weights[i]))
             f_i, n_i = add(f_i, needed), add(n_i, N, space.moment(mass.c, needed))
             centres.append(centre)
@@ -86,6 +95,7 @@ def rnea(
     tau: list[Scalar] = [0.0] * tree.nv
     for i in reversed(range(len(tree.bodies))):
         body = tree.bodies[i]
+        f[i], n[i] = named("f", i, f[i]), named("n", i, n[i])
         for k, torque in zip(
             body.coordinates.v, joint_torque(body, n[i], f[i], q, qd, qdd), strict=True
         ):
@@ -125,13 +135,12 @@ def friction_and_spring(body: TreeBody, q: Vector, qd: Vector) -> Scalar:
     )
 
 
-def _fields(tree: Tree, motion: BodyMotions) -> list[Vector]:
+def _fields(tree: Tree, motion: BodyMotions, named: Named) -> list[Vector]:
     """The gravity field in each body's axes."""
     fields: list[Vector] = []
-    for body, (R, _) in zip(tree.bodies, motion.joints, strict=True):
-        fields.append(
-            times(transposed(R), tree.gravity if body.parent < 0 else fields[body.parent])
-        )
+    for i, (body, (R, _)) in enumerate(zip(tree.bodies, motion.joints, strict=True)):
+        field = times(transposed(R), tree.gravity if body.parent < 0 else fields[body.parent])
+        fields.append(named("field", i, field))
     return fields
 
 

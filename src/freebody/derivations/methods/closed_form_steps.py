@@ -90,8 +90,9 @@ def _sorted(setting: Setting) -> str:
 
 def _told(setting: Setting) -> str:
     """How long equations are that nobody reads."""
+    lines = "" if setting.planar else ", and the recursive method writes them line by line"
     return (
         f"Sorted by {_by(setting)}, the torques are exact but too long to print; fb.equations "
-        f"gives them. "
+        f"gives them{lines}. "
         f"({setting.equations.length}.)"
     )

@@ -6,27 +6,23 @@ from __future__ import annotations
 from freebody.algorithms.rnea import Recursion
 from freebody.derivations.derivation import Step
 from freebody.derivations.expressions import expression as ex
-from freebody.derivations.expressions.expression import Equation, Expression, Symbol, eq
+from freebody.derivations.expressions.expression import Equation, Expression, Symbol
 from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.methods.geometry import rotation_name
 from freebody.derivations.methods.reactions import drive_part
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import working_part
-from freebody.scalars.trig import Trig
 
 
 class Inward:
     """The steps, their values taken from the recursion's record; base: gravity is in the
-    accelerations."""
+    accelerations; rules: no values are shown."""
 
-    def __init__(self, setting: Setting, record: Recursion, base: bool):
+    def __init__(self, setting: Setting, record: Recursion, base: bool, rules: bool):
         self.s = setting
         self.record = record
         self.base = base
-
-    def torque(self, i: int) -> Trig:
-        """The recursion's torque of body i's joint."""
-        return self.s.symbols.element(self.record.tau[self.s.index(i)])
+        self.rules = rules
 
     def step(self, i: int) -> Step:
         """Forces and moments on one body, and its motor."""
@@ -41,10 +37,11 @@ class Inward:
 
     def _reason(self, i: int) -> str:
         s, n = self.s, self.s.numbers[i]
-        passed = ", and those that it passes on to the next body," if s.tree.children(i) else ""
-        weight = ", less its weight," if not self.base else ""
+        passed = ", and those that it passes on to the next body" if s.tree.children(i) else ""
+        weight = ", less its weight" if not self.base else ""
+        comma = "," if passed or weight else ""
         part = "the moment" if s.is_pin(i) else working_part(s, i)
-        needed = f"Force and moment that accelerate body {n}{weight}{passed}"
+        needed = f"Force and moment that accelerate body {n}{weight}{passed}{comma}"
         if i not in s.weighted:
             needed = f"Body {n} has no mass: the force and the moment that it passes on"
         letters = (
@@ -65,27 +62,29 @@ class Inward:
         if i not in s.weighted:
             return []
         F, N = self.record.F[i][0], self.record.N[i][0]
-        spin = s.show_moved(N[0]) if s.planar else s.column(N)
-        sides = (ex.ZERO,) if s.is_point(i) else (s.spin_terms(i), spin)
+        spin = ex.ZERO if s.is_point(i) else s.show_moved(N[0]) if s.planar else s.column(N)
+        rule = s.mass_times(i, s.name("vc", i, "_d"))
         return [
-            eq(s.name("fc", i), s.mass_times(i, s.name("vc", i, "_d")), s.column(s.axes(i, F))),
-            eq(s.angular_name("nc", i), *sides),
+            worked(s.name("fc", i), rule, s.column(s.axes(i, F)), self.rules),
+            worked(s.angular_name("nc", i), s.spin_terms(i), spin, self.rules),
         ]
 
     def _carried(self, i: int) -> list[Equation]:
         """f and the moment at the joint, and the torque where that is not the moment itself."""
-        s = self.s
-        force = self._force(i)
-        f = eq(
-            s.force_name(s.tree.bodies[i].parent, i), force, s.column(s.axes(i, self.record.f[i]))
+        s, rules = self.s, self.rules
+        force, value = self._force(i), s.column(s.axes(i, self.record.f[i]))
+        f = worked(
+            s.force_name(s.tree.bodies[i].parent, i),
+            force,
+            value,
+            rules or isinstance(force, Symbol),
         )
-        if isinstance(force, Symbol):
-            f = eq(*f.sides[:2])
         name, moment = s.joint_moment(i), self._moment(i)
+        torque = s.show(self.record.tau[s.index(i)])
         if s.is_pin(i):
-            return [f, eq(name, moment, s.show(self.torque(i)))]
-        held = eq(name, moment, s.angular(self.record.n[i]))
-        return [f, held, eq(s.motor(i), self._motor(i), s.show(self.torque(i)))]
+            return [f, worked(name, moment, torque, rules)]
+        held = worked(name, moment, s.angular(self.record.n[i]), rules)
+        return [f, held, worked(s.motor(i), self._motor(i), torque, rules)]
 
     def _needed(self, i: int) -> Expression:
         """The inertia force, with the weight taken off where gravity is explicit; 0 of a body
@@ -94,7 +93,7 @@ class Inward:
         if i not in s.weighted:
             return ex.ZERO
         force = s.name("fc", i)
-        return force if self.base else ex.sub(force, s.mass_times(i, vec("g")))
+        return force if self.base else ex.sub(force, s.mass_times(i, s.field_name(i)))
 
     def _outer(self, i: int, x: Expression, k: int) -> Expression:
         """A vector of child k in the axes of body i."""
@@ -130,3 +129,11 @@ class Inward:
         force = s.force_name(s.tree.bodies[i].parent, i)
         part = s.along(i, s.joint_moment(i), force, lambda axis, v: ex.dot(v, axis))
         return ex.add(part, s.show(drive_part(s, i)))
+
+
+def worked(name: Expression, rule: Expression, value: Expression, rules: bool) -> Equation:
+    """name = rule = value; a rule that adds up to nothing is left out, and a value where rules
+    suffice."""
+    if rules:
+        return ex.chain(name, rule)
+    return ex.chain(name, value) if rule == ex.ZERO else ex.chain(name, rule, value)

@@ -11,12 +11,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from freebody.derivations.derivation import Meaning
-from freebody.derivations.methods import free_bodies, glossary, loop_free_bodies
+from freebody.derivations.methods import free_bodies, glossary, loop_free_bodies, recursive
 from freebody.derivations.methods.body_by_body import FreeBodies
 from freebody.derivations.methods.body_motion import motion
 from freebody.derivations.methods.closed_form_steps import closed_form
 from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.method import Method, MethodOption, Worked
+from freebody.derivations.methods.modular import meanings
 from freebody.derivations.methods.moments_about_pivots import about_pivots, arms_of_pivots
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
@@ -35,18 +36,24 @@ def work_out(setting: Setting, route: str) -> Worked:
     tau = {i: reactions.motor(i) for i in inward}
     work = FreeBodies(setting, reactions, tau)
     about = about_pivots(setting, reactions.drives) if route == "pivot" else work.about_centres()
-    moving = motion(setting)
-    # about a fixed pivot only the turning counts
-    steps = [
-        *about,
-        geometry(setting),
-        *(moving[:1] if route == "pivot" and setting.cited == "R" else moving),
-    ]
-    steps += [work.substituted(i, route == "centre") for i in inward]
-    steps.append(closed_form(setting))
-    title = f"{METHOD.title}, moments about the pivots" if route == "pivot" else ""
     torques = tuple(tau[i] for i in setting.order)
-    return Worked(tuple(steps), torques, _symbols(setting, route), title)
+    symbols = list(_symbols(setting, route))
+    if not recursive.is_readable(setting, torques):
+        steps = [*about, *recursive.modular_steps(setting, "explicit")]
+        more = [*recursive.symbols(setting), *meanings(setting.weighs)]
+        symbols = list(dict.fromkeys([*symbols, *more]))
+    else:
+        moving = motion(setting)
+        # about a fixed pivot only the turning counts
+        steps = [
+            *about,
+            geometry(setting),
+            *(moving[:1] if route == "pivot" and setting.cited == "R" else moving),
+        ]
+        steps += [work.substituted(i, route == "centre") for i in inward]
+        steps.append(closed_form(setting))
+    title = f"{METHOD.title}, moments about the pivots" if route == "pivot" else ""
+    return Worked(tuple(steps), torques, symbols, title)
 
 
 def _symbols(s: Setting, route: str) -> Iterator[Meaning]:

@@ -3,40 +3,74 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from freebody.algorithms.rnea import Recursion
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq
+from freebody.derivations.expressions.nodes import Words
 from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods import glossary
 from freebody.derivations.methods.closed_form_steps import closed_form
 from freebody.derivations.methods.geometry import geometry, rotation_name
-from freebody.derivations.methods.inward_recursion import Inward
+from freebody.derivations.methods.inward_recursion import Inward, worked
 from freebody.derivations.methods.method import Method, MethodOption, Worked
+from freebody.derivations.methods.modular import ModularSetting, last_step, meanings
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import coriolis
 from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.scalars.trig import Trig
 
 GRAVITIES = ("base", "explicit")
 
 
-def work_out(setting: Setting, gravity: str) -> Worked:
-    """The steps; gravity: as acceleration -g of the base, or as each body's weight."""
+def work_out(setting: Setting, gravity: str, values: str) -> Worked:
+    """The steps; gravity: as acceleration -g of the base, or as each body's weight; values: in full
+    as long as they can be read, or modular."""
     base = gravity == "base" or not setting.weighs
     record = setting.recursion(gravity)
-    outward, inward = _Outward(setting, record, base), Inward(setting, record, base)
-    steps = [geometry(setting, rotations=True), outward.start()]
-    steps += [outward.step(i) for i in setting.order]
-    steps += [inward.step(i) for i in reversed(setting.order)]
-    steps.append(closed_form(setting))
-    tau = tuple(inward.torque(i) for i in setting.order)
+    tau = tuple(setting.symbols.element(record.tau[setting.index(i)]) for i in setting.order)
+    names = list(symbols(setting))
+    if values == "modular" or not is_readable(setting, tau):
+        steps = modular_steps(setting, gravity)
+        names += meanings(not base and not setting.planar)
+    else:
+        steps = _steps(setting, record, base)
+        steps.append(closed_form(setting))
     title = "" if base else f"{METHOD.title}, gravity as weights"
-    return Worked(tuple(steps), tau, _symbols(setting), title)
+    return Worked(tuple(steps), tau, names, title)
 
 
-def _symbols(s: Setting) -> Iterator[Meaning]:
+def is_readable(setting: Setting, tau: Iterable[Trig]) -> bool:
+    """Whether all torques are written out, not told by their length; in the plane, where a modular
+    recursion would show no values at all, it counts as such."""
+    return setting.planar or not any(isinstance(setting.show(x), Words) for x in tau)
+
+
+def modular_steps(setting: Setting, gravity: str) -> list[Step]:
+    """The recursion with each line by those before; in the plane, where all vectors have the
+    world's components, the rules alone."""
+    base = gravity == "base" or not setting.weighs
+    shown = setting if setting.planar else ModularSetting.of(setting)
+    steps = _steps(shown, shown.recursion(gravity), base, rules=setting.planar)
+    long = not setting.equations.is_short
+    steps.append(last_step(steps, setting.equations.length) if long else closed_form(setting))
+    return steps
+
+
+def _steps(s: Setting, record: Recursion, base: bool, rules: bool = False) -> list[Step]:
+    outward, inward = _Outward(s, record, base, rules), Inward(s, record, base, rules)
+    return [
+        geometry(s, rotations=True),
+        outward.start(),
+        *map(outward.step, s.order),
+        *map(inward.step, reversed(s.order)),
+    ]
+
+
+def symbols(s: Setting) -> Iterator[Meaning]:
+    """What the recursion brings in."""
     yield from glossary.vectors(s)
     yield from glossary.moving(s)
     yield Meaning((sym("v_i", True),), "velocity of the point of body i at joint i", glossary.SPEED)
@@ -45,13 +79,25 @@ def _symbols(s: Setting) -> Iterator[Meaning]:
     yield from glossary.joint_moments(s)
 
 
+_BY_NAME = (
+    " From here each line is written by components of the lines before, such as ω_2x, so that it "
+    "holds the numbers and the coordinate of one joint; in the coordinates of all joints the lines "
+    "grow from body to body. Velocities of points are left out: the accelerations do not need them."
+)
+
+
 class _Outward:
     """Velocities and accelerations, the values taken from the recursion's record."""
 
-    def __init__(self, setting: Setting, record: Recursion, base: bool):
+    def __init__(self, setting: Setting, record: Recursion, base: bool, rules: bool):
         self.s = setting
         self.record = record
         self.base = base
+        self.rules = rules
+        self.velocities = not isinstance(setting, ModularSetting)
+
+    def _worked(self, name: Expression, rule: Expression, value: Expression) -> Equation:
+        return worked(name, rule, value, self.rules)
 
     def start(self) -> Step:
         """The motion of the base."""
@@ -68,10 +114,13 @@ class _Outward:
             reason = "The base is at rest; each body's weight is counted among its forces."
         w, wd = ((sym if s.planar else vec)(name) for name in ("omega0", "omega0_d"))
         moved = eq(vec("v0_d"), ex.neg(vec("g")) if self.base and s.weighs else ex.ZERO)
+        still = eq(vec("v0"), ex.ZERO) if self.velocities else None
+        if not self.velocities:
+            reason += _BY_NAME
         return Step(
             "Start at the base",
             reason,
-            (eq(w, ex.ZERO), eq(wd, ex.ZERO), eq(vec("v0"), ex.ZERO), moved),
+            tuple(x for x in (eq(w, ex.ZERO), eq(wd, ex.ZERO), still, moved) if x is not None),
         )
 
     def step(self, i: int) -> Step:
@@ -85,11 +134,20 @@ class _Outward:
         extra = coriolis(s, (i,))
         if extra:
             reason += f"; on a rotating body it adds the Coriolis acceleration {extra}"
-        centre = self._centre(i) if i in s.weighted else ()
-        lines = (*self._angular(i), *self._linear(i), *centre)
+        centre = self._centre(i) if i in s.weighted else []
+        lines = (*self._angular(i), *self._linear(i), *centre, *self._field(i))
         table = _PLANAR if s.planar else _SPATIAL
         cited = (table[True] * s.turns(i)) + (table[False] * s.slides(i))
         return Step(f"Outward: body {n}", f"{reason}.", lines, tuple(dict.fromkeys(cited)))
+
+    def _field(self, i: int) -> list[Equation]:
+        """Of a modular recursion with weights, gravity in the axes of the body."""
+        s = self.s
+        name, parent = s.field_name(i), s.tree.bodies[i].parent
+        if self.base or name == vec("g"):
+            return []
+        rule = self._carried(s.field_name(parent) if parent >= 0 else vec("g"), i)
+        return [self._worked(name, rule, s.column(s.gravity(i)))]
 
     def _angular(self, i: int) -> list[Equation]:
         s, motion, q = self.s, self.record.motion, self.s.coordinate(i)
@@ -105,7 +163,9 @@ class _Outward:
                 if dots and not s.planar and parent >= 0:
                     own = ex.add(own, self._swing(i))
             rows.append(
-                _worked(s.angular_name("omega", i, dots), ex.add(before, own), s.angular(value))
+                self._worked(
+                    s.angular_name("omega", i, dots), ex.add(before, own), s.angular(value)
+                )
             )
         return rows
 
@@ -135,8 +195,8 @@ class _Outward:
             carried = rule if s.planar or rule == ex.ZERO else self._carried(rule, i)
             if s.slides(i):
                 carried = ex.add(carried, *self._slid(i, dots))
-            rows.append(_worked(s.name("v", i, dots), carried, s.column(s.axes(i, value))))
-        return rows
+            rows.append(self._worked(s.name("v", i, dots), carried, s.column(s.axes(i, value))))
+        return rows if self.velocities else rows[1:]
 
     def _slid(self, i: int, dots: str) -> list[Expression]:
         """What a slide adds: its rate, or its acceleration and Coriolis' term."""
@@ -154,15 +214,16 @@ class _Outward:
         name = s.angular_name("omega", i, dots)
         return ex.mul(name, vec("z")) if s.planar else name
 
-    def _centre(self, i: int) -> tuple[Equation, Equation]:
+    def _centre(self, i: int) -> list[Equation]:
         s = self.s
         w, wd, c = self._omega(i, ""), self._omega(i, "_d"), s.centre_name(i)
         speed = ex.add(s.name("v", i), ex.cross(w, c))
         change = ex.add(s.name("v", i, "_d"), ex.cross(wd, c), ex.cross(w, ex.cross(w, c)))
-        return (
-            _worked(s.name("vc", i), speed, s.column(s.centre_velocity(i))),
-            _worked(s.name("vc", i, "_d"), change, s.column(s.axes(i, self.record.vd_com[i][0]))),
-        )
+        second = s.column(s.axes(i, self.record.vd_com[i][0]))
+        found = [self._worked(s.name("vc", i, "_d"), change, second)]
+        if self.velocities:
+            found.insert(0, self._worked(s.name("vc", i), speed, s.column(s.centre_velocity(i))))
+        return found
 
 
 _PLANAR = {
@@ -175,11 +236,6 @@ _SPATIAL = {
 }
 
 
-def _worked(name: Expression, rule: Expression, value: Expression) -> Equation:
-    """name = rule = value; a rule that adds up to nothing is left out."""
-    return ex.chain(name, value) if rule == ex.ZERO else ex.chain(name, rule, value)
-
-
 METHOD = Method(
     "recursive",
     "The recursive method of Newton and Euler",
@@ -189,5 +245,11 @@ METHOD = Method(
     aliases=("recursive-newton-euler",),
     options=(
         MethodOption("gravity", GRAVITIES, "gravity as acceleration of the base, or as weights"),
+        MethodOption(
+            "values",
+            ("full", "modular"),
+            "written out in the joints' coordinates as long as they can be read, or each line by "
+            "those before",
+        ),
     ),
 )

@@ -11,8 +11,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from freebody.algorithms.kinematics import BodyMotions, Pose, outward, world_poses
-from freebody.algorithms.rnea import Recursion, rnea
+from freebody.algorithms.kinematics import (
+    BodyMotions,
+    Pose,
+    joint_poses,
+    outward,
+    world_poses,
+)
+from freebody.algorithms.rnea import External, Recursion, rnea
 from freebody.derivations.equations.equations import Equations
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression
@@ -78,14 +84,17 @@ class Setting:
         return (still, still) if self.at_rest else (self.symbols.qd, self.symbols.qdd)
 
     def recursion(self, gravity: str) -> Recursion:
-        """One run of the recursion, the load in the axes of the tip's body; gravity: "base" or
-        "explicit"."""
-        load = ()
-        if self.load:
-            body, _, p = self.tip_frame
-            force = times(transposed(self.world[body][0]), self.load_components)
-            load = ((body, force, self.tree.space.moment(p, force)),)
-        return rnea(self.tree, self.symbols.q, *self._rates, load, gravity)
+        """One run of the recursion; gravity: "base" or "explicit"."""
+        return rnea(self.tree, self.symbols.q, *self._rates, self.tip_load(), gravity)
+
+    def tip_load(self) -> tuple[External, ...]:
+        """The load in the axes of the tip's body, as the recursion takes it."""
+        if not self.load:
+            return ()
+        body, _, p = self.tip_frame
+        world = world_poses(self.tree, joint_poses(self.tree, self.symbols.q))
+        force = times(transposed(world[body][0]), self.load_components)
+        return ((body, force, self.tree.space.moment(p, force)),)
 
     @cached_property
     def world(self) -> list[Pose]:
@@ -256,6 +265,10 @@ class Setting:
     def inertia(self, i: int) -> Scalar:
         """Inertia of body i about its centre of mass."""
         return self._mass(i).inertia
+
+    def field_name(self, i: int) -> Expression:
+        """Gravity as it acts on body i."""
+        return vec("g")
 
     def needed(self, i: int) -> Expression:
         """m (v̇_c - g) of body i: what all other forces on it must add up to."""

@@ -95,8 +95,9 @@ class Layout:
         """Accelerations, squares of velocities, products, none, single velocities, signs,
         components of loads."""
         names = [n for n, e in rates for _ in range(e)]
-        if names and names[0] in self.symbols.extra:
-            return 6, [self.symbols.extra.index(n) for n in names]
+        extra = self.symbols.extra
+        if any(n in extra for n in names):
+            return 6, [extra.index(n) if n in extra else -1 for n in names]
         order = [self.symbols.coordinates.index(re.sub(r"^sgn_|_dd?$", "", n)) for n in names]
         if not names:
             kind = 3

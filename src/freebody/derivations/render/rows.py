@@ -53,16 +53,16 @@ def unfolded(equation: Equation, width: float, measure: Measure) -> list[Equatio
 def _entries(name: Symbol, array: Vector | Matrix) -> list[Equation]:
     if isinstance(array, Matrix):
         return [
-            eq(_part(name, f"{i}{j}"), x)
+            eq(part(name, f"{i}{j}"), x)
             for i, row in enumerate(array.rows, 1)
             for j, x in enumerate(row, 1)
         ]
     labels = "xyz" if len(array.entries) <= 3 else map(str, range(1, len(array.entries) + 1))
-    return [eq(_part(name, label), x) for label, x in zip(labels, array.entries, strict=False)]
+    return [eq(part(name, label), x) for label, x in zip(labels, array.entries, strict=False)]
 
 
-def _part(name: Symbol, label: str) -> Symbol:
-    """The symbol of an entry: v of c2 becomes v of c2, x."""
+def part(name: Symbol, label: str) -> Symbol:
+    """The symbol of an entry of an array: v of c2 becomes v of c2, x."""
     return Symbol(
         f"{name.name}_{label}", name.letter, (*name.low, label), name.dots, high=name.high
     )
