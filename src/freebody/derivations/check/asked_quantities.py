@@ -3,9 +3,11 @@ right values."""
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 from freebody.derivations.check.right_equations import RightEquations
@@ -51,6 +53,7 @@ _TITLES = {
     "0": "which nothing drives",
     "M": "entry {}, {} of the mass matrix",
     "C": "entry {}, {} of the Coriolis matrix of Christoffel symbols",
+    "christoffel": "the Christoffel symbol of the mass matrix of row {}, column {} and rate {}",
     "c": "the velocity term of {joint}",
     "g": "the gravity term of {joint}",
     "J": "entry {}, {} of the tip's Jacobian",
@@ -130,6 +133,7 @@ class Targets:
         found |= self._vectors
         if self._tip is not None:
             found["J"] = [[self.single[f"J{i}{j}"] for j in n] for i in self._rows]
+            found["JP"] = found["J"][: self.setting.symbols.model.dim]
         return found
 
     @cached_property
@@ -159,6 +163,7 @@ class Targets:
                         ["M", "H", "m", "D"] if alone and family == "M" else []
                     )
                     yield tuple(names), AskedQuantity(family, (i, j), self._entry(family, i, j))
+        yield from self._christoffel()
         yield from self._energies()
         yield from self._entries_of_bodies()
         if self._tip is not None:
@@ -186,6 +191,26 @@ class Targets:
             for i in index:
                 found = found[i - 1]
             return self.setting.element(found)
+
+        return value
+
+    def _christoffel(self) -> Iterator[tuple[tuple[str, ...], AskedQuantity]]:
+        """Spong's c_ijk, of which C_kj is the sum over i of c_ijk q̇_i, and Γ_ijk of Murray, Li and
+        Sastry, of which C_ij is the sum over k of Γ_ijk q̇_k: Γ_kji = c_ijk."""
+        n = range(1, self.count + 1)
+        for i, j, k in itertools.product(n, repeat=3):
+            value = self._symbol_of_christoffel(i - 1, j - 1, k - 1)
+            target = AskedQuantity("christoffel", (k, j, i), value)
+            yield (f"c{i}{j}{k}", f"Gamma{k}{j}{i}"), target
+
+    def _symbol_of_christoffel(self, i: int, j: int, k: int) -> Callable[[], Trig]:
+        def value() -> Trig:
+            M, ring = self.setting.all_of("M"), self.setting.ring
+            q = self.setting.symbols.coordinates
+            m = {x: self.setting.element(M[x[0]][x[1]]) for x in ((k, j), (k, i), (i, j))}
+            half = ring.polynomial([({}, Fraction(1, 2))])
+            slopes = m[k, j].derivative(q[i]) + m[k, i].derivative(q[j]) - m[i, j].derivative(q[k])
+            return slopes * half
 
         return value
 

@@ -18,14 +18,16 @@ from freebody.derivations.check.documents.answer_document import AnswerDocument,
 from freebody.derivations.check.exact_polynomials import PolynomialReader
 from freebody.derivations.check.reading import AnswerParser
 from freebody.derivations.check.right_equations import FAMILIES, RightEquations
+from freebody.derivations.check.tables_in_formulas import worked_out
 from freebody.derivations.check.units import is_of_another_kind
 from freebody.derivations.check.verdict import UnreadEquation
 from freebody.derivations.check.vocabulary import Vocabulary, spellings
+from freebody.derivations.expressions.evaluate import NoValue
 from freebody.derivations.expressions.nodes import Expression, Matrix, Negative, Sum
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import Token, tokens
 from freebody.derivations.grammar.parser import around
-from freebody.derivations.grammar.source import Source
+from freebody.derivations.grammar.source import Source, Span
 from freebody.errors import FreebodyError, listed
 from freebody.scalars.trig import Trig
 
@@ -204,9 +206,30 @@ class _ClaimReader:
 
     def parse(self, side: Sequence[Token]) -> Expression:
         """A side as tree."""
-        return AnswerParser(
-            self.source, side, self.vocabulary, self._quantity, self.targets.single
-        ).side()
+        parser = AnswerParser(
+            self.source, side, self.vocabulary, self._quantity, self.targets.single, self._table
+        )
+        node = parser.side()
+        try:
+            return worked_out(node, parser.others)
+        except NoValue as problem:
+            self.source.fail(problem.problem, (problem.node or node).span)
+
+    def _table(self, name: str, span: Span) -> Matrix | None:
+        """The entries of a vector or matrix, each with its name."""
+        ring, symbols = self.setting.ring, self.vocabulary.vectors.get(name)
+        if symbols is not None:
+            return Matrix(tuple((Named(x, ring[x], span=span),) for x in symbols), span=span)
+        table = self.targets.tables.get("v" if name == "V" else name)
+        if table is None:
+            return None
+        return Matrix(
+            tuple(
+                tuple(Named(_entry_label(name, x), self._value_of(x), span=span) for x in row)
+                for row in table
+            ),
+            span=span,
+        )
 
     def value(self, node: Expression) -> Trig:
         """A tree as polynomial."""
@@ -217,7 +240,9 @@ class _ClaimReader:
             return self.replaced[name]
         if name not in self.targets.single:
             return None
-        target = self.targets.single[name]
+        return self._value_of(self.targets.single[name])
+
+    def _value_of(self, target: AskedQuantity) -> Trig:
         return self.setting.zero if target.idle else target.compute()
 
     def _claim(self, label: str, target: AskedQuantity, node: Expression) -> Claim:
@@ -305,18 +330,36 @@ class _ClaimReader:
                 found += self._pairs(subject, node)
         return found
 
-    def _subject(self, side: Sequence[Token]) -> Token | Named | None:
-        """The quantity, or the derivative of one, that a side is, if it is one alone."""
+    def _subject(self, side: Sequence[Token]) -> Token | Named | Matrix | None:
+        """The quantity, the derivative of one, or the vector or matrix of quantities that a side
+        is, if it is one alone."""
         if len(side) == 1 and side[0].kind == "name" and side[0].text in self.targets.names:
             return side[0]
-        node = self.parse(side) if side[0].kind == "partial" else None
-        return node if isinstance(node, Named) and node.is_derivative else None
+        first = side[0]
+        if first.kind != "partial" and not self._is_matrix(side):
+            return None
+        node = self.parse(side)
+        if isinstance(node, Matrix):
+            return node if all(self._is_quantity(x) for row in node.rows for x in row) else None
+        return node if isinstance(node, Named) and self._is_quantity(node) else None
 
-    def _pairs(self, name: Token | Named, node: Expression) -> list[Claim]:
+    def _is_quantity(self, node: Expression) -> bool:
+        """Whether a node is a quantity by name, or a derivative."""
+        if not isinstance(node, Named):
+            return False
+        return node.is_derivative or (
+            node.name in self.targets.single and node.name not in self.vocabulary.symbols
+        )
+
+    def _pairs(self, name: Token | Named | Matrix, node: Expression) -> list[Claim]:
         """The claims of name = node, entry by entry where it is a vector or matrix."""
         label = self.source[name.span]
+        if isinstance(name, Matrix):
+            return self._entry_by_entry(name, node)
         if isinstance(name, Named):
-            return [self._claim(label, AskedQuantity("derivative", (), lambda: name.value), node)]
+            derivative = AskedQuantity("derivative", (), lambda: name.value)
+            asked = derivative if name.is_derivative else self.targets.single[name.name]
+            return [self._claim(label, asked, node)]
         single, table = self.targets.single.get(name.text), self.targets.tables.get(name.text)
         if not isinstance(node, Matrix):
             if single is None:
@@ -329,6 +372,23 @@ class _ClaimReader:
         if table is None and single is not None:
             table = [[single]]
         return self._entries(label, node, table or [])
+
+    def _entry_by_entry(self, named: Matrix, node: Expression) -> list[Claim]:
+        """The claims of [τ1; τ2] = node."""
+        if not isinstance(node, Matrix) or [len(x) for x in node.rows] != [
+            len(x) for x in named.rows
+        ]:
+            self.source.fail(
+                "the sides of this equation have not as many entries as each other", named.span
+            )
+        pairs = zip(named.rows, node.rows, strict=True)
+        return [
+            claim
+            for names, row in pairs
+            for name, x in zip(names, row, strict=True)
+            if isinstance(name, Named)
+            for claim in self._pairs(name, x)
+        ]
 
     def _entries(self, label: str, node: Matrix, table: list[list[AskedQuantity]]) -> list[Claim]:
         rows = [list(row) for row in node.rows]

@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 from freebody.derivations.expressions.printed_names import GREEK
 
+TRANSPOSED = "ᵀ"
 FILL = "\x1f"
 """A blank behind what is shorter here than it was written."""
 
@@ -20,8 +21,7 @@ _STATE = (
 )
 _ARGUMENTS = re.compile(
     rf"(?<![\w\\])((?:[A-Za-z]|\\?tau|τ|\\?phi|\\?Gamma|J_P|J_\{{P\}}){_S})"
-    rf"(\({_S}{_STATE}(?:{_S},{_S}{_STATE})*{_S}\))(?={_S}&?{_S}(?:=|$))",
-    re.MULTILINE,
+    rf"(\({_S}{_STATE}(?:{_S},{_S}{_STATE})*{_S}\))"
 )
 """A quantity and what it depends on: M(q), C(q, q̇)."""
 _DETERMINANT = re.compile(
@@ -61,12 +61,31 @@ _BY_TIME_OF = re.compile(
 _OF_TIME = re.compile(rf"((?<=[\w}}])){_S}\{{{_S}\\left{_S}\({_S}t{_S}\\right{_S}\){_S}\}}")
 """The argument of a function of time, as SymPy sets it in LaTeX."""
 
+_TRANSPOSE = re.compile(
+    rf"\^{_S}(?:T(?!\w)|\\(?:top|intercal)(?![A-Za-z])|\{{{_S}(?:T|\\top|\\intercal|\\math(?:rm|sf|bf)"
+    rf"{_S}\{{T\}}){_S}\}})"
+)
+"""J^T."""
+
 
 def respelt(text: str) -> str:
     """A text with each formula that has another spelling here in that, filled up."""
     for pattern, rule in _SPELLINGS:
         text = pattern.sub(lambda match, rule=rule: rule(match).ljust(len(match[0]), FILL), text)
     return text
+
+
+def _alone(match: re.Match[str]) -> str:
+    """A quantity without its arguments. A small letter behind another factor, as in m g(q), may be
+    a factor too, unless an equals sign or the end of the line follows, or a comma says it."""
+    before = match.string[max(0, match.start() - 40) : match.start()].rstrip(" &")[-1:]
+    behind = match.string[match.end() : match.end() + 40].lstrip(" &")[:1]
+    quantity = match[1].strip()
+    single = len(quantity) > 1 or quantity in "MHDBCVGJNK" or "," in match[2]
+    alone = before in ("", "\n", *"=+-−([{,;") or behind in ("=", "\n", "")
+    if not (single or alone):
+        return match[0]
+    return match[1].ljust(len(match[0]))  # a label goes without them
 
 
 def _dotted(match: re.Match[str]) -> str:
@@ -80,12 +99,13 @@ def _plain_rate(match: re.Match[str]) -> str:
 
 
 _SPELLINGS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
+    (_TRANSPOSE, lambda match: TRANSPOSED),
     (_OF_TIME, lambda match: match[1]),
     (_RATE, _dotted),
     (_RATE_OF, _dotted),
     (_PLAIN_RATE, _plain_rate),
     (_PARTIAL, lambda match: f"∂{match['of']}/∂{match['by']}"),
     (_BY_TIME_OF, lambda match: "∂/∂t"),
-    (_ARGUMENTS, lambda match: match[1].ljust(len(match[0]))),  # a label goes without them
+    (_ARGUMENTS, _alone),
     (_DETERMINANT, lambda match: "detJ"),
 )

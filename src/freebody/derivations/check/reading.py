@@ -11,7 +11,15 @@ from freebody.derivations.check.asked_quantities import AskedQuantity
 from freebody.derivations.check.circular_answers import uses
 from freebody.derivations.check.exact_polynomials import LARGEST_EXPONENT, PolynomialReader
 from freebody.derivations.check.vocabulary import Vocabulary
-from freebody.derivations.expressions.nodes import Expression, Number, Power
+from freebody.derivations.expressions.nodes import (
+    Cross,
+    Expression,
+    Matrix,
+    Number,
+    Power,
+    Span,
+    nodes,
+)
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.parser import PI, Parser, around, product_of
 from freebody.derivations.grammar.source import Source
@@ -21,8 +29,10 @@ from freebody.scalars.trig import Trig
 
 class AnswerParser(Parser):
     """Reads one side of an equation. `quantity(name)` gives the right value of τ1, H12, … where one
-    stands for it; `quantities` are what these names stand for."""
+    stands for it; `quantities` are what these names stand for, `tables` the vectors and
+    matrices."""
 
+    tables_anywhere = True
     largest_exponent = LARGEST_EXPONENT
     negative_powers = "negative powers do not occur in these equations"
 
@@ -33,21 +43,42 @@ class AnswerParser(Parser):
         vocabulary: Vocabulary,
         quantity: Callable[[str], Trig | None],
         quantities: Mapping[str, AskedQuantity] = MappingProxyType({}),
+        tables: Callable[[str, Span], Matrix | None] = lambda name, span: None,
     ):
         super().__init__(source, tokens)
+        self.tables = tables
+        self.others: dict[Expression, Matrix] = {}
+        """The vectors and matrices that names of scalars also stand for."""
         self.vocabulary, self.quantity = vocabulary, quantity
         self.quantities = quantities
         self.reader = PolynomialReader(source, vocabulary.setting.ring)
 
     def primary(self) -> Expression:
-        """Also ∂L/∂θ̇1, and d/dt in front of a bracket, name or derivative."""
+        """Also ∂L/∂θ̇1, d/dt in front of a bracket, name or derivative, and vectors and matrices."""
+        if self.token.kind == "begin" or self._is_list():
+            return self.table()
         if self.token.kind != "partial":
-            return super().primary()
+            return self.bracket() if self.token.kind == "open" else super().primary()
         first = self.take()
         self._deeper(first)
         node = self._differentiated(first.start)
         self.depth -= 1
         return node
+
+    def _is_list(self) -> bool:
+        """Whether a bracket [ holds entries, [a, b] or [[a, b], [c, d]]."""
+        depth = 0
+        for k in range(len(self.tokens) - self.at if self.token.text == "[" else 0):
+            token = self.ahead(k)
+            depth += {"open": 1, "begin": 1, "close": -1, "end": -1}.get(token.kind, 0)
+            if depth == 0:
+                return self.ahead(1).text == "[" and token.text == "]" and self._is_closed(k - 1)
+            if depth == 1 and (token.kind in ("comma", "row") or token.text == ";"):
+                return True
+        return False
+
+    def _is_closed(self, k: int) -> bool:
+        return self.ahead(k).text == "]"
 
     def _differentiated(self, start: int) -> Expression:
         of = None if self.is_operator("/") else self._operand()
@@ -102,8 +133,9 @@ class AnswerParser(Parser):
             self.at += 3
         span = self.since(token.start)
         vocabulary = self.vocabulary
+        table = self.tables(name, span)
         if name in vocabulary.symbols:
-            return Named(name, vocabulary.symbols[name], span=span)
+            return self._also(Named(name, vocabulary.symbols[name], span=span), table)
         if name in vocabulary.waves:
             return Wave(*vocabulary.waves[name], span=span)
         if name == "pi":
@@ -111,12 +143,32 @@ class AnswerParser(Parser):
         if name == "t":
             self.source.fail("the time t does not occur in these equations", token.span)
         value = self.quantity(name)
-        if not isinstance(value, Trig):
-            self.source.fail(
-                f"{self.source[token.span]} is a vector or matrix, which cannot stand in a product",
-                token.span,
-            )
-        return Named(name, value, span=span)
+        if isinstance(value, Trig):
+            return self._also(Named(name, value, span=span), table)
+        if table is None:
+            self.source.fail(f"{self.source[token.span]} has no value here", token.span)
+        return table
+
+    def _also(self, node: Named, table: Matrix | None) -> Named:
+        """A name that may stand for a vector or matrix too."""
+        if table is not None:
+            self.others[node] = table
+        return node
+
+    def multiplied(
+        self, factors: list[Expression], sign: Token, factor: Expression
+    ) -> list[Expression]:
+        """A × between vectors is the cross product."""
+        left = product_of(factors)
+        written = self.source.text[sign.start : sign.end]
+        if written in ("×", "\\times") and (
+            self._is_table_like(left) or self._is_table_like(factor)
+        ):
+            return [Cross(left, factor, span=around(left, factor))]
+        return [*factors, factor]
+
+    def _is_table_like(self, node: Expression) -> bool:
+        return any(isinstance(x, Matrix | Cross) or x in self.others for x in nodes(node))
 
     def _function(self, token: Token) -> str:
         return self.vocabulary.functions[token.text]
@@ -128,7 +180,10 @@ class AnswerParser(Parser):
         if function == "Derivative":
             return self._derivative(token)
         if function == "Matrix":
-            self.source.fail("a matrix must be a whole side of the equation", token.span)
+            self.at -= 1
+            return self.table()
+        if function == "cross":
+            return self._cross(token)
         exponent = self.exponent() if self.token.kind == "power" or self.is_operator("^") else 1
         argument = self._argument(token)
         span = self.since(token.start)
@@ -181,6 +236,14 @@ class AnswerParser(Parser):
             and self.source[argument.span].isdigit()
             and self.token.kind not in ("degree", "name")
         )
+
+    def _cross(self, token: Token) -> Expression:
+        """cross(a, b)."""
+        self.expect("open", "'('")
+        left = self.expression()
+        self.expect("comma", "','")
+        right = self.expression()
+        return Cross(left, right, span=(token.start, self.expect("close", "')'").end))
 
     def _sign(self, argument: Expression) -> Trig:
         try:

@@ -26,6 +26,7 @@ FUNCTIONS = {
     "sin": "sin", "Sin": "sin", "SIN": "sin", "cos": "cos", "Cos": "cos", "COS": "cos",
     "sgn": "sgn", "sign": "sgn",
     "Derivative": "Derivative", "diff": "Derivative", "Matrix": "Matrix", "array": "Matrix",
+    "cross": "cross",
 }  # fmt: skip
 _NOT_POLYNOMIAL = word_set("tan cot sqrt exp log ln arctan atan atan2 asin acos arcsin arccos")
 _SYNONYMS = {
@@ -47,6 +48,8 @@ class Vocabulary:
     symbols: dict[str, Trig] = field(default_factory=dict)
     waves: dict[str, tuple[str, Angle]] = field(default_factory=dict)
     """c12, s12: the function and the angle."""
+    vectors: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    """q, q̇ and q̈ of robots with several joints: the names of their entries."""
     functions: dict[str, str] = field(default_factory=lambda: dict(FUNCTIONS))
     uses: dict[str, tuple[AskedQuantity, ...]] = field(default_factory=dict)
     """Quantities that names of the user's own are given by."""
@@ -59,17 +62,27 @@ class Vocabulary:
             if name not in self.symbols:
                 self.waves[name] = wave
 
+        names = self.setting.symbols.coordinates
+        for dots, ending in enumerate(("", RATE, SECOND) if len(names) > 1 else ()):
+            for letter in ("q", "theta", "Theta"):
+                for spelling in spellings(letter, "", dots):
+                    if spelling not in (*self.symbols, *self.waves):
+                        self.vectors[spelling] = tuple(x + ending for x in names)
+
     @property
     def known(self) -> frozenset[str]:
         """All names but functions."""
         if self._known is None:
-            self._known = frozenset([*self.symbols, *self.waves, *self.quantities, "t", "pi"])
+            self._known = frozenset(
+                [*self.symbols, *self.waves, *self.quantities, *self.vectors, "t", "pi"]
+            )
         return self._known
 
     def define(self, plain: str, value: Trig, uses: tuple[AskedQuantity, ...] = ()) -> None:
         """A name of the user's own, and the quantities that it is given by; it goes before all
         others."""
         self.symbols[plain], self.uses[plain] = value, uses
+        self.vectors.pop(plain, None)
         self.waves.pop(plain, None)
         self.functions.pop(plain, None)
         self._known = None

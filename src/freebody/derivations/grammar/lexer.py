@@ -15,8 +15,8 @@ from freebody.derivations.grammar.source import Source, Span
 
 @dataclass(frozen=True)
 class Token:
-    """kind: number name function power operator open close fraction partial comma equals line amp
-    row begin end stop."""
+    """kind: number name function power operator open close fraction partial transpose comma equals
+    line amp row begin end stop."""
 
     kind: str
     text: str
@@ -131,8 +131,8 @@ def _mark(source: Source, at: int) -> Token:
         return Token("open", c, at, at + 1)
     if c in _CLOSING:
         return Token("close", c, at, at + 1)
-    if c == "∂":
-        return Token("partial", c, at, at + 1)
+    if c in "∂ᵀ":
+        return Token("partial" if c == "∂" else "transpose", c, at, at + 1)
     if c in "=,&°":
         size = 2 if text[at : at + 2] == "==" else 1
         return Token({"=": "equals", ",": "comma", "&": "amp", "°": "degree"}[c], c, at, at + size)

@@ -19,6 +19,7 @@ from freebody.derivations.expressions.nodes import (
     Product,
     Quotient,
     Sum,
+    Transposed,
 )
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.source import Source, Span
@@ -186,8 +187,8 @@ class Parser(ABC):
         while True:
             token = self.token
             if self.is_operator("*"):
-                self.take()
-                factors.append(self._signed(self.factor))
+                sign = self.take()
+                factors = self.multiplied(factors, sign, self._signed(self.factor))
             elif self.is_operator("/"):
                 self.take()
                 above, below = product_of(factors), self._signed(self.factor)
@@ -220,6 +221,8 @@ class Parser(ABC):
                 node = (
                     replace(node, span=span) if exponent == 1 else Power(node, exponent, span=span)
                 )
+            elif self.token.kind == "transpose":
+                node = Transposed(node, span=(node.span[0], self.take().end))
             elif self.token.kind == "degree":
                 span = (node.span[0], self.take().end)
                 node = Product((node, Number(PI / 180, span=span)), span=span)
@@ -313,6 +316,12 @@ class Parser(ABC):
     @abstractmethod
     def call(self) -> Expression:
         """The function that comes next, with its argument."""
+
+    def multiplied(
+        self, factors: list[Expression], sign: Token, factor: Expression
+    ) -> list[Expression]:
+        """The factors of a product with one more behind its sign."""
+        return [*factors, factor]
 
     def quotient(self, above: Expression, below: Expression) -> Expression:
         """A fraction."""

@@ -22,11 +22,13 @@ _LETTERS = {letter: name for name, letter in GREEK.items()} | {
     "ϕ": "phi",
     "λ": "lam",
     "ɡ": "g",
+    "Θ": "Theta",
 }
 _COMMANDS = {name: name for name in GREEK} | {
     "lambda": "lam",
     "vartheta": "theta",
     "varphi": "phi",
+    "Theta": "Theta",
     "ell": "l",
 }
 _FONTS = word_set("mathrm mathit mathbf mathsf boldsymbol bm text operatorname textrm rm")
