@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from freebody.derivations.check.body_quantities import BODY_QUANTITIES, BodyQuantity, numbers
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.vocabulary import spellings
 from freebody.derivations.equations.kinematics import Kinematics
@@ -41,11 +42,13 @@ class AskedQuantity:
     """The joint that it belongs to, in words."""
     axis: str = ""
     """Of a body's vector: x, y or z."""
+    words: str = ""
+    """What it is, where its family alone does not tell."""
 
     @property
     def title(self) -> str:
         """What it is, in words."""
-        return _TITLES[self.family].format(*self.index, joint=self.joint)
+        return self.words or _TITLES[self.family].format(*self.index, joint=self.joint)
 
 
 _TITLES = {
@@ -67,12 +70,6 @@ _TITLES = {
     "tip_d": "a velocity of the tip",
     "tip_dd": "an acceleration of the tip",
     "det": "the determinant of the tip's Jacobian",
-    "omega": "the angular velocity of body {}",
-    "omega_d": "the angular acceleration of body {}",
-    "vc": "the velocity of the centre of mass of body {}",
-    "vc_d": "the acceleration of the centre of mass of body {}",
-    "rc": "the centre of mass of body {}",
-    "f": "the force on body {} at its joint",
     "derivative": "a derivative of the robot's quantities",
 }
 _LETTERS = {
@@ -133,6 +130,7 @@ class Targets:
         found |= self._vectors
         if self._tip is not None:
             found["J"] = [[self.single[f"J{i}{j}"] for j in n] for i in self._rows]
+            found |= self._tip_vectors(self._tip)
             found["JP"] = found["J"][: self.setting.symbols.model.dim]
         return found
 
@@ -254,36 +252,63 @@ class Targets:
         tree = self.setting.equations.symbols.tree
         if tree.follows or branches(tree):
             return {}
-        found = {}
+        dim = self.setting.symbols.model.dim
+        found = {"gravity": self._constants("the gravitational acceleration", tree.gravity)}
+        found["z"] = self._constants("the world's z axis", (0.0, 0.0, 1.0))
         for n in range(1, len(tree.bodies) + 1):
-            for family, known, names in (
-                ("omega", f"omega{n}", (f"omega{n}",)),
-                ("omega_d", f"omega{n}_d", spellings("omega", str(n), 1)),
-                ("vc", f"vc{n}", (f"vc{n}", f"vG{n}")),
-                ("vc_d", f"vc{n}_d", (*spellings("vc", str(n), 1), f"ac{n}", f"aG{n}")),
-                ("rc", f"rc{n}", (f"rc{n}", f"rG{n}", f"pc{n}")),
-                ("f", f"f{n - 1}{n}", (f"f{n - 1}{n}", f"F{n - 1}{n}")),
-            ):
-                if "c" in known and len(tree.bodies[tree.body_of[n - 1]].masses) > 1:
-                    continue  # a fraction, for which the model has no symbol
-                scalar = family.startswith("omega") and self.setting.is_planar
-                size = self.setting.symbols.model.dim
-                column = [
-                    [AskedQuantity(family, (n,), self._part(n, known, k), axis=axis)]
-                    for k, axis in ([(None, "")] if scalar else enumerate("xyz"[:size]))
-                ]
-                found |= dict.fromkeys(names, column)
+            for record in BODY_QUANTITIES:
+                whole = len(tree.bodies[tree.body_of[n - 1]].masses) < 2
+                if record.exists(n, len(tree.bodies), dim) and (whole or not record.of_centre):
+                    table = self._table_of(record, n, dim)
+                    found |= dict.fromkeys(
+                        (name for name in record.spelt(n) if name not in found), table
+                    )
         return found
 
-    def _entries_of_bodies(self) -> Iterator[tuple[tuple[str, ...], AskedQuantity]]:
-        for name, column in self._vectors.items():
-            for (entry,) in column:
-                yield (name + entry.axis,), entry
+    def _constants(self, words: str, vector: Sequence[Any]) -> list[list[AskedQuantity]]:
+        element = self.setting.equations.symbols.element
+        values = [self._element(lambda x=x: element(x)) for x in vector]
+        return [
+            [AskedQuantity("of body", (), value, axis=axis, words=words)]
+            for axis, value in zip("xyz", values, strict=False)
+        ]
 
-    def _part(self, n: int, name: str, k: int | None) -> Callable[[], Trig]:
+    def _table_of(self, record: BodyQuantity, n: int, dim: int) -> list[list[AskedQuantity]]:
+        """The entries of one quantity of body n."""
+        known, words = record.known.format(**numbers(n)), record.title.format(n=n)
+
+        def entry(*at: int, axis: str = "") -> AskedQuantity:
+            index = (n,) if axis or not at else tuple(k + 1 for k in at)
+            return AskedQuantity(
+                "of body", index, self._part(n, known, *at), axis=axis, words=words
+            )
+
+        if record.turns:
+            return [[entry(i, j) for j in range(3)] for i in range(3)]
+        axes = record.axes(dim)
+        return [[entry(k, axis=axis)] for k, axis in enumerate(axes)] if axes else [[entry()]]
+
+    @cached_property
+    def soft(self) -> frozenset[str]:
+        """Names of vectors of bodies that users often give to things of their own."""
+        n = range(1, self.count + 1)
+        return frozenset(
+            name for record in BODY_QUANTITIES if record.soft for i in n for name in record.spelt(i)
+        )
+
+    def _entries_of_bodies(self) -> Iterator[tuple[tuple[str, ...], AskedQuantity]]:
+        for name, table in self._vectors.items():
+            for row in table:
+                for entry in row:
+                    if entry.axis or len(table) == 1:
+                        yield (name + entry.axis,), entry
+
+    def _part(self, n: int, name: str, *at: int) -> Callable[[], Trig]:
         def value() -> Trig:
             found = self._bodies[n - 1][name]
-            return self.setting.element(found if k is None else found[k])
+            for k in at:
+                found = found[k]
+            return self.setting.element(self.setting.equations.symbols.element(found))
 
         return value
 
@@ -292,6 +317,30 @@ class Targets:
     def _tip(self) -> Kinematics | None:
         symbols = self.setting.equations.symbols
         return None if symbols.model.tip is None else Kinematics(symbols, symbols.model.tip)
+
+    def _tip_vectors(self, tip: Kinematics) -> dict[str, list[list[AskedQuantity]]]:
+        """r, ṙ, r̈ and J̇, whose rows are those of the position."""
+        dim = self.setting.symbols.model.dim
+        found: dict[str, list[list[AskedQuantity]]] = {}
+        for dots, vector, words in (
+            (0, "position", "the position of the tip"),
+            (1, "velocity", "the velocity of the tip"),
+            (2, "acceleration", "the acceleration of the tip"),
+        ):
+            column = []
+            for k in range(dim):
+                value = self._element(lambda k=k, x=vector: getattr(tip, x)[k])
+                column.append([AskedQuantity("tip", (), value, axis="xyz"[k], words=words)])
+            found |= dict.fromkeys(spellings("r", "", dots), column)
+        rows = []
+        for i in range(dim):
+            row = []
+            for j in range(self.count):
+                value = self._element(lambda i=i, j=j: self.setting.forces(tip.J_dot[i])[j])
+                words = f"entry {i + 1}, {j + 1} of the rate of the tip's Jacobian"
+                row.append(AskedQuantity("J_d", (i + 1, j + 1), value, words=words))
+            rows.append(row)
+        return found | dict.fromkeys(spellings("J", "", 1), rows)
 
     @property
     def _rows(self) -> range:

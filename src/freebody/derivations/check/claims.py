@@ -262,6 +262,7 @@ class _ClaimReader:
             name in self.targets.names
             and not self._is_own_h(name, line, lines)
             and not self._is_own_number(name, line, lines)
+            and not self._is_own_scalar(name, line)
         ):
             return []
         if name in self.vocabulary.waves or name in self.setting.zeros or not self._is_free(name):
@@ -286,7 +287,8 @@ class _ClaimReader:
         """Whether a letter that some books have for one of the quantities stands for something of
         the user's own: one number for a matrix or vector, or what other lines use and has other
         units."""
-        if re.sub(r"\d+$", "", name) not in AMBIGUOUS or self._is_matrix(line[1]):
+        letter = re.sub(r"\d+$", "", name)
+        if not (letter in AMBIGUOUS or name in self.targets.soft) or self._is_matrix(line[1]):
             return False
         target = self.targets.single.get(name)
         if target is None:
@@ -294,6 +296,12 @@ class _ClaimReader:
         return self._is_used(name, line, lines) and is_of_another_kind(
             self.setting, self.value(self.parse(line[1])), target.compute()
         )
+
+    def _is_own_scalar(self, name: str, line: Line) -> bool:
+        """Whether a name of a body's vector is given to one number."""
+        if name not in self.targets.soft or name in self.targets.single:
+            return False
+        return not isinstance(self.parse(line[1]), Matrix)
 
     def _is_matrix(self, side: Sequence[Token]) -> bool:
         return side[0].kind == "begin" or side[0].text == "["
@@ -396,6 +404,8 @@ class _ClaimReader:
             rows = [[entry] for entry in rows[0]]  # a vector written as a row
         if label == "J" and len(rows) < len(table):
             table = table[: len(rows)]
+        if [len(row) for row in table] == [1] and len(rows) * len(rows[0]) > 1:
+            self.source.fail(f"{label} is one number, not a vector or matrix", node.span)
         if [len(r) for r in rows] != [len(r) for r in table]:
             size = f"{len(table)} × {len(table[0])}"
             self.source.fail(f"{label} has {size} entries here", node.span)
