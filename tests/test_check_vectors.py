@@ -64,7 +64,8 @@ def test_a_mistake_in_a_vector_is_named_in_its_entry():
         ("tau = tau", "defined by itself"),
         ("M = [[1, 2], [3]] M", "the rows of this matrix are not equally long"),
         ("tau = " + "M " * 40 + "q̈", "too many entries"),
-        ("vc1 = rc1 × ω1", "have no cross product"),
+        ("vc1 = cross(rc1, ω1)", "have no cross product"),
+        ("vc1 = 2 × rc1", "may be a product or the cross product"),
     ],
 )
 def test_vectors_that_do_not_fit_are_refused(answer: str, words: str):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from types import MappingProxyType
@@ -158,17 +159,18 @@ class AnswerParser(Parser):
     def multiplied(
         self, factors: list[Expression], sign: Token, factor: Expression
     ) -> list[Expression]:
-        """A × between vectors is the cross product."""
+        """A × between vectors is the cross product, and so that of an angular velocity and a
+        vector in the plane; between a number and a vector it may be either."""
         left = product_of(factors)
-        written = self.source.text[sign.start : sign.end]
-        if written in ("×", "\\times") and (
-            self._is_table_like(left) or self._is_table_like(factor)
-        ):
-            return [Cross(left, factor, span=around(left, factor))]
-        return [*factors, factor]
-
-    def _is_table_like(self, node: Expression) -> bool:
-        return any(isinstance(x, Matrix | Cross) or x in self.others for x in nodes(node))
+        sides = [any(isinstance(x, Matrix | Cross) for x in nodes(y)) for y in (left, factor)]
+        if self.source.text[sign.start : sign.end] not in ("×", "\\times") or not any(sides):
+            return [*factors, factor]
+        turns = isinstance(left, Named) and re.match(r"˙*(omega|w|alpha|theta|q)", left.name)
+        if not all(sides) and not turns:
+            self.source.fail(
+                "this × may be a product or the cross product", sign.span, "Write * or cross(a, b)."
+            )
+        return [Cross(left, factor, span=around(left, factor))]
 
     def _function(self, token: Token) -> str:
         return self.vocabulary.functions[token.text]
