@@ -68,18 +68,17 @@ class AnswerParser(Parser):
 
     def _is_list(self) -> bool:
         """Whether a bracket [ holds entries, [a, b] or [[a, b], [c, d]]."""
-        depth = 0
-        for k in range(len(self.tokens) - self.at if self.token.text == "[" else 0):
+        if self.token.text != "[":
+            return False
+        depth, rows = 0, 2 if self.ahead(1).text == "[" else 1
+        for k in range(len(self.tokens) - self.at):
             token = self.ahead(k)
             depth += {"open": 1, "begin": 1, "close": -1, "end": -1}.get(token.kind, 0)
             if depth == 0:
-                return self.ahead(1).text == "[" and token.text == "]" and self._is_closed(k - 1)
-            if depth == 1 and (token.kind in ("comma", "row") or token.text == ";"):
+                return False
+            if depth <= rows and (token.kind in ("comma", "row") or token.text == ";"):
                 return True
         return False
-
-    def _is_closed(self, k: int) -> bool:
-        return self.ahead(k).text == "]"
 
     def _differentiated(self, start: int) -> Expression:
         of = None if self.is_operator("/") else self._operand()
