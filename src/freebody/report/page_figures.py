@@ -15,6 +15,8 @@ from freebody.figures.robot import robot_drawing
 from freebody.figures.snapshot import snapshot
 from freebody.figures.svg import picture
 from freebody.motion.ranges import ranges as allowed
+from freebody.outputs.numbers import significant
+from freebody.report import lifting as lifting_maps
 from freebody.report.tables import shortened
 from freebody.report.variables import PARTS
 
@@ -139,6 +141,25 @@ def gravity(study: Study) -> Iterator[CaptionedDrawing]:
     yield from _overlays(study, "tau_gravity", "Gravity load", "", "effort_unit")
 
 
+def lifting(study: Study) -> Iterator[CaptionedDrawing]:
+    """The largest payload along the motion, and over a plane."""
+    mass = lifting_maps.along(study)
+    if mass is None:
+        return
+    least = int(np.argmin(mass))
+    curve = _plot(study, "Largest payload at rest", {"payload": mass}, "kg", legend=False)
+    words = f"At least {significant(float(mass[least]))} kg, at t = {study.motion.t[least]:.3g} s."
+    yield CaptionedDrawing(curve.svg, words)
+    found = lifting_maps.over_plane(study)
+    if found is not None:
+        drawing, words = found
+        yield CaptionedDrawing(
+            picture(drawing, PANEL, TALLEST).text(css=False),
+            f"In the upright plane of the worst instant, {study.tip} {words}: of all ways to reach "
+            f"a place the best.",
+        )
+
+
 def reactions(study: Study) -> Iterator[CaptionedDrawing]:
     """Magnitude of each joint's reaction."""
     for variable, what, unit in (
@@ -221,5 +242,5 @@ def _plot(
     return CaptionedDrawing(plot(what).text(css=False))
 
 
-PLOTS = (kinematics, gravity, motion, torques, powers, energies, reactions, drift)
+PLOTS = (kinematics, gravity, lifting, motion, torques, powers, energies, reactions, drift)
 """Those of the page, by the names of their functions."""
