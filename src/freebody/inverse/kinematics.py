@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any, Literal
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,7 +20,7 @@ from freebody.inverse.families import of_family
 from freebody.inverse.from_nearby import by_nearby, nearby_form
 from freebody.inverse.many_starts import by_search
 from freebody.inverse.numerical_solver import NumericalSolver
-from freebody.inverse.problem import Found, Problem, nothing
+from freebody.inverse.problem import Found, LimitsChoice, Problem, nothing
 from freebody.inverse.quick_answer import UNCLEAR, remember
 from freebody.inverse.self_motion import by_self_motion
 from freebody.inverse.solutions import Solutions
@@ -29,7 +29,7 @@ from freebody.model.families import FamilyError
 from freebody.model.model import Model
 from freebody.trees.public_calls import Vector, finite_vector
 
-LIMITS = ("mark", "drop", "ignore")
+LIMITS = get_args(LimitsChoice)
 
 
 def inverse_kinematics(
@@ -39,7 +39,7 @@ def inverse_kinematics(
     task: str | Sequence[str] | None = None,
     *,
     q0: Vector | None = None,
-    limits: Literal["mark", "drop", "ignore"] = "mark",
+    limits: LimitsChoice = "mark",
     redundancy: ArrayLike | None = None,
     starts: int | None = None,
     seed: int = 0,
@@ -111,7 +111,7 @@ def _asked(
     frame: str | None,
     task: str | Sequence[str] | None,
     q0: Vector | None,
-    limits: str,
+    limits: LimitsChoice,
     starts: int | None,
     seed: int,
 ) -> tuple[Problem, Array]:

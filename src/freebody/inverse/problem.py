@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -12,6 +13,9 @@ from freebody.inverse.solutions import Names, Verified, named, wrapped
 from freebody.lazy import cached_property
 from freebody.trees.states import neutral
 
+LimitsChoice = Literal["mark", "drop", "ignore"]
+"""What becomes of solutions beyond the joints' limits."""
+
 
 @dataclass(frozen=True, eq=False)
 class Problem:
@@ -20,7 +24,7 @@ class Problem:
     solver: NumericalSolver
     target: Array
     q0: Array | None
-    limits: str
+    limits: LimitsChoice
     starts: int | None
     seed: int
     held: Array | None = None

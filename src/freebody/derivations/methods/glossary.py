@@ -12,6 +12,7 @@ from freebody.derivations.expressions.expression import Symbol, nodes
 from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import joints_that
+from freebody.derivations.naming import sym_of
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.render.literal import literal
 from freebody.model.joints import JointWords
@@ -87,8 +88,8 @@ def _further(s: Setting, rows: Iterable[Meaning], steps: Iterable[Step]) -> Iter
     used = {x.name for line in lines for x in nodes(line) if isinstance(x, Symbol)} - told
     n = r"\d+"
     for pattern, symbol, words, unit in (
-        (f"m{n}", sym("m_i"), "mass of body i", KILOGRAM),
-        (f"I{n}", sym("I_i"), "inertia of body i about its centre of mass", INERTIA),
+        (f"m{n}", sym_of("m_i"), "mass of body i", KILOGRAM),
+        (f"I{n}", sym_of("I_i"), "inertia of body i about its centre of mass", INERTIA),
         (f"z{n}", vec("z_i"), f"direction of a {joints_that(s, turn=True)} joint's axis", ""),
         (f"R{n}_{n}", _ROTATION, "turns components in the axes of body i to those of body k", ""),
     ):
