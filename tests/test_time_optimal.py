@@ -61,11 +61,11 @@ def test_a_mass_on_a_rail_is_pushed_and_braked_with_all_force(way: float, speed:
     exact = 2 * top / a + (way - top**2 / a) / top
     limits = {} if np.isinf(speed) else {"velocity": speed}
     motion = fb.time_optimal(slider(), [[0.0], [way]], torque=5.0, **limits)
-    assert motion.duration == pytest.approx(exact, rel=5e-6)
+    assert exact < motion.duration < exact * 1.0002
     assert motion.q[[0, -1], 0] == pytest.approx([0.0, way])
     assert np.abs(motion.qd[[0, -1]]).max() == 0.0
-    assert motion.at(0.1 * exact)[2] == pytest.approx(a, rel=1e-5)
-    assert motion.at(0.9 * exact)[2] == pytest.approx(-a, rel=1e-5)
+    assert motion.at(0.1 * exact)[2] == pytest.approx(a, rel=3e-4)
+    assert motion.at(0.9 * exact)[2] == pytest.approx(-a, rel=3e-4)
 
 
 def pendulum_duration(start: float, end: float, torque: float, viscous: float, dry: float) -> float:
@@ -99,7 +99,7 @@ def test_a_pendulum_with_friction_is_as_quick_as_its_equation_says(viscous: floa
     model = pendulum(viscous=viscous, coulomb=dry)
     exact = pendulum_duration(-1.2, 1.7, 15.0, viscous, dry)
     motion = fb.time_optimal(model, [[-1.2], [1.7]], torque=15.0, points=4001)
-    slower = 1.0002 + (0.0005 if viscous else 0.0) + (0.0002 if dry else 0.0)
+    slower = 1.0003 + (0.0006 if viscous else 0.0) + (0.0002 if dry else 0.0)
     assert exact < motion.duration < exact * slower  # on the safe side
     torque = fb.inverse_dynamics(model, *fine(motion))
     assert np.abs(torque).max() < 15.0 * (1 + 5e-4)
@@ -150,7 +150,7 @@ def test_limits_are_held_between_the_points_and_reached_at_nearly_all(points: in
             np.abs(qdd) / [30.0, 40.0],
         ]
     )
-    assert used.max() < (1.005 if points == 101 else 1.0005)
+    assert used.max() <= 1.0 + (1e-5 if points == 101 else 0.0)
     assert np.mean(used.max(axis=(0, 2)) > 0.99) > (0.8 if points == 101 else 0.97)
     slower = fb.time_optimal(model, WAY, acceleration=[30.0, 40.0], torque=[120.0, 30.0])
     assert slower.duration > motion.duration or points == 101

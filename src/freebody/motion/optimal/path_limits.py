@@ -29,6 +29,8 @@ from freebody.trees.dynamics import inverse_dynamics
 
 _INSTANT = 1e-6
 """s: no path takes less time; what would be quicker has no limit."""
+_CUSHION = 5e-5
+"""Of a limit: by how much more than what it was exceeded by it is made stricter."""
 _SLIGHTLY = 0.01
 """Of a squared speed: what is given away at once rather than by computing the motion again."""
 
@@ -130,6 +132,7 @@ class PathProblem:
         those paths: rows by (N, P, m), the squares of speeds as many times as `speed` (N, P)
         tells."""
         most = 0.25 * self.limits.size  # a grid so coarse is told, not mended
+        by = by + np.sign(by) * _CUSHION * self.limits.size
         rows = np.clip(np.where(paths[:, None], by, 0.0), -most, most)
         below, above = self.margin or (0.0, 0.0)
         margin = below - np.minimum(rows, 0.0), above + np.maximum(rows, 0.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from itertools import compress, groupby
+from itertools import groupby
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,7 +23,7 @@ from freebody.motion.optimal.geometric_path import (
     refuse_out_of_range,
 )
 from freebody.motion.optimal.path_limits import PathProblem, RobotLimits, path_problem
-from freebody.motion.optimal.speed_profile import quickest_profile
+from freebody.motion.optimal.speed_profile import SpeedProfile, quickest_profile
 from freebody.motion.optimal.unreachable import refuse_unreachable
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planning.planned import sample_times
@@ -36,7 +36,9 @@ _NAME = "time_optimal"
 _BLOCK = 16  # paths computed side by side: what is known of them stays in the processor's cache
 _ROUNDS = 12
 _TANGENT = 1e-4  # of a limit: error of the viscous torque
-_HELD = 2e-4  # of a limit: what it may be exceeded by halfway between two points of the grid
+_SPARE = 2e-4  # of a limit: kept from it at the points of the grid, for what is between them
+_HELD = 1e-6  # of a limit: what it may be exceeded by between two points of the grid
+_FAST = 2e-4  # of a limit of speed: more is not slowed down to, but computed again
 _MISSED = 1e-6  # of the squares of speeds: what parabolas may miss of them
 _FAR_FROM_HELD = 0.05
 _COARSE = (10, 8, 5, 4, 3, 2)
@@ -63,9 +65,9 @@ def time_optimal(
     N m, N. The model's own count too (zero means not given, see `Limits`). Torques contain friction
     (viscous, Coulomb), rotors, springs and the payload. wrenches: constant ones by frame, world
     axes. points: of the grid over s, to which 20 are added in its first and last interval; at least
-    one interval in each piece of the path. Limits are kept at both ends of each interval and to
-    0.02 % within it, or else notices say by how much they are exceeded (above 5 % it raises); s̈ is
-    constant in it. Returns the motion with its exact curve, samples at the grid; of many, a tuple.
+    one interval in each piece of the path; s̈ is constant in an interval. Limits are kept within
+    intervals too, or else notices say by how much torques or accelerations exceed theirs (above 5 %
+    it raises). Returns the motion with its exact curve, samples at the grid; of many, a tuple.
     Raises FreebodyError where the path leaves the joints' ranges, or where the robot cannot hold or
     move it: at which s, which joint, which limit.
 
@@ -164,56 +166,79 @@ def _motions(
     for k, curve in enumerate(own):
         refuse_out_of_range(_NAME, robot.model, curve, problem.at, k, limits, labels[k])
     found = _solved(problem, labels)
-    for label, worst in zip(labels, found.worst, strict=True):
-        if worst > _FAR_FROM_HELD:
+    for label, over in zip(labels, found.over, strict=True):
+        if over > _FAR_FROM_HELD:
             raise FreebodyError(
                 f"{_NAME}: between points of the grid {label} exceeds a limit by "
-                f"{100 * worst:.2g} %; give more points than {block.intervals + 1}, or larger "
+                f"{100 * over:.2g} %; give more points than {block.intervals + 1}, or larger "
                 f"limits."
             )
     bulge = np.maximum(found.fastest - 1.0 + _MISSED, 0.0)
     found.x[:] /= 1.0 + 2.0 * bulge  # slower by some millionths
-    notices = [_told(worst) if worst > _HELD else () for worst in found.worst]
+    notices = [_told(over) if over > _HELD else () for over in found.over]
     return motions_along(robot.model, problem.at, found.x, _SOURCE, notices)
 
 
 class _Quickest(NamedTuple):
-    """x (N + 1, P), by which fraction of a limit it is exceeded within the intervals (P,), and the
-    largest speed as a fraction of its limit, squared (P,)."""
+    """x (N + 1, P), by which fraction of a limit torque or acceleration is above it within the
+    intervals (P,), and the largest speed as a fraction of its limit, squared (P,)."""
 
     x: Array
-    worst: Array
+    over: Array
     fastest: Array
+
+    @property
+    def worst(self) -> Array:
+        """(P,) by which fraction any limit is exceeded."""
+        return np.maximum(self.over, np.sqrt(self.fastest) - 1.0)
 
 
 def _solved(problem: PathProblem, labels: list[str]) -> _Quickest:
     """Repeated where viscous friction asks for it, then where limits are exceeded between the
     points, unless stricter ones leave nothing; each path as if it were alone."""
     before = _first_guess(problem, labels)
-    worst, fastest = np.full(len(labels), np.inf), np.zeros(len(labels))
-    found = _Quickest(np.zeros_like(problem.rows.most), worst, fastest)
+    problem, profile = _with_room(problem, before)
+    refuse_unreachable(_NAME, problem, profile, labels)
+    none = np.full(len(labels), np.inf)
+    found = _Quickest(np.zeros_like(problem.rows.most), none, none.copy())
+    settled = np.zeros(len(labels), dtype=bool)
     left = np.arange(len(labels))
     for _ in range(_ROUNDS):
-        profile = quickest_profile(problem.strict(before))
-        if problem.margin is None:
-            refuse_unreachable(_NAME, problem, profile, labels)
         excess, share = problem.excess(profile.x)
         speed = problem.top_speed(profile.x)
-        fastest = speed.max(axis=0)
-        off = problem.tangent_error(profile.x, before)
-        worst = np.maximum(share.max(axis=0), np.sqrt(fastest) - 1.0) + off
-        turning, moves = off > _TANGENT, profile.moves
-        better = moves & (turning | (worst < found.worst[left]))
-        for kept, new in zip(found, (profile.x, worst, fastest), strict=True):
+        now = _Quickest(profile.x, share.max(axis=0), speed.max(axis=0))
+        turning = problem.tangent_error(profile.x, before) > _TANGENT
+        gains = (now.worst < found.worst[left]) & (turning <= ~settled[left])
+        better = profile.moves & (gains | (settled[left] < ~turning))
+        settled[left[better]] = ~turning[better]
+        for kept, new in zip(found, now, strict=True):
             kept[..., left[better]] = new[..., better]
-        again = moves & (turning | (worst > _HELD))
+        beyond = (now.over > _HELD) | (now.fastest > (1.0 + _FAST) ** 2)
+        again = profile.moves & (turning | beyond)
         if not again.any():
             break
-        if not turning.any():
-            problem = problem.tightened(profile.x, excess, speed, again)
-        labels = list(compress(labels, again))
+        problem = problem.tightened(profile.x, excess, speed, again & ~turning)
         problem, before, left = problem.only(again), profile.x[:, again], left[again]
+        profile = quickest_profile(problem.strict(before))
     return found
+
+
+def _with_room(problem: PathProblem, before: Array) -> tuple[PathProblem, SpeedProfile]:
+    """The problem with limits kept by a little at the points of the grid, unless that leaves a path
+    nothing, and its speeds; before: the speeds of the tangents."""
+    rows, size = problem.rows, problem.limits.size
+    room = np.full((rows.h.shape[1], 1), _SPARE)
+    for _ in range(2):
+        margin = np.broadcast_to(room * size, (*rows.h.shape, len(size)))
+        roomy = replace(problem, margin=(margin, margin))
+        profile = quickest_profile(roomy.strict(before))
+        stuck = ~profile.moves
+        if problem.viscous is None:  # else its tangent says nothing of rest
+            stuck |= ~profile.starts
+        if not (stuck & (room[:, 0] > 0.0)).any():
+            break
+        room[stuck] = 0.0
+    return roomy, profile
 
 
 def _first_guess(problem: PathProblem, labels: list[str]) -> Array:
