@@ -11,7 +11,7 @@ import pytest
 
 import freebody as fb
 from freebody.derivations.living.line_values import line_values
-from freebody.derivations.living.living import is_diagnosed, living
+from freebody.derivations.living.living import is_diagnosed
 from support.browser import browser
 from support.symbolic import METHODS
 
@@ -178,10 +178,73 @@ def test_vectors_of_three_entries_are_predicted(driver, tmp_path):
         assert said.startswith(verdict), (answer, said)
 
 
+CLOSED = [
+    ("four_bar", "newton-euler"), ("five_bar", "lagrange-first-kind"), ("five_bar", "newton-euler"),
+    ("slider_crank", "newton-euler"), ("five_bar_rods", "lagrange-first-kind"),
+]  # fmt: skip
+NUMBERS = """return [...document.querySelectorAll('[data-of]')].map(row =>
+  [row.dataset.of, Number(row.querySelector('output').title)])"""
+MOVE = """const [name, value] = arguments;
+const slider = document.querySelector(`[data-input=${name}]`);
+slider.value = value; slider.dispatchEvent(new Event('input'));"""
+OPEN = "return document.getElementById('open').textContent"
+
+
+@pytest.mark.parametrize(("name", "method"), CLOSED)
+def test_a_closed_chain_is_closed_by_its_page(driver, tmp_path, name, method):
+    """The kernels refuse an open loop; torques and forces in joints and loops are theirs."""
+    model = fb.load(name)
+    derivation = fb.derive(model, method)
+    opened(driver, tmp_path, derivation)
+    coordinates = derivation.equations.symbols.coordinates
+    driven = [coordinates[model.joint_names.index(joint)] for joint in model.driven_names]
+    for step in (0.0, 0.15, -0.2):
+        for k, x in enumerate(driven):
+            start = dict(driver.execute_script(NUMBERS))[x]
+            for dots, value in (("", start + step), ("_d", 0.7 - 0.3 * k), ("_dd", 1.1 + step)):
+                driver.execute_script(MOVE, x + dots, value)
+        state, shown = dict(driver.execute_script(NUMBERS)), values(driver)
+        q, qd, qdd = ([state[x + dots] for x in coordinates] for dots in ("", "_d", "_dd"))
+        arm = model.bind(**{x: state[x] for x in model.parameters if x in state})
+        held = fb.reactions(arm, q, qd, qdd=qdd)
+        if all(loop.kind != "distance" for loop in model.loops):
+            found = [state[f"lam{k + 1}"] for k in range(len(held.multipliers))]
+            np.testing.assert_allclose(found, held.multipliers, rtol=1e-9, atol=1e-10)
+        for k in range(model.nv):
+            for found in shown.get(f"tau{k + 1}", ()):
+                np.testing.assert_allclose(found, [held.tau[k]], rtol=1e-9, atol=1e-10)
+        for n, body in enumerate(model.bodies if method == "newton-euler" else (), 1):
+            for found in shown[f"f{body.parent + 1}{n}"]:
+                force = held.wrenches[n - 1][:2]
+                np.testing.assert_allclose(found, force, rtol=1e-9, atol=1e-10)
+    assert len(shown) > 10
+    assert driver.execute_script(OPEN) == ""
+
+
+def test_a_loop_that_cannot_be_closed_is_told(driver, tmp_path):
+    """No values and no other drawing then; the values come back with the loop."""
+    opened(driver, tmp_path, fb.derive(fb.load("four_bar"), "newton-euler"))
+    before, drawing = values(driver), driver.execute_script(ARROWS)
+    long = dict(driver.execute_script(NUMBERS))["d"]
+    driver.execute_script("document.querySelector('[data-input=d]').max = 50")
+    driver.execute_script(MOVE, "d", 50)
+    assert "cannot be closed" in driver.execute_script(OPEN)
+    assert all(np.isnan(row).all() for rows in values(driver).values() for row in rows)
+    assert driver.execute_script(ARROWS) == drawing
+    driver.execute_script(MOVE, "d", long)
+    assert driver.execute_script(OPEN) == ""
+    for name, rows in values(driver).items():
+        np.testing.assert_allclose(rows, before[name], rtol=1e-9, atol=1e-12)
+
+
 def test_other_robots_have_pages_without_a_script():
-    for robot, method in (("RRRRR", "kinematics"), ("four_bar", "statics"), ("ur5e", "statics")):
+    for robot, method in (
+        ("RRRRR", "kinematics"),
+        ("stanford", "statics"),
+        ("bricard", "lagrange-first-kind"),
+    ):
         model = fb.planar(robot) if robot.isupper() else fb.load(robot)
-        assert living(fb.derive(model, method)) is None
+        assert "<script" not in fb.derive(model, method).html()
 
 
 def test_action_and_reaction_are_drawn_equal(driver, tmp_path):

@@ -18,6 +18,7 @@ from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.living.living import living
 from freebody.derivations.methods import METHODS
 from freebody.derivations.methods.free_bodies import are_free
+from freebody.derivations.render.living_parts import LivingParts
 from freebody.figures import colours
 from freebody.figures.drawing import Drawing, Element
 from freebody.figures.figure import save, to_one_scale
@@ -40,7 +41,12 @@ _LOAD = {2: (0.85, -0.53), 3: (0.5, -0.65, -0.6)}
 @wraps(undrawn_derivation, assigned=("__doc__",))
 def derive(model: Model, method: str | None = None, **options: Any) -> Derivation:
     """A derivation that draws what it speaks of where it is shown as a page or in a notebook."""
-    return replace(undrawn_derivation(model, method, **options), draw=drawings, enliven=living)
+    return replace(undrawn_derivation(model, method, **options), draw=drawings, enliven=_living)
+
+
+def _living(derivation: Derivation) -> LivingParts | None:
+    closed = bool(derivation.equations.symbols.model.loops)
+    return living(derivation, _shown(derivation).q.tolist() if closed else ())
 
 
 def drawings(derivation: Derivation, labels: str = "names") -> Drawings:

@@ -216,6 +216,9 @@ class Trig:
             )
         return Trig(self.ring, quotient, self.mask)
 
+    def __rtruediv__(self, other: Any) -> Trig:
+        return Trig(self.ring, self.ring.constant(other), 0) / self
+
     def __pow__(self, exponent: int) -> Any:
         if exponent < 0:
             raise FreebodyError(f"the power {exponent} of a polynomial is not a polynomial.")

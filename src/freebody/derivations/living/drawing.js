@@ -57,11 +57,12 @@ function joint(parent, place, slides) {
   else put(parent, "circle", {class: "pin", cx: place[0], cy: place[1], r: 5});
 }
 function centre(parent, place) { put(parent, "circle", {class: "com", cx: place[0], cy: place[1], r: 3.5}); }
-// A body reaches from its joint to its end and to its centre of mass.
+// A body reaches from its joint to its ends and to its centre of mass.
 function bars(parent, body, at) {
-  const ends = [at(body.end), at(body.centre)];
-  for (const end of ends) line(parent, "edge", at(body.joint), end, 13);
-  for (const end of ends) line(parent, "bar", at(body.joint), end, 10);
+  const ends = [...body.ends.map(at), at(body.centre)];
+  for (const [kind, width] of [["edge", 13], ["bar", 10]]) {
+    for (const end of ends) line(parent, kind, at(body.joint), end, width);
+  }
 }
 
 // A vector of the plane, or one of space as it is seen; its size is that in space.
@@ -76,46 +77,34 @@ const vector = (y, places) => places.map((k) => y[k]);
 const minus = (a, b) => a.map((u, k) => u - b[k]);
 const opposite = (v) => v.map((u) => -u);
 
-function drawArm(svg, bodies, y) {
+function drawArm(svg, bodies, rods, y) {
   svg.replaceChildren();
-  let from = [0, 0, 0], reach = 0;
+  const far = [];
   for (const body of bodies) {
-    for (const place of [body.joint, body.end]) {
-      reach += length(minus(vector(y, place), from));
-      from = vector(y, place);
-    }
+    const from = body.parent < 0 ? [0, 0, 0] : vector(y, bodies[body.parent].joint), joint = vector(y, body.joint);
+    const before = (body.parent < 0 ? 0 : far[body.parent].joint) + length(minus(joint, from));
+    far.push({joint: before, end: before + Math.max(...body.ends.map((end) => length(minus(vector(y, end), joint))))});
   }
+  const reach = Math.max(...far.map((one) => one.end));
   const scale = 118 / (reach || 1);
   const at = (places) => {
     const [u, v] = seen(vector(y, places));
     return [180 + scale * u, 125 - scale * v];
   };
-  line(svg, "hatch", [150, 125], [210, 125]);
   for (const body of bodies) {
-    if (body.slides) line(svg, "rail", body.index ? at(bodies[body.index - 1].joint) : [180, 125], at(body.joint));
+    const from = body.parent < 0 ? [180, 125] : at(bodies[body.parent].joint);
+    const [u, v] = body.slides || body.parent >= 0 ? from : at(body.joint);
+    if (body.parent < 0) line(svg, "hatch", [u - 30, v], [u + 30, v]);
+    if (body.slides) line(svg, "rail", from, at(body.joint));
     bars(svg, body, at);
   }
+  for (const ends of rods) line(svg, "rail", ...ends.map(at));
   for (const body of bodies) {
+    for (const pin of body.pins) joint(svg, at(pin), false);
     if (body.axis) axis(svg, at(body.joint), seen(vector(y, body.axis)));
     joint(svg, at(body.joint), body.slides);
     centre(svg, at(body.centre));
   }
-}
-
-// What acts on each body: [kind, place, force, name] and [place, moment, name].
-function loads(bodies, y) {
-  return bodies.map((body, k) => {
-    const forces = [["reaction", body.joint, vector(y, body.force), body.called.force]];
-    const moments = [[body.joint, vector(y, body.moment), body.called.moment]];
-    const child = bodies[k + 1];
-    if (child) {
-      forces.push(["reaction", child.joint, opposite(vector(y, child.force)), `\u2212${child.called.force}`]);
-      moments.push([child.joint, opposite(vector(y, child.moment)), `\u2212${child.called.moment}`]);
-    }
-    forces.push(["weight", body.centre, vector(y, body.weight), body.called.weight]);
-    if (body.load) forces.push(["external", body.tip, vector(y, body.load), "f"]);
-    return {body, forces, moments};
-  });
 }
 
 // All bodies in rows of two cells; one scale for their forces, one for their lengths. Returns the
@@ -123,31 +112,38 @@ function loads(bodies, y) {
 const WIDE = 360, TALL = 175, LARGEST_BODY = 88;
 function drawBodies(svg, bodies, y) {
   svg.replaceChildren();
-  const all = loads(bodies, y), cell = [WIDE / Math.min(2, bodies.length), TALL];
+  const acting = ({kind, at, is, sign, name}) =>
+    ({kind, place: at, is: vector(y, is).map((u) => sign * u), name});
+  const all = bodies.map((body) =>
+    ({body, forces: body.forces.map(acting), moments: body.moments.map(acting)}));
+  const cell = [WIDE / Math.min(2, bodies.length), TALL];
   const bottom = TALL * Math.ceil(bodies.length / 2);
   svg.setAttribute("viewBox", `0 0 ${WIDE} ${bottom}`);
   const largest = (vectors) => Math.max(...vectors.map(length));
-  const longest = round(largest(all.flatMap((one) => one.forces.map((force) => force[2]))));
-  const turning = round(largest(all.flatMap((one) => one.moments.map((moment) => moment[1]))));
+  const longest = round(largest(all.flatMap((one) => one.forces.map((force) => force.is))));
+  const turning = round(largest(all.flatMap((one) => one.moments.map((moment) => moment.is))));
   const drawn = (v, unit) => seen(v).map((u, k) => (k ? -1 : 1) * LONGEST_ARROW * u / unit);
-  const size = largest(bodies.map((body) => minus(vector(y, body.end), vector(y, body.joint)))) || 1;
+  const ways = (body) => body.ends.map((end) => minus(vector(y, end), vector(y, body.joint)));
+  const size = largest(bodies.flatMap(ways)) || 1;
   const names = [], taken = [];
   all.forEach(({body, forces, moments}, k) => {
-    const [a, b] = [body.joint, body.end].map((places) => seen(vector(y, places))), scale = LARGEST_BODY / size;
+    const far = body.ends.reduce((one, other, i) => length(ways(body)[i]) > length(ways(body)[body.ends.indexOf(one)]) ? other : one);
+    const [a, b] = [body.joint, far].map((places) => seen(vector(y, places))), scale = LARGEST_BODY / size;
     const middle = [(k % 2 + 0.5) * cell[0], (Math.floor(k / 2) + 0.5) * cell[1]];
     const at = (places) => seen(vector(y, places)).map((u, i) =>
       middle[i] + (i ? -1 : 1) * scale * (u - (a[i] + b[i]) / 2));
     const group = put(svg, "g", {});
     bars(group, body, at);
+    for (const pin of body.pins) joint(group, at(pin), false);
     joint(group, at(body.joint), body.slides);
     centre(group, at(body.centre));
-    const [from, to] = [at(body.joint), at(body.end)], away = unit(minus(to, from));
+    const [from, to] = [at(body.joint), at(far)], away = unit(minus(to, from));
     taken.push(...along(from, to, 6));
-    const arrows = forces.map(([kind, place, force, text]) =>
-      ({kind, from: at(place), along: drawn(force, longest), text, heads: 1}));
-    for (const [place, moment, text] of moments) {
+    const arrows = forces.map(({kind, place, is, name}) =>
+      ({kind, from: at(place), along: drawn(is, longest), text: name, heads: 1}));
+    for (const {place, is: moment, name: text} of moments) {
       if (length(moment) < NOISE * Math.max(longest, turning)) continue;
-      const first = place === body.joint, radius = first ? 13 : 18, [x, y] = at(place);
+      const first = String(place) === String(body.joint), radius = first ? 13 : 18, [x, y] = at(place);
       if (moment.length > 1) arrows.push({kind: "moment", from: [x, y], along: drawn(moment, turning), text, heads: 2});
       else {
         turn(group, [x, y], moment[0], radius);

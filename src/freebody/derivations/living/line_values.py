@@ -43,17 +43,19 @@ class LineValues:
 
     quantities: Quantities
     known: frozenset[str]
-    """Names that the model itself gives; others are defined by a line."""
+    """Names that the model of an open chain itself gives; others are defined by a line."""
     lines: tuple[ValuedLine, ...]
 
 
-def line_values(derivation: Derivation) -> LineValues:
+def line_values(derivation: Derivation, values: Quantities | None = None) -> LineValues:
     """The values of a derivation's lines by exact arithmetic.
 
     A line has one where two of its sides are found to be the same polynomial, or where its left
     side is a new name that it defines. Of the two ways to count gravity (`quantities`) the one is
-    taken by which more lines hold.
+    taken by which more lines hold. values: those of a closed chain, in the derivation's symbols.
     """
+    if values is not None:
+        return _lines(derivation, values, frozenset())
     found = [_by(derivation, gravity) for gravity in GRAVITIES]
     return max(found, key=lambda one: len(one.lines))
 
@@ -66,8 +68,14 @@ def _by(derivation: Derivation, gravity: str) -> LineValues:
         at_rest=METHODS[derivation.method].at_rest,
         gravity=gravity,
     )
-    known = frozenset(values)
-    values |= {new: values[name] for new, name in _RATES.items() if new not in values}
+    return _lines(derivation, values, frozenset(values))
+
+
+def _lines(derivation: Derivation, values: Quantities, known: frozenset[str]) -> LineValues:
+    symbols = derivation.equations.symbols
+    values |= {
+        new: values[name] for new, name in _RATES.items() if name in values and new not in values
+    }
     if symbols.model.dim == 3:
         values = own_axes(values, {name: symbols.ring[name] for name in symbols.ring.names})
     waiting = [(step, line) for step in derivation.steps for line in step.equations]

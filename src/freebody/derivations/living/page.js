@@ -5,7 +5,6 @@ const page = PAGE;
 const STATES = 8, CLOSE = 1e-9;
 const find = (id) => document.getElementById(id);
 const x = Float64Array.from(page.inputs, (input) => input.value), y = new Float64Array(page.size);
-page.bodies.forEach((body, k) => { body.index = k; });
 
 // A number as it is shown, five digits; all of them stand in its title.
 function shown(value) {
@@ -16,15 +15,24 @@ function shown(value) {
 const valueOf = (places, y) => places.length > 1 ? places.map((k) => y[k]) : y[places[0]];
 const told = (value) => isVector(value) ? `[${value.map(shown).join(", ")}]` : shown(value);
 
+const OPEN = "The loops cannot be closed here, or not in one way: no values; the drawing is the last that could.";
 function follow() {
+  const closed = !page.loop || close(x, y, page.loop);
   live(x, y);
-  page.inputs.forEach((_, k) => { find(`out${k}`).textContent = shown(x[k]); });
+  if (!closed) y.fill(NaN);
+  find("open").textContent = closed ? "" : OPEN;
+  page.inputs.forEach((input, k) => {
+    const value = input.solved && !closed ? NaN : x[k], output = find(`out${k}`);
+    output.textContent = shown(value);
+    output.title = String(value);
+  });
   for (const row of rows) {
     const value = valueOf(row.line.places, y), output = row.element.querySelector("output");
     output.textContent = told(value);
     output.title = isVector(value) ? `[${value.join(", ")}]` : String(value);
   }
-  drawArm(find("arm"), page.bodies, y);
+  if (!closed) return;
+  drawArm(find("arm"), page.bodies, page.loop ? page.loop.rods : [], y);
   find("scale").textContent = `${shown(drawBodies(find("bodies"), page.bodies, y))} N`;
   const legend = put(find("bodies"), "g", {class: "legend"});
   line(legend, "reaction", [8, 12], [8 + LONGEST_ARROW, 12]);
@@ -157,10 +165,13 @@ function predict(on) {
 
 const rows = [...document.querySelectorAll(".value")].map((element) =>
   ({element, line: page.lines[Number(element.dataset.line)]}));
-page.inputs.forEach((input, k) => find(`in${k}`).addEventListener("input", (event) => {
-  x[k] = Number(event.target.value);
-  follow();
-}));
+page.inputs.forEach((input, k) => {
+  if (input.solved) return;
+  find(`in${k}`).addEventListener("input", (event) => {
+    x[k] = Number(event.target.value);
+    follow();
+  });
+});
 for (const angle of ["turn", "tilt"]) {
   const slider = find(angle), set = () => { view[angle] = Number(slider.value) * Math.PI / 180; };
   if (!slider) continue;
@@ -168,7 +179,10 @@ for (const angle of ["turn", "tilt"]) {
   slider.addEventListener("input", () => { set(); follow(); });
 }
 find("again").addEventListener("click", () => {
-  page.inputs.forEach((input, k) => { find(`in${k}`).value = x[k] = input.value; });
+  page.inputs.forEach((input, k) => {
+    x[k] = input.value;
+    if (!input.solved) find(`in${k}`).value = input.value;
+  });
   follow();
 });
 find("fold").addEventListener("click", (event) => {

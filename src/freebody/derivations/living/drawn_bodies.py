@@ -1,0 +1,109 @@
+"""What a page draws of each body: where its joint and its ends are, what acts on it and what that
+is called; vectors in axes of the world."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from freebody.derivations.derive import LOADS
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.living.closed_chain import ClosedChain
+from freebody.derivations.living.kernel import PageProgram
+from freebody.derivations.naming import Naming
+from freebody.derivations.relations.quantities import Quantities
+from freebody.model.tree import Tree
+from freebody.spatial import times
+
+
+class DrawnBodies:
+    """The bodies of a robot by their quantities; closed: what loops add."""
+
+    def __init__(
+        self,
+        kernel: PageProgram,
+        values: Quantities,
+        naming: Naming,
+        tree: Tree,
+        closed: ClosedChain | None,
+    ):
+        self.kernel, self.values, self.naming, self.tree = kernel, values, naming, tree
+        self.closed = closed
+
+    def all(self) -> list[dict[str, Any]]:
+        """One after the other, as the script takes them."""
+        return [self._body(n) for n in range(1, len(self.naming.model.bodies) + 1)]
+
+    def _body(self, n: int) -> dict[str, Any]:
+        naming, places = self.naming, self.kernel.places
+        drawn = {
+            "joint": places(self.values[f"r{n}"]), "centre": places(self.values[f"rc{n}"]),
+            "ends": list(map(places, self._ends(n))), "parent": naming.parent(n) - 1,
+            "slides": naming.body(n).kind.slides,
+            "forces": self._forces(n), "moments": self._moments(n), "pins": self._pins(n),
+        }  # fmt: skip
+        return drawn | ({"axis": places(self._axis(n))} if naming.model.dim == 3 else {})
+
+    def _ends(self, n: int) -> list[Any]:
+        """Where it reaches to: further joints, loops, the tip; else its centre of mass."""
+        ends = [self.values[f"r{k}"] for k in self.naming.children(n)]
+        ends += [end.place for end in self.closed.ends(n)] if self.closed else []
+        if not ends and n == self._tip and "r" in self.values:
+            ends.append(self.values["r"])
+        return ends or [self.values[f"rc{n}"]]
+
+    def _pins(self, n: int) -> list[list[int]]:
+        """Where loops end on it."""
+        return [
+            self.kernel.places(end.place) for end in (self.closed.ends(n) if self.closed else ())
+        ]
+
+    @property
+    def _tip(self) -> int:
+        model = self.naming.model
+        return model.frame().body + 1 if model.tip is not None else 0
+
+    # ------------------------------------------------------------ what acts
+    def _forces(self, n: int) -> list[dict[str, Any]]:
+        naming, values = self.naming, self.values
+        made = [self._reaction(n, 1), *(self._reaction(k, -1) for k in naming.children(n))]
+        for end in self.closed.ends(n) if self.closed else ():
+            made.append(self._acting("reaction", end.place, end.force, end.sign, end.name))
+        weight = tuple(values[f"m{n}"] * g for g in values["gravity"])
+        made.append(self._acting("weight", values[f"rc{n}"], weight, 1, f"{naming.mass(n)} g"))
+        if n == self._tip and "fx" in values:
+            load = tuple(values[name] for name in LOADS[naming.model.dim])
+            made.append(self._acting("external", values["r"], load, 1, "f"))
+        return made
+
+    def _reaction(self, n: int, sign: int) -> dict[str, Any]:
+        name = self.naming.force(self.naming.parent(n), n)
+        force = self._in_world(n, self.values[name.name])
+        return self._acting("reaction", self.values[f"r{n}"], force, sign, str(name))
+
+    def _moments(self, n: int) -> list[dict[str, Any]]:
+        return [self._moment(n, 1), *(self._moment(k, -1) for k in self.naming.children(n))]
+
+    def _moment(self, n: int, sign: int) -> dict[str, Any]:
+        """At a pin without motor the one that the state would need there."""
+        naming = self.naming
+        name = naming.joint_moment(n)
+        if name == ex.ZERO:
+            name = naming.moment(naming.parent(n), n)
+        moment = self.values[f"M{n}" if naming.planar else f"n{n}"]
+        place = self.values[f"r{n}"]
+        return self._acting("moment", place, self._in_world(n, moment), sign, str(name))
+
+    def _acting(self, kind: str, place: Any, vector: Any, sign: int, name: str) -> dict[str, Any]:
+        return {
+            "kind": kind, "at": self.kernel.places(place), "is": self.kernel.places(vector),
+            "sign": sign, "name": "\u2212" * (sign < 0) + name,
+        }  # fmt: skip
+
+    # ------------------------------------------------------------ axes
+    def _in_world(self, n: int, vector: Any) -> Any:
+        return vector if self.naming.planar else times(self.values[f"R{n}"], vector)
+
+    def _axis(self, n: int) -> Any:
+        """The axis of joint n."""
+        rows = zip(self.tree.bodies, self.tree.body_of, strict=True)
+        return self._in_world(n, next(body.axis for body, k in rows if k == n - 1))

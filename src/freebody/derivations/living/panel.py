@@ -1,0 +1,77 @@
+"""The HTML of a page's living parts: the panel with its drawings and sliders, and the values below
+the equations."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterable
+from typing import Any
+
+from freebody.derivations.derivation import Step
+from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.living.line_values import ValuedLine
+from freebody.derivations.render.mathml import mathml
+
+GROUPS = {"q": "Positions", "qd": "Rates", "qdd": "Accelerations", "p": "Lengths, masses, forces"}
+VIEWS = (("turn", -180, 180, -60), ("tilt", -10, 90, 20))
+"""Of a robot in space: name, range and first value of the angles from which it is seen, degrees."""
+
+
+def panel(inputs: list[dict[str, Any]], dim: int) -> str:
+    """The drawings, the sliders in their groups, and the buttons."""
+    groups = []
+    for key, title in GROUPS.items():
+        rows = [_slider(k, x) for k, x in enumerate(inputs) if x["group"] == key]
+        if rows:
+            state = ' open=""' if key == "q" else ""
+            groups.append(f"<details{state}><summary>{title}</summary>{''.join(rows)}</details>")
+    turned = "".join(
+        f'<p class="slider"><label for="{name}">{name} the view</label><input id="{name}" '
+        f'type="range" min="{low}" max="{high}" value="{value}" step="1"></p>'
+        for name, low, high, value in (VIEWS if dim == 3 else ())
+    )
+    moments = "; moments, with two heads, to another" if dim == 3 else ""
+    return (
+        '<aside class="try" id="try" hidden=""><h2>Try it</h2>'
+        '<svg id="arm" class="fig" viewBox="0 0 360 250" role="img" '
+        'aria-label="The arm in the state of the sliders"></svg>'
+        '<svg id="bodies" class="fig" viewBox="0 0 360 190" role="img" '
+        'aria-label="Its bodies, each alone, with the forces on them"></svg>'
+        '<p class="scale">Forces on all bodies are drawn to one scale: this long is '
+        f'<output id="scale"></output>{moments}. Values below the equations are in SI units and '
+        f'belong to this state.</p><p id="open" role="status"></p>{turned}'
+        f"{''.join(groups)}"
+        '<p><button id="again">Back to the first state</button> <button id="fold">Fold all steps'
+        '</button></p><p><label><input type="checkbox" id="predict"> Predict first: hide each '
+        "line until you have tried it</label></p></aside>"
+    )
+
+
+def _slider(k: int, x: dict[str, Any]) -> str:
+    unit = f" {html.escape(x['unit'])}" if x["unit"] else ""
+    name, letter = html.escape(x["name"]), mathml(sym(x["name"]), display=False)
+    if x["solved"]:
+        return (
+            f'<p class="slider" data-of="{name}">{letter} = '
+            f'<span><output id="out{k}"></output>{unit} (by the loops)</span></p>'
+        )
+    return (
+        f'<p class="slider" data-of="{name}"><label for="in{k}">{letter}</label>'
+        f'<input id="in{k}" type="range" data-input="{name}" '
+        f'min="{x["low"]!r}" max="{x["high"]!r}" step="any" value="{x["value"]!r}">'
+        f'<span><output id="out{k}" for="in{k}"></output>{unit}</span></p>'
+    )
+
+
+def below(lines: Iterable[ValuedLine]) -> dict[Step, str]:
+    """Of each step the values of its lines, and a place for answers."""
+    rows: dict[Step, list[str]] = {}
+    for k, line in enumerate(lines):
+        left = line.line.lhs
+        name = "" if line.in_world else getattr(left, "name", "")
+        rows.setdefault(line.step, []).append(
+            f'<p class="value" data-line="{k}" data-name="{html.escape(name)}">'
+            f"{mathml(left, display=False)} = <output></output>"
+            f"{' (in axes of the world)' if line.in_world else ''}</p>"
+        )
+    return {step: f'<div class="values">{"".join(made)}</div>' for step, made in rows.items()}
