@@ -30,6 +30,10 @@ def test_as_lapack(name, task, angular):
     clear = expected[:, -1] > 1e-3
     expected = expected[clear]
     assert np.allclose(found.condition[clear], expected[:, 0] / expected[:, -1])
+    table = found.to_xarray()
+    assert (table["singular_values"].values == found.singular_values).all()
+    assert table["manipulability"].dims == ("posture",)
+    assert table["singular_values"].attrs["units"] == ("1" if angular else "m")
     one = fb.dexterity(model, q[7], task=task)
     assert (one.singular_values == found.singular_values[7]).all()
 

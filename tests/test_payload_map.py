@@ -37,6 +37,10 @@ def test_a_pendulum_by_hand():
     by_hand = [(100.0 / (9.81 * c) - 3.0 * 1.0) / 2.0 for c in (1.0, 0.5)]
     assert np.allclose(found.mass[:2], by_hand, rtol=1e-13)
     assert found.mass[2] > 1e10 or np.isinf(found.mass[2])
+    table = found.to_xarray()
+    assert table["mass"].dims == ("posture",)
+    assert table["mass"].attrs["units"] == "kg"
+    assert table["joint"].values[0] == "joint1"
     weak = fb.payload_map(arm, [0.0], effort={"joint1": 10.0})
     assert weak.mass == 0.0
     assert weak.overloaded

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,9 +18,13 @@ from freebody.kernels.formulas import Option
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable
 from freebody.program import Argument, trace
+from freebody.reach.labelled_maps import axes_of, labelled
 from freebody.targets import Kernel, compile_program
 from freebody.trees.public_calls import Vector, finite_vector
 from freebody.values import ByValue
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _AT_ONCE = 8192
 """Postures side by side, whose matrices stay in the processor's cache."""
@@ -63,6 +67,23 @@ class Dexterity(Tabled, ByValue):
         """The smallest singular value (...): how far the Jacobian is from a singular one, in the
         norm of matrices."""
         return self.singular_values[..., -1]
+
+    def to_xarray(self) -> xr.Dataset:
+        """As a labelled dataset over the postures: the singular values and what follows from
+        them."""
+        dims = axes_of("posture", self.smallest.ndim)
+        linear, k = self.rows[-1].startswith("v"), self.singular_values.shape[-1]
+        one, product = ("m", f"m{k}") if linear else ("1", "1")
+        what = f"of the Jacobian of {self.frame}"
+        return labelled(
+            {
+                "singular_values": ((*dims, "value"), self.singular_values, one, f"those {what}"),
+                "manipulability": (dims, self.manipulability, product, "product of them"),
+                "condition": (dims, self.condition, "1", "largest over smallest"),
+            },
+            {},
+            {"frame": self.frame, "rows": " ".join(self.rows), "length": self.length},
+        )
 
     def _title(self) -> str:
         count = self.smallest.size

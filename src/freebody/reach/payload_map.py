@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,12 +16,16 @@ from freebody.labels import aligned
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable
 from freebody.program import Argument, trace
+from freebody.reach.labelled_maps import axes_of, labelled
 from freebody.spatial import dot, of_dimension, times, transposed
 from freebody.targets import Kernel, compile_program
 from freebody.trees.dynamics import static_torque
 from freebody.trees.kinematics import forward_kinematics
 from freebody.trees.public_calls import Vector, finite_vector
 from freebody.values import ByValue
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _UNLIMITED = 1e30
 """What stands for no bound inside a kernel, whose numbers are finite."""
@@ -43,6 +47,21 @@ class PayloadMap(Tabled, ByValue):
     overloaded: np.ndarray
     joint_names: tuple[str, ...]
     frame: str
+
+    def to_xarray(self) -> xr.Dataset:
+        """As a labelled dataset over the postures: mass, the name of the joint that limits it, and
+        whether that is overloaded."""
+        dims = axes_of("posture", self.mass.ndim)
+        names = np.array([*self.joint_names, ""])[self.joint]
+        return labelled(
+            {
+                "mass": (dims, self.mass, "kg", f"largest payload at {self.frame}"),
+                "joint": (dims, names, "1", "joint that limits it"),
+                "overloaded": (dims, self.overloaded, "1", "whether it cannot even hold the arm"),
+            },
+            {},
+            {"frame": self.frame},
+        )
 
     def _title(self) -> str:
         count = self.mass.size
