@@ -13,6 +13,7 @@ from freebody.derivations.check.documents.answer_document import (
     FormulaPiece,
 )
 from freebody.derivations.check.documents.prose import sentences
+from freebody.derivations.check.formula_spellings import respelt
 from freebody.derivations.check.verdict import UnreadEquation
 from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.grammar import words
@@ -43,10 +44,11 @@ class DocumentReader:
     def _without_words(self) -> tuple[AnswerText, list[FormulaPiece]]:
         """The formulas, and the pieces that they are read in."""
         document = self.document
-        blanks, apart = Blanks(document.formulas), list[Span]()
-        plain = AnswerText(document.formulas, document.written, document.parts)
+        formulas = respelt(document.formulas)
+        blanks, apart = Blanks(formulas), list[Span]()
+        plain = AnswerText(formulas, document.written, document.parts)
         for line in document.prose:
-            for sentence in sentences(document.formulas, line, self._is_name):
+            for sentence in sentences(formulas, line, self._is_name):
                 span = (sentence.kept, sentence.end)
                 if sentence.words_behind and not self._is_asked(plain, span):
                     self._pass_over(plain, span, "it stands among words")

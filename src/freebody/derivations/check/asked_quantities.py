@@ -44,6 +44,8 @@ class AskedQuantity:
     """Of a body's vector: x, y or z."""
     words: str = ""
     """What it is, where its family alone does not tell."""
+    thoughts: tuple[tuple[str, Callable[[], Trig]], ...] = ()
+    """What it is often mistaken for: a sentence that says so, and its value."""
 
     @property
     def title(self) -> str:
@@ -83,6 +85,7 @@ _LETTERS = {
     "V": ("V", "U", "P", "PE", "Ep", "Epot"),
     "L": ("L",),
 }
+_WORLD = "This would be right in the world's axes; here the components are along those of body {}."
 AMBIGUOUS = frozenset(("B", "b", "d", "k", "phi", "v"))
 """Letters that some books have for these quantities, and others for something else."""
 _TIP = {"x": ("x", "xP", "xp", "xE", "xtip", "px"), "y": ("y", "yP", "yp", "yE", "ytip", "py")}
@@ -221,7 +224,13 @@ class Targets:
                 letters = (*_LETTERS[family], *["k"] * (family == "T"))
                 names = tuple(f"{x}{i}" for x in letters)
                 yield names, AskedQuantity(f"{family}i", (i,), self._of_body(family, i - 1))
-        yield _LETTERS["L"], AskedQuantity("L", (), lambda: self.setting.element(eq.T - eq.V))
+        sum_of_both = ("L = T − V, not T + V.", lambda: self.setting.element(eq.T + eq.V))
+        yield (
+            _LETTERS["L"],
+            AskedQuantity(
+                "L", (), lambda: self.setting.element(eq.T - eq.V), thoughts=(sum_of_both,)
+            ),
+        )
 
     def _of_body(self, family: str, body: int) -> Callable[[], Trig]:
         """An energy of a body with all that is fixed to it."""
@@ -279,9 +288,13 @@ class Targets:
 
         def entry(*at: int, axis: str = "") -> AskedQuantity:
             index = (n,) if axis or not at else tuple(k + 1 for k in at)
-            return AskedQuantity(
-                "of body", index, self._part(n, known, *at), axis=axis, words=words
-            )
+            own, thoughts = self._part(n, known, *at), []
+            if record.reaction:
+                text = record.reaction.format(**numbers(n))
+                thoughts.append((text, lambda: own() * -1))
+            if axis and record.own_axes and dim == 3:
+                thoughts.append((_WORLD.format(n), self._in_world(n, known, at[0])))
+            return AskedQuantity("of body", index, own, False, "", axis, words, tuple(thoughts))
 
         if record.turns:
             return [[entry(i, j) for j in range(3)] for i in range(3)]
@@ -302,6 +315,17 @@ class Targets:
                 for entry in row:
                     if entry.axis or len(table) == 1:
                         yield (name + entry.axis,), entry
+
+    def _in_world(self, n: int, name: str, row: int) -> Callable[[], Trig]:
+        """A component in the world's axes of what is given in the body's."""
+
+        def value() -> Trig:
+            R = self._setting.world[self._setting.order[n - 1]][0]
+            s = self.setting.equations.symbols
+            terms = (x * y for x, y in zip(R[row], self._bodies[n - 1][name], strict=True))
+            return self.setting.element(s.element(sum(terms, s.zero())))
+
+        return value
 
     def _part(self, n: int, name: str, *at: int) -> Callable[[], Trig]:
         def value() -> Trig:

@@ -24,6 +24,10 @@ class BodyQuantity:
     """Whether it is a matrix of rotation."""
     soft: bool = False
     """Whether the name is often one of the user's own: one number is not read as this vector."""
+    own_axes: bool = True
+    """Whether it is a vector that in space has the axes of its own body."""
+    reaction: str = ""
+    """What is said of its negative."""
     only: str = ""
     """"first" of what belongs to the ground, "last" of what belongs to the tip."""
 
@@ -68,17 +72,29 @@ BODY_QUANTITIES = (
         (("vc{n}", 1), ("ac{n}", 0), ("aG{n}", 0)),
         "the acceleration of the centre of mass of body {n}",
     ),
-    BodyQuantity("r{n}", (("r{n}", 0),), "the position of the origin of body {n}", soft=True),
     BodyQuantity(
-        "rc{n}", (("rc{n}", 0), ("rG{n}", 0), ("pc{n}", 0)), "the centre of mass of body {n}"
+        "r{n}", (("r{n}", 0),), "the position of the origin of body {n}", own_axes=False, soft=True
+    ),
+    BodyQuantity(
+        "rc{n}",
+        (("rc{n}", 0), ("rG{n}", 0), ("pc{n}", 0)),
+        "the centre of mass of body {n}",
+        own_axes=False,
     ),
     BodyQuantity("s{n}", (("s{n}", 0),), "the vector along body {n}", soft=True),
     BodyQuantity("sc{n}", (("sc{n}", 0),), "the vector to the centre of mass of body {n}"),
-    BodyQuantity("f{h}{n}", (("f{h}{n}", 0), ("F{h}{n}", 0)), "the force on body {n} at its joint"),
+    BodyQuantity(
+        "f{h}{n}",
+        (("f{h}{n}", 0), ("F{h}{n}", 0)),
+        "the force on body {n} at its joint",
+        reaction="This is the reaction, the force of body {n} on body {h}; f{h}{n} is that of body "
+        "{h} on body {n}.",
+    ),
     BodyQuantity(
         "M{n}",
         (("M{n}", 0), ("n{h}{n}", 0)),
         "the moment on body {n} at its joint",
+        reaction="This is the reaction, the moment of body {n} on body {h}.",
         angular=True,
         spaces=(2,),
         soft=True,
@@ -87,6 +103,7 @@ BODY_QUANTITIES = (
         "n{n}",
         (("n{n}", 0), ("n{h}{n}", 0)),
         "the moment on body {n} at its joint",
+        reaction="This is the reaction, the moment of body {n} on body {h}.",
         spaces=(3,),
         soft=True,
     ),
@@ -107,10 +124,13 @@ BODY_QUANTITIES = (
         "w{n}",
         (("w{n}", 0),),
         "the angular velocity of body {n} in the world's axes",
+        own_axes=False,
         spaces=(3,),
         soft=True,
     ),
-    BodyQuantity("z{n}", (("z{n}", 0),), "the z axis of body {n}", spaces=(3,), soft=True),
+    BodyQuantity(
+        "z{n}", (("z{n}", 0),), "the z axis of body {n}", own_axes=False, spaces=(3,), soft=True
+    ),
     BodyQuantity(
         "p{h}_{n}",
         (("p{h}{n}", 0),),

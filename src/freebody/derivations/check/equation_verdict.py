@@ -83,8 +83,21 @@ class Judge:
     def _wrong(self, claim: Claim, right: Trig, explain: bool) -> EquationVerdict:
         findings, causes = self._explained(claim, right) if explain else ([], [])
         hint = coriolis.advice(self.setting, claim, self.claims)
-        causes = [*causes, *[hint] * bool(hint)]
+        causes = [*causes, *[hint] * bool(hint), *self._unsymmetric(claim)]
         return self._with_example(claim, right, findings, causes)
+
+    def _unsymmetric(self, claim: Claim) -> list[str]:
+        """A sentence about an entry of the mass matrix that the answer gives in two ways."""
+        mirrored = claim.target.index[::-1]
+        if claim.target.family != "M" or mirrored == claim.target.index:
+            return []
+        return [
+            f"The mass matrix is symmetric, so {claim.label} = {other.label}."
+            for other in self.claims
+            if other.target.family == "M"
+            and other.target.index == mirrored
+            and other.value != claim.value
+        ][:1]
 
     def _with_example(
         self, claim: Claim, right: Trig, findings: Sequence[Mistake], causes: Sequence[str]

@@ -11,6 +11,7 @@ from functools import reduce
 from freebody.derivations.check.answer_tree import Angle, Named, Wave
 from freebody.derivations.expressions.evaluate import NoValue, Rules, arithmetic, evaluate
 from freebody.derivations.expressions.nodes import Expression, Matrix, Quotient
+from freebody.derivations.grammar.parser import PI
 from freebody.derivations.grammar.source import Source
 from freebody.errors import FreebodyError
 from freebody.scalars.trig import Trig, TrigRing
@@ -102,6 +103,8 @@ class PolynomialReader:
                     "and put powers before it, cos²(θ) or cos^2(theta)",
                     node.span,
                 )
+            if coefficient in (PI / 180, 180 / PI):
+                self.source.fail("angles are in radians here: leave π/180 out", node.span)
             if coefficient.denominator != 1:
                 self.source.fail(
                     "sin and cos of a fraction of an angle are not used here", node.span

@@ -16,6 +16,7 @@ from freebody.derivations.check.asked_quantities import AskedQuantity, Targets
 from freebody.derivations.check.finite_field import PRIME, Point, Turn, plus, residue
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.grammar.parser import PI
 from freebody.model.gravity import axis_of
 from freebody.scalars.trig import Trig
 
@@ -74,10 +75,12 @@ class Misconceptions:
         return list(dict.fromkeys(found))[:2]
 
     def _all(self) -> Iterator[Thought]:
+        yield from ((text, self.point.of(value())) for text, value in self.target.thoughts)
         yield from self._others()
         yield from self._gravity()
         yield from self._velocity()
         yield from self._inertia()
+        yield from self._degrees()
         if self.setting.is_planar:
             yield from self._lengths()
             yield from self._angles()
@@ -174,6 +177,13 @@ class Misconceptions:
     def _is_own(self, k: int) -> bool:
         """Whether the quantity belongs to joint k alone."""
         return set(self.target.index) <= {k}
+
+    def _degrees(self) -> Iterator[Thought]:
+        """A derivative by an angle in degrees, or a rate in them."""
+        own = self.point.of(self.right)
+        text = "Angles and rates are in radians: a factor π/180 too many, or one too few."
+        yield text, own * residue(PI / 180)
+        yield text, own * residue(180 / PI)
 
     # ------------------------------------------------------------ lengths
     def _lengths(self) -> Iterator[Thought]:
@@ -301,7 +311,17 @@ def related(targets: Targets, target: AskedQuantity) -> dict[str, Trig]:
             and name.startswith(letter or "\0")
         ):
             found[name] = other.compute()
-    return found
+    return found or _of_the_same_table(targets, target)
+
+
+def _of_the_same_table(targets: Targets, target: AskedQuantity) -> dict[str, Trig]:
+    """The other entries of a matrix, such as an orientation."""
+    for name, table in targets.tables.items():
+        entries = [entry for row in table for entry in row]
+        if len(target.index) == 2 and any(entry is target for entry in entries):
+            own = (entry for entry in entries if entry is not target)
+            return {f"{name} {x.index[0]}, {x.index[1]}": x.compute() for x in own}
+    return {}
 
 
 def _part(powers: Mapping[str, int]) -> str:
