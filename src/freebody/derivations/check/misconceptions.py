@@ -316,11 +316,14 @@ def related(targets: Targets, target: AskedQuantity) -> dict[str, Trig]:
 
 def _of_the_same_table(targets: Targets, target: AskedQuantity) -> dict[str, Trig]:
     """The other entries of a matrix, such as an orientation."""
+    if len(target.index) != 2 or not target.words:
+        return {}
     for name, table in targets.tables.items():
-        entries = [entry for row in table for entry in row]
-        if len(target.index) == 2 and any(entry is target for entry in entries):
-            own = (entry for entry in entries if entry is not target)
-            return {f"{name} {x.index[0]}, {x.index[1]}": x.compute() for x in own}
+        entries = {entry.index: entry for row in table for entry in row}
+        own = entries.get(target.index)
+        if own is not None and own.words == target.words:
+            others = (entry for index, entry in entries.items() if index != target.index)
+            return {f"{name} {x.index[0]}, {x.index[1]}": x.compute() for x in others}
     return {}
 
 
