@@ -60,36 +60,43 @@ class SweepStore:
 
     def _open(self, identity: str) -> None:
         """The store as it was left, or a new one."""
+        root = self._group()
+        held = root.attrs.get(_HASH)
+        if held is None:
+            if not self._is_bare():
+                raise self._of_others()
+            self._create(root.create_group(PARTS, overwrite=True))
+            # last: a store without it was never begun
+            root.attrs.update({_WITH: dict(self._with), _HASH: identity})
+        elif held != identity:
+            raise self._of_another_sweep(dict(root.attrs.get(_WITH, {})))
+        for left in self.path.rglob("*.partial"):
+            if _LEFT.search(left.name):
+                left.unlink()
+        parts = root[PARTS]
+        self._failed, self._told = parts["failed"], parts["reasons"]
+        self._arrays = {key: parts[key] for key in self._shapes()}
+
+    def _group(self) -> Any:
+        """The folder as a group of Zarr's: what is in it, or a new one."""
         if self.path.exists() and not self.path.is_dir():
             raise self._of_others()
         mode = "r+" if self._files() else "a"
         try:
-            found = self._zarr.open_group(str(self.path), mode=mode, zarr_format=3)
+            return self._zarr.open_group(str(self.path), mode=mode, zarr_format=3)
         except (FileNotFoundError, NotADirectoryError, ValueError, KeyError):
             if mode == "a":
                 raise
             raise self._of_others() from None
-        held = found.attrs.get(_HASH)
-        if held is None:
-            if not self._is_bare():
-                raise self._of_others()
-            self._create(found.create_group(PARTS, overwrite=True))
-            # last: a store without it was never begun
-            found.attrs.update({_WITH: dict(self._with), _HASH: identity})
-        elif held != identity:
-            others = differing(self._with, dict(found.attrs.get(_WITH, {})))
-            what = "its function, model, grid, reduction or block size"
-            raise FreebodyError(
-                f"sweep: {self.path} holds another sweep: "
-                + (f"it was begun with another {listed(others)}" if others else f"{what} differs")
-                + ". Name another store."
-            )
-        for left in self.path.rglob("*.partial"):
-            if _LEFT.search(left.name):
-                left.unlink()
-        parts = found[PARTS]
-        self._failed, self._told = parts["failed"], parts["reasons"]
-        self._arrays = {key: parts[key] for key in self._shapes()}
+
+    def _of_another_sweep(self, begun_with: Mapping[str, str]) -> FreebodyError:
+        others = differing(self._with, begun_with)
+        what = "its function, model, grid, reduction or block size"
+        return FreebodyError(
+            f"sweep: {self.path} holds another sweep: "
+            + (f"it was begun with another {listed(others)}" if others else f"{what} differs")
+            + ". Name another store."
+        )
 
     def _is_bare(self) -> bool:
         """Whether there are at most arrays without a number, as a sweep begins."""

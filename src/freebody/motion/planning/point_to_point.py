@@ -136,22 +136,13 @@ def _move(
     wanted: float | None,
 ) -> PiecewisePolynomial:
     """The k-th move from one waypoint to the next; `wanted`: its duration."""
-    profile, way = PROFILES[name], ends[1] - ends[0]
-    moving = np.flatnonzero(np.abs(way) > SAME)
-    if not len(moving):
+    way = ends[1] - ends[0]
+    if not (np.abs(way) > SAME).any():
         raise FreebodyError(
             f"{function}: waypoints {k} and {k + 1} are the same; leave one out, and to wait there "
             f"use fb.dwell."
         )
-    curves: dict[int, PiecewisePolynomial] = {}
-    for i in moving:
-        own = {x: float(getattr(limits, x)[i]) for x in LIMITS}
-        missing = [x for x in profile.needs if not np.isfinite(own[x])]
-        if missing or not any(map(np.isfinite, own.values())):
-            if wanted is None or profile.needs:
-                raise pace_unknown(function, model, *(missing or ("times", *LIMITS)))
-            own["velocity"] = 2.0 * abs(way[i]) / wanted  # any: it is run in the wanted duration
-        curves[int(i)] = profile.quickest(abs(float(way[i])), *own.values())
+    curves = _quickest(function, name, model, way, limits, wanted)
     slowest = max(curves, key=lambda i: curves[i].breaks[-1])
     shortest = float(curves[slowest].breaks[-1])
     if wanted is not None and wanted < shortest * (1.0 - 1e-9):
@@ -169,3 +160,25 @@ def _move(
         powers[-1] += start
         columns.append(PiecewisePolynomial(np.append(curve.breaks[:-1], duration), powers))
     return side_by_side(columns)
+
+
+def _quickest(
+    function: str,
+    name: str,
+    model: Model,
+    way: Array,
+    limits: PlanningLimits,
+    wanted: float | None,
+) -> dict[int, PiecewisePolynomial]:
+    """The curve of each joint that moves, from 0 over the size of its way, as if it were alone."""
+    profile = PROFILES[name]
+    curves = {}
+    for i in map(int, np.flatnonzero(np.abs(way) > SAME)):
+        own = {x: float(getattr(limits, x)[i]) for x in LIMITS}
+        missing = [x for x in profile.needs if not np.isfinite(own[x])]
+        if missing or not any(map(np.isfinite, own.values())):
+            if wanted is None or profile.needs:
+                raise pace_unknown(function, model, *(missing or ("times", *LIMITS)))
+            own["velocity"] = 2.0 * abs(way[i]) / wanted  # any: it is run in the wanted duration
+        curves[i] = profile.quickest(abs(float(way[i])), *own.values())
+    return curves

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import make_interp_spline
+from scipy.interpolate import BSpline, make_interp_spline
 
 from freebody.arrays import Array, above_zero, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, MissingArgumentError, ShapeError
@@ -198,6 +198,14 @@ class _TipPlan:
         step: float | None,
         finer: int,
     ) -> Motion:
+        curve = self._followed(path, finer)
+        unit = curve.motion(1.0, np.linspace(0.0, 1.0, (SAMPLES - 1) * finer + 1))
+        T = self._duration(unit, duration, speed)
+        t = unit.t * T if step is None else sample_times(self.function, np.array([0.0, T]), step)
+        return within_limits(self.function, self.model, curve.motion(T, t), self.limits)
+
+    def _followed(self, path: TipPath, finer: int) -> _JointCurve:
+        """The joints along a path, on the branch of q0."""
         pieces = [
             np.linspace(a, b, _NODES * finer + 1)[:-1]
             for a, b in zip(path.marks[:-1], path.marks[1:], strict=True)
@@ -205,40 +213,30 @@ class _TipPlan:
         ways = np.append(np.concatenate(pieces), path.length)
         q, notices = TipFollower(self.function, self.solver, path).joints(self.q0, ways)
         notices = (*self.limits.allowed.notices, *notices)
-        spline = make_interp_spline(ways, q, k=5)
-        curves = spline, spline.derivative(), spline.derivative(2)
-        words = f"the tip along {path.words}"
+        return _JointCurve(self.model, path, make_interp_spline(ways, q, k=5), notices)
 
-        def timed(T: float, t: Array) -> Motion:
-            s, sd, sdd = (x[:, None] for x in _way(path.length, T, t))
-            x, xd, xdd = (curve(s[:, 0]) for curve in curves)
-            rates = xd * sd, xdd * sd**2 + xd * sdd
-            return Motion(t, x, *rates, words, layout(self.model), notices)
-
-        unit = timed(1.0, np.linspace(0.0, 1.0, (SAMPLES - 1) * finer + 1))
-        factor = np.inf if speed is None else speed / self._fastest(unit)
+    def _duration(self, unit: Motion, duration: float | None, speed: float | None) -> float:
+        """The one that is given, else the shortest within the limits, of a motion that takes 1 s;
+        refuses one in which the tip is too fast."""
+        allowed = np.inf if speed is None else speed / self._fastest(unit)
         if duration is not None:
-            factor = min(1.0 / duration, factor)
-            if factor < 1.0 / duration:
-                given, needed = compared(duration, float(rounded_up(1.0 / factor, 5)), digits=5)
+            if allowed < 1.0 / duration:
+                given, needed = compared(duration, float(rounded_up(1.0 / allowed, 5)), digits=5)
                 raise FreebodyError(
                     f"{self.function}: in {given} s the tip is faster than {speed:g} m/s; give at "
                     f"least {needed} s."
                 )
-        else:
-            peaks = unit.peaks
-            sizes = peaks.velocity.size, peaks.acceleration.size
-            try:
-                factor = min(
-                    factor,
-                    quickest(self.function, self.model, *sizes, self.limits, "duration", "speed"),
-                )
-            except MissingArgumentError:  # nothing else limits it
-                if speed is None:
-                    raise
-        T = 1.0 / factor if duration is None else duration
-        t = unit.t * T if step is None else sample_times(self.function, np.array([0.0, T]), step)
-        return within_limits(self.function, self.model, timed(T, t), self.limits)
+            return duration
+        sizes = unit.peaks.velocity.size, unit.peaks.acceleration.size
+        try:
+            by_joints = quickest(
+                self.function, self.model, *sizes, self.limits, "duration", "speed"
+            )
+        except MissingArgumentError:
+            if speed is None:
+                raise
+            by_joints = np.inf  # nothing else limits it
+        return 1.0 / min(allowed, by_joints)
 
     def _fastest(self, motion: Motion) -> float:
         """Of the frame, m/s."""
@@ -250,6 +248,25 @@ class _TipPlan:
         t = 0.5 * (motion.t[1:] + motion.t[:-1])
         goal = path.at(np.clip(_way(path.length, motion.duration, t)[0], 0.0, path.length))
         return float(self.solver.miss(motion.at(t)[0], goal).max())
+
+
+@dataclass(frozen=True, eq=False)
+class _JointCurve:
+    """The joints as a spline over the way of the tip (m, or rad of a turn alone)."""
+
+    model: Model
+    path: TipPath
+    spline: BSpline
+    notices: tuple[str, ...]
+
+    def motion(self, T: float, t: Array) -> Motion:
+        """From rest to rest in T s, at times t of these."""
+        s, sd, sdd = (x[:, None] for x in _way(self.path.length, T, t))
+        curves = self.spline, self.spline.derivative(), self.spline.derivative(2)
+        q, slope, bend = (curve(s[:, 0]) for curve in curves)
+        rates = slope * sd, bend * sd**2 + slope * sdd
+        words = f"the tip along {self.path.words}"
+        return Motion(t, q, *rates, words, layout(self.model), self.notices)
 
 
 def _way(length: float, T: float, t: Array) -> tuple[Array, Array, Array]:
