@@ -210,6 +210,29 @@ def test_the_command_prints_and_writes_what_the_function_returns(tmp_path, monke
     assert np.allclose(table[:, 4:6], found.tau_rms.values.reshape(6, 2), rtol=1e-5)
 
 
+def test_the_command_spreads_robots_over_ranges(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    asked = "sweep 2R gravity_torque --over m2=1:3 --over l1=0.2:0.4 --samples 8 --over g=9:10:2"
+    assert run_command([*asked.split(), "--states", "20", "--seed", "4", "--out", "t.csv"]) == 0
+    head, *rows = (tmp_path / "t.csv").read_text().splitlines()
+    assert head.split(",")[:3] == ["g", "m2", "l1"]
+    arm, designs = fb.load("2R"), fb.samples(8, {"m2": (1, 3), "l1": (0.2, 0.4)}, seed=4)
+    q, _, _ = fb.random_state(arm, 4, 20)
+    over = {"g": [9.0, 10.0], "design": designs, "q": q}
+    found = fb.sweep(arm, "gravity_torque", over=over, reduce="peak")
+    table = np.array([[float(x) for x in row.split(",")] for row in rows])
+    assert np.allclose(table[8:, 1], designs["m2"], rtol=1e-5)
+    assert np.allclose(table[:, 3:5], found.g_peak.values.reshape(16, 2), rtol=1e-5)
+    capsys.readouterr()
+    for words, wrong in (
+        ("has no COUNT", ["--over", "m2=1:3"]),
+        ("give --over NAME=LOW:HIGH", ["--samples", "3"]),
+        ("no method 'halton'", ["--over", "m2=1:3", "--samples", "3", "--method", "halton"]),
+    ):
+        assert run_command(["sweep", "2R", "gravity_torque", *wrong]) == 2
+        assert words in capsys.readouterr().err
+
+
 def test_the_command_takes_motions(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert run_command(["plan", "2R", "0, 0; 1.2, 0.5", "--acceleration", "2"]) == 0
@@ -226,7 +249,7 @@ def test_the_command_takes_motions(tmp_path, monkeypatch):
 def test_the_command_tells_failures_and_mistakes(capsys):
     assert run_command(["sweep", "2R", "mass_matrix", "--over", "m2=-1:1:2", "--states", "3"]) == 1
     assert "mass -1 kg is negative" in capsys.readouterr().out
-    for text in ("m2=1:2", "m2", "m2=a:2:3", "m2=1:2:0", "=1:2:3", "m2=1:2:3:4"):
+    for text in ("m2=1", "m2", "m2=a:2:3", "m2=1:2:0", "=1:2:3", "m2=1:2:3:4"):
         assert run_command(["sweep", "2R", "mass_matrix", "--over", text]) == 2
         assert "NAME=LOW:HIGH:COUNT" in capsys.readouterr().err
     assert run_command(["sweep", "2R", "mass_matrix", "--states", "3", "--motion", "x.csv"]) == 2

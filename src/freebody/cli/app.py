@@ -133,6 +133,8 @@ def _unforeseen(problem: Exception) -> int:
         return terminal.error(f"{text}. See {command} --help.")
     if os.environ.get("FREEBODY_TRACEBACK"):
         raise problem
+    if isinstance(problem, MemoryError):
+        return terminal.error(f"this does not fit into memory: {problem or 'no more is left'}.")
     return terminal.error(
         f"{type(problem).__name__}: {problem} (an error in freebody, please report it; "
         f"FREEBODY_TRACEBACK=1 shows where)"

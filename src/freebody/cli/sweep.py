@@ -33,10 +33,22 @@ def sweep(
     over: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="NAME=LOW:HIGH:COUNT",
-            help="A number of the robot and the values it takes, evenly spaced; may be repeated.",
+            metavar="NAME=LOW:HIGH[:COUNT]",
+            help="A number of the robot and the values it takes: COUNT evenly spaced, or without "
+            "it those that --samples spreads; may be repeated.",
         ),
     ] = None,
+    samples: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            metavar="COUNT",
+            help="So many robots, spread over all ranges without a COUNT together.",
+        ),
+    ] = None,
+    method: Annotated[
+        str, typer.Option(help="How they are spread: sobol, latin-hypercube or random.")
+    ] = "sobol",
     motion: Annotated[
         str | None,
         typer.Option(metavar="FILE", help="The states are those of this motion, a CSV file."),
@@ -45,7 +57,7 @@ def sweep(
         int | None,
         typer.Option(min=1, metavar="COUNT", help="The states are so many random ones."),
     ] = None,
-    seed: Annotated[int, typer.Option(help="Of the random states.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Of random states and samples.")] = 0,
     reduce: Annotated[
         str, typer.Option(metavar="NAMES", help="Such as peak, rms, max, mean or p99, by commas.")
     ] = "peak",
@@ -84,13 +96,8 @@ def sweep(
     from freebody.sweeps.sweep import sweep as sweep_of
 
     model = options.load(robot, None, base, mimic, physical, snap_angles, convention)
-    axes: dict[str, Any] = {}
-    for text in over or ():
-        name, values = _axis(text)
-        if name in axes:
-            raise FreebodyError(f"--over {shown(text)}: {name!r} is given twice; give it once.")
-        axes[name] = values
-    axes["state"] = _states(model, function, motion, states, seed)
+    axes = _axes(over or [], samples, method, seed)
+    axes[_free("state", axes)] = _states(model, function, motion, states, seed)
     names = [name.strip() for name in reduce.split(",")]
     with terminal.warnings_as_lines(), terminal.progress("compiling") as progress:
         found = sweep_of(
@@ -113,22 +120,57 @@ def sweep(
         raise typer.Exit(1)
 
 
-def _axis(text: str) -> tuple[str, Any]:
+def _axes(over: list[str], samples: int | None, method: str, seed: int) -> dict[str, Any]:
+    """An axis for each range with a count, and one for all that are sampled."""
     import numpy as np
 
+    from freebody.sweeps.samples import samples as samples_of
+
+    axes: dict[str, Any] = {}
+    ranges: dict[str, tuple[float, float]] = {}
+    for text in over:
+        name, low, high, count = _range(text)
+        if name in axes or name in ranges:
+            raise FreebodyError(f"--over {shown(text)}: {name!r} is given twice; give it once.")
+        if count is not None:
+            axes[name] = np.linspace(low, high, count)
+        elif samples is None:
+            raise FreebodyError(
+                f"--over {shown(text)} has no COUNT: write {name}=LOW:HIGH:COUNT, or say with "
+                f"--samples how many robots are spread over the ranges."
+            )
+        else:
+            ranges[name] = low, high
+    if samples is not None:
+        if not ranges:
+            raise FreebodyError("--samples spreads robots over ranges; give --over NAME=LOW:HIGH.")
+        axes[_free("design", axes)] = samples_of(samples, ranges, method=method, seed=seed)
+    return axes
+
+
+def _free(name: str, axes: dict[str, Any]) -> str:
+    """The name, longer where a number of the robot has it."""
+    return _free(f"{name}_", axes) if name in axes else name
+
+
+def _range(text: str) -> tuple[str, float, float, int | None]:
+    """Name, ends and count of a range, None for none."""
     from freebody.formats import number_text
 
     name, equals, rest = text.rpartition("=")
-    pieces = rest.split(":")
-    low, high = (number_text.number(x.strip()) for x in (*pieces, "", "")[:2])
-    count = pieces[2].strip() if len(pieces) == 3 else ""
-    if not (equals and name and low is not None and high is not None):
-        count = ""
-    if not (count.isascii() and count.isdigit()) or not 0 < int(count) <= 10**7:
+    pieces = [x.strip() for x in rest.split(":")]
+    low, high = (number_text.number(x) for x in (*pieces, "", "")[:2])
+    count = pieces[2] if len(pieces) == 3 else "1"
+    if (
+        not (equals and name.strip() and low is not None and high is not None)
+        or len(pieces) > 3
+        or not (count.isascii() and count.isdigit() and 0 < int(count) <= 10**7)
+    ):
         raise FreebodyError(
-            f"--over {shown(text)} is not NAME=LOW:HIGH:COUNT; write for example m2=0.5:3:6."
+            f"--over {shown(text)} is not NAME=LOW:HIGH:COUNT; write for example m2=0.5:3:6, or "
+            f"m2=0.5:3 with --samples."
         )
-    return name.strip(), np.linspace(low or 0.0, high or 0.0, int(count))
+    return name.strip(), low, high, int(count) if len(pieces) == 3 else None
 
 
 def _states(model: Model, function: str, motion: str | None, states: int | None, seed: int) -> Any:
@@ -152,7 +194,8 @@ def _states(model: Model, function: str, motion: str | None, states: int | None,
 def _table(found: xr.Dataset, axes: list[str]) -> tuple[list[str], list[list[str]]]:
     """A row for each robot; a column for what varies, and one for each number that comes out."""
     sizes = [found.sizes[name] for name in axes]
-    head, columns = list(axes), []
+    along = [[x for x in found.coords if found[x].dims == (name,)] for name in axes]
+    head, columns = [str(x) for names in along for x in names], []
     for label, values in found.data_vars.items():
         if label == "failed":
             continue
@@ -169,7 +212,11 @@ def _table(found: xr.Dataset, axes: list[str]) -> tuple[list[str], list[list[str
         columns.append(found.failed.values.ravel())
     rows = []
     for k, place in enumerate(itertools.product(*(range(n) for n in sizes))):
-        at = [f"{found[x].values[i]:.6g}" for x, i in zip(axes, place, strict=True)]
+        at = [
+            f"{found[x].values[i]:.6g}"
+            for names, i in zip(along, place, strict=True)
+            for x in names
+        ]
         rows.append([*at, *(f"{column[k]:.6g}" for column in columns)])
     return head, rows
 
