@@ -78,6 +78,32 @@ def test_the_font_of_formulas_comes_with_the_page(driver, tmp_path: Path):
     assert driver.execute_script(state) == [["Freebody Formulas", "loaded"]]
 
 
+@pytest.mark.parametrize(("name", "method"), [("3R", "lagrange"), ("five_bar", None)])
+def test_pages_fit_a_phone_and_a_sheet_of_paper(driver, tmp_path: Path, name, method):
+    """A phone scrolls long equations; on A4, with the browser's margins, none is cut off, and no
+    values are printed, whose state would not be seen."""
+    page = tmp_path / "derivation.html"
+    page.write_text(fb.derive(fb.load(name), method).html())
+    sizes = """const all = [...document.querySelectorAll(".equations")];
+    return [document.documentElement.scrollWidth - innerWidth,
+      all.filter(e => e.scrollWidth > e.clientWidth).length,
+      [...document.querySelectorAll('.values, .try')].filter(e => e.offsetHeight).length]"""
+    found = []
+    for width, media in ((375, ""), (717, "print")):
+        size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": media})
+        driver.get(page.as_uri())
+        found.append(driver.execute_script(sizes))
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+    driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    phone, paper = found
+    assert phone[0] <= 0
+    assert phone[2] > 5
+    assert paper[0] <= 0
+    assert paper[1:] == [0, 0]
+
+
 def test_mathml_stacks_dots_above_letters_and_indices_below(driver, tmp_path: Path):
     page = tmp_path / "equations.html"
     page.write_text(

@@ -3,6 +3,7 @@ are Python's, the keyboard is enough, answers are judged and never run."""
 
 from __future__ import annotations
 
+import json
 import shutil
 from pathlib import Path
 
@@ -24,6 +25,7 @@ pytestmark = [
 ]
 
 LARGEST = 600_000
+REQUEST = "Network.requestWillBeSent"
 RANDOM = np.random.default_rng(7)
 NAMES = "return [...document.querySelectorAll('.slider input')].map(e => e.dataset.input)"
 SET = """const [state] = arguments, inputs = [...document.querySelectorAll('.slider')];
@@ -54,8 +56,12 @@ def opened(driver, folder: Path, derivation: fb.Derivation) -> None:
     assert len(text.encode()) < LARGEST
     page = folder / "derivation.html"
     page.write_text(text, encoding="utf-8")
+    driver.get_log("performance")
     driver.get(page.as_uri())
     assert not driver.get_log("browser")
+    sent = [json.loads(entry["message"])["message"] for entry in driver.get_log("performance")]
+    asked = [x["params"]["request"]["url"] for x in sent if x["method"] == REQUEST]
+    assert [url for url in asked if not url.startswith("data:")] == [page.as_uri()]
 
 
 def values(driver) -> dict[str, list[list[float]]]:
@@ -276,6 +282,21 @@ def test_the_keyboard_is_enough(driver, tmp_path):
     assert driver.execute_script(state)[:2] == [True, False]
     driver.find_element("id", "again").send_keys(Keys.SPACE)
     assert values(driver) == before
+
+    driver.find_element("css selector", "section > details > summary").send_keys(Keys.ENTER)
+    driver.find_element("id", "fold").send_keys(Keys.SPACE)  # all but one are folded: unfold
+    driver.find_element("id", "predict").send_keys(Keys.SPACE)
+    asked = driver.switch_to.active_element
+    for _ in range(200):
+        asked.send_keys(Keys.TAB)
+        asked = driver.switch_to.active_element
+        if asked.tag_name == "input" and asked.get_attribute("type") == "text":
+            break
+    answer = driver.execute_script("return arguments[0].closest('.answer')", asked)
+    for typed, verdict in (("1", "Not right: "), ("m2*(vc2_d - gravity)", "Right: ")):
+        asked.send_keys(Keys.CONTROL, "a", Keys.NULL, typed, Keys.ENTER)
+        said = answer.find_element("css selector", "p").text
+        assert said.startswith(verdict), (answer.get_attribute("data-name"), said)
 
 
 # fmt: off

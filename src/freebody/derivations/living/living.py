@@ -11,6 +11,7 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
+from freebody.derivations.closed_chains.first_kind import MULTIPLIER
 from freebody.derivations.derivation import Derivation
 from freebody.derivations.derive import LOADS
 from freebody.derivations.expressions.expression import Symbol
@@ -138,6 +139,8 @@ def _inputs(
 
 
 def _group(name: str, coordinates: Iterable[str]) -> str:
+    if name.startswith(MULTIPLIER):
+        return "lam"
     endings = (("q", ""), ("qd", RATE), ("qdd", SECOND))
     found = (key for key, ending in endings for x in coordinates if name == x + ending)
     return next(found, "p")

@@ -12,7 +12,13 @@ from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.living.line_values import ValuedLine
 from freebody.derivations.render.mathml import mathml
 
-GROUPS = {"q": "Positions", "qd": "Rates", "qdd": "Accelerations", "p": "Lengths, masses, forces"}
+GROUPS = {
+    "q": "Positions",
+    "qd": "Rates",
+    "qdd": "Accelerations",
+    "lam": "Multipliers of the loops",
+    "p": "Lengths, masses, forces",
+}
 VIEWS = (("turn", -180, 180, -60), ("tilt", -10, 90, 20))
 """Of a robot in space: name, range and first value of the angles from which it is seen, degrees."""
 
@@ -23,7 +29,7 @@ def panel(inputs: list[dict[str, Any]], dim: int) -> str:
     for key, title in GROUPS.items():
         rows = [_slider(k, x) for k, x in enumerate(inputs) if x["group"] == key]
         if rows:
-            state = ' open=""' if key == "q" else ""
+            state = ' open=""' if key in ("q", "lam") else ""
             groups.append(f"<details{state}><summary>{title}</summary>{''.join(rows)}</details>")
     turned = "".join(
         f'<p class="slider"><label for="{name}">{name} the view</label><input id="{name}" '

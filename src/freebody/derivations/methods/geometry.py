@@ -59,7 +59,7 @@ def _in_space(s: Setting, i: int, rotations: bool, inertias: bool) -> list[Equat
         field = ex.mul(rotation_name(s, -1, i), vec("g"))
         lines.append(eq(field, s.column(s.gravity(i))))
     if inertias and not s.is_point(i):
-        lines.append(eq(f"I{s.numbers[i]}", _matrix(s, s.inertia(i))))
+        lines.append(eq(s.inertia_name(i), _matrix(s, s.inertia(i))))
     return lines
 
 

@@ -83,17 +83,23 @@ def _parameters(s: Setting, moved: bool) -> Iterator[Meaning]:
 
 def _further(s: Setting, rows: Iterable[Meaning], steps: Iterable[Step]) -> Iterator[Meaning]:
     """Generic symbols of the steps that no row explains yet."""
-    told = {x.name for row in rows for x in row.symbols if isinstance(x, Symbol)}
+    told = {(x.name, x.bold) for row in rows for x in row.symbols if isinstance(x, Symbol)}
     lines = (line for step in steps for line in step.equations)
-    used = {x.name for line in lines for x in nodes(line) if isinstance(x, Symbol)} - told
+    used = {(x.name, x.bold) for line in lines for x in nodes(line) if isinstance(x, Symbol)} - told
     n = r"\d+"
     for pattern, symbol, words, unit in (
         (f"m{n}", sym_of("m_i"), "mass of body i", KILOGRAM),
-        (f"I{n}", sym_of("I_i"), "inertia of body i about its centre of mass", INERTIA),
+        (
+            f"I{n}",
+            sym_of("I_i") if s.planar else vec("I_i"),
+            "inertia of body i about its centre of mass",
+            INERTIA,
+        ),
         (f"z{n}", vec("z_i"), f"direction of a {joints_that(s, turn=True)} joint's axis", ""),
         (f"R{n}_{n}", _ROTATION, "turns components in the axes of body i to those of body k", ""),
     ):
-        if symbol.name not in told and any(re.fullmatch(pattern, name) for name in used):
+        known = (symbol.name, symbol.bold) in told
+        if not known and any(re.fullmatch(pattern, x) and bold == symbol.bold for x, bold in used):
             yield Meaning((symbol,), words, unit)
 
 

@@ -295,7 +295,9 @@ figure{margin:1rem 0;text-align:center}figure svg{max-width:100%;height:auto}
 .source{color:#5a6675;font-size:.9rem;margin-top:3rem}
 @media (prefers-color-scheme:dark){body{color:#e4e9f0;background:#14181e}
 .source,h2 .notes{color:#9aa6b5}}
-@media print{main{max-width:none;padding:0}section{break-inside:avoid-page}}
+@media print{body{font-size:11pt}main{max-width:none;padding:0}
+math{font-size:1rem}.equations math{font-size:13.8px}.equations{overflow:visible}
+section{break-inside:avoid-page}}
 """
 
 

@@ -36,7 +36,7 @@ font-size:.9rem}
 @media screen and (min-width:82rem){.living{margin-right:27rem}
 .try{position:fixed;top:1rem;right:1rem;width:23rem;margin:0;max-height:calc(100vh - 3rem);
 overflow-y:auto}}
-@media print{.try{display:none}}
+@media print{.try,.values{display:none}}
 @media (prefers-color-scheme:dark){.try{border-color:#48525e}.values{color:#9aa6b5}
 .value output{color:#ff86b3}.answer.right p{color:#74cf8a}}
 """
