@@ -143,6 +143,12 @@ def test_points_without_a_value_are_told_and_left_out():
     assert np.isfinite(found.tau_mean.values[[0, 2]]).all()
     assert "at m2 1, state 0" in found.attrs["failures"][0]
     assert "mass -1 kg is negative. Bind" in found.attrs["failures"][0]
+    over = {"m2": [1.0, -1.0, -2.0], "state": STATES}
+    with pytest.warns(fb.FreebodyWarning):
+        told = fb.sweep(ARM, "inverse_dynamics", over=over, reduce="max", block=100).failures
+    assert [text.split(" is")[0] for text in told] == [
+        f"at m2 {k}, state 0: 'RR': link 'link2': mass -{k} kg" for k in (1, 2)
+    ]
 
     def picky(model: fb.Model, q: np.ndarray) -> np.ndarray:
         if (q > 3.0).any():

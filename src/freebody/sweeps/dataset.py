@@ -11,7 +11,7 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, FreebodyWarning
 from freebody.model.model import Model
 from freebody.sweeps.axes import SweepAxis, SweepGrid
-from freebody.sweeps.evaluation import BlockResult, FailedPoint, SweepBlock, SweepTask
+from freebody.sweeps.evaluation import BlockResult, FailedPoint, SweepBlock, SweepTask, with_more
 from freebody.sweeps.functions import SweptFunction
 from freebody.sweeps.reductions import Gathered, SweepReduction, finished, joined
 
@@ -51,7 +51,7 @@ class SweepArrays:
         """The next block."""
         rows = slice(block.rows.start, block.rows.stop)
         self.failed[rows] += result.failed
-        self.reasons += result.reasons[: _SHOWN - len(self.reasons)]
+        self.reasons = with_more(self.reasons, result.reasons, _SHOWN)
         for (output, _), values in zip(self.outputs, result.values, strict=False):
             self.values[output, ""][rows, block.columns.start : block.columns.stop] = values
         if result.gathered:

@@ -27,7 +27,7 @@ NOT_A_NUMBER = "the result is not a number"
 _GATHERED = 1 << 24
 """Bytes that are gathered from a tile: a histogram has half a megabyte for a row of six joints."""
 _MOST_REASONS = 20
-"""Of failed points of a block, whose place and reason are kept; the others are counted."""
+"""Of a block's failures, of which place and reason are kept; the others are counted."""
 
 
 Reasons = dict[tuple[int, int], str]
@@ -109,7 +109,7 @@ class SweepTask:
         found = side_by_side(lambda tile: self._tile(tile, block, refused, whole.values), tiles)
         for tile, part in zip(tiles, found, strict=True):
             whole.failed[_within(tile.rows, block.rows)] += part.failed
-            whole.reasons += part.reasons[: _MOST_REASONS - len(whole.reasons)]
+            whole.reasons = with_more(whole.reasons, part.reasons, _MOST_REASONS)
             if not self.reductions:
                 continue
             if tile.columns == block.columns:
@@ -154,11 +154,7 @@ class SweepTask:
         failed = np.zeros((len(rows), len(columns)), dtype=bool)
         for x in values:
             failed |= np.isnan(x).any(axis=tuple(range(2, x.ndim)))
-        told: list[FailedPoint] = []
-        if failed.any():
-            for r, c in np.argwhere(failed)[:_MOST_REASONS].tolist():
-                place = rows.start + r, columns.start + c
-                told.append(FailedPoint(*place, reasons.get(place, NOT_A_NUMBER)))
+        told = _told(tile, failed, reasons) if failed.any() else []
         for whole, x in zip(places, values, strict=False):
             whole[_within(rows, block.rows), _within(columns, block.columns)] = x
         found = gathered(values, needed(self.reductions), columns.start)
@@ -192,7 +188,7 @@ class SweepTask:
         except FAILURES as problem:
             robot = str(problem) if len(rows) == len(columns) == 1 else None
         if robot is not None:
-            reasons |= {(rows.start, c): robot for c in columns[:_MOST_REASONS]}
+            reasons[rows.start, columns.start] = robot
             shape = len(rows), len(columns)
             return {name: np.full((*shape, *core), np.nan) for name, core in self.outputs}
         axis = 0 if len(rows) > 1 else 1
@@ -219,6 +215,27 @@ class SweepTask:
             first, second = _halved(rows)
             return self._refused(first) | self._refused(second)
         return {}
+
+
+def _told(tile: SweepBlock, failed: np.ndarray, reasons: Reasons) -> list[FailedPoint]:
+    """Of each row that has failed points each reason once, at the first of them."""
+    rows = np.flatnonzero(failed.any(axis=1))
+    first = failed.argmax(axis=1)
+    places = {(tile.rows.start + r, tile.columns.start + int(first[r])) for r in rows.tolist()}
+    every = sorted(places | reasons.keys())
+    return with_more([], [FailedPoint(*x, reasons.get(x, NOT_A_NUMBER)) for x in every])
+
+
+def with_more(
+    reasons: list[FailedPoint], more: list[FailedPoint], most: int | None = None
+) -> list[FailedPoint]:
+    """Failed points and further ones, of each row each reason once, where it first occurs."""
+    if not more:
+        return reasons
+    found: dict[tuple[int, str], FailedPoint] = {}
+    for point in [*reasons, *more]:
+        found.setdefault((point.row, point.reason), point)
+    return list(found.values())[:most]
 
 
 def _of_one(numbers: Named) -> dict[str, float]:
