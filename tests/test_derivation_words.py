@@ -56,3 +56,13 @@ def test_the_inertia_of_a_point_is_not_listed():
     said = fb.derive(fb.load("gantry_crane"), "newton-euler").text()
     assert not re.search(r"I[₁₂₃₄] = ", said)
     assert "I₂ = [" in fb.derive(fb.load("furuta"), "newton-euler").text()
+
+
+@pytest.mark.parametrize("method", ["newton-euler", "recursive", "lagrange", "kane", "statics"])
+def test_a_joint_without_motor_is_spoken_of_in_every_method(method: str):
+    said = " ".join(fb.derive(fb.load("acrobot"), method).text().split())
+    assert "passive" in said
+    assert "no motor" in said
+    if method != "statics":
+        assert "Joint 1 has no motor. An equation with 0 on the left is a condition" in said
+    assert "condition on the motion" not in fb.derive(fb.load("2R"), method).text()

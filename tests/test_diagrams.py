@@ -634,3 +634,20 @@ def test_symbols_in_sentences_are_set_and_names_are_left():
     assert [run.text for run in said if run.style == "v"] == ["Ḣ", "f"]
     assert [run.text for run in said if run.level] == ["1", "1,2"]
     assert "".join(run.text for run in said) == "|ΣM − Ḣ1| of left_arm, −f1,2"
+
+
+def test_quadrotor_is_drawn_with_its_four_thrusts():
+    derivation = fb.derive(fb.load("quadrotor"))
+    drawings = illustrations(derivation)
+    assert list(drawings) == ["overview", "free 1"]
+    drawing = drawings["free 1"]
+    assert_legible(drawing, 460.0, 400.0)
+    thrusts = [drawing.named(f"T_{k}") for k in (1, 2, 3, 4)]
+    weight = drawing.named("m g")
+    assert all(isinstance(x, Arrow) for x in (*thrusts, weight))
+    total = sum(np.array(x.value) for x in thrusts)
+    np.testing.assert_allclose(total + np.array(weight.value), 0.0, atol=1e-9)
+    length = [np.linalg.norm(np.subtract(x.end, x.start)) for x in (*thrusts, weight)]
+    np.testing.assert_allclose(length, np.array([1, 1, 1, 1, 4]) * length[0], rtol=1e-9)
+    np.testing.assert_allclose(drawing.named("s_2").value, [0.0, 0.5, 0.0], atol=1e-12)
+    assert derivation.html().count("<figure>") == 2

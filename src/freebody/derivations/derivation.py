@@ -26,8 +26,9 @@ class Step(InWords):
     operation: what is done, as a heading. reason: why, in a sentence. notes: numbers of the
     equations of the lecture notes that the step's equations are. figure: the drawing that belongs
     to it: "vectors", "centres", "velocities", "accelerations", "tip", "tip velocity", "tip
-    acceleration", "free-body N" of body N from 1, "carried N" of it with all that hangs on it, or
-    "partial N" of the velocities when joint N alone moves. result: whether this is what was sought.
+    acceleration", "free-body N" of body N from 1, "carried N" of it with all that hangs on it,
+    "partial N" of the velocities when joint N alone moves, or "free N" of body N that nothing
+    holds. result: whether this is what was sought.
     """
 
     operation: str

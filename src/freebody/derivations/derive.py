@@ -31,12 +31,11 @@ def undrawn_derivation(
     method: a name from the list below. Default: the first that applies to the model. load: whether
     a force f, with world components fx, fy (fz), acts on the tip. Default: in a method for robots
     at rest, where the model has a tip that moves. options: the method's own. A joint of several
-    coordinates is taken apart into joints of one, a quaternion of an open chain into yaw, pitch
-    and roll (R = R_z R_y R_x). Bodies that nothing holds, such as the quadrotor, are derived in
-    their own axes by the first method. Raises FreebodyError for followers, for quaternions in
-    closed chains, for a load on a model without a tip, and for options that the method does not
-    use. Source: S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019,
-    where the method's line names no other.
+    coordinates is taken apart into joints of one, a quaternion into yaw, pitch and roll (R = R_z
+    R_y R_x). Bodies that nothing holds, such as the quadrotor, are derived in their own axes by the
+    first method. Raises FreebodyError for followers, for a load on a model without a tip, and for
+    options that the method does not use. Source: S. Bai, Dynamics of robotic manipulators, lecture
+    notes, Aalborg University, 2019, where the method's line names no other.
     """
     record = default_method(model) if method is None else method_named(method)
     _require_options(record, load, options)
@@ -45,7 +44,7 @@ def undrawn_derivation(
         load = record.at_rest and _has_moving_tip(model)
     names = LOADS[model.dim] if load else ()
     extra = (*names, *_multipliers(model), *velocity_names(model))
-    made = symbols_of_bodies(f"derive {record.name!r}", model, extra, euler=not model.loops)
+    made = symbols_of_bodies(f"derive {record.name!r}", model, extra, euler=True)
     setting = Setting(made, names, at_rest=record.at_rest)
     worked = record(setting, **options)
     given, glossary = overview(setting, record, worked)

@@ -14,10 +14,11 @@ import numpy as np
 from freebody.derivations.derivation import Derivation, Drawings, Step
 from freebody.derivations.derive import undrawn_derivation
 from freebody.derivations.expressions.expression import Expression, Symbol, nodes
-from freebody.derivations.expressions.printed_names import vec
+from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.living.living import living
 from freebody.derivations.methods import METHODS
 from freebody.derivations.methods.free_bodies import are_free
+from freebody.derivations.methods.free_body_steps import mass_symbol, thrusts_of
 from freebody.derivations.render.living_parts import LivingParts
 from freebody.figures import colours
 from freebody.figures.drawing import Drawing, Element
@@ -33,6 +34,8 @@ from freebody.model.model import Model
 from freebody.outputs.numbers import significant
 
 WIDE, TALL = 460.0, 400.0
+_FREE = "free "
+"""What the drawings of bodies that nothing holds begin with."""
 _DARK = "@media screen and (prefers-color-scheme:dark)"
 _LOAD = {2: (0.85, -0.53), 3: (0.5, -0.65, -0.6)}
 """Direction of the load on the tip in drawings."""
@@ -134,8 +137,9 @@ def _shown(derivation: Derivation) -> Snapshot:
     """A state that is seen well: moving, or at rest; under a load on the tip if the equations have
     one."""
     symbols = derivation.equations.symbols
-    joints = any(step.figure for step in derivation.steps)  # drawn with those taken apart
-    free = symbols.given is not None and not joints and are_free(symbols.given)
+    drawn_by = [step.figure for step in derivation.steps if step.figure]
+    apart = any(not name.startswith(_FREE) for name in drawn_by)  # its joints taken apart
+    free = symbols.given is not None and not apart and are_free(symbols.given)
     model = with_values(symbols.given if free and symbols.given else symbols.model)
     still = np.zeros(model.nv) if METHODS[derivation.method].at_rest else None
     load = _tip_load(model) if "fx" in symbols.extra else None
@@ -156,6 +160,8 @@ def _drawn(seen: Snapshot, name: str, scales: Sequence[forces.Scale]) -> Drawing
     if kind == "free-body":
         body = seen.pose.bodies[int(number) - 1]
         return forces.alone(seen, body, forces.BOOK[dim], scales[body.index])
+    if name.startswith(_FREE):
+        return _free(seen, int(number))
     if kind in ("carried", "partial") and dim == 3:
         return None
     if kind == "carried":
@@ -171,6 +177,14 @@ def _drawn(seen: Snapshot, name: str, scales: Sequence[forces.Scale]) -> Drawing
     drawing = drawn(seen, note.lower(), layers, faint=name == "tip")
     drawing.notes = [note]
     return drawing
+
+
+def _free(seen: Snapshot, number: int) -> Drawing:
+    """A body that nothing holds, with its thrusts."""
+    own = {x: f.name for x, f in thrusts_of(seen.model).items() if f.body == number - 1}
+    names = {canonical(label(sym(x))): frame for x, frame in own.items()}
+    mass = canonical(label(mass_symbol(seen.model, number - 1)))
+    return forces.pushed(seen, seen.pose.bodies[number - 1], names, mass)
 
 
 def _load(drawing: Drawing, seen: Snapshot) -> None:

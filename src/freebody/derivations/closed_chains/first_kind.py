@@ -26,6 +26,10 @@ MULTIPLIER = "lam"
 """Multipliers are lam1, lam2, … in the order of the loop equations."""
 
 
+MOST = 8
+"""Loop equations up to which they are solved for the rates in closed form."""
+
+
 def multiplier_names(loops: LoopEquations) -> tuple[str, ...]:
     """Names of the multipliers."""
     return tuple(f"{MULTIPLIER}{k}" for k in range(1, len(loops.names) + 1))
@@ -75,8 +79,9 @@ class FirstKind:
 
     @cached_property
     def reduction(self) -> Reduction | None:
-        """In independent coordinates; None where the count leaves none, or no choice of them
-        determines the others."""
+        """In independent coordinates; None where the count leaves none, where no choice of them
+        determines the others, and for more than `MOST` loop equations, whose determinants would
+        fill books."""
         chosen = _independent(self.loops)
         return None if chosen is None else Reduction(self, chosen)
 
@@ -84,7 +89,7 @@ class FirstKind:
 def _independent(loops: LoopEquations) -> tuple[int, ...] | None:
     """Coordinates whose rates tell all others: the drives if they do, else the first that do."""
     n, f = len(loops.symbols.coordinates), loops.gruebler
-    if f <= 0:
+    if f <= 0 or len(loops.names) > MOST:
         return None
     order = sorted(range(n), key=lambda k: k not in loops.driven)
     for chosen in combinations(order, f):

@@ -132,8 +132,7 @@ class FreeBodies:
             if not s.is_pin(i):
                 lines.append(eq(s.joint_moment(i), s.angular(moment)))
         lines.append(eq(s.motor(i), s.show(self.tau[i])))
-        return Step(
-            f"Substitute the motion: joint {n}",
-            step_reasons.substituted(s, i, reactions),
-            tuple(lines),
-        )
+        reason = step_reasons.substituted(s, i, reactions)
+        if reactions:
+            reason += step_reasons.gyroscopic(s, i, self.reactions.n[i])
+        return Step(f"Substitute the motion: joint {n}", reason, tuple(lines))

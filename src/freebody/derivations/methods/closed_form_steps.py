@@ -10,6 +10,7 @@ from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.step_reasons import motorless
 from freebody.errors import listed
 
 FEW = 4
@@ -85,7 +86,17 @@ def _sorted(setting: Setting) -> str:
     found = ["the mass matrix H"]
     found += ["the velocity terms h"] if any(not x.is_zero for x in equations.c) else []
     found += ["gravity G"] if any(not x.is_zero for x in equations.g) else []
-    return f"Sorting by {_by(setting)} gives {listed(found)}."
+    return f"Sorting by {_by(setting)} gives {listed(found)}.{_undriven(setting)}"
+
+
+def _undriven(setting: Setting) -> str:
+    """What the equations of joints without motor are."""
+    if setting.tree.loops or all(map(setting.driven, setting.order)):
+        return ""
+    return (
+        f"{motorless(setting)} An equation with 0 on the left is a condition on the motion, which "
+        "cannot be chosen freely: it gives one acceleration by the others."
+    )
 
 
 def _told(setting: Setting) -> str:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from freebody.derivations.closed_chains.first_kind import Reduction
+from freebody.derivations.closed_chains.first_kind import MOST, Reduction
 from freebody.derivations.closed_chains.linear import Ratio
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.equations.equation_views import symmetric
@@ -187,6 +187,13 @@ class _FirstKindSteps:
                 "nevertheless, its loop equations are dependent, and which ones depends on the "
                 "position. (5.29) still holds, solved with the rank of Φ_q."
             )
+            if len(self.loops.equations.names) > MOST:
+                reason = (
+                    f"The {len(self.loops.equations.names)} loop equations are too many to solve "
+                    "for the rates in print. With numbers (5.29) is one system of linear "
+                    "equations: fb.forward_dynamics and fb.reactions solve it, and "
+                    "fb.loop_velocity the velocity constraints."
+                )
             return [Step("No reduction", reason)]
         self._common = self._shared(reduction)
         return [self._allowed(reduction), self._drift(reduction), self._second(reduction)]

@@ -35,6 +35,14 @@ def mark_of(model: Model, k: int) -> str:
     return str(k + 1) if len(model.bodies) > 1 else ""
 
 
+def mass_symbol(model: Model, k: int) -> Symbol:
+    """The model's name for the mass of body k, else m with its mark."""
+    mass = model.bodies[k].inertias[0].inertia.mass
+    name = sym(mass.name if isinstance(mass, Parameter) else f"m{mark_of(model, k)}")
+    assert isinstance(name, Symbol)
+    return name
+
+
 def thrusts_of(model: Model) -> dict[str, Frame]:
     """By the name of a thrust, the frame along whose z axis it pushes: those that are mounted on
     bodies, the tip apart."""
@@ -83,7 +91,7 @@ class FreeBody:
     @property
     def m(self) -> Expression:
         """Its mass: the model's name, else m."""
-        return sym(self.mass.name if isinstance(self.mass, Parameter) else f"m{self.mark}")
+        return mass_symbol(self.given, self.k)
 
     @property
     def mass(self) -> Quantity:
@@ -215,11 +223,17 @@ class FreeBody:
             "derivative ȧ + ω × a. So the acceleration of the origin is v̇ + ω × v (Newton), and "
             "the angular momentum I ω changes at I ω̇ + ω × I ω (Euler)."
         )
+        if any(frame.body == self.k for frame in thrusts_of(self.given).values()):
+            reason += " In the drawing the thrusts T_j make up f and n; their step is below."
         if off:
             reason += " The centre of mass, at s_c from the origin, is accelerated as well by the "
             reason += "turning."
         return Step(
-            f"Free body{' ' + self.mark if self.mark else ''}", reason, tuple(lines), ("6.1", "6.2")
+            f"Free body{' ' + self.mark if self.mark else ''}",
+            reason,
+            tuple(lines),
+            ("6.1", "6.2"),
+            figure=f"free {self.k + 1}",
         )
 
     def written_out(self) -> Step:

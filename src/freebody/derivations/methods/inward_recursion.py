@@ -11,7 +11,7 @@ from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.methods.geometry import rotation_name
 from freebody.derivations.methods.reactions import drive_part
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.methods.step_reasons import working_part
+from freebody.derivations.methods.step_reasons import gyroscopic, working_part
 
 
 class Inward:
@@ -29,7 +29,7 @@ class Inward:
         s, n = self.s, self.s.numbers[i]
         return Step(
             f"Inward: body {n}",
-            self._reason(i),
+            self._reason(i) + gyroscopic(s, i, self.record.n[i]),
             (*self._inertia(i), *self._carried(i)),
             ("4.12", "4.13", "4.14", "4.15") if s.planar else ("6.28", "6.29"),
             figure=f"free-body {n}",

@@ -17,6 +17,7 @@ from freebody.derivations.methods.cut_loops import LONG, Loops
 from freebody.derivations.methods.method import Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import RATE
+from freebody.errors import FreebodyError
 
 SOUGHT = (
     "Sought: how the tip P moves with the joints, and the joints' motion for a given one of "
@@ -26,6 +27,13 @@ SOUGHT = (
 
 def work_out(setting: Setting) -> Worked:
     """The steps; drives and rows of the tip's motion as many as there are freedoms."""
+    given = setting.symbols.given or setting.symbols.model
+    if any(body.kind.quaternion is not None for body in given.bodies):
+        raise FreebodyError(
+            f"derive: how the tip of {given.name!r} moves with its drives is too long to be "
+            "printed, with three angles for the orientation of a body. fb.input_output gives its "
+            "numbers at a position; planar closed chains, such as 3RRR, are derived."
+        )
     loops = Loops(setting)
     work = _TipAndDrives(setting, loops, loops.equations.input_output())
     steps = [loops.cut(), loops.closed(), loops.freedom(), loops.rates()]

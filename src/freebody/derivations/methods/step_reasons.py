@@ -5,7 +5,41 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.polynomials.symbols import RATE
+from freebody.elementary import Scalar
 from freebody.errors import listed
+from freebody.scalars.trig import Trig
+from freebody.spatial import Vector, dot
+
+GYROSCOPIC = (
+    "ω × I ω is the gyroscopic moment: the angular momentum I ω turns with the body, and turning "
+    "it takes a moment at right angles to ω, even at constant rates."
+)
+
+
+def gyroscopic(s: Setting, i: int, moment: Vector) -> str:
+    """What a bearing carries at constant rates where no centre of mass moves, as a sentence with a
+    blank in front; or nothing."""
+    moves = any(not s.symbols.element(x).is_zero for k in s.weighted for x in s.centre_velocity(k))
+    if s.planar or not s.turns(i) or moves:
+        return ""
+    constant, axis = tuple(_at_constant_rates(s, x) for x in moment), s.tree.bodies[i].axis
+    if all(s.symbols.element(x).is_zero for x in s.tree.space.cross(axis, constant)):
+        return ""
+    n, felt = s.numbers[i], not s.symbols.element(dot(axis, constant)).is_zero
+    return (
+        f" No centre of mass moves: the products of rates in n_{s.numbers[s.tree.bodies[i].parent]}"
+        f",{n} are gyroscopic. The bearing carries them, at right angles to the axis of joint {n}"
+        f"{'.' if felt else ', and the motor does not feel them.'}"
+    )
+
+
+def _at_constant_rates(s: Setting, x: Scalar) -> Trig:
+    """The terms with products of rates."""
+    rates = {name + RATE for name in s.symbols.coordinates}
+    terms = s.symbols.element(x).terms()
+    kept = ((m, c) for m, c in terms if sum(e for name, e in m.items() if name in rates) == 2)
+    return s.symbols.ring.polynomial(kept)
 
 
 def free_body(s: Setting, i: int, more: Iterable[str] = ()) -> str:
@@ -16,9 +50,10 @@ def free_body(s: Setting, i: int, more: Iterable[str] = ()) -> str:
     if i != s.weighted[0]:
         return acting
     about = "the moments about it" if s.planar else "the moments about it, as vectors,"
+    turning = "" if s.planar or s.is_point(i) else f" {GYROSCOPIC}"
     return (
         f"{acting} The forces accelerate the centre of mass (Newton), "
-        f"{about} change the angular velocity (Euler)."
+        f"{about} change the angular velocity (Euler).{turning}"
     )
 
 

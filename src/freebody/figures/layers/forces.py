@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -289,3 +289,29 @@ def _subtree(seen: Snapshot, first: BodyPlace) -> list[BodyPlace]:
     """A body and all that hangs on it."""
     below = [b for b in seen.pose.bodies if b.parent == first.index]
     return [first, *(b for child in below for b in _subtree(seen, child))]
+
+
+# ---------------------------------------------------------------- bodies that nothing holds
+def pushed(seen: Snapshot, body: BodyPlace, thrusts: Mapping[str, str], mass: str) -> Drawing:
+    """A body that nothing holds with its axes, its weight, and thrusts by name along the z axes of
+    frames on it, of such a size that they carry the weight; mass: what it is called."""
+    drawing = Drawing(view_of(seen), f"Body {body.number}, {body.name}, that nothing holds")
+    _stick(drawing, seen, body)
+    size = 0.5 * size_of(seen.loads[body.index])
+    structure.triad(drawing, body.origin, body.rotation, size, "xyz")
+    drawing.centre(body.com, "C", (0.0, -1.0, -1.0))
+    weight = body.mass * seen.model.gravity
+    largest = float(np.linalg.norm(weight)) or 1.0
+    for k, (name, frame) in enumerate(thrusts.items(), 1):
+        _, turned, at = seen.model.tree.frames[frame]
+        place = body.origin + body.rotation @ np.asarray(at, dtype=float)
+        value = body.rotation @ np.asarray(turned, dtype=float)[:, 2] * largest / len(thrusts)
+        end = place + 1.6 * size * value / largest
+        drawing.arrow(body.com, place, f"s_{k}", "position", place - body.com, "m", beside=0.5)
+        drawing.arrow(place, end, name, FORCES["external"], value, "N", label=name)
+    if seen.names.weights and any(weight):
+        end = body.com + 1.6 * size * weight / largest
+        label = f"{mass} *g*"
+        drawing.arrow(body.com, end, f"{mass} g", FORCES["weight"], weight, "N", label=label)
+    drawing.notes = ["Thrusts that carry the weight" if thrusts else "Axes and weight"]
+    return drawing
