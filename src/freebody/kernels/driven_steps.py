@@ -1,5 +1,6 @@
 """Steps of a simulation with the torque's own course inside: a line over time, or a compiled law of
-time and state. Smooth Coulomb friction, whose width is an input, is part of them."""
+time and state. Smooth Coulomb friction, whose width is an input, is part of them; dry friction and
+stops come in as what pushes and which coordinates are held."""
 
 from __future__ import annotations
 
@@ -8,7 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from freebody.algorithms import simulation_steps
-from freebody.algorithms.crba import without
+from freebody.algorithms.crba import bias, without
+from freebody.algorithms.held_joints import HeldMotion, held_motion
 from freebody.algorithms.kinematics import position_rates
 from freebody.algorithms.regrouped_parameters import lightened
 from freebody.algorithms.simulation_steps import Law, Linearised
@@ -57,23 +59,67 @@ Torque = Callable[[float, Vector, Vector], Vector]
 
 
 def driven_step(
-    model: Model, method: str, wrench_frames: Sequence[str] = (), law: Program | None = None
+    model: Model,
+    method: str,
+    wrench_frames: Sequence[str] = (),
+    law: Program | None = None,
+    holds: bool = False,
 ) -> Bound:
     """A kernel (q, qd, h, width, t, …) -> (q1, qd1): a step of h from time t on.
 
     Then follow, without a law, the torques at the start and the end of the step, else the law's
-    inputs besides `STATE` in its order; then the wrenches. width: of Coulomb friction. With the
-    model's numbers as last input, as in `structural.fetch`.
+    inputs besides `STATE` in its order; then, where the step `holds` coordinates, torques that push
+    besides (nv,) and which coordinates are held (nv,), 1 or 0; then the wrenches. width: of Coulomb
+    friction. With the model's numbers as last input, as in `structural.fetch`.
     """
     record = STEP_METHODS[method]
-    _, option = chosen_option(
-        model, record.formula, wrench_frames=wrench_frames, function="simulate"
-    )
-    given = (
-        tuple(x for x in law.inputs if x.name not in STATE)
-        if law
-        else (Argument("start", (model.nv,)), Argument("end", (model.nv,)))
-    )
+    option, given, taken = _taken(model, record.formula, wrench_frames, law, holds)
+    reached = (Argument("q1", (model.nq,)), Argument("qd1", (model.nv,)))
+
+    def evaluate(tree: Tree, *scalars: Any) -> tuple[Any, ...]:
+        q, qd, h, width, t, *more = scalars
+        own, more = more[:given], more[given:]
+        torque = _of_law(law, t, h, own) if law else _line(*own)
+        held, loads = (more[:2], more[2:]) if holds else ((), more)
+        step = _DrivenStep(tree, option, method, width, torque, tuple(loads), *held)
+        end = step.implicit(q, qd, h) if record.implicit else step.explicit(q, qd, h)
+        return simulation_steps.on_loops(tree, q, end, option.equations)
+
+    key = ("driven step", method, law.digest if law else "", "holds" if holds else "")
+    return _fetched(model, key, option, evaluate, taken, reached)
+
+
+def driven_rates(model: Model, wrench_frames: Sequence[str], law: Program | None) -> Bound:
+    """What a step that holds coordinates meets in a state: a kernel of the same inputs -> (q̈ (nv,),
+    what holds (nv,), M (nv, nv))."""
+    option, given, taken = _taken(model, "rk4_step", wrench_frames, law, True)
+    nv = model.nv
+    found = (Argument("qdd", (nv,)), Argument("reaction", (nv,)), Argument("M", (nv, nv)))
+
+    def evaluate(tree: Tree, *scalars: Any) -> HeldMotion:
+        q, qd, h, width, t, *more = scalars
+        own, (push, held, *loads) = more[:given], more[given:]
+        torque = _of_law(law, t, h, own) if law else _line(*own)
+        return _DrivenStep(tree, option, "rk4", width, torque, tuple(loads), push, held).rates(
+            q, qd
+        )
+
+    key = ("driven rates", law.digest if law else "")
+    return _fetched(model, key, option, evaluate, taken, found)
+
+
+def _taken(
+    model: Model,
+    formula: str,
+    wrench_frames: Sequence[str],
+    law: Program | None,
+    holds: bool,
+) -> tuple[Option, int, tuple[Argument, ...]]:
+    """The option of a formula, how many inputs say what the torque is, and all inputs but the
+    model's numbers."""
+    _, option = chosen_option(model, formula, wrench_frames=wrench_frames, function="simulate")
+    line = (Argument("start", (model.nv,)), Argument("end", (model.nv,)))
+    given = tuple(x for x in law.inputs if x.name not in STATE) if law else line
     size = 6 if model.dim == 3 else 3
     taken = (
         Argument("q", (model.nq,)),
@@ -82,28 +128,34 @@ def driven_step(
         Argument("width", (), uniform=True),
         Argument("t", ()),
         *(Argument(f"given{k}", x.shape) for k, x in enumerate(given)),
+        *(Argument(name, (model.nv,)) for name in ("push", "held") if holds),
         *(Argument(f"wrench{k}", (size,)) for k in range(len(option.wrench_frames))),
     )
-    reached = (Argument("q1", (model.nq,)), Argument("qd1", (model.nv,)))
+    return option, len(given), taken
+
+
+def _fetched(
+    model: Model,
+    key: tuple[str, ...],
+    option: Option,
+    evaluate: Callable[..., tuple[Any, ...]],
+    taken: tuple[Argument, ...],
+    found: tuple[Argument, ...],
+) -> Bound:
+    """The kernel of a function of the tree and of what is taken."""
 
     def made(p: Argument, over: Over) -> Program:
-        def evaluate(*scalars: Any) -> tuple[Any, ...]:
-            q, qd, h, width, t, *more, numbers = scalars
-            tree = lightened(over(numbers))
-            own, loads = more[: len(given)], tuple(more[len(given) :])
-            torque = _of_law(law, t, h, own) if law else _line(*own)
-            step = _DrivenStep(tree, option, method, width, torque, loads)
-            end = step.implicit(q, qd, h) if record.implicit else step.explicit(q, qd, h)
-            return simulation_steps.on_loops(tree, q, end, option.equations)
+        def whole(*scalars: Any) -> tuple[Any, ...]:
+            *given, numbers = scalars
+            return evaluate(lightened(over(numbers)), *given)
 
         try:
-            return trace(f"driven_{record.formula}", evaluate, (*taken, p), reached)
+            return trace("_".join(key[0].split()), whole, (*taken, p), found)
         except ZeroDivisionError:
             raise SingularError(
                 f"simulate: {model.name!r} or its torque divides by zero in every state."
             ) from None
 
-    key = ("driven step", method, law.digest if law else "")
     return fetch_own(model, key, option, made)
 
 
@@ -133,7 +185,8 @@ def law_inputs(law: Program, state: Mapping[str, Any], own: Sequence[Any]) -> li
 
 @dataclass(frozen=True)
 class _DrivenStep:
-    """A step with what drives it: the width of Coulomb friction, the torque, and the wrenches."""
+    """A step with what drives it: the width of Coulomb friction, the torque, and the wrenches;
+    torques that push besides, and which coordinates are held, where there are any."""
 
     tree: Tree
     option: Option
@@ -141,17 +194,13 @@ class _DrivenStep:
     width: Scalar
     torque: Torque
     loads: tuple[Vector, ...]
+    push: Vector = ()
+    held: Vector = ()
 
     def explicit(self, q: Vector, qd: Vector, h: Scalar) -> simulation_steps.State:
-        smooth = without(self.tree, "coulomb")
-
-        def acceleration(part: float, q: Vector, qd: Vector) -> Vector:
-            tau = sub(self.torque(part, q, qd), _friction(self.tree, qd, self.width))
-            return forward(smooth, self.option, q, qd, tau, self.loads)[0]
-
         rk4 = self.method == "rk4"
         walk = simulation_steps.runge_kutta if rk4 else simulation_steps.semi_implicit
-        return walk(self.tree, q, qd, h, acceleration)
+        return walk(self.tree, q, qd, h, self._holding if self.held else self._free)
 
     def implicit(self, q: Vector, qd: Vector, h: Scalar) -> simulation_steps.State:
         def on_bodies(q: Vector) -> Any:
@@ -159,6 +208,23 @@ class _DrivenStep:
 
         law, rows = _linearised(self.tree, self.torque), self.option.equations
         return simulation_steps.implicit(self.tree, q, qd, h, on_bodies, law, rows, self.width)
+
+    def rates(self, q: Vector, qd: Vector, part: float = 0.0) -> HeldMotion:
+        """What the state meets."""
+        smooth = without(self.tree, "coulomb")
+        loads = external(self.tree, self.option, q, self.loads)
+        tau = add(self._tau(part, q, qd), self.push)
+        return held_motion(self.tree, q, sub(tau, bias(smooth, q, qd, loads)), self.held)
+
+    def _holding(self, part: float, q: Vector, qd: Vector) -> Vector:
+        return self.rates(q, qd, part).qdd
+
+    def _free(self, part: float, q: Vector, qd: Vector) -> Vector:
+        smooth = without(self.tree, "coulomb")
+        return forward(smooth, self.option, q, qd, self._tau(part, q, qd), self.loads)[0]
+
+    def _tau(self, part: float, q: Vector, qd: Vector) -> Vector:
+        return sub(self.torque(part, q, qd), _friction(self.tree, qd, self.width))
 
 
 def _friction(tree: Tree, qd: Vector, width: Scalar) -> Vector:

@@ -10,15 +10,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, above_zero, as_floats, refuse_not_finite
-from freebody.errors import FreebodyError, FreebodyWarning, UnknownNameError, shown
+from freebody.errors import FreebodyError, FreebodyWarning, UnknownNameError, listed, shown
 from freebody.kernels.driven_steps import STEP_METHODS
+from freebody.labels import is_labelled
 from freebody.model.model import Model
-from freebody.motion.friction import WIDTH
+from freebody.motion.friction import WIDTH, smooth_friction
 from freebody.motion.simulation.alone import one_by_one
 from freebody.motion.simulation.closed_chain_integration import EXPLICIT
 from freebody.motion.simulation.compiled_torque import CompiledTorque
 from freebody.motion.simulation.integration import METHODS
 from freebody.motion.simulation.interrupted import SimulationInterrupted
+from freebody.motion.simulation.joint_contacts import JointContacts, joint_contacts, refuse_beyond
 from freebody.motion.simulation.motion_lanes import MotionLanes
 from freebody.motion.simulation.paced import Progress, paced
 from freebody.motion.simulation.simulation import Simulated, Simulation
@@ -32,6 +34,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _TOLERANCE = 1e-10
+_FRICTION = ("smooth", "dry")
+_TO_EVENTS = ("auto", "rk4", "semi-implicit")
 
 
 def simulate(
@@ -45,7 +49,9 @@ def simulate(
     *,
     step: float | None = None,
     tolerance: float | None = None,
+    friction: str = "smooth",
     friction_width: float = WIDTH,
+    restitution: Vector | float | None = None,
     max_step: float = np.inf,
     breakpoints: ArrayLike = (),
     sample_time: float | None = None,
@@ -76,9 +82,16 @@ def simulate(
     for each state (of a Python function one for all); with `step` given "rk4". An explicit method
     asked for by name warns where the motion is stiff. tolerance (1e-10): how near the end is to be,
     relative to the motion: the relative error of a step is a hundredth of it (of Radau and BDF,
-    which damp errors, as much), the absolute one a hundredth of that. friction_width: Coulomb
-    friction acts as c tanh(q̇ / width), rad/s or m/s (c q̇ / √(q̇² + width²) in "implicit"), so that
-    a joint at rest creeps instead of sticking.
+    which damp errors, as much), the absolute one a hundredth of that.
+
+    friction: "smooth": Coulomb friction acts as c tanh(q̇ / friction_width), rad/s or m/s (c q̇ /
+    √(q̇² + width²) in "implicit"), so that a joint at rest creeps instead of sticking. "dry": as c
+    sign(q̇), and a joint that comes to rest stays there as long as at most c is needed to hold it.
+    restitution: None: nothing stops a joint at its limit. A number from 0 to 1, or (..., nv): stops
+    at the limits turn a joint back with this share of its speed; the others change as the impulse
+    demands (Newton's law of impact); slower than 1e-5 rad/s or m/s it comes to rest there. Dry
+    friction and stops are of open chains and the methods "auto", "rk4" and "semi-implicit": steps
+    end at the time of each change.
 
     record: names of what is wanted of the result; None: all. every: of the times t each so many-th
     is kept. threads: how many share many states; by default all processors. progress: called with a
@@ -105,12 +118,14 @@ def simulate(
     names = recorded(model, record)
     times = _times(t)
     ends = breakpoints_of(breakpoints, sample_time)
+    contacts = _contacts(model, friction, restitution)
     asked = _asked(
-        model,
+        model if contacts is None else smooth_friction(model)[0] if friction == "dry" else model,
         (q, qd),
         times,
         torque_of(model, times, torque, torque_inputs, ends, sample_time),
         wrenches,
+        contacts=contacts,
         tolerance=_TOLERANCE if tolerance is None else tolerance,
         width=friction_width,
         max_step=max_step,
@@ -124,17 +139,19 @@ def simulate(
     chosen = _method(model, method, tolerance, asked)
     if not model.loops:
         refuse_massless(model, "simulate")
+    if contacts is not None:
+        refuse_beyond(model, contacts, asked.q)
     kept = times[::every]
     result = Simulated(
         kept,
         np.full((*asked.lanes.shape, len(kept), model.nq), np.nan),
         np.full((*asked.lanes.shape, len(kept), model.nv), np.nan),
-        _used(model, asked, chosen),
+        _used(model, asked, chosen, friction),
     )
     try:
         if not asked.lanes.count:
             pass
-        elif chosen in STEP_METHODS or (chosen == "auto" and asked.lanes.shape):
+        elif chosen in STEP_METHODS or (chosen == "auto" and (asked.lanes.shape or contacts)):
             stepped(asked, chosen, result)
         else:
             one_by_one(asked, chosen, result)
@@ -180,6 +197,9 @@ def _asked(
         batches |= torque.batches
     if model.family:
         batches["model.family"] = model.family
+    contacts = others["contacts"]
+    if contacts is not None:
+        batches["restitution"] = contacts.restitution.shape[:-1]
     try:
         shape = np.broadcast_shapes(*batches.values())
     except ValueError:
@@ -199,6 +219,12 @@ def _method(model: Model, method: str, tolerance: float | None, asked: Simulatio
     if method != "auto" and method not in (*known, *STEP_METHODS):
         raise UnknownNameError("method", method, of, ("auto", *known, *STEP_METHODS))
     chosen = "rk4" if method == "auto" and asked.step is not None else method
+    if asked.contacts is not None and chosen not in _TO_EVENTS:
+        raise FreebodyError(
+            f"simulate: friction='dry' and restitution= end the steps at the times at which "
+            f"something changes, which method {chosen!r} does not: take one of "
+            f"{listed(_TO_EVENTS)}."
+        )
     if chosen in STEP_METHODS:
         for name, given in (
             ("tolerance", tolerance is not None),
@@ -217,15 +243,49 @@ def _method(model: Model, method: str, tolerance: float | None, asked: Simulatio
     return chosen
 
 
-def _used(model: Model, asked: Simulation, chosen: str) -> dict[str, Any]:
+def _contacts(
+    model: Model, friction: str, restitution: Vector | float | None
+) -> JointContacts | None:
+    """Dry friction and stops, where there are any."""
+    if friction not in _FRICTION:
+        raise UnknownNameError("model of friction", friction, "simulate", _FRICTION)
+    share = None
+    if restitution is not None:
+        share = restitution if is_labelled(restitution) else np.asarray(restitution)
+        if isinstance(share, np.ndarray) and not share.ndim:
+            share = np.full(model.nv, as_floats("simulate", "restitution", share))
+        share = vector("simulate", model, "restitution", share)
+        refuse_not_finite("simulate", "restitution", share, 1, model.velocity_names)
+        if ((share < 0.0) | (share > 1.0)).any():
+            bad = share[(share < 0.0) | (share > 1.0)].flat[0]
+            raise FreebodyError(
+                f"simulate: restitution is {bad:g}, expected from 0 (no rebound) to 1 (elastic)."
+            )
+    if friction == "smooth" and share is None:
+        return None
+    if model.loops:
+        raise FreebodyError(
+            f"simulate: friction='dry' and restitution= are of open chains, and {model.name!r} has "
+            f"loops: leave them out, and give stops as part of the torque."
+        )
+    return joint_contacts(model, friction == "dry", share)
+
+
+def _used(model: Model, asked: Simulation, chosen: str, friction: str) -> dict[str, Any]:
     """What stands in the result's attributes."""
     acts = any(b.drive is not None and np.any(b.drive.coulomb) for b in model.tree.bodies)
     coulomb = STEP_METHODS["rk4" if chosen not in STEP_METHODS else chosen].coulomb
+    told = "c sign(q̇), sticking at rest" if friction == "dry" else coulomb
+    stops = (
+        asked.contacts is not None
+        and np.isfinite([asked.contacts.lower, asked.contacts.upper]).any()
+    )
     return {
         "method": chosen,
         **({"tolerance": asked.tolerance} if chosen not in STEP_METHODS else {}),
-        "coulomb_friction": coulomb.format(width=asked.width) if acts else "none",
+        "coulomb_friction": told.format(width=asked.width) if acts else "none",
         "friction_width": asked.width,
+        **({"stops": "at the limits, rebound with the share restitution="} if stops else {}),
     }
 
 

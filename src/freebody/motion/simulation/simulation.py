@@ -12,6 +12,7 @@ from freebody.arrays import Array
 from freebody.model.model import Model
 from freebody.motion.simulation.compiled_torque import CompiledTorque
 from freebody.motion.simulation.first_order_system import Drive
+from freebody.motion.simulation.joint_contacts import JointContacts
 from freebody.motion.simulation.motion_lanes import MotionLanes
 from freebody.motion.simulation.torques import TorqueFunction
 
@@ -20,8 +21,9 @@ from freebody.motion.simulation.torques import TorqueFunction
 class Simulation:
     """The arguments of `simulate`, as arrays of the right shapes.
 
-    q (..., nq), qd (..., nv), wrenches by frame (..., six): their leading axes and the model's
-    family broadcast to `lanes`. torque: a table (..., T or 1, nv), a Python function, or compiled.
+    q (..., nq), qd (..., nv), wrenches by frame (..., six), contacts (..., nv): their leading axes
+    and the model's family broadcast to `lanes`. torque: a table (..., T or 1, nv), a Python
+    function, or compiled. contacts: dry friction, which the model then is without, and stops.
     """
 
     model: Model
@@ -31,6 +33,7 @@ class Simulation:
     torque: Array | TorqueFunction | CompiledTorque
     wrenches: Mapping[str, Array]
     lanes: MotionLanes
+    contacts: JointContacts | None
     tolerance: float
     width: float
     max_step: float

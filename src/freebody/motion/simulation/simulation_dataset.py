@@ -18,7 +18,8 @@ from freebody.lazy import cached_property
 from freebody.loops.equations import gaps, scaled_rate, scaled_residual
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
-from freebody.motion.simulation.first_order_system import constant_loads, system
+from freebody.motion.simulation.first_order_system import System, constant_loads, system
+from freebody.motion.simulation.joint_contacts import JointContacts
 from freebody.motion.simulation.simulation import Simulated, Simulation
 
 if TYPE_CHECKING:
@@ -45,7 +46,19 @@ class States:
         asked = self.asked
         whole = system(asked.model, asked.width, *constant_loads(asked.wrenches))
         assert self.tau is not None
-        return whole.acceleration(np.asarray(0.0), self.q, self.qd, self.tau)
+        if asked.contacts is None:
+            return whole.acceleration(np.asarray(0.0), self.q, self.qd, self.tau)
+        return self._under_contact(whole, asked.contacts, self.tau)
+
+    def _under_contact(self, whole: System, contacts: JointContacts, tau: Array) -> Array:
+        """Those with dry friction and stops."""
+        forces = tau - whole.torque(np.asarray(0.0), self.q, self.qd, np.zeros(self.qd.shape))
+        M = _kernel(self.model, "mass_matrix")(self.q)
+        times, nv = len(self.q), self.model.nv
+        own = contacts.lanes(self.asked.lanes).repeated(times)
+        states = self.q.reshape(-1, self.model.nq), self.qd.reshape(-1, nv)
+        found = own.contact(*states, M.reshape(-1, nv, nv), forces.reshape(-1, nv))
+        return found.qdd.reshape(self.qd.shape)
 
 
 class RecordedQuantity(NamedTuple):

@@ -9,8 +9,10 @@ from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
+from numpy.typing import NDArray
 
 from freebody.arrays import Array
+from freebody.motion.simulation.contact_events import ContactEvents
 from freebody.motion.simulation.motion_lanes import Some
 from freebody.motion.simulation.steppers import State, Stepper
 
@@ -31,9 +33,12 @@ class FixedSteps:
     stepper: Stepper
     step: float | None
     stop: threading.Event
+    events: ContactEvents | None = None
 
     def __call__(self, lanes: slice, state: State, start: float, end: float) -> State:
         """See `Advance`."""
+        if self.events is not None:
+            state = self.events.begin(lanes, state, start)
         count = 1 if self.step is None else max(1, ceil((end - start) / self.step - _ROUND))
         h = (end - start) / count
         outs: list[State | None] = [None, None]
@@ -42,7 +47,10 @@ class FixedSteps:
         for k in range(count):
             if self.stop.is_set():
                 break
-            state = self.stepper.step(lanes, state, start + k * h, h, out=outs[k % 2])
+            before, now = state, start + k * h
+            state = self.stepper.step(lanes, before, now, h, out=outs[k % 2])
+            if self.events is not None:
+                state = self.events.through(lanes, before, state, now, h, self.stepper.step)
         return state
 
 
@@ -63,10 +71,13 @@ class ControlledSteps:
     extrapolated: bool
     sizes: Array
     stop: threading.Event
+    events: ContactEvents | None = None
     order: int = 4
 
     def __call__(self, lanes: slice, state: State, start: float, end: float) -> State:
         """See `Advance`."""
+        if self.events is not None:
+            state = self.events.begin(lanes, state, start)
         q, qd = (x.copy() for x in state)
         now, sizes = np.full(len(q), start), self.sizes[lanes]
         first = range(self.sizes.shape[0])[lanes].start
@@ -83,14 +94,23 @@ class ControlledSteps:
             h_next = h * np.clip(factor, _LEAST, _MOST)
             # a step that the edge cut short says nothing of the next
             sizes[going] = np.where(good & (h < wanted), np.maximum(wanted, h_next), h_next)
-            done = going[good]
-            q[done], qd[done] = (x[good] for x in reached)
-            now[done] = np.where(h[good] == left[good], end, now[done] + h[good])
+            done, taken, reached = going[good], h[good], _of(reached, good)
+            if self.events is not None:
+                taken, reached = self.events.cut(
+                    first + done, _of(at, good), reached, now[done], taken, self._moved
+                )
+            q[done], qd[done] = reached
+            now[done] = np.where(taken == left[good], end, now[done] + taken)
+            lost = ~np.isfinite(qd[done]).all(axis=-1)
+            now[done[lost]] = end
             stuck = going[~good & (h_next < _SHORTEST * self.duration)]
             q[stuck] = qd[stuck] = np.nan
             now[stuck] = end
             going = going[now[going] < end]
         return q, qd
+
+    def _moved(self, lanes: Some, state: State, start: Array, h: Array) -> State:
+        return self._tried(lanes, state, start, h)[0]
 
     def _tried(self, lanes: Some, state: State, start: Array, h: Array) -> tuple[State, Array]:
         """The states after a step, and their error over what is allowed (lanes,); NaN where one is
@@ -109,3 +129,7 @@ class ControlledSteps:
                 error = np.maximum(error, (np.abs(off) / allowed).max(axis=1, initial=0.0))
                 better.append(two + off if self.extrapolated else two)
         return (better[0], better[1]), error
+
+
+def _of(state: State, which: NDArray[np.bool_]) -> State:
+    return state[0][which], state[1][which]

@@ -4,28 +4,39 @@ from __future__ import annotations
 
 import threading
 import warnings
+from dataclasses import replace
 
 import numpy as np
 
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, FreebodyWarning
-from freebody.kernels.driven_steps import STEP_METHODS, driven_step
+from freebody.kernels.driven_steps import STEP_METHODS, driven_rates, driven_step
+from freebody.kernels.structural import Bound
 from freebody.loops.equations import require_closed
 from freebody.model.families import member_at
 from freebody.motion.simulation.compiled_torque import CompiledTorque, one_lane
-from freebody.motion.simulation.first_order_system import Drive, constant_loads, system
+from freebody.motion.simulation.contact_events import ContactEvents
+from freebody.motion.simulation.first_order_system import Drive, System, constant_loads, system
 from freebody.motion.simulation.integration import step_tolerance
 from freebody.motion.simulation.lane_torques import HeldTorque, LaneTorque, LawTorque, TableTorque
 from freebody.motion.simulation.motion_lanes import some_of
 from freebody.motion.simulation.side_by_side import Course, Walk, course
 from freebody.motion.simulation.simulation import Simulated, Simulation
 from freebody.motion.simulation.step_sizes import Advance, ControlledSteps, FixedSteps
-from freebody.motion.simulation.steppers import FunctionStepper, KernelStepper, Stepper
+from freebody.motion.simulation.steppers import (
+    FunctionRates,
+    FunctionStepper,
+    KernelRates,
+    KernelStepper,
+    LaneKernel,
+    Stepper,
+)
 from freebody.motion.simulation.torques import batched, instants
 from freebody.trees.position_rates import layout
 
 _LOOKED_AT = 3  # motions whose stiffness is looked at
 _NONE = np.zeros(0)
+_REMEDY = "compile the torque with fb.compile, or give sample_time="
 
 
 def stepped(asked: Simulation, method: str, result: Simulated) -> None:
@@ -41,11 +52,13 @@ def stepped(asked: Simulation, method: str, result: Simulated) -> None:
     drive, torque = _torque(asked)
     if isinstance(asked.torque, CompiledTorque):
         drive(asked.t[0], asked.q, asked.qd)  # refused here, where it acts at a passive joint
-    stepper = _stepper(asked, fixed, torque, drive)
+    q, qd = (lanes.all(x, 1) for x in (asked.q, asked.qd))
+    events = None if asked.contacts is None else _events(asked, torque, drive, qd)
+    stepper = _stepper(asked, fixed, torque, drive, events)
     if method != "auto":
         _warn_unstable(asked, fixed, way, drive)
     stop = threading.Event()
-    advance = _advance(asked, method, stepper, stop)
+    advance = _advance(asked, method, stepper, events, stop)
     result.used["method"] = fixed if method != "auto" else f"{fixed}, steps chosen by their error"
     if method != "auto":
         result.used["step"] = _longest(asked, way)
@@ -53,7 +66,7 @@ def stepped(asked: Simulation, method: str, result: Simulated) -> None:
         result.tau = np.full(result.qd.shape, np.nan)
     else:
         result.given = lambda now, q, qd: drive(np.asarray(now), q, qd)
-    q, qd = (lanes.all(x, 1).reshape(stepper.rows, -1) for x in (asked.q, asked.qd))
+    q, qd = (x.reshape(stepper.rows, -1) for x in (q, qd))
     controller = drive if isinstance(torque, HeldTorque) else None
     Walk(
         way,
@@ -93,33 +106,77 @@ def _shaped(tau: Array, whole: tuple[int, ...]) -> Array:
     return tau if tau.ndim == 1 else tau.reshape(whole)
 
 
-def _stepper(asked: Simulation, method: str, torque: LaneTorque | None, drive: Drive) -> Stepper:
+def _events(asked: Simulation, torque: LaneTorque | None, drive: Drive, qd: Array) -> ContactEvents:
+    """Where dry friction and stops change the motions; qd (lanes, nv): their rates at the start."""
+    assert asked.contacts is not None
+    if torque is None and asked.lanes.shape:
+        raise FreebodyError(
+            f"simulate: dry friction and stops end the steps of each motion where it needs it, and "
+            f"a Python function is called with all of them at once: {_REMEDY}."
+        )
+    law = None if torque is None else torque.law
+    kernel = _lane_kernel(asked, driven_rates(asked.model, tuple(asked.wrenches), law))
+    rates = FunctionRates(kernel, drive) if torque is None else KernelRates(kernel, torque)
+    return ContactEvents.of(asked.contacts, asked.lanes, rates, asked.duration, qd)
+
+
+def _lane_kernel(asked: Simulation, kernel: Bound) -> LaneKernel:
+    return LaneKernel.of(kernel, asked.width, asked.lanes, list(asked.wrenches.values()))
+
+
+def _stepper(
+    asked: Simulation,
+    method: str,
+    torque: LaneTorque | None,
+    drive: Drive,
+    events: ContactEvents | None,
+) -> Stepper:
     model, frames = asked.model, tuple(asked.wrenches)
+    holding = None if events is None else (events.push, events.held)
     if torque is not None:
-        kernel = driven_step(model, method, frames, torque.law)
-        loads = list(asked.wrenches.values())
-        return KernelStepper.of(kernel, torque, asked.width, asked.lanes, loads)
-    remedy = "compile the torque with fb.compile, or give sample_time="
+        kernel = driven_step(model, method, frames, torque.law, holding is not None)
+        return KernelStepper(_lane_kernel(asked, kernel), torque, asked.lanes.count, holding)
     if model.loops:
         raise FreebodyError(
-            f"simulate: steps of a closed chain take no Python function within them: {remedy}."
+            f"simulate: steps of a closed chain take no Python function within them: {_REMEDY}."
         )
     if STEP_METHODS[method].implicit:
         raise FreebodyError(
             f"simulate: method 'implicit' needs the slopes of the torque, which a Python function "
-            f"does not tell: {remedy}."
+            f"does not tell: {_REMEDY}."
         )
     whole = system(model, asked.width, *constant_loads(asked.wrenches))
+    if holding is not None:
+        whole = _holding(asked, whole, holding)
     return FunctionStepper(whole, drive, asked.lanes.shape, classical=method == "rk4")
 
 
-def _advance(asked: Simulation, method: str, stepper: Stepper, stop: threading.Event) -> Advance:
+def _holding(asked: Simulation, whole: System, holding: tuple[Array, Array]) -> System:
+    """The system of one motion some of whose coordinates are held."""
+    kernel = _lane_kernel(asked, driven_rates(asked.model, tuple(asked.wrenches), None))
+
+    def forward(q: Array, qd: Array, tau: Array, *loads: Array) -> Array:
+        given = (tau, tau, *(x[0] for x in holding))
+        return kernel(0, (q, qd), 0.0, 0.0, given)[0]
+
+    return replace(whole, forward=forward)
+
+
+def _advance(
+    asked: Simulation,
+    method: str,
+    stepper: Stepper,
+    events: ContactEvents | None,
+    stop: threading.Event,
+) -> Advance:
     if method != "auto":
-        return FixedSteps(stepper, asked.step, stop)
+        return FixedSteps(stepper, asked.step, stop, events)
     flat = layout(asked.model).flat and not asked.model.loops
     first = np.full(stepper.rows, asked.duration / 100)
     tolerance = step_tolerance("rk4", asked.tolerance)
-    return ControlledSteps(stepper, tolerance, asked.max_step, asked.duration, flat, first, stop)
+    return ControlledSteps(
+        stepper, tolerance, asked.max_step, asked.duration, flat, first, stop, events
+    )
 
 
 def _longest(asked: Simulation, way: Course) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -21,32 +22,52 @@ State = tuple[Array, Array]
 
 
 @dataclass(frozen=True, eq=False)
-class KernelStepper:
-    """By what a kernel of `driven_step` runs; wrenches (lanes, six) or (six,), the model's numbers
-    (lanes, k) or (k,). rows: motions that are moved on each by itself."""
+class LaneKernel:
+    """What a kernel of `driven_steps` runs, with the arrays of a batch: wrenches (lanes, six) or
+    (six,), the model's numbers (lanes, k) or (k,)."""
 
-    run: Callable[..., State]
-    torque: LaneTorque
+    run: Callable[..., tuple[Array, ...]]
     width: float
     wrenches: Sequence[Array]
     numbers: Array
-    rows: int
 
     @staticmethod
     def of(
-        kernel: Bound,
-        torque: LaneTorque,
-        width: float,
-        lanes: MotionLanes,
-        wrenches: Sequence[Array],
-    ) -> KernelStepper:
+        kernel: Bound, width: float, lanes: MotionLanes, wrenches: Sequence[Array]
+    ) -> LaneKernel:
         """With the wrenches and the model's numbers of a batch."""
         (numbers,) = kernel.numbers
         loads, numbers = [lanes.each(w, 1) for w in wrenches], lanes.each(numbers, 1)
         assert isinstance(kernel.kernel, Kernel)
         # what comes is checked, and blocks are short: a call as plain as there is
         own = kernel.kernel if numbers.ndim == 1 else kernel.kernel.per_sample
-        return KernelStepper(own.ufunc, torque, width, loads, numbers, lanes.count)
+        return LaneKernel(own.ufunc, width, loads, numbers)
+
+    def __call__(
+        self,
+        lanes: Some,
+        state: State,
+        h: Array | float,
+        start: Array | float,
+        given: tuple[Array, ...],
+        out: State | None = None,
+    ) -> Any:
+        """Of some lanes; given: the torque, and what is held."""
+        loads = [some_of(w, 1, lanes) for w in self.wrenches]
+        p = some_of(self.numbers, 1, lanes)
+        arrays = (*state, h, self.width, start, *given, *loads, p)
+        return self.run(*arrays) if out is None else self.run(*arrays, out=out)
+
+
+@dataclass(frozen=True, eq=False)
+class KernelStepper:
+    """By a step kernel. holding: torques that push besides, and what is held (lanes, nv), arrays
+    that change between steps."""
+
+    kernel: LaneKernel
+    torque: LaneTorque
+    rows: int
+    holding: tuple[Array, Array] | None = None
 
     def step(
         self,
@@ -58,10 +79,41 @@ class KernelStepper:
     ) -> State:
         """The states of some lanes a step h (s) after `start`, floats or one for each lane."""
         given = self.torque.inputs(lanes, start, start + h)
-        loads = [some_of(w, 1, lanes) for w in self.wrenches]
-        p = some_of(self.numbers, 1, lanes)
-        arrays = (*state, h, self.width, start, *given, *loads, p)
-        return self.run(*arrays) if out is None else self.run(*arrays, out=out)
+        if self.holding is not None:
+            given = (*given, *(x[lanes] for x in self.holding))
+        return self.kernel(lanes, state, h, start, given, out)
+
+
+@dataclass(frozen=True, eq=False)
+class KernelRates:
+    """Accelerations, what holds, and M, by a kernel of `driven_rates`."""
+
+    kernel: LaneKernel
+    torque: LaneTorque
+
+    def __call__(
+        self, lanes: Some, state: State, t: Array | float, push: Array, held: Array
+    ) -> tuple[Array, Array, Array]:
+        """(q̈, reaction, M) of some lanes, where some torques push besides and some coordinates are
+        held."""
+        given = (*self.torque.inputs(lanes, t, t), push, held)
+        return self.kernel(lanes, state, 0.0, t, given)
+
+
+@dataclass(frozen=True, eq=False)
+class FunctionRates:
+    """The same of one motion under a Python function."""
+
+    kernel: LaneKernel
+    drive: Drive
+
+    def __call__(
+        self, lanes: Some, state: State, t: Array | float, push: Array, held: Array
+    ) -> tuple[Array, Array, Array]:
+        """(q̈, reaction, M)."""
+        pairs = zip(np.broadcast_to(t, len(state[0])), *state, strict=True)
+        tau = np.stack([self.drive(*now) for now in pairs])
+        return self.kernel(lanes, state, 0.0, t, (tau, tau, push, held))
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,4 +161,5 @@ class FunctionStepper:
         )
 
 
+Rates = KernelRates | FunctionRates
 Stepper = KernelStepper | FunctionStepper

@@ -1,0 +1,255 @@
+"""Steps that end where something changes: a joint comes to rest, is let go by friction, or meets or
+leaves its stop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from freebody.arrays import Array
+from freebody.motion.simulation.joint_contacts import JointContacts
+from freebody.motion.simulation.motion_lanes import MotionLanes, Some
+from freebody.motion.simulation.steppers import Rates, State
+
+_NEAR = 1e-14  # of the duration
+_TURNS = 200
+_HAIR = 1e-14
+"""rad, rad/s, m, m/s: how far behind a change a step may end."""
+_ROUND = 1e-11
+_IDLE = 500  # events in a row that bring a motion no further
+_SHORTEST = 1e-13  # of the duration
+
+Index = NDArray[np.intp]
+Move = Callable[[Some, State, Array, Array], State]
+"""(lanes, states, start, h) -> the states a step later."""
+
+
+@dataclass(eq=False)
+class ContactEvents:
+    """What is held and what pushes (lanes, nv) in many motions, and how they change.
+
+    A step is made as if nothing changed. Where that is not so at its end, or between (a stop that
+    was passed and left again), it is made again up to the time of the change, the state is put
+    right there, and what holds from there on is decided anew.
+    """
+
+    contacts: JointContacts
+    """Of each lane."""
+    rates: Rates
+    duration: float
+    push: Array
+    held: Array
+    idle: NDArray[np.intp] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.idle = np.zeros(len(self.push), dtype=int)
+
+    @staticmethod
+    def of(
+        contacts: JointContacts, lanes: MotionLanes, rates: Rates, duration: float, qd: Array
+    ) -> ContactEvents:
+        """At the start of all motions, qd (lanes, nv)."""
+        own = contacts.lanes(lanes)
+        push = -own.coulomb * np.sign(qd)
+        return ContactEvents(own, rates, duration, push, np.zeros(push.shape))
+
+    def begin(self, lanes: slice, state: State, start: float) -> State:
+        """At a time from which torques may be others."""
+        each = np.arange(len(self.push))[lanes]
+        contacts = self.contacts.some(each)
+        some = contacts.resting(*state) | contacts.hitting(*state)
+        rows = np.flatnonzero(some.any(axis=-1) & _finite(state))
+        if not len(rows):
+            return state
+        q, qd = (x.copy() for x in state)
+        found = self._decided(each[rows], (q[rows], qd[rows]), np.full(len(rows), start))
+        q[rows], qd[rows] = found
+        return q, qd
+
+    def through(
+        self, lanes: slice, before: State, after: State, start: float, h: float, move: Move
+    ) -> State:
+        """The states a whole step after `before`, of which `after` holds what a step that nothing
+        cuts leads to."""
+        every = np.arange(len(self.push))[lanes]
+        at, left = np.full(len(every), start), np.full(len(every), h)
+        taken, (q, qd) = self.cut(every, before, after, at, left, move)
+        at, left = at + taken, left - taken
+        while len(rows := np.flatnonzero((left > 0.0) & _finite((q, qd)))):
+            begun = q[rows], qd[rows]
+            ended = move(every[rows], begun, at[rows], left[rows])
+            taken, reached = self.cut(every[rows], begun, ended, at[rows], left[rows], move)
+            at[rows], left[rows] = at[rows] + taken, left[rows] - taken
+            q[rows], qd[rows] = reached
+        return q, qd
+
+    def cut(
+        self, lanes: Index, before: State, after: State, start: Array, h: Array, move: Move
+    ) -> tuple[Array, State]:
+        """How long the steps from `before` to `after` are up to their first change, and the states
+        there; start, h (lanes,)."""
+        margins = self._margins(lanes, after, start + h)
+        ends, changes = h.copy(), np.asarray((margins < 0.0).any(axis=-1))
+        self._dips(lanes, before, after, start, ends, changes, move)
+        rows = np.flatnonzero(changes)
+        if not len(rows):
+            self.idle[lanes] = 0
+            return h, after
+        q, qd = (x.copy() for x in after)
+
+        own, begun, at = lanes[rows], (before[0][rows], before[1][rows]), start[rows]
+        taken = ends[rows] = self._first_change(own, begun, at, ends[rows], move)
+        state = self._decided(own, move(own, begun, at, taken), at + taken)
+        short = taken < _SHORTEST * self.duration
+        idle = np.where(short, self.idle[own] + 1, 0)
+        self.idle[lanes], self.idle[own] = 0, idle
+        lost = idle > _IDLE
+        q[rows], qd[rows] = (np.where(lost[:, None], np.nan, x) for x in state)
+        return ends, (q, qd)
+
+    def _first_change(
+        self, lanes: Index, before: State, start: Array, h: Array, move: Move
+    ) -> Array:
+        """Just behind which time (lanes,), at most h, something changes: a margin is used up, by
+        no more than `_HAIR`."""
+        low, high = np.zeros(len(h)), h.copy()
+        near = _NEAR * self.duration + 4.0 * np.spacing(np.abs(start) + h)
+        left, speed = self._margins(lanes, before, start), before[1].copy()
+        right = self._margins(lanes, move(lanes, before, start, h), start + h)
+        side = np.zeros(len(h))
+        for turn in range(_TURNS):
+            k = np.flatnonzero((high - low > near) & (right.min(axis=-1) < -2.0 * _HAIR))
+            if not len(k):
+                break
+            width = high[k] - low[k]
+            part = _used_up(left[k], right[k], speed[k] * width[:, None])
+            if turn % 4 == 3:
+                part[:] = 0.5
+            x = low[k] + part * width
+            reached = move(lanes[k], (before[0][k], before[1][k]), start[k], x)
+            found = self._margins(lanes[k], reached, start[k] + x)
+            past = (found < 0.0).any(axis=-1)
+            # an end that stays counts half (Illinois method; Dowell and Jarratt 1971)
+            again = np.where(past, 1.0, -1.0) == side[k]
+            left[k[past & again]] *= 0.5
+            right[k[~past & again]] *= 0.5
+            side[k] = np.where(past, 1.0, -1.0)
+            high[k[past]], right[k[past]] = x[past], found[past]
+            low[k[~past]], left[k[~past]] = x[~past], found[~past]
+            speed[k[~past]] = reached[1][~past]
+        return high
+
+    def _margins(self, lanes: Some, state: State, t: Array) -> Array:
+        """(lanes, 4 nv): how far motions are from a change, below 0 behind it: sliding ones from
+        rest, all from their stops, what is held from what can hold it."""
+        (q, qd), held, push = state, self.held[lanes] > 0.0, self.push[lanes]
+        contacts = self.contacts.some(lanes)
+        x = contacts.positions(q)
+        slide = np.where(~held & (push != 0.0), -np.sign(push) * qd, np.inf)
+        below, above = (np.where(held, np.inf, a) for a in _to_stops(contacts, x))
+        hold = np.full(qd.shape, np.inf)
+        if held.any():
+            qdd, reaction, M = self.rates(lanes, state, t, push, self.held[lanes])
+            least, most = contacts.bounds(q)
+            within = np.minimum(reaction - least, most - reaction)
+            # as far beyond as rounding cannot bring it, so that what is let go does begin to move
+            size = np.abs(np.concatenate([np.einsum("...ij,...j->...i", M, qdd), reaction], -1))
+            size = size.max(axis=-1) + contacts.coulomb.max(axis=-1) + np.abs(M).max(axis=(-2, -1))
+            hold = np.where(held, within + _ROUND * size[..., None], np.inf)
+        return np.concatenate([slide, below, above, hold], axis=-1)
+
+    def _dips(
+        self,
+        lanes: Index,
+        before: State,
+        after: State,
+        start: Array,
+        ends: Array,
+        changes: NDArray[np.bool_],
+        move: Move,
+    ) -> None:
+        """Find stops that were passed and left again within a step: `changes` there, and `ends` at
+        the farthest, where the cubic through both ends has it."""
+        contacts, free = self.contacts.some(lanes), self.held[lanes] == 0.0
+        h, rows = ends[:, None], ~changes[:, None]
+        x0, x1 = (contacts.positions(q) for q, _ in (before, after))
+        pairs = zip(_to_stops(contacts, x0), _to_stops(contacts, x1), (1.0, -1.0), strict=True)
+        for m0, m1, side in pairs:
+            v0, v1 = side * before[1], side * after[1]
+            turning = np.flatnonzero((rows & free & np.isfinite(m0) & (v0 < 0) & (v1 > 0)).any(-1))
+            if not len(turning):
+                continue
+            with np.errstate(invalid="ignore", divide="ignore"):
+                where = _lowest(m0, m1, h * v0, h * v1)
+            seen = np.where(free & (v0 < 0) & (v1 > 0), where[1], np.inf)[turning]
+            k = seen.argmin(axis=-1)
+            low = turning[seen.min(axis=-1) < 0.0]
+            if not len(low):
+                continue
+            part = where[0][low, k[seen.min(axis=-1) < 0.0]]
+            reach = part * ends[low]
+            there = move(lanes[low], (before[0][low], before[1][low]), start[low], reach)
+            past = (self._margins(lanes[low], there, start[low] + reach) < 0.0).any(axis=-1)
+            ends[low[past]] = reach[past]
+            changes[low[past]] = True
+
+    def _decided(self, lanes: Index, state: State, t: Array) -> State:
+        """States put right where something changes, and what holds from there."""
+        (q, qd), contacts = (x.copy() for x in state), self.contacts.some(lanes)
+        stopped = (self.held[lanes] == 0.0) & (-np.sign(self.push[lanes]) * qd < 0.0)
+        qd[stopped] = 0.0
+        x = contacts.positions(q)
+        for stop, past in (
+            (contacts.lower, x < contacts.lower),
+            (contacts.upper, x > contacts.upper),
+        ):
+            row, k = np.nonzero(past)
+            q[row, contacts.place[k]] = stop[row, k]
+        push, held = self.push[lanes], self.held[lanes]
+        qdd, reaction, M = self.rates(lanes, (q, qd), t, push, held)
+        hits = np.flatnonzero(contacts.hitting(q, qd).any(axis=-1))
+        if len(hits):
+            some = contacts.some(hits)
+            qd[hits] = some.rebound(q[hits], qd[hits], M[hits])
+            qdd, reaction, M = self.rates(lanes, (q, qd), t, push, held)
+        forces = np.einsum("...ij,...j->...i", M, qdd) - reaction - push
+        found = contacts.contact(q, qd, M, forces)
+        self.push[lanes], self.held[lanes] = np.where(found.held, 0.0, found.push), found.held
+        return q, qd
+
+
+def _used_up(left: Array, right: Array, speed: Array) -> Array:
+    """In which part of an interval (n,) the first of some margins (n, 4 nv) is used up, by a hair:
+    where lines are, and to stops parabolas that begin with the motion's speed (n, nv)."""
+    a, b, nv = left + _HAIR, right + _HAIR, speed.shape[-1]
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        part = np.where(b < 0.0, a / (a - b), np.inf)
+        stops = slice(nv, 3 * nv)
+        a, b, slope = a[:, stops], b[:, stops], np.concatenate([speed, -speed], axis=-1)
+        bend = b - a - slope
+        root = np.sqrt(np.maximum(slope * slope - 4.0 * bend * a, 0.0))
+        curved = np.where(slope > 0.0, (slope + root) / (-2.0 * bend), 2.0 * a / (root - slope))
+        part[:, stops] = np.where((b < 0.0) & np.isfinite(curved), curved, part[:, stops])
+        part = part.min(axis=-1)
+    return np.where((part > 0.0) & (part < 1.0), part, 0.1)
+
+
+def _to_stops(contacts: JointContacts, x: Array) -> tuple[Array, Array]:
+    """How far positions are from the lower and the upper stop."""
+    return x - contacts.lower, contacts.upper - x
+
+
+def _lowest(m0: Array, m1: Array, d0: Array, d1: Array) -> tuple[Array, Array]:
+    """Where, between 0 and 1, the cubic of two values and slopes, d0 < 0 < d1, is lowest, and its
+    value."""
+    a, b = 2.0 * (m0 - m1) + d0 + d1, 3.0 * (m1 - m0) - 2.0 * d0 - d1
+    root = np.sqrt(np.maximum(b * b - 3.0 * a * d0, 0.0))
+    s = np.clip(-d0 / (b + root), 0.0, 1.0)
+    return s, ((a * s + b) * s + d0) * s + m0
+
+
+def _finite(state: State) -> NDArray[np.bool_]:
+    return np.asarray(np.isfinite(np.concatenate(state, axis=-1)).all(axis=-1))
