@@ -490,6 +490,40 @@ def test_a_study_judges_what_lies_between_samples():
     assert float(found.summary["highest"][0]) == pytest.approx(1.125)
 
 
+def test_a_study_finds_peaks_between_samples_and_beside_jumps():
+    """A torque grows until its joint is braked: it is largest just before that jump."""
+    arm = fb.load("2R")
+    way, limits = [[0.3, -1.2], [-1, 1], [1, 0.7]], {"velocity": 1.3, "acceleration": [3, 5]}
+    motion = fb.trapezoid(arm, way, **limits, step=0.13)
+    found = fb.study(arm, motion)
+    t = np.linspace(*motion.t[[0, -1]], 100_001)
+    tau = fb.inverse_dynamics(arm, *motion.at(t))
+    exact = np.abs(tau).max(axis=0)
+    at_samples = np.abs(fb.inverse_dynamics(arm, motion.q, motion.qd, motion.qdd)).max(axis=0)
+    assert (at_samples < 0.999 * exact).any()
+    np.testing.assert_allclose(np.abs(found.summary["peak_torque"]), exact, rtol=1e-4)
+    force = fb.joint_wrenches(arm, *motion.at(t))[..., :2]
+    sizes = np.linalg.norm(force, axis=-1).max(axis=0)
+    np.testing.assert_allclose(found.summary["peak_force"], sizes, rtol=1e-4)
+    assert set(motion.t) < set(found.motion.t)
+    worst = found.data.isel(time=found.worst.index)
+    assert float(np.abs(worst["tau"]).max()) == pytest.approx(abs(found.worst.value))
+    limited = arm.bind({"joint1.limits.effort": 0.5 * (at_samples[0] + exact[0])})
+    assert fb.study(limited, motion).verdict.outcome == "not feasible"
+
+
+def test_noise_between_samples_is_no_peak():
+    arm, t = fb.load("2R"), np.linspace(0.0, 1.0, 21)
+    q = np.stack([np.sin(t), 0.5 * t**2], axis=-1)
+    rates, seconds = np.stack([np.cos(t), t], axis=-1), np.stack([-np.sin(t), 1.0 + 0 * t], axis=-1)
+    noisy = q + 1e-3 * np.random.default_rng(1).normal(size=q.shape)
+    motion = fb.Motion.of(arm, t, noisy, rates, seconds)
+    assert np.abs(motion.at(t[:-1] + 0.01)[2]).max() > 3.0  # between the samples
+    peaks = fb.study(arm, motion).summary["peak_torque"]
+    own = np.abs(fb.inverse_dynamics(arm, motion.q, motion.qd, motion.qdd)).max(axis=0)
+    np.testing.assert_allclose(np.abs(peaks), own, rtol=0.01)
+
+
 def test_a_waypoint_at_0_prints_as_0(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):

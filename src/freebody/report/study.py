@@ -23,6 +23,7 @@ from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.report.checks import checks
 from freebody.report.jacobians import singularity
 from freebody.report.measured_noise import Smooth, filtered
+from freebody.report.peak_instants import with_peaks
 from freebody.report.replay import replayed
 from freebody.report.results import Check, MotionVerdict, Replay, Singularity, StaticPose, Worst
 from freebody.report.series import series, torque_parts
@@ -161,7 +162,8 @@ def study(
     clock = _Clock(progress)
     frame, reason = chosen_tip(model, tip)
     with clock.part("motion", 0.0):
-        followed, measured = filtered(model, _motion(model, motion), smooth)
+        sampled, measured = filtered(model, _motion(model, motion), smooth)
+        followed = with_peaks(model, sampled)
     with clock.part("torques, reactions, energies", 0.05):
         data = series(model, frame, followed)
         found = summary(model, followed, data)
@@ -169,7 +171,7 @@ def study(
     with clock.part("worst poses", 0.4):
         poses = () if model.loops else worst_poses(model)
     with clock.part("replay", 0.5):
-        replay, skipped = _replay(model, followed)
+        replay, skipped = _replay(model, sampled)
     with clock.part("checks", 0.9):
         checked = checks(model, followed, data, replay)
     warned = (
