@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import hashlib
 import os
 import re
 import signal
@@ -18,6 +19,7 @@ import pytest
 import freebody as fb
 from freebody.sweeps import run
 from freebody.sweeps.evaluation import SweepTask
+from freebody.sweeps.fingerprint import fingerprint
 
 zarr = pytest.importorskip("zarr")
 xr = pytest.importorskip("xarray")
@@ -129,11 +131,43 @@ def test_functions_are_known_again_by_what_they_hold(tmp_path):
     with pytest.raises(fb.FreebodyError, match="another sweep"):
         fb.sweep(ARM, scaled(3.0), over=over, reduce="max", store=store)
 
-    def holds(model: fb.Model, q: Any, x: Any = pytest) -> Any:
+    def holds(model: fb.Model, q: Any, x: Any = THING) -> Any:
         return q
 
-    with pytest.raises(fb.FreebodyError, match="holds a module"):
+    with pytest.raises(fb.FreebodyError, match="reads a object"):
         fb.sweep(ARM, holds, over={"q": [1.0]}, store=store)
+
+
+THING, GAIN, TABLE = object(), 2.0, {"a": np.ones(2)}
+
+
+def gained(model: fb.Model, q: Any) -> Any:
+    return helped(q) * TABLE["a"][0] * np.sin(q).shape[0] ** 0
+
+
+def helped(q: Any) -> Any:
+    return (lambda x: GAIN * x)(q) if "q" in {"q", "p", "r"} else helped(q)
+
+
+def test_functions_are_known_again_by_the_globals_that_they_read(monkeypatch):
+    """Also those of functions that they call; in another process the same."""
+    first = fingerprint(gained)
+    script = "import test_sweep_stores as t; print(t.digest(t.fingerprint(t.gained)))"
+    paths = os.pathsep.join([str(Path(__file__).parent), str(Path(fb.__file__).parents[1])])
+    environment = {**os.environ, "PYTHONPATH": paths, "PYTHONHASHSEED": "1"}
+    printed = subprocess.run(
+        [sys.executable, "-c", script], env=environment, capture_output=True, text=True
+    )
+    assert printed.stdout.strip() == digest(first), printed.stderr
+    for name, value in (("GAIN", 3.0), ("TABLE", {"a": np.zeros(2)}), ("helped", lambda q: q)):
+        with monkeypatch.context() as patched:
+            patched.setattr(sys.modules[__name__], name, value)
+            assert fingerprint(gained) != first
+    assert fingerprint(gained) == first
+
+
+def digest(parts: list[Any]) -> str:
+    return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
 def test_folders_of_others_are_left_alone(tmp_path):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import importlib.metadata
-import inspect
 import platform
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -12,10 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy._core._multiarray_umath import __cpu_features__
 
-from freebody.errors import FreebodyError
 from freebody.kernels.inputs import InputKernel
-from freebody.model.model import Model
 from freebody.sweeps.evaluation import SweepTask
+from freebody.sweeps.fingerprint import fingerprint
 from freebody.sweeps.functions import SweptCallable, SweptFunction
 from freebody.sweeps.samples import SAMPLERS, Samples
 from freebody.targets import Kernel
@@ -75,7 +73,7 @@ def identity(task: SweepTask, points: int) -> str:
     with_what = sorted(computed_with(needs_of(task)).items())
     add("2", with_what, points, task.tile, task.hoisted)
     add([x.name for x in task.reductions])
-    add(task.outputs, *_function(task.function), *_value(task.model))
+    add(task.outputs, *_function(task.function), *fingerprint(task.model))
     for axes in (task.grid.rows, task.grid.columns):
         add(*(part for axis in axes for part in (axis.name, *_given(axis.given))))
     add(*_given(task.grid.constants))
@@ -84,14 +82,16 @@ def identity(task: SweepTask, points: int) -> str:
 
 def _given(arrays: Mapping[str, Any]) -> list[Any]:
     if isinstance(arrays, Samples):
-        bounds = [part for name, pair in arrays.bounds.items() for part in (name, *_value(pair))]
+        bounds = [
+            part for name, pair in arrays.bounds.items() for part in (name, *fingerprint(pair))
+        ]
         return ["samples", arrays.count, arrays.method, arrays.seed, *bounds]
-    return [part for name, array in arrays.items() for part in (name, *_value(array))]
+    return [part for name, array in arrays.items() for part in (name, *fingerprint(array))]
 
 
 def _function(function: Any) -> list[Any]:
     if isinstance(function, SweptCallable):
-        return _value(function.function)
+        return fingerprint(function.function)
     kernel = _kernel(function)
     assert kernel is not None
     code = kernel.program.digest
@@ -101,31 +101,3 @@ def _function(function: Any) -> list[Any]:
 def _kernel(function: SweptFunction) -> Kernel | None:
     made = getattr(function, "kernel", None)
     return made.kernel if isinstance(made, InputKernel) else made
-
-
-def _value(value: Any) -> list[Any]:
-    """What tells one value from another, in this process and in any."""
-    if isinstance(value, Model):
-        return ["model", value._key()]
-    if isinstance(value, np.ndarray) and value.dtype != object:
-        return ["array", value.dtype.str, value.shape, np.ascontiguousarray(value).tobytes()]
-    if inspect.isfunction(value):
-        held = [x.cell_contents for x in value.__closure__ or ()]
-        held += [*(value.__defaults__ or ()), *(value.__kwdefaults__ or {}).items()]
-        return ["function", *_code(value.__code__), *(part for x in held for part in _value(x))]
-    if isinstance(value, tuple | list):
-        return ["row", len(value), *(part for x in value for part in _value(x))]
-    if value is None or isinstance(value, bool | int | float | str | bytes):
-        return [value]
-    raise FreebodyError(
-        f"sweep: a store must know the function again, and cannot: it is or holds a "
-        f"{type(value).__name__}. Give a function of Python that holds numbers, arrays, texts, "
-        f"models and functions alone."
-    )
-
-
-def _code(code: Any) -> list[Any]:
-    found: list[Any] = [code.co_code, code.co_names, code.co_varnames]
-    for constant in code.co_consts:
-        found += _code(constant) if inspect.iscode(constant) else [constant]
-    return found
