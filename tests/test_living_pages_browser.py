@@ -28,11 +28,13 @@ LARGEST = 600_000
 REQUEST = "Network.requestWillBeSent"
 RANDOM = np.random.default_rng(7)
 NAMES = "return [...document.querySelectorAll('.slider input')].map(e => e.dataset.input)"
-SET = """const [state] = arguments, inputs = [...document.querySelectorAll('.slider')];
-inputs.forEach((row, k) => { const slider = row.querySelector('input');
+SET = """const [state] = arguments, inputs = [...document.querySelectorAll('.slider input')];
+inputs.forEach((slider, k) => {
   slider.min = -1e6; slider.max = 1e6; slider.value = state[k];
   slider.dispatchEvent(new Event('input')); });"""
 STATE = NAMES.replace("dataset.input", "valueAsNumber")
+NUMBERS = """return [...document.querySelectorAll('[data-of]')].map(row =>
+  [row.dataset.of, Number(row.querySelector('output').title)])"""
 VALUES = """return [...document.querySelectorAll('.value')].map(row =>
   [row.dataset.name || row.textContent, row.querySelector('output').title])"""
 ARROWS = """return [...document.querySelectorAll('#bodies g:not(.legend) line.reaction')].map(e =>
@@ -108,11 +110,21 @@ def test_under_a_load_at_rest_too(driver, tmp_path):
     np.testing.assert_allclose(shown["f12"][0], forces[1][:2], rtol=1e-9)
 
 
-def test_what_a_pin_without_motor_would_need_is_drawn(driver, tmp_path):
-    """A pendubot's elbow has no motor: its moment is named only where the state needs one."""
-    opened(driver, tmp_path, fb.derive(fb.load("pendubot"), "newton-euler"))
+@pytest.mark.parametrize("name", ["pendubot", "cart_pole", "furuta"])
+def test_a_joint_without_motor_moves_as_it_must(driver, tmp_path, name):
+    """Its acceleration is the one for which it needs no motor: forward dynamics has the same."""
+    model = fb.load(name)
+    derivation = fb.derive(model, "newton-euler")
+    opened(driver, tmp_path, derivation)
+    coordinates = derivation.equations.symbols.coordinates
+    state, shown = dict(driver.execute_script(NUMBERS)), values(driver)
+    motion = [[state.get(x + dots, 0.0) for x in coordinates] for dots in ("", "_d", "_dd")]
+    tau = [shown.get(f"tau{k + 1}", [[0.0]])[0][0] for k in range(model.nv)]
+    arm = model.bind(**{x: state[x] for x in model.parameters if x in state})
+    np.testing.assert_allclose(fb.forward_dynamics(arm, *motion[:2], tau), motion[2], rtol=1e-9)
     words = "return [...document.querySelectorAll('#bodies .moment-text')].map(e => e.textContent)"
-    assert any(word.startswith("n") for word in driver.execute_script(words))
+    if name == "pendubot":  # none at its elbow
+        assert [word.split(" ")[0] for word in driver.execute_script(words)] == ["τ₁"]
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -138,7 +150,8 @@ def test_the_numbers_of_an_arm_in_space_are_those_of_the_kernels(driver, tmp_pat
     driver.execute_script(SET, state)
     shown, numbers = values(driver), dict(zip(names, state, strict=True))
     arm = model.bind(**{name: numbers[name] for name in model.parameters if name in numbers})
-    motion = [[numbers.get(x + dots, 0.0) for x in coordinates] for dots in ("", "_d", "_dd")]
+    found = dict(driver.execute_script(NUMBERS))
+    motion = [[found.get(x + dots, 0.0) for x in coordinates] for dots in ("", "_d", "_dd")]
     tau, forces = fb.inverse_dynamics(arm, *motion), fb.joint_wrenches(arm, *motion)
     assert len(shown["tau1"]) == 3  # as z · n, with the motion, and in the closed form
     for k in range(model.nv):
@@ -188,8 +201,6 @@ CLOSED = [
     ("four_bar", "newton-euler"), ("five_bar", "lagrange-first-kind"), ("five_bar", "newton-euler"),
     ("slider_crank", "newton-euler"), ("five_bar_rods", "lagrange-first-kind"),
 ]  # fmt: skip
-NUMBERS = """return [...document.querySelectorAll('[data-of]')].map(row =>
-  [row.dataset.of, Number(row.querySelector('output').title)])"""
 MOVE = """const [name, value] = arguments;
 const slider = document.querySelector(`[data-input=${name}]`);
 slider.value = value; slider.dispatchEvent(new Event('input'));"""

@@ -37,6 +37,9 @@ class LoopEnd:
 class ClosedChain:
     """The closed chain of a derivation, in its symbols."""
 
+    key = "loop"
+    why = "by the loops"
+
     def __init__(self, derivation: Derivation):
         symbols = derivation.equations.symbols
         load = LOADS[2] if "fx" in symbols.extra else ()

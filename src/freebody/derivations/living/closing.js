@@ -1,5 +1,5 @@
-// A closed chain: from the coordinates of the drives the page finds the others, their rates and
-// accelerations, and the forces in the loops, by the equations that the kernel evaluates.
+// What follows from the equations that the kernel evaluates: accelerations of joints without motor;
+// in a closed chain the coordinates that are not driven, their rates, and the forces in the loops.
 
 const STEPS = 60, CLOSED = 1e-12, SINGULAR = 1e-10, LONGEST_STEP = 0.4;
 
@@ -18,6 +18,14 @@ function solved(A, b) {
     }
   }
   return rows.map((row, k) => row[n] / row[k]);
+}
+
+// Of an open chain the accelerations of joints without motor: those for which they need none.
+function letGo(x, y, free) {
+  for (const at of free.accelerations) x[at] = 0;
+  live(x, y);
+  const found = solved(free.inertias.map((row) => row.map((k) => y[k])), free.needs.map((k) => -y[k]));
+  free.accelerations.forEach((at, k) => { x[at] = found ? found[k] : 0; });
 }
 
 // Whether the loops could be closed; x then holds the state that is, else it is as it was.

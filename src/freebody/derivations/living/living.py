@@ -17,6 +17,7 @@ from freebody.derivations.derive import LOADS
 from freebody.derivations.expressions.expression import Symbol
 from freebody.derivations.living.closed_chain import ClosedChain
 from freebody.derivations.living.drawn_bodies import DrawnBodies
+from freebody.derivations.living.free_joints import FreeJoints
 from freebody.derivations.living.kernel import PageProgram
 from freebody.derivations.living.line_values import LineValues, ValuedLine, line_values
 from freebody.derivations.living.panel import below, panel
@@ -59,14 +60,18 @@ def living(derivation: Derivation, start: Sequence[float] = ()) -> LivingParts |
     spoken = dict.fromkeys(name for line in found.lines for name in line.names)
     readable = {name: x for name in spoken if rank(x := found.quantities[name]) <= 1}
     page["names"] = {name: kernel.places(x) for name, x in readable.items()}
-    if closed:  # first, since it needs places in the kernel
-        closed.page(kernel, dict.fromkeys(closed.names, 0))
-    inputs = _inputs(derivation, kernel, closed)
+    following = closed or FreeJoints(derivation, found.quantities)
+    following.page(
+        kernel, dict.fromkeys(following.names, 0)
+    )  # first: it needs places in the kernel
+    inputs = _inputs(derivation, kernel, following)
     if closed:
         coordinates = derivation.equations.symbols.coordinates
         for name, value in zip(coordinates, start, strict=True):
             next(x for x in inputs if x["name"] == name)["value"] = float(value)
-        page["loop"] = closed.page(kernel, {x["name"]: k for k, x in enumerate(inputs)})
+    if following.names:
+        indices = {x["name"]: k for k, x in enumerate(inputs)}
+        page[following.key] = following.page(kernel, indices)
     page |= {"inputs": inputs, "size": kernel.size}
     script = _script().replace("PAGE", _json(page), 1)
     return LivingParts(
@@ -113,12 +118,11 @@ def is_diagnosed(line: ValuedLine, found: LineValues) -> bool:
 
 
 def _inputs(
-    derivation: Derivation, kernel: PageProgram, closed: ClosedChain | None
+    derivation: Derivation, kernel: PageProgram, following: ClosedChain | FreeJoints
 ) -> list[dict[str, Any]]:
     """The symbols that have a slider: name, value, range, kind."""
     symbols, units = derivation.equations.symbols, _units(derivation)
-    used = kernel.used | frozenset(closed.names if closed else ())
-    solved = closed.solved_names if closed else ()
+    used = kernel.used | frozenset(following.names)
     names = [x for x in symbols.ring.names if x in used]
     values = typical(names, _model(derivation).parameters) | {
         name: value for name, value in _LOAD.items() if name in names
@@ -133,7 +137,7 @@ def _inputs(
         made.append(
             {"name": name, "value": value, "low": low, "high": max(value, top), "unit": unit}
             | {"group": _group(name, symbols.coordinates), "turns": name in _angles(derivation)}
-            | {"solved": name in solved}
+            | {"solved": following.why if name in following.solved_names else ""}
         )
     return made
 

@@ -18,6 +18,7 @@ const told = (value) => isVector(value) ? `[${value.map(shown).join(", ")}]` : s
 const OPEN = "The loops cannot be closed here, or not in one way: no values; the drawing is the last that could.";
 function follow() {
   const closed = !page.loop || close(x, y, page.loop);
+  if (page.free) letGo(x, y, page.free);
   live(x, y);
   if (!closed) y.fill(NaN);
   find("open").textContent = closed ? "" : OPEN;

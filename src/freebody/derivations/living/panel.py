@@ -59,7 +59,7 @@ def _slider(k: int, x: dict[str, Any]) -> str:
     if x["solved"]:
         return (
             f'<p class="slider" data-of="{name}">{letter} = '
-            f'<span><output id="out{k}"></output>{unit} (by the loops)</span></p>'
+            f'<span><output id="out{k}"></output>{unit} ({x["solved"]})</span></p>'
         )
     return (
         f'<p class="slider" data-of="{name}"><label for="in{k}">{letter}</label>'

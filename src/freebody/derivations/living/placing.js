@@ -32,10 +32,11 @@ function spread(arrows) {
 function write(svg, names, taken, right, bottom) {
   for (const {kind, text, tip, way} of names) {
     const wide = LETTER * [...text].length / 2, tall = LINE / 2, [u, v] = way;
-    const places = [[u, v], [-v, u], [v, -u], [u - v, v + u], [u + v, v - u], [-u, -v]].map(([a, b]) => {
+    const ways = [[u, v], [-v, u], [v, -u], [u - v, v + u], [u + v, v - u], [-u, -v]];
+    const places = [6, 18].flatMap((away) => ways.map(([a, b]) => {
       const far = length([a, b]) || 1;
-      return [tip[0] + (wide + 6) * a / far, tip[1] + (tall + 6) * b / far];
-    });
+      return [tip[0] + (wide + away) * a / far, tip[1] + (tall + away) * b / far];
+    }));
     const costs = places.map((place) => {
       const box = around(place, wide, tall), outside = box[0] < 0 || box[1] < 0 || box[2] > right || box[3] > bottom;
       return taken.filter((other) => meet(box, other)).length + (outside ? 100 : 0);

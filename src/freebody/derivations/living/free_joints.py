@@ -1,0 +1,43 @@
+"""Joints without motor of an open chain in a page: their accelerations follow from the others."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from freebody.derivations.derivation import Derivation
+from freebody.derivations.living.kernel import PageProgram
+from freebody.derivations.methods import METHODS
+from freebody.derivations.polynomials.symbols import SECOND
+from freebody.derivations.relations.quantities import Quantities
+
+
+class FreeJoints:
+    """The accelerations for which these joints need no torque; values: the chain's quantities."""
+
+    key = "free"
+    why = "no motor"
+
+    def __init__(self, derivation: Derivation, values: Quantities):
+        model = derivation.equations.symbols.model
+        moving = bool(derivation.tau) and not METHODS[derivation.method].at_rest
+        coordinates = derivation.equations.symbols.coordinates
+        self.solved_names = tuple(coordinates[k] + SECOND for k in model.passive if moving)
+        self._needed = [values[f"tau{k + 1}"] for k in model.passive if moving]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Symbols that the page needs for it."""
+        return self.solved_names
+
+    def page(self, kernel: PageProgram, inputs: Mapping[str, int]) -> dict[str, Any]:
+        """Places of what the joints need and of its derivatives by the accelerations, which are
+        found from these."""
+        return {
+            "accelerations": [inputs[name] for name in self.solved_names],
+            "needs": [kernel.places(tau)[0] for tau in self._needed],
+            "inertias": [
+                [kernel.places(tau.derivative(name))[0] for name in self.solved_names]
+                for tau in self._needed
+            ],
+        }
