@@ -207,6 +207,11 @@ def test_slow_rates_of_a_file_are_kept_as_they_are_given(tmp_path: Path):
     t = np.linspace(*motion.t[[0, -1]], 2001)
     for found, exact in zip(read.at(t), motion.at(t), strict=True):
         np.testing.assert_allclose(found, exact, rtol=0, atol=1e-8 * np.abs(exact).max())
+    dense = fb.s_curve(model, [[0.0, 0.0], [1.0, -0.5]], jerk=50.0, acceleration=5.0, step=2e-4)
+    read = read_motion(model, fb.write_motion(model, dense, tmp_path / "n.csv", "samples"))
+    slow = (dense.qd != 0.0) & (np.abs(dense.qd) < 1e-6 * np.abs(dense.qd).max())
+    assert slow.any()
+    np.testing.assert_allclose(read.qd[slow], dense.qd[slow], rtol=1e-6)
 
 
 ROWS = "0,0,0\n1,1,1\n2,2,2\n3,3,3\n"

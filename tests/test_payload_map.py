@@ -54,6 +54,11 @@ def test_limits_of_the_model_are_taken():
     efforts = model.limits.effort
     assert fb.payload_map(model, q) == fb.payload_map(model, q, effort=efforts)
     assert repr(fb.payload_map(model, q)).startswith("<PayloadMap: 50 postures, ")
+    limits = [fb.Limits(effort=50.0), fb.Limits(effort=0.0)]  # 0 in files is "not given"
+    arm = fb.planar("RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1], limits=limits)
+    found = fb.payload_map(arm, [0.0, 0.0])
+    assert (found.joint, found.overloaded) == (0, False)
+    assert found.mass == fb.payload_map(arm, [0.0, 0.0], effort=[50.0, 1e9]).mass
 
 
 def test_refusals():

@@ -233,6 +233,8 @@ def test_a_jump_beside_a_sample_is_one(tmp_path: Path):
     for way in np.random.default_rng(0).uniform(0.1, 0.5, size=(60, 2, 2)):
         motion = fb.trapezoid(arm, way, acceleration=3.0)
         lost += [motion.source] * (len(motion.jumps) != 1)
+        assert motion.pieces is not None
+        assert motion.pieces.breaks[1] in motion.t  # to the last bit: the side that it is on counts
     assert not lost
     at = motion.jumps[0]
     for off in (-1e-12, 1e-12):

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +33,8 @@ NAMES = ["max", "rms", "argpeak"]
 
 def swept(store: Path | None, **changed: Any) -> Any:
     given = {"over": OVER, "reduce": NAMES, "block": 40, **changed}
-    return fb.sweep(ARM, given.pop("function", "inverse_dynamics"), store=store, **given)
+    model, function = given.pop("model", ARM), given.pop("function", "inverse_dynamics")
+    return fb.sweep(model, function, store=store, **given)
 
 
 def same(a: Any, b: Any) -> bool:
@@ -105,13 +107,14 @@ def test_failed_points_are_kept_with_their_reasons(tmp_path):
 @pytest.mark.parametrize(
     "changed",
     [
+        {"model": ARM.bind(lc2=0.16)},
         {"over": {**OVER, "m2": np.linspace(0.5, 3.1, 4)}},
         {"over": {**OVER, "state": {**STATES, "qd": STATES["qd"] * 2}}},
         {"reduce": ["max", "argpeak"]},
         {"block": 41},
         {"function": lambda model, q, qd, qdd: fb.inverse_dynamics(model, q, qd, qdd)},
     ],
-    ids=["number", "states", "reductions", "block", "function"],
+    ids=["model", "number", "states", "reductions", "block", "function"],
 )  # fmt: skip
 def test_another_sweep_is_refused(tmp_path, changed):
     swept(tmp_path / "s")
@@ -119,6 +122,15 @@ def test_another_sweep_is_refused(tmp_path, changed):
     with pytest.raises(fb.FreebodyError, match="another sweep"):
         swept(tmp_path / "s", **changed)
     assert content(tmp_path / "s") == before
+
+
+def test_the_robot_of_a_function_counts(tmp_path):
+    def torque(model: fb.Model, q: Any) -> Any:
+        return fb.gravity_torque(model, q)[..., 0]
+
+    for model, refused in ((ARM, False), (ARM.bind(lc2=0.16), True)):
+        with pytest.raises(fb.FreebodyError, match="another sweep") if refused else nullcontext():
+            fb.sweep(model, torque, over={"q": STATES["q"]}, reduce="max", store=tmp_path / "f")
 
 
 def test_functions_are_known_again_by_what_they_hold(tmp_path):

@@ -78,6 +78,15 @@ def test_places_lead_to_the_value():
                 assert (place[f"tau_{reduction}_qd"].values == STATES["qd"][s]).all()
 
 
+def test_of_equal_values_the_first_is_told():
+    """Also where they are in several blocks."""
+    names = ["argmax", "argmin", "argpeak"]
+    found = fb.sweep(
+        ARM, lambda model, q: np.ones(q.shape[:-1]), over={"q": STATES["q"]}, reduce=names, block=7
+    )
+    assert all(found[f"result_{name}_q"] == 0 for name in names)
+
+
 def test_ways_to_say_the_same():
     """A formula, a function of Python, and one that is compiled."""
     at = {"qd": [0.1, 0.2], "qdd": [0.0, 0.3]}
