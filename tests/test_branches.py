@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 import freebody as fb
+from freebody.algorithms.closed_form_inverse.quartic import zeros
 from freebody.algorithms.closed_form_inverse.solve import branches
 from freebody.errors import FreebodyError
 from freebody.inverse import by_closed_form
@@ -53,6 +54,8 @@ POSES = {
         lambda rng: (skew("R", rng) + parallel(3, rng) + meeting(2, rng))[::-1],
         8,
     ),
+    "three skew joints and a wrist": (lambda rng: skew("RRR", rng) + meeting(3, rng), 8),
+    "a wrist and a skew slide": (lambda rng: meeting(3, rng) + skew("PRR", rng), 8),
     "a SCARA": (scara, 2),
     "seven, the last held": (
         lambda rng: meeting(3, rng) + skew("R", rng) + meeting(2, rng) + skew("R", rng),
@@ -110,6 +113,32 @@ def test_every_branch(kind, seed, monkeypatch):
         there = found[0][found[1] == 1.0]
         rows = np.broadcast_to(held[0][:, None], found[1].shape)[found[1] == 1.0]
         assert (there[:, at] == rows).all()
+
+
+def test_zeros_of_degree_two():
+    """As many as the polynomial changes sign, none of them far off, double ones too."""
+    rng = np.random.default_rng(0)
+    a0, a1, b1, a2, b2 = a = rng.normal(size=(5, 3000))
+    a[3:, :500] *= 1e-4
+    a[1, 500:700] = 0.0
+
+    def value(x):
+        return a0 + a1 * np.cos(x) + b1 * np.sin(x) + a2 * np.cos(2 * x) + b2 * np.sin(2 * x)
+
+    found = zeros([value(2 * np.pi * k / 5) for k in range(5)])
+    grid = np.linspace(-np.pi, np.pi, 4000, endpoint=False)[:, None]
+    changes = (np.sign(value(grid)) != np.sign(value(np.roll(grid, 1)))).sum(axis=0)
+    clear = np.array([c for _, _, c in found])
+    sure = (np.abs(clear) > 1e-5).all(axis=0)
+    assert sure.sum() > 2900
+    assert ((clear > 0).sum(axis=0) == changes)[sure].all()
+    for sine, cosine, c in found:
+        assert np.abs(value(np.arctan2(sine, cosine)))[(c > 0) & sure].max() < 1e-13
+    # (1 - cos(x - 1)) (2 - cos x) touches 0 at 1
+    twice = [(1 - np.cos(x - 1.0)) * (2.0 - np.cos(x)) for x in 2 * np.pi * np.arange(5) / 5]
+    angles = [np.arctan2(s, c) for s, c, clear in zeros(twice) if clear > -1e-9]
+    assert len(angles) == 2
+    assert np.allclose(angles, 1.0, atol=1e-6)
 
 
 @pytest.mark.parametrize("word", ["RR", "RP", "PR", "PP", "RRR", "RRP", "RPR", "PRR", "PPR", "PRP"])
@@ -234,8 +263,8 @@ def test_what_has_none():
     generic = arm(skew("RRRRRR", np.random.default_rng(1)), 1)
     ur = fb.load("ur5e")
     for words, model, options in (
-        ("no closed form without a polynomial", generic, {}),
-        ("no closed form without a polynomial", ur, {"rows": ("vx",)}),
+        ("no closed form is known", generic, {}),
+        ("no closed form is known", ur, {"rows": ("vx",)}),
         ("can be no inputs", ur, {"inputs": "elbow_joint.a"}),
         ("closed chain", fb.load("five_bar"), {}),
     ):

@@ -27,8 +27,8 @@ def branch_kernel(
     solver: NumericalSolver, form: ClosedFormArm, in_front: bool = True
 ) -> Kernel | None:
     """(target, reference (nq,), rest (nq,), held?) -> (q (branches, nq), residual (branches,),
-    within limits (branches,), count), compiled on first use; None for a form that takes numbers
-    alone or gives candidates alone, or a coordinate that moves its joint by a multiple.
+    within limits (branches,), count), compiled on first use; None for a form that gives
+    candidates alone, or a coordinate that moves its joint by a multiple.
 
     target: the part that counts, see `counted`. reference: next to it angles are wrapped; rest: of
     joints that do not move the frame. in_front: whether solutions stand before the branches there
@@ -36,7 +36,7 @@ def branch_kernel(
     which branches exist, or the target is no pose.
     """
     arm, model = form.branches, solver.model
-    if not (arm.recipe.of_scalars and form.decides) or (np.abs(arm.chain.ratio) != 1.0).any():
+    if not form.decides or (np.abs(arm.chain.ratio) != 1.0).any():
         return None
     key = ("solutions of inverse kinematics", solver.frame, arm.kind, in_front)
     found = model.compiled.get(key)

@@ -9,14 +9,16 @@ import numpy as np
 
 from freebody.algorithms.closed_form_inverse.joint_places import (
     JointPlace,
+    Way,
     known_turn,
     line,
     mark,
+    numbers,
     onto,
     turn_by,
 )
 from freebody.algorithms.closed_form_inverse.recipe import Reached, Recipe, WantedMotion
-from freebody.algorithms.closed_form_inverse.two_and_three_joints import Pair, Way, numbers
+from freebody.algorithms.closed_form_inverse.two_and_three_joints import Pair
 from freebody.algorithms.joint_lines import off_axis
 from freebody.algorithms.screws import SAME, Screw
 from freebody.arrays import Array

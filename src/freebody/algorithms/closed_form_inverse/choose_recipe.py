@@ -69,11 +69,12 @@ def without_idle(chain: ScrewChain) -> ScrewChain:
 
 
 def _with_one_held(s: Sequence[Screw], length: float) -> Recipe | None:
+    found: list[Recipe] = []
     for held, rest, first in ((s[6], s[:6], False), (s[0], s[1:], True)):
-        found = _six(rest, length)
-        if found is not None and found.of_scalars:
-            return OneJointHeld(found, held, first)
-    return None
+        one = _six(rest, length)
+        if one is not None:
+            found.append(OneJointHeld(one, held, first))
+    return _simplest(found)
 
 
 def _six(s: Sequence[Screw], length: float) -> Recipe | None:
@@ -82,8 +83,12 @@ def _six(s: Sequence[Screw], length: float) -> Recipe | None:
         one = _spherical_wrist(turned, length) or _three_parallel(turned, length)
         if one is not None:
             found.append(one if turned is s else SeenFromTip(one))
-    # a quartic where there is nothing else
-    return min(found, key=lambda one: not one.of_scalars, default=None)
+    return _simplest(found)
+
+
+def _simplest(found: Sequence[Recipe]) -> Recipe | None:
+    """The first; a quartic where there is nothing else."""
+    return min(found, key=lambda one: one.by_quartic, default=None)
 
 
 def _wristed(s: Sequence[Screw]) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from freebody.algorithms.screws import Screw
+from freebody.arrays import Array
 from freebody.elementary import Scalar, atan2, cos, equal, less, maximum, minimum, sin, sqrt, where
 from freebody.spatial import Matrix, Vector, add, dot, scale, space, sub, times
 
@@ -93,6 +94,16 @@ Choice = tuple[JointPlace, Scalar]
 """A place, and how clear it is that it exists: the least, in relative terms, by which what it was
 found from lies within its bounds; 0 where two places merge or any would do, negative where there is
 none."""
+
+
+Places = tuple[JointPlace, ...]
+Way = tuple[Places, Scalar]
+"""Joints' places, in the chain's order, and how clear it is that they exist."""
+
+
+def numbers(v: Array) -> tuple[float, ...]:
+    """A constant vector as scalars."""
+    return tuple(map(float, v))
 
 
 def at_pair(l: AxisLine, y: Scalar, x: Scalar) -> tuple[JointPlace, Scalar]:

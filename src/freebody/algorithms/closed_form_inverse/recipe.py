@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from freebody.algorithms.closed_form_inverse.two_and_three_joints import Places, Way
+from freebody.algorithms.closed_form_inverse.joint_places import Places, Way
 from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
 from freebody.elementary import Scalar
@@ -81,9 +81,9 @@ class Recipe(ABC):
         """What is done, with its source."""
 
     @property
-    def of_scalars(self) -> bool:
-        """Whether it takes any scalars, and not numbers alone."""
-        return True
+    def by_quartic(self) -> bool:
+        """Whether one of its joints is found from a polynomial of degree four."""
+        return False
 
     def reached(self, X: WantedMotion) -> Reached | None:
         """A target is within reach where screws bring a point to another one: see `Reached`; None

@@ -8,23 +8,24 @@ from dataclasses import dataclass
 
 from freebody.algorithms.closed_form_inverse.joint_places import (
     JointPlace,
+    Places,
+    Way,
     known_turn,
     least,
     level,
     line,
     mark,
+    numbers,
     turn_by,
     turning,
 )
 from freebody.algorithms.closed_form_inverse.one_joint import at_angle, at_height
+from freebody.algorithms.closed_form_inverse.quartic import QuarticArm
 from freebody.algorithms.closed_form_inverse.recipe import Reached, Recipe, WantedMotion
 from freebody.algorithms.closed_form_inverse.two_and_three_joints import (
     Arm,
     Pair,
-    Places,
-    Way,
     Wrist,
-    numbers,
 )
 from freebody.algorithms.joint_lines import off_axis
 from freebody.algorithms.screws import Screw
@@ -37,7 +38,7 @@ from freebody.spatial import dot, sub
 class PositionByThree(Recipe):
     """Three joints that bring the point c to its place."""
 
-    arm: Arm
+    arm: Arm | QuarticArm
     screws: Sequence[Screw]
     c: Array
 
@@ -46,8 +47,8 @@ class PositionByThree(Recipe):
         return "position by three joints (Pieper 1968)"
 
     @property
-    def of_scalars(self) -> bool:
-        return not self.arm.by_quartic
+    def by_quartic(self) -> bool:
+        return self.arm.by_quartic
 
     def reached(self, X: WantedMotion) -> Reached:
         return self.screws, self.c, X.point(numbers(self.c))
@@ -76,7 +77,7 @@ class SphericalWrist(Recipe):
     """Six joints, the last three through one point c, which the first three bring to its place
     (Pieper 1968)."""
 
-    arm: Arm
+    arm: Arm | QuarticArm
     wrist: Wrist
     screws: Sequence[Screw]
     c: Array
@@ -86,8 +87,8 @@ class SphericalWrist(Recipe):
         return "spherical wrist (Pieper 1968; Paden and Kahan's subproblems)"
 
     @property
-    def of_scalars(self) -> bool:
-        return not self.arm.by_quartic
+    def by_quartic(self) -> bool:
+        return self.arm.by_quartic
 
     def reached(self, X: WantedMotion) -> Reached:
         return self.screws[:3], self.c, X.point(numbers(self.c))
@@ -178,8 +179,8 @@ class SeenFromTip(Recipe):
         return self.forward.title + ", seen from the tip"
 
     @property
-    def of_scalars(self) -> bool:
-        return self.forward.of_scalars
+    def by_quartic(self) -> bool:
+        return self.forward.by_quartic
 
     def reached(self, X: WantedMotion) -> Reached | None:
         return self.forward.reached(X.inverse())
@@ -208,8 +209,8 @@ class OneJointHeld(Recipe):
         return f"{self.rest.title}, the {'first' if self.first else 'last'} joint given"
 
     @property
-    def of_scalars(self) -> bool:
-        return self.rest.of_scalars
+    def by_quartic(self) -> bool:
+        return self.rest.by_quartic
 
     def reached(self, X: WantedMotion) -> Reached | None:
         found = self.rest.reached(X)

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.algorithms.closed_form_inverse.choose_recipe import Kind, recipe_for, without_idle
+from freebody.algorithms.closed_form_inverse.joint_places import Places, Way, numbers
 from freebody.algorithms.closed_form_inverse.recipe import Reached, Recipe, WantedMotion
 from freebody.algorithms.closed_form_inverse.recipes import OneJointHeld
-from freebody.algorithms.closed_form_inverse.two_and_three_joints import Places, Way, numbers
 from freebody.algorithms.screws import ScrewChain, chain_to
 from freebody.elementary import Scalar, epsilon, less, less_equal, maximum, where
 from freebody.lazy import cached_property

@@ -9,18 +9,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from freebody.algorithms.closed_form_inverse.joint_places import (
     AxisLine,
     Choice,
-    JointPlace,
+    Way,
     known_turn,
     least,
     level,
     line,
     mark,
+    numbers,
     onto,
     turning,
 )
@@ -30,7 +32,7 @@ from freebody.algorithms.closed_form_inverse.one_joint import (
     at_distance,
     at_height,
 )
-from freebody.algorithms.closed_form_inverse.quartic import quartic
+from freebody.algorithms.closed_form_inverse.quartic import QuarticArm
 from freebody.algorithms.joint_lines import (
     can_meet,
     changes_distance,
@@ -44,15 +46,6 @@ from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
 from freebody.elementary import Scalar, less, maximum, sqrt, where
 from freebody.spatial import Vector, add, dot, scale, sub
-
-Places = tuple[JointPlace, ...]
-Way = tuple[Places, Scalar]
-"""Joints' places, in the chain's order, and how clear it is that they exist."""
-
-
-def numbers(v: Array) -> tuple[float, ...]:
-    """A constant vector as scalars."""
-    return tuple(map(float, v))
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,14 +125,13 @@ class Pair:
 @dataclass(frozen=True, eq=False)
 class Arm:
     """Three joints with e1 e2 e3 c = p; `third`: the places of joint 3 for p, from what joints 1
-    and 2 leave alone, else from a polynomial of degree four."""
+    and 2 leave alone."""
 
     third: Callable[[Vector, Vector], list[Choice]]
     pair: Pair
     reverse: bool = False
     """Whether the joints are those of the arm seen from its point, where c and p change places."""
-    by_quartic: bool = False
-    """Whether joint 3 takes the roots of a polynomial, which numbers have and scalars do not."""
+    by_quartic: ClassVar[bool] = False
 
     def ways(self, c: Vector, p: Vector) -> list[Way]:
         """The places of all three joints."""
@@ -155,7 +147,7 @@ class Arm:
         return ways
 
 
-def arm(screws: Sequence[Screw], c: Array, length: float) -> Arm | None:
+def arm(screws: Sequence[Screw], c: Array, length: float) -> Arm | QuarticArm | None:
     """How three joints bring c (3,) to a point; None where they are no arm."""
     s1, s2, s3 = screws
     if not can_meet(s1, s2, length) or not can_meet(s2, s3, length):
@@ -200,7 +192,7 @@ def arm(screws: Sequence[Screw], c: Array, length: float) -> Arm | None:
         )
     if shoulder is not None:  # all three axes meet
         return None
-    return Arm(quartic(s1, s2, s3, length), Pair(s1, s2, length), by_quartic=True)
+    return QuarticArm(s1, s2, s3, length)
 
 
 def _moved_point(s: Screw, length: float) -> Array:

@@ -24,9 +24,9 @@ def known_branches(tree: Tree, o: Option) -> Branches:
             "fb.kernel(model[i], ...) of each member."
         )
     found = branches(tree, frame_of(o), o.rows)
-    if found is None or not found.recipe.of_scalars:
+    if found is None:
         raise FreebodyError(
-            f"inverse_kinematics: no closed form without a polynomial is known for the "
+            f"inverse_kinematics: no closed form is known for the "
             f"{len(o.rows)} rows asked for of frame {frame_of(o)!r}; rows= asks for its position "
             'alone ("vx", "vy", "vz") or its orientation; fb.inverse_kinematics searches where '
             "there is no closed form."
