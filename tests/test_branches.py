@@ -125,7 +125,7 @@ def test_zeros_of_degree_two():
     def value(x):
         return a0 + a1 * np.cos(x) + b1 * np.sin(x) + a2 * np.cos(2 * x) + b2 * np.sin(2 * x)
 
-    found = zeros([value(2 * np.pi * k / 5) for k in range(5)])
+    found = zeros(tuple(value(2 * np.pi * k / 5) for k in range(5)))
     grid = np.linspace(-np.pi, np.pi, 4000, endpoint=False)[:, None]
     changes = (np.sign(value(grid)) != np.sign(value(np.roll(grid, 1)))).sum(axis=0)
     clear = np.array([c for _, _, c in found])
@@ -136,7 +136,7 @@ def test_zeros_of_degree_two():
         assert np.abs(value(np.arctan2(sine, cosine)))[(c > 0) & sure].max() < 1e-13
     # (1 - cos(x - 1)) (2 - cos x) touches 0 at 1
     twice = [(1 - np.cos(x - 1.0)) * (2.0 - np.cos(x)) for x in 2 * np.pi * np.arange(5) / 5]
-    angles = [np.arctan2(s, c) for s, c, clear in zeros(twice) if clear > -1e-9]
+    angles = [np.arctan2(s, c) for s, c, clear in zeros(tuple(twice)) if clear > -1e-9]
     assert len(angles) == 2
     assert np.allclose(angles, 1.0, atol=1e-6)
 

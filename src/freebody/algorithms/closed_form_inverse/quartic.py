@@ -10,7 +10,6 @@ the circle twice.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -65,13 +64,13 @@ class QuarticArm:
 
     def _third(self, c: Vector, p: Vector) -> list[Choice]:
         l3, turning = line(self.s3), self.s3.turning
-        values = []
+        values: list[Scalar] = []
         for x in _NODES:  # a slide by length tan(x / 2) is one of sines and cosines too
             place = turn_by(l3, x if turning else self.length * math.tan(x / 2))
             _, gap = self._between(place.point(c), p)
             values.append(gap if turning else gap * math.cos(x / 2) ** 4)
         found = []
-        for sine, cosine, clear in zeros(values):
+        for sine, cosine, clear in zeros(tuple(values)):
             place = JointPlace(l3, sine, cosine)
             if not turning:
                 place = JointPlace(l3, shift=self.length * sine / maximum(1.0 + cosine, 1e-12))
@@ -101,7 +100,7 @@ def _square(v: Vector) -> Scalar:
     return dot(v, v)
 
 
-def zeros(values: Sequence[Scalar]) -> list[tuple[Scalar, Scalar, Scalar]]:
+def zeros(values: Vector) -> list[tuple[Scalar, Scalar, Scalar]]:
     """(sine, cosine, how clear) of the four angles at which a polynomial of degree two in sine and
     cosine is zero, given at five even angles from 0 on."""
     a0 = 0.2 * sum(values[1:], start=values[0])
