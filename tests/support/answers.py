@@ -52,6 +52,41 @@ def quantities(word: str) -> list[tuple[str, Expression]]:
     return [(name, e.form(x)) for name, x in found if not x.is_zero]
 
 
+LINES = ("omega", "vc", "vc_d", "rc", "f", "M", "Mc")
+"""Quantities of bodies that methods of derivation go through."""
+
+
+@lru_cache(maxsize=64)
+def lines(word: str) -> list[tuple[str, Expression]]:
+    """The same of lines on the way: motions of bodies, forces between them, derivatives of L; each
+    component is one."""
+    arm, e = model(word)
+    known, found = fb.quantities(arm), []
+    for i in range(1, len(word) + 1):
+        for stem in LINES:
+            letters, _, dots = stem.partition("_")
+            name = f"{letters}{i - 1 if stem == 'f' else ''}{i}"
+            value = known[name + ("_d" if dots else "")]
+            axes = "xy" if isinstance(value, tuple) else ("",)
+            entries = value if isinstance(value, tuple) else (value,)
+            found += [
+                (name + ("_d" if dots else "") + axis, x)
+                for axis, x in zip(axes, entries, strict=True)
+            ]
+    rates = e.symbols.rates
+    L = e.T - e.V
+    for i, q in enumerate(e.symbols.coordinates, 1):
+        rate = next(iter(rates[q].terms()))[0].popitem()[0]
+        unknown = {"theta": "θ", "d": "d"}[re.sub(r"\d", "", q)]
+        momentum = L.derivative(rate)
+        found += [
+            (f"∂L/∂{unknown}{i}", L.derivative(q)),
+            (f"∂L/∂{unknown}\u0307{i}", momentum),
+            (f"d/dt(∂L/∂{unknown}\u0307{i})", momentum.along(rates)),
+        ]
+    return [(name, e.form(x)) for name, x in found if not x.is_zero]
+
+
 # ---------------------------------------------------------------- trees
 Path = tuple[int, ...]
 
@@ -282,6 +317,8 @@ class Writer:
 
     def equation(self, name: str, x: Expression) -> str:
         """name = expression."""
+        if re.search(r"[xy∂]", name) or name.startswith(("omega", "vc", "rc", "f", "M")):
+            return f"{name} = {self.write(x)}"
         letter, digits = re.sub(r"\d", "", name), re.sub(r"\D", "", name)
         letter = {"H": self.rng.choice(["H", "M"]), "G": self.rng.choice(["G", "g"])}.get(
             letter, letter

@@ -61,15 +61,12 @@ class DocumentReader:
 
     def _is_name(self, word: str) -> bool:
         """Whether a word may be made of names of the robot's."""
-        source, known = AnswerText(word), self.vocabulary
+        source = AnswerText(word)
         if word[0] not in words.STARTS:
             return False
         try:
             spelt = words.spell(source, 0)
-            return (
-                spelt.end == len(word)
-                and words.cut(source, spelt, known.known, known.functions) is not None
-            )
+            return spelt.end == len(word) and self.vocabulary.cut(source, spelt) is not None
         except FreebodyError:  # it may be read in two ways
             return True
 
@@ -132,6 +129,10 @@ class DocumentReader:
                 raise
             if "=" in self.source.text[slice(*span)]:
                 self._pass_over(self.source, span, problem.bare)
+
+    def pass_over(self, span: Span, reason: str) -> None:
+        """Note a piece of the document that says nothing."""
+        self._pass_over(self.source, span, reason)
 
     def _pass_over(self, source: AnswerText, span: Span, reason: str) -> None:
         text = source[span]

@@ -20,6 +20,7 @@ from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.methods.energies import Energies
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.determinant import determinant
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.relations.quantities import QuantityValues, branches
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
@@ -73,6 +74,8 @@ _TITLES = {
     "tip_dd": "an acceleration of the tip",
     "det": "the determinant of the tip's Jacobian",
     "derivative": "a derivative of the robot's quantities",
+    "q": "one of the coordinates and their rates",
+    "identity": "an equation between the robot's quantities",
 }
 _LETTERS = {
     "tau": ("tau", "Q", "Gamma"),
@@ -98,6 +101,8 @@ class Targets:
 
     setting: RightEquations
     velocity: bool = False
+    based: bool = False
+    """Whether the base is accelerated by -g, which then is in all accelerations."""
 
     @property
     def count(self) -> int:
@@ -108,6 +113,11 @@ class Targets:
     def names(self) -> frozenset[str]:
         """All names, in plain spelling."""
         return frozenset([*self.single, *self.tables])
+
+    @cached_property
+    def alone(self) -> frozenset[str]:
+        """Names that stand for vectors and matrices of bodies only."""
+        return frozenset(name for name in self.tables if name not in self.single)
 
     @cached_property
     def single(self) -> dict[str, AskedQuantity]:
@@ -130,6 +140,11 @@ class Targets:
             found[letter] = [[self.single[f"v{i}"]] for i in n]
         for letter in ("M", "H", "D", "B", "C"):
             found[letter] = [[self.single[f"{letter}{i}{j}"] for j in n] for i in n]
+        coordinates = self.setting.symbols.coordinates
+        for dots, ending in enumerate(("", RATE, SECOND) if self.count > 1 else ()):
+            column = [[self._coordinate(x + ending)] for x in coordinates]
+            for letter in ("q", "theta", "Theta"):
+                found |= dict.fromkeys(spellings(letter, "", dots), column)
         found |= self._vectors
         if self._tip is not None:
             found["J"] = [[self.single[f"J{i}{j}"] for j in n] for i in self._rows]
@@ -252,7 +267,7 @@ class Targets:
     @cached_property
     def _bodies(self) -> list[dict[str, Any]]:
         """What `fb.quantities` tells of each body, in the order of their numbers."""
-        values = QuantityValues(self._setting, "explicit")
+        values = QuantityValues(self._setting, "base" if self.based else "explicit")
         return [values.of_body(i) for i in self._setting.order]
 
     @cached_property
@@ -273,6 +288,10 @@ class Targets:
                         (name for name in record.spelt(n) if name not in found), table
                     )
         return found
+
+    def _coordinate(self, name: str) -> AskedQuantity:
+        """An entry of q, q̇ or q̈."""
+        return AskedQuantity("q", (), lambda: self.setting.ring[name])
 
     def _constants(self, words: str, vector: Sequence[Any]) -> list[list[AskedQuantity]]:
         element = self.setting.equations.symbols.element
@@ -355,7 +374,8 @@ class Targets:
             for k in range(dim):
                 value = self._element(lambda k=k, x=vector: getattr(tip, x)[k])
                 column.append([AskedQuantity("tip", (), value, axis="xyz"[k], words=words)])
-            found |= dict.fromkeys(spellings("r", "", dots), column)
+            for letter in ("r", "rP"):
+                found |= dict.fromkeys(spellings(letter, "", dots), column)
         rows = []
         for i in range(dim):
             row = []

@@ -65,11 +65,13 @@ BODY_QUANTITIES = (
     BodyQuantity("v{n}", (("v{n}", 0),), "the velocity of the origin of body {n}", soft=True),
     BodyQuantity("v{n}_d", (("v{n}", 1),), "the acceleration of the origin of body {n}"),
     BodyQuantity(
-        "vc{n}", (("vc{n}", 0), ("vG{n}", 0)), "the velocity of the centre of mass of body {n}"
+        "vc{n}",
+        (("vc{n}", 0), ("vG{n}", 0), ("rc{n}", 1), ("rG{n}", 1)),
+        "the velocity of the centre of mass of body {n}",
     ),
     BodyQuantity(
         "vc{n}_d",
-        (("vc{n}", 1), ("ac{n}", 0), ("aG{n}", 0)),
+        (("vc{n}", 1), ("ac{n}", 0), ("aG{n}", 0), ("rc{n}", 2), ("rG{n}", 2)),
         "the acceleration of the centre of mass of body {n}",
     ),
     BodyQuantity(
@@ -110,7 +112,7 @@ BODY_QUANTITIES = (
     BodyQuantity("fc{n}", (("fc{n}", 0),), "mass times acceleration of body {n}", soft=True),
     BodyQuantity(
         "Mc{n}",
-        (("Mc{n}", 0),),
+        (("Mc{n}", 0), ("nc{n}", 0)),
         "the rate of spin of body {n}",
         angular=True,
         spaces=(2,),

@@ -10,7 +10,7 @@ from freebody.derivations.check import coriolis, numeric_example, undriven_joint
 from freebody.derivations.check.answer_text import AnswerText
 from freebody.derivations.check.answer_tree import Named
 from freebody.derivations.check.asked_quantities import Targets
-from freebody.derivations.check.claims import Claim
+from freebody.derivations.check.claim_reader import Claim
 from freebody.derivations.check.differences import (
     Difference,
     differences,

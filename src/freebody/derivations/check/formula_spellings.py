@@ -44,7 +44,7 @@ _RATE_OF = re.compile(
 )
 """\\frac{d}{dt} \\theta_1, as SymPy has it."""
 _PLAIN_RATE = re.compile(
-    r"(?<![\w\\])d(?P<twice>\^2|²|2(?=[^\W\d]))?\s?(?P<name>[^\W\d_]{1,7}_?[0-9₀-₉]{0,2})\s?/\s?"
+    r"(?<![\w\\])d(?P<twice>\^2|²|2(?=[^\W\d]))?\s?(?P<name>[^\W\d_]{1,7}_?[0-9₀-₉P]{0,2})\s?/\s?"
     r"dt(?:\^?2|²)?(?!\w)"
 )
 """dθ1/dt, d²θ1/dt²."""

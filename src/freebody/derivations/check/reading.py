@@ -14,6 +14,7 @@ from freebody.derivations.check.exact_polynomials import LARGEST_EXPONENT, Polyn
 from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.expressions.nodes import (
     Cross,
+    Dot,
     Expression,
     Matrix,
     Number,
@@ -137,7 +138,7 @@ class AnswerParser(Parser):
         if name in vocabulary.symbols:
             return self._also(Named(name, vocabulary.symbols[name], span=span), table)
         if name in vocabulary.waves:
-            return Wave(*vocabulary.waves[name], span=span)
+            return self._also(Wave(*vocabulary.waves[name], span=span), table)
         if name == "pi":
             return Number(PI, span=span)
         if name == "t":
@@ -149,7 +150,7 @@ class AnswerParser(Parser):
             self.source.fail(f"{self.source[token.span]} has no value here", token.span)
         return table
 
-    def _also(self, node: Named, table: Matrix | None) -> Named:
+    def _also(self, node: Expression, table: Matrix | None) -> Expression:
         """A name that may stand for a vector or matrix too."""
         if table is not None:
             self.others[node] = table
@@ -161,15 +162,43 @@ class AnswerParser(Parser):
         """A × between vectors is the cross product, and so that of an angular velocity and a
         vector in the plane; between a number and a vector it may be either."""
         left = product_of(factors)
-        sides = [any(isinstance(x, Matrix | Cross) for x in nodes(y)) for y in (left, factor)]
+        sides = [self._is_table(y) for y in (left, factor)]
+        if self._is_dot(sign, left, factor):
+            return [Dot(left, factor, span=around(left, factor))]
         if self.source.text[sign.start : sign.end] not in ("×", "\\times") or not any(sides):
             return [*factors, factor]
         turns = isinstance(left, Named) and re.match(r"˙*(omega|w|alpha|theta|q)", left.name)
-        if not all(sides) and not turns:
+        may = all(
+            yes or self._may_be_table(y) for yes, y in zip(sides, (left, factor), strict=True)
+        )
+        if not may and not turns:
             self.source.fail(
                 "this × may be a product or the cross product", sign.span, "Write * or cross(a, b)."
             )
         return [Cross(left, factor, span=around(left, factor))]
+
+    def following(self, factors: list[Expression], sign: Token) -> Expression:
+        """What stands behind a sign; behind the × of a cross product with all its factors."""
+        first = super().following(factors, sign)
+        if self.source.text[sign.start : sign.end] not in ("×", "\\times"):
+            return first
+        if not self._may_be_table(product_of(factors)):
+            return first
+        behind = [first]
+        while self.token.kind in ("name", "open") and not self._is_table(behind[-1]):
+            behind.append(self.factor())
+        return product_of(behind)
+
+    def _is_dot(self, sign: Token, left: Expression, right: Expression) -> bool:
+        """Whether a raised dot stands between a name that may be a vector and a vector."""
+        dotted = self.source.text[sign.start : sign.end] in ("·", "⋅", "∙", "•", "\\cdot")
+        return dotted and left in self.others and self._is_table(right)
+
+    def _is_table(self, node: Expression) -> bool:
+        return any(isinstance(x, Matrix | Cross) for x in nodes(node))
+
+    def _may_be_table(self, node: Expression) -> bool:
+        return self._is_table(node) or any(x in self.others for x in nodes(node))
 
     def _function(self, token: Token) -> str:
         return self.vocabulary.functions[token.text]

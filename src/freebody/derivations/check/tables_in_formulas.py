@@ -10,9 +10,11 @@ from freebody.derivations.check.answer_tree import Named
 from freebody.derivations.expressions.evaluate import NoValue
 from freebody.derivations.expressions.nodes import (
     Cross,
+    Dot,
     Expression,
     Matrix,
     Negative,
+    Number,
     Power,
     Product,
     Quotient,
@@ -26,12 +28,23 @@ MOST_PIECES = 20_000
 """Of all entries together."""
 
 
-def worked_out(node: Expression, others: Mapping[Expression, Matrix]) -> Expression:
+Shape = tuple[int, int]
+"""Rows and columns."""
+
+
+def worked_out(
+    node: Expression, others: Mapping[Expression, Matrix], shape: Shape | None = None
+) -> Expression:
     """A tree without vectors and matrices but for the outermost. others: the vectors and matrices
-    that names also stand for; they are taken where nothing else fits. Raises NoValue."""
-    if not any(isinstance(x, Matrix | Transposed | Cross) for x in nodes(node)):
-        return node
-    return _Tables(others).at(node)
+    that names also stand for; they are taken where nothing else fits. shape: of the vector that it
+    must be, if it can. Raises NoValue."""
+    tables = _Tables(others)
+    found = node
+    if any(isinstance(x, Matrix | Transposed | Cross | Dot) for x in nodes(node)):
+        found = tables.at(node)
+    if shape is None or isinstance(found, Matrix):
+        return found
+    return tables.as_table(found, shape) or found
 
 
 class _Tables:
@@ -61,6 +74,11 @@ class _Tables:
                 return _transposed(self._table(node.operand))
             case Cross():
                 return self._cross(node)
+            case Dot():
+                a, b = (_components(self._table(x)) for x in (node.left, node.right))
+                if len(a) != len(b):
+                    raise NoValue("vectors of different lengths have no product", node)
+                return self._inner(a, b, node.span)
         return node.mapped(self._scalar)
 
     def _scalar(self, node: Expression) -> Expression:
@@ -72,7 +90,43 @@ class _Tables:
     def _table(self, node: Expression) -> Expression:
         """What is there, a vector or matrix if it can be one."""
         found = self.at(node)
-        return self.others.get(found, found)
+        return found if isinstance(found, Matrix) else self.as_table(found) or found
+
+    def as_table(self, node: Expression, shape: Shape | None = None) -> Matrix | None:
+        """A scalar expression as vector, where one of its factors may be one; 0 as that of 0s."""
+        match node:
+            case Matrix():
+                return node
+            case Negative():
+                inner = self.as_table(node.operand, shape)
+                return inner and _each(inner, lambda x: Negative(x, span=node.span))
+            case Quotient():
+                inner = self.as_table(node.above, shape)
+                return inner and _each(
+                    inner, lambda x: Quotient(x, self._new(node.below), span=node.span)
+                )
+            case Sum():
+                parts = [self.as_table(term, shape) for term in node.terms]
+                tables = [part for part in parts if part is not None]
+                if len(tables) < len(parts) or len({_shape(x) for x in tables}) != 1:
+                    return None
+                return self._added(tables, node)
+            case Product():
+                return self._scaled(node, shape)
+            case Number() if node.value == 0 and shape:
+                zero = tuple(replace(node) for _ in range(shape[1]))
+                return Matrix(tuple(tuple(map(replace, zero)) for _ in range(shape[0])))
+        return self.others.get(node)
+
+    def _scaled(self, node: Product, shape: Shape | None) -> Matrix | None:
+        """A product of numbers and one vector."""
+        inner = [self.as_table(factor, shape) for factor in node.factors]
+        found = [k for k, table in enumerate(inner) if table is not None]
+        if len(found) != 1:
+            return None
+        table = inner[found[0]]
+        rest = [factor for k, factor in enumerate(node.factors) if k != found[0]]
+        return table and _each(table, lambda x: Product((*map(self._new, rest), x), span=node.span))
 
     def _each(self, x: Expression, change: Callable[[Expression], Expression]) -> Expression:
         return _each(x, change) if isinstance(x, Matrix) else change(x)
@@ -92,22 +146,23 @@ class _Tables:
             return replace(node, terms=tuple(terms))
         shape = _shape(tables[0])
         same = [self._of_shape(term, shape, node) for term in terms]
+        return self._added(same, node)
+
+    def _added(self, tables: Sequence[Matrix], node: Expression) -> Matrix:
         rows = [
             tuple(Sum(entries, span=node.span) for entries in zip(*own, strict=True))
-            for own in zip(*(x.rows for x in same), strict=True)
+            for own in zip(*(x.rows for x in tables), strict=True)
         ]
         return Matrix(tuple(rows), span=node.span)
 
-    def _of_shape(self, term: Expression, shape: tuple[int, int], node: Expression) -> Matrix:
+    def _of_shape(self, term: Expression, shape: Shape, node: Expression) -> Matrix:
         """A term of a sum of vectors or matrices."""
-        sign = isinstance(term, Negative)
-        own = term.operand if isinstance(term, Negative) else term
-        table = self.others.get(own, own)
-        if isinstance(table, Matrix) and _shape(table) != shape == _shape(table)[::-1]:
+        table = term if isinstance(term, Matrix) else self.as_table(term, shape)
+        if table is not None and _shape(table) != shape == _shape(table)[::-1]:
             table = _flipped(table) if 1 in shape else table
-        if not isinstance(table, Matrix) or _shape(table) != shape:
-            raise NoValue(f"{_named(table)} is added to {_size(shape)}", node)
-        return _each(table, lambda x: Negative(x, span=term.span)) if sign else table
+        if table is None or _shape(table) != shape:
+            raise NoValue(f"{_named(table or term)} is added to {_size(shape)}", node)
+        return table
 
     # ------------------------------------------------------------ products
     def _product(self, node: Product) -> Expression:
@@ -180,6 +235,8 @@ class _Tables:
             return Sum((times(a[0], b[1]), minus(a[1], b[0])), span=node.span)
         elif (len(a), len(b)) == (1, 2):
             column = [minus(a[0], b[1]), times(a[0], b[0])]
+        elif (len(a), len(b)) == (3, 2):  # ω z × r in the plane
+            column = [minus(a[2], b[1]), times(a[2], b[0])]
         elif len(a) == len(b) == 1:
             return times(a[0], b[0])
         else:
@@ -204,7 +261,7 @@ def _flipped(x: Matrix) -> Matrix:
     return replace(x, rows=tuple(zip(*x.rows, strict=True)))
 
 
-def _shape(x: Matrix) -> tuple[int, int]:
+def _shape(x: Matrix) -> Shape:
     if len({len(row) for row in x.rows}) > 1:
         raise NoValue("the rows of this matrix are not equally long", x)
     return len(x.rows), len(x.rows[0])
@@ -216,7 +273,7 @@ def _named(x: Expression) -> str:
     return x.name if isinstance(x, Named) else "a number"
 
 
-def _size(shape: tuple[int, int]) -> str:
+def _size(shape: Shape) -> str:
     if 1 in shape:
         return f"a vector of {max(shape)}"
     return f"a matrix of {shape[0]} × {shape[1]}"

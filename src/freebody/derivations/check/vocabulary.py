@@ -45,11 +45,11 @@ class Vocabulary:
     setting: RightEquations
     quantities: frozenset[str] = frozenset()
     """Names of what can be asked: tau1, H12, …"""
+    alone: frozenset[str] = frozenset()
+    """Those of them that are no part of a longer word."""
     symbols: dict[str, Trig] = field(default_factory=dict)
     waves: dict[str, tuple[str, Angle]] = field(default_factory=dict)
     """c12, s12: the function and the angle."""
-    vectors: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    """q, q̇ and q̈ of robots with several joints: the names of their entries."""
     functions: dict[str, str] = field(default_factory=lambda: dict(FUNCTIONS))
     uses: dict[str, tuple[AskedQuantity, ...]] = field(default_factory=dict)
     """Quantities that names of the user's own are given by."""
@@ -62,27 +62,17 @@ class Vocabulary:
             if name not in self.symbols:
                 self.waves[name] = wave
 
-        names = self.setting.symbols.coordinates
-        for dots, ending in enumerate(("", RATE, SECOND) if len(names) > 1 else ()):
-            for letter in ("q", "theta", "Theta"):
-                for spelling in spellings(letter, "", dots):
-                    if spelling not in (*self.symbols, *self.waves):
-                        self.vectors[spelling] = tuple(x + ending for x in names)
-
     @property
     def known(self) -> frozenset[str]:
         """All names but functions."""
         if self._known is None:
-            self._known = frozenset(
-                [*self.symbols, *self.waves, *self.quantities, *self.vectors, "t", "pi"]
-            )
+            self._known = frozenset([*self.symbols, *self.waves, *self.quantities, "t", "pi"])
         return self._known
 
     def define(self, plain: str, value: Trig, uses: tuple[AskedQuantity, ...] = ()) -> None:
         """A name of the user's own, and the quantities that it is given by; it goes before all
         others."""
         self.symbols[plain], self.uses[plain] = value, uses
-        self.vectors.pop(plain, None)
         self.waves.pop(plain, None)
         self.functions.pop(plain, None)
         self._known = None
@@ -101,10 +91,16 @@ class Vocabulary:
     def word(self, source: Source, at: int) -> tuple[list[words.Piece], int | None]:
         """The names that the word there is made of, and a power that stood inside."""
         word = words.spell(source, at)
-        pieces = words.cut(source, word, self.known, self.functions)
+        pieces = self.cut(source, word)
         if pieces is None:
             self._unknown(source, (word.start, word.end))
         return pieces, word.power
+
+    def cut(self, source: Source, word: words.Word) -> list[words.Piece] | None:
+        """A word as known names. Names of vectors stand alone: rc2x is no r·c2·x."""
+        apart = self.alone.difference(self.symbols, self.waves)
+        known = self.known if word.plain in self.known else self.known - apart
+        return words.cut(source, word, known, self.functions)
 
     def _unknown(self, source: Source, span: Span) -> NoReturn:
         """Raise the error for a word that is no name."""

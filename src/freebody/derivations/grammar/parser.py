@@ -188,7 +188,7 @@ class Parser(ABC):
             token = self.token
             if self.is_operator("*"):
                 sign = self.take()
-                factors = self.multiplied(factors, sign, self._signed(self.factor))
+                factors = self.multiplied(factors, sign, self.following(factors, sign))
             elif self.is_operator("/"):
                 self.take()
                 above, below = product_of(factors), self._signed(self.factor)
@@ -316,6 +316,10 @@ class Parser(ABC):
     @abstractmethod
     def call(self) -> Expression:
         """The function that comes next, with its argument."""
+
+    def following(self, factors: list[Expression], sign: Token) -> Expression:
+        """The factor behind the sign of a product."""
+        return self._signed(self.factor)
 
     def multiplied(
         self, factors: list[Expression], sign: Token, factor: Expression

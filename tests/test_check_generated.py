@@ -1,0 +1,135 @@
+"""Answers from a seeded generator over arms, methods and their lines: right ones rewritten are
+accepted, planted errors caught and explained, hostile ones harmless. What stands in equations of
+motion is in test_check_random.py; here are the lines on the way, and whole documents."""
+
+from __future__ import annotations
+
+import contextlib
+import random
+import time
+from pathlib import Path
+
+import pytest
+
+import freebody as fb
+from freebody.derivations.check.asked_quantities import polynomial
+from freebody.derivations.check.right_equations import setting
+from support.answers import KINDS, Mistake, Writer, lines, mistake, model, named, rewritten
+from test_check_documents import CODE, LATEX, MARKDOWN, NOTEBOOK, TEXT
+
+WORDS = ("R", "RR", "RP", "PR", "PP", "RRR", "RPR", "PRR")
+SHORT, LONG = 40, 500
+HOSTILE_SHORT, HOSTILE_LONG = 30, 300
+
+
+def accepted(count: int) -> None:
+    for k in range(count):
+        rng = random.Random(f"right {k}")
+        word = rng.choice(WORDS)
+        name, right = rng.choice(lines(word))
+        answer = Writer(rng, word).equation(name, rewritten(rng, right, 4))
+        verdict = fb.check(model(word)[0], answer)
+        assert verdict, f"{k}: {word}: {answer}\n{verdict.text}"
+
+
+def planted(count: int) -> list[tuple[random.Random, str, str, Mistake]]:
+    found = []
+    k = 0
+    while len(found) < count:
+        rng = random.Random(f"planted {k}")
+        k += 1
+        word = rng.choice(WORDS)
+        name, right = rng.choice(lines(word))
+        made = mistake(rng, word, right, rng.choice(KINDS))
+        where = setting(model(word)[1])
+        if made and polynomial(where, made.answer) != polynomial(where, made.right):
+            found.append((rng, word, name, made))
+    return found
+
+
+def share_explained(count: int) -> float:
+    told = 0
+    for rng, word, name, made in planted(count):
+        answer = Writer(rng, word).equation(name, rewritten(rng, made.answer, 2, odd=False))
+        verdict = fb.check(model(word)[0], answer)
+        assert not verdict, f"{word}: {answer}: {made.kind}, {made.old} -> {made.new}"
+        told += named(setting(model(word)[1]), verdict, made)
+    return told / count
+
+
+def hostile(count: int) -> None:
+    """Documents cut, spliced, repeated and peppered: a verdict or an error of freebody, soon."""
+    texts = {
+        "markdown": MARKDOWN, "latex": LATEX, "text": TEXT, "python": CODE, "notebook": NOTEBOOK,
+    }  # fmt: skip
+    pepper = ["$", "$$", "\\[", "\\]", "\\begin{align}", "\\end{array}", "```", "`", "{", "}", "[[",
+              "\\\\", "%", "&", "=", "\n", "∂", "ᵀ", "\u0307", "\u202e", "\x00", "\x1f", "🤖",
+              "\\frac{", "^{", "_", "#", "|", '"', "'", "\\text{", "\\left", "9" * 400, "(" * 200,
+              "\\underbrace{", "lambda: 0", "__import__('os')"]  # fmt: skip
+    for k in range(count):
+        rng = random.Random(f"hostile {k}")
+        form = rng.choice(list(texts))
+        text = texts[form]
+        for _ in range(rng.choice((1, 2, 4, 9))):
+            a = rng.randrange(len(text) + 1)
+            b = min(len(text), a + rng.choice((0, 1, 5, 40)))
+            piece = rng.choice((rng.choice(pepper), text[a:b] * rng.choice((0, 2, 30, 900))))
+            text = (text[:a] + piece + text[rng.choice((a, b)) :])[:60_000]
+        begun = time.process_time()
+        with contextlib.suppress(fb.FreebodyError):
+            assert fb.check(model("RR")[0], text, form=form).text
+        assert time.process_time() - begun < 10.0, (k, form)
+
+
+def test_rewritten_lines_are_accepted():
+    accepted(SHORT)
+
+
+def test_planted_errors_in_lines_are_caught_and_explained():
+    assert share_explained(SHORT) >= 0.9
+
+
+def test_hostile_answers_are_harmless(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    hostile(HOSTILE_SHORT)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.long
+def test_five_hundred_rewritten_lines_are_accepted():
+    accepted(LONG)
+
+
+@pytest.mark.long
+def test_five_hundred_planted_errors_are_caught_and_explained():
+    assert share_explained(LONG) >= 0.9
+
+
+@pytest.mark.long
+def test_many_hostile_answers_are_harmless():
+    hostile(HOSTILE_LONG)
+
+
+@pytest.mark.parametrize("method", ["newton-euler", "recursive", "lagrange", "lagrange-first-kind"])
+def test_the_lines_of_a_derivation_are_an_answer(method: str):
+    """All that a derivation prints is read and right; what it says of nothing is told."""
+    arm = model("RR")[0]
+    steps = [str(equation) for step in fb.derive(arm, method).steps for equation in step.equations]
+    verdict = fb.check(arm, "\n\n".join(steps), form="markdown")
+    assert verdict, verdict
+    assert len(verdict.equations) >= 40
+    assert len(verdict.unread) <= 3
+
+
+@pytest.mark.parametrize("method", ["newton-euler", "recursive", "lagrange"])
+def test_a_sign_changed_in_a_line_of_a_derivation_is_found(method: str):
+    arm = model("RR")[0]
+    steps = [str(equation) for step in fb.derive(arm, method).steps for equation in step.equations]
+    rng = random.Random(method)
+    able = [k for k, line in enumerate(steps) if " + " in line.partition("=")[2]]
+    for k in rng.sample(able, 4):
+        left, equals, right = steps[k].partition("=")
+        wrong = [*steps[:k], left + equals + right.replace(" + ", " − ", 1), *steps[k + 1 :]]
+        verdict = fb.check(arm, "\n\n".join(wrong), form="markdown")
+        assert not verdict, wrong[k]
+        assert {x.where for x in verdict.equations if not x.equal} == {f"line {1 + 2 * k}"}
