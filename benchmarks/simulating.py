@@ -70,12 +70,12 @@ class Held:
         self.states = np.empty((arms, steps, self.start.shape[1]))
         self.sensors = np.empty((arms, steps, 0))
 
-    def ours(self, threads: int = 1) -> np.ndarray:
+    def ours(self, threads: int = 1, steps: int | None = None) -> np.ndarray:
         found = fb.simulate(
             self.model,
             self.q,
             self.qd,
-            [0.0, self.steps * STEP],
+            [0.0, (steps or self.steps) * STEP],
             CONTROL,
             method="rk4",
             step=STEP,
@@ -118,7 +118,17 @@ def held(arms: int, steps: int, rounds: int) -> None:
         ]
     )
     ratio = shared[:, 0] / shared[:, 1]
-    print(f"two threads beside one: {np.median(ratio):.2f} times as fast (best {ratio.max():.2f})")
+    alone, both, begin = (
+        min(seconds(run) for _ in range(2 * rounds))
+        for run in (pair.ours, partial(pair.ours, 2), partial(pair.ours, 1, 1))
+    )
+    serial = begin / alone - 1.0 / steps  # of one thread's time: what threads do not share
+    most = 1.0 / (serial + 0.5 * (both / alone - serial))
+    print(
+        f"two threads beside one: {np.median(ratio):.2f} times as fast (best {ratio.max():.2f}); "
+        f"by CPU times, of which {100 * serial:.1f} % are not shared and two threads take "
+        f"{100 * (both / alone - 1):+.1f} % more, {most:.2f} at most"
+    )
 
 
 def different(arms: int, steps: int, rounds: int) -> None:

@@ -25,6 +25,9 @@ _BLOCK = 2048
 """MotionLanes whose states and numbers stay in the second cache from step to step."""
 _LOOK = 0.05  # s
 _ULPS = 8.0  # more than the rounding of a sum of steps
+_PARTS = 2
+"""Blocks of a thread: which is slower than the others, as one that shares its processor is, leaves
+the second to them."""
 _FEWEST = 256
 """Motions that are worth a thread."""
 
@@ -90,7 +93,8 @@ class Walk:
         starts = self.course.calls or (0,)
         ends = (*starts[1:], len(self.course.edges) - 1)
         threads = self.threads or cpus()
-        size = min(_BLOCK, max(_FEWEST, ceil(self.rows / threads)))
+        parts = threads * (_PARTS if threads > 1 else 1)
+        size = min(_BLOCK, max(_FEWEST, ceil(self.rows / parts)))
         blocks = [slice(k, min(k + size, self.rows)) for k in range(0, self.rows, size)]
         threads = min(threads, len(blocks))
         self._record(slice(0, self.rows), 0, self.state)
