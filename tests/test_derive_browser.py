@@ -30,9 +30,11 @@ MODELS = [
     fb.planar("RR").replace(gravity=0),
 ]
 SIZES = """return [...document.querySelectorAll('.equations')].map(e => {
-  const room = e.getBoundingClientRect(), table = e.querySelector('mtable').getBoundingClientRect();
-  const rows = e.querySelectorAll('mtr').length;
-  return {room: room.width, width: table.width, height: table.height, rows: rows}})"""
+  const room = e.getBoundingClientRect(), rows = e.querySelectorAll('mtr').length;
+  const tables = [...e.querySelectorAll(':scope > math > mtable')];
+  const sizes = tables.map(table => table.getBoundingClientRect());
+  return {room: room.width, width: Math.max(...sizes.map(size => size.width)),
+    height: sizes.reduce((total, size) => total + size.height, 0), rows: rows}})"""
 DOTS = """const find = x => [...document.querySelectorAll(x)].map(e => e.getBoundingClientRect());
   return [find('mover > mi'), find('mover > mo')]"""
 
@@ -76,6 +78,15 @@ def test_the_font_of_formulas_comes_with_the_page(driver, tmp_path: Path):
     driver.get(page.as_uri())
     state = "return [...document.fonts].map(font => [font.family, font.status])"
     assert driver.execute_script(state) == [["Freebody Formulas", "loaded"]]
+
+
+def test_a_wide_left_side_leaves_the_others_their_room():
+    """The equations with every ∂Φ_k/∂θ λ_k on the left had broken the next into one term a line."""
+    text = fb.derive(fb.load("double_four_bar")).html()
+    step = re.search(r"The equation of θ₃.*?</section>", text, re.DOTALL)
+    assert step
+    tables = re.findall(r"<math [^>]*block.*?</math>", step[0], re.DOTALL)
+    assert [table.count("<mtr><mtd style") for table in tables] == [1, 3]
 
 
 @pytest.mark.parametrize(("name", "method"), [("3R", "lagrange"), ("five_bar", None)])

@@ -123,7 +123,8 @@ def _inputs(
     """The symbols that have a slider: name, value, range, kind."""
     symbols, units = derivation.equations.symbols, _units(derivation)
     used = kernel.used | frozenset(following.names)
-    names = [x for x in symbols.ring.names if x in used]
+    moving = [x + dots for dots in ("", RATE, SECOND) for x in symbols.coordinates]
+    names = [x for x in dict.fromkeys((*moving, *symbols.ring.names)) if x in used]
     values = typical(names, _model(derivation).parameters) | {
         name: value for name, value in _LOAD.items() if name in names
     }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import groupby
 
 from freebody.derivations.expressions.nodes import (
     Derivative,
@@ -16,7 +17,7 @@ from freebody.derivations.expressions.nodes import (
 )
 from freebody.derivations.render.latex import LATEX, width_of
 from freebody.derivations.render.mathml import MATHML, NAMESPACE
-from freebody.derivations.render.rows import Row, rows
+from freebody.derivations.render.rows import Row, left_side, rows
 from freebody.derivations.render.text import TEXT
 from freebody.derivations.render.typesetter import Typesetter
 
@@ -24,6 +25,9 @@ _RIGHT = "text-align:right;text-align:-webkit-right;padding-right:0"
 _LEFT = "text-align:left;text-align:-webkit-left;padding-left:0.25em"
 
 Groups = Sequence[Sequence[Equation]]
+
+WIDE = 0.25
+"""The part of a line from which on a left side is wide."""
 
 
 # ---------------------------------------------------------------- text
@@ -98,11 +102,32 @@ def span(node: Expression) -> float:
 
 
 def html(groups: Groups, width: int = 74) -> str:
-    """One MathML table, equations aligned at their sign, long ones broken before one.
+    """MathML tables, equations aligned at their sign, long ones broken before one; equations with a
+    wide left side have a table of their own, lest others have no room.
 
     The width, in letters, suits a page of 960 px in the widest of the usual mathematical fonts
     (DejaVu's).
     """
+    return "".join(_table(table, width) for table in _tables(groups, width))
+
+
+def _tables(groups: Groups, width: float) -> list[list[list[Equation]]]:
+    """The groups, in the same order, in tables of left sides that are all wide or all narrow."""
+    tables: list[list[list[Equation]]] = []
+    last = None
+    for group in groups:
+        runs = groupby(group, lambda line: span(left_side(line)) > WIDE * width)
+        for k, (wide, lines) in enumerate(runs):
+            if wide != last:
+                tables.append([])
+            if wide != last or not k:
+                tables[-1].append([])
+            tables[-1][-1] += lines
+            last = wide
+    return tables
+
+
+def _table(groups: Groups, width: float) -> str:
     cells = ""
     for j, group in enumerate(_set(groups, width, MATHML)):
         for k, (left, right, goes_on) in enumerate(group):

@@ -68,6 +68,11 @@ def part(name: Symbol, label: str) -> Symbol:
     )
 
 
+def left_side(equation: Equation) -> Expression:
+    """What stands left of the sign at which equations are aligned."""
+    return _head(equation)[0]
+
+
 def _head(equation: Equation) -> tuple[Expression, tuple[Expression, ...]]:
     """What stands left of the sign that is aligned, and the sides right of it: names come first."""
     names = 1
