@@ -21,7 +21,7 @@ from freebody.inverse.solutions import verified
 def by_closed_form(problem: Problem, form: ClosedFormArm) -> Found:
     """All solutions of a form for the problem's targets."""
     target = problem.target
-    kernel = branch_kernel(problem.solver, form)
+    kernel = None if problem.alone else branch_kernel(problem.solver, form)
     free = np.zeros(len(form.chain.screws), dtype=bool)
     if kernel is None:
         found, free = _by_steps(problem, form)

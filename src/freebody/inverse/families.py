@@ -30,8 +30,8 @@ from freebody.trees.states import random_state
 _MOST = 0.05
 """How far (rad, arm lengths) members may be from the first to be followed from there."""
 
-One = Callable[[Model, Array], Solutions]
-"""The function for one member and some targets."""
+One = Callable[[Problem], Solutions]
+"""What solves a problem of one member."""
 
 
 def of_family(model: Model, given: Problem, batch: tuple[int, ...], one: One) -> Solutions:
@@ -54,7 +54,8 @@ def of_family(model: Model, given: Problem, batch: tuple[int, ...], one: One) ->
     for k in np.unique(member[rows]):
         own = rows[member[rows] == k]
         index = tuple(map(int, np.unravel_index(k, model.family)))
-        pieces.append((own, one(model[index], problem.target[own])))
+        solver = replace(problem.solver, model=model[index])
+        pieces.append((own, one(replace(problem.part(own), solver=solver, alone=True))))
     lost = sum(int((s.count == 0).sum()) for _, s in pieces)
     if lost:
         notes.append(f"{lost} of {len(member)} have no solution, see distance.")

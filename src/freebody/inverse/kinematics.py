@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any, get_args
 
 import numpy as np
@@ -86,23 +85,40 @@ def inverse_kinematics(
     problem, poses = _asked(model, target, frame, task, q0, limits, starts, seed)
     batch = poses.shape[:-2]
     if model.family:
-        return _of_members(model, problem, batch, redundancy)
+        if redundancy is not None:
+            raise FamilyError("inverse_kinematics: redundancy=", model.name, model.family)
+        return of_family(model, problem, batch, _of_member)
     if model.loops and redundancy is None:
         return of_closed_chain(problem, batch)
     form = _form(problem)
     if redundancy is not None:
         batch, problem = _held(problem, form, redundancy, poses)
-    if not len(problem.target):
-        found = nothing(problem, form.method if form is not None else "Levenberg–Marquardt")
-    elif form is None:
-        found = _without_form(problem)
-    elif form.held is not None and redundancy is None:
-        found = by_self_motion(problem, form) or by_search(problem)
-    else:
-        problem = replace(problem, target=form.complete(problem.target))
-        found = by_closed_form(problem, form)
+    problem, found = _found(problem, form)
+    if form is not None and len(problem.target) and (form.held is None or redundancy is not None):
         remember(problem, form, frame, task)
     return gathered(problem, form, found, batch)
+
+
+def _of_member(problem: Problem) -> Solutions:
+    """Of one robot of a family, targets in a row."""
+    batch = (len(problem.target),)
+    if problem.solver.model.loops:
+        return of_closed_chain(problem, batch)
+    form = _form(problem)
+    problem, found = _found(problem, form)
+    return gathered(problem, form, found, batch)
+
+
+def _found(problem: Problem, form: ClosedFormArm | None) -> tuple[Problem, Found]:
+    """What is found for the targets, and the problem with all of them that counts."""
+    if not len(problem.target):
+        return problem, nothing(problem, form.method if form else "Levenberg–Marquardt")
+    if form is None:
+        return problem, _without_form(problem)
+    if form.held is not None and problem.held is None:
+        return problem, by_self_motion(problem, form) or by_search(problem)
+    problem = replace(problem, target=form.complete(problem.target))
+    return problem, by_closed_form(problem, form)
 
 
 def _asked(
@@ -132,21 +148,6 @@ def _asked(
         solver = replace(solver, model=model[(0,) * len(model.family)])
     flat = poses.reshape(-1, *poses.shape[-2:])
     return Problem(solver, flat, start, limits, starts, seed), poses
-
-
-def _of_members(
-    model: Model, first: Problem, batch: tuple[int, ...], redundancy: ArrayLike | None
-) -> Solutions:
-    """Of a family; first: the problem of its first member."""
-    if redundancy is not None:
-        raise FamilyError("inverse_kinematics: redundancy=", model.name, model.family)
-    solver = first.solver
-    one = partial(
-        inverse_kinematics,
-        frame=solver.frame, task=solver.task.names, q0=first.q0, limits=first.limits,
-        starts=first.starts, seed=first.seed,
-    )  # fmt: skip
-    return of_family(model, first, batch, one)
 
 
 def _form(problem: Problem) -> ClosedFormArm | None:

@@ -29,6 +29,8 @@ class Problem:
     seed: int
     held: Array | None = None
     """(N,): of an arm of seven joints the position of the one that is given."""
+    alone: bool = False
+    """Whether the robot is asked but this once, so that no machine code of its own is made."""
 
     def part(self, rows: np.ndarray) -> Problem:
         """The targets of these rows alone."""

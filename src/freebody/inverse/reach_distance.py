@@ -66,12 +66,12 @@ class _Descents:
         self.c = c / self.length
         compiled = problem.solver.model.compiled
         held = problem.held is not None
-        key = ("closer", problem.solver.frame, form.branches.kind, held)
+        key = ("closer", problem.solver.frame, form.branches.kind, held, problem.alone)
         if key not in compiled:
-            compiled[key] = self._kernel(), self._sampled()
+            compiled[key] = self._kernel(_target(problem)), self._sampled()
         self.kernel, (self.samples, self.tree) = compiled[key]
 
-    def _kernel(self) -> Kernel:
+    def _kernel(self, target: str | None) -> Kernel:
         lines, c = [line(s) for s in self.screws], tuple(map(float, self.c))
         n = len(lines)
 
@@ -80,7 +80,7 @@ class _Descents:
 
         inputs = [Argument("x", (n,)), Argument("damping", ()), Argument("goal", (3,))]
         outputs = [Argument("closer", (n,)), Argument("damped", ()), Argument("square", ())]
-        return compile_program(trace("closer", step, inputs, outputs))
+        return compile_program(trace("closer", step, inputs, outputs), target=target)
 
     def _sampled(self) -> tuple[Array, Any]:
         """Positions anywhere (angles, and shifts of up to twice the arm's length), and where they
@@ -127,21 +127,30 @@ class _Descents:
 def _gap_kernel(problem: Problem, form: ClosedFormArm) -> Kernel | None:
     """(target, x) -> squares of distances (ways,); None for a form that has none."""
     arm, compiled = form.branches, problem.solver.model.compiled
-    key = ("gaps", problem.solver.frame, arm.kind)
+    key = ("gaps", problem.solver.frame, arm.kind, problem.alone)
     if key not in compiled:
         home = arm.chain.R, arm.chain.p
         ways = arm.gaps(*(tuple(map(tuple, home[0])), tuple(home[1])), 0.0)
-        compiled[key] = None if ways is None else _gaps_compiled(form, len(ways))
+        if ways is None:
+            compiled[key] = None
+        else:
+            compiled[key] = _gaps_compiled(form, len(ways), _target(problem))
     return compiled[key]
 
 
-def _gaps_compiled(form: ClosedFormArm, ways: int) -> Kernel:
+def _target(problem: Problem) -> str | None:
+    """NumPy, where compiling would take longer than all else."""
+    return "numpy" if problem.alone else None
+
+
+def _gaps_compiled(form: ClosedFormArm, ways: int, target: str | None) -> Kernel:
     def gaps(target: Any, x: Any) -> Any:
         return (tuple(form.branches.gaps(*of_counted(form, target), x) or ()),)
 
     inputs = [Argument("target", counted(form, np.eye(form.branches.dim + 1)).shape)]
     return compile_program(
-        trace("gaps", gaps, [*inputs, Argument("x", ())], [Argument("squares", (ways,))])
+        trace("gaps", gaps, [*inputs, Argument("x", ())], [Argument("squares", (ways,))]),
+        target=target,
     )
 
 
