@@ -2,14 +2,18 @@
 
     python benchmarks/sweeps.py [--robots 1000] [--states 10000]
 
-Seconds of `fb.sweep` with the largest absolute value alone, and with quantiles and places too,
-beside the kernel alone on all states of one robot, as often as there are robots; the quickest of
-some rounds, in turns. The memory that was held at most, in MB, at the end.
+Seconds of `fb.sweep` with the largest absolute value alone, and with quantiles and places too, held
+in memory and in a Zarr store, and with samples as states, which are made when they are read; beside
+the kernel alone on all states of one robot, as often as there are robots; the quickest of some
+rounds, in turns. The memory that was held at most, in MB, at the end.
 """
 
 import argparse
 import sys
+import tempfile
 from collections.abc import Callable
+
+import numpy as np
 
 import freebody as fb
 from common import quickest
@@ -30,8 +34,17 @@ def main() -> None:
     over = {"design": fb.samples(asked.robots, ranges), "state": {"q": q, "qd": qd, "qdd": qdd}}
     kernel = fb.kernel(arm, "inverse_dynamics", inputs=list(ranges))
 
-    def swept(*reductions: str) -> None:
-        fb.sweep(arm, "inverse_dynamics", over=over, reduce=reductions)
+    sampled = fb.samples(asked.states, {x: (-np.ones(6), np.ones(6)) for x in ("q", "qd", "qdd")})
+
+    def swept(*reductions: str, stored: bool = False, states: object = over["state"]) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            fb.sweep(
+                arm,
+                "inverse_dynamics",
+                over={**over, "state": states},
+                reduce=reductions,
+                store=f"{folder}/s" if stored else None,
+            )
 
     def alone() -> None:
         for _ in range(asked.robots):
@@ -39,7 +52,10 @@ def main() -> None:
 
     runs: dict[str, Callable[[], object]] = {
         "peak": lambda: swept("peak"),
+        "peak, in a store": lambda: swept("peak", stored=True),
+        "peak, of samples": lambda: swept("peak", states=sampled),
         "peak, rms, p99, argpeak": lambda: swept("peak", "rms", "p99", "argpeak"),
+        "these four, in a store": lambda: swept("peak", "rms", "p99", "argpeak", stored=True),
         "kernel alone": alone,
     }
     for name, seconds in quickest(runs, ROUNDS).items():

@@ -24,7 +24,7 @@ from freebody.sweeps.reductions import (
 )
 
 NOT_A_NUMBER = "the result is not a number"
-_GATHERED = 1 << 24
+_GATHERED = 1 << 23
 """Bytes that are gathered from a tile: a histogram has half a megabyte for a row of six joints."""
 _MOST_REASONS = 20
 """Of a block's failures, of which place and reason are kept; the others are counted."""
@@ -153,7 +153,9 @@ class SweepTask:
         values = [named[name] for name, _ in self.outputs]
         failed = np.zeros((len(rows), len(columns)), dtype=bool)
         for x in values:
-            failed |= np.isnan(x).any(axis=tuple(range(2, x.ndim)))
+            lacking = np.isnan(x)
+            if lacking.any():
+                failed |= lacking.any(axis=tuple(range(2, x.ndim)))
         told = _told(tile, failed, reasons) if failed.any() else []
         for whole, x in zip(places, values, strict=False):
             whole[_within(rows, block.rows), _within(columns, block.columns)] = x

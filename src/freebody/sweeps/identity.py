@@ -71,7 +71,7 @@ def identity(task: SweepTask, points: int) -> str:
             digest.update(len(content).to_bytes(8, "little") + content)
 
     with_what = sorted(computed_with(needs_of(task)).items())
-    add("2", with_what, points, task.tile, task.hoisted)
+    add("3", with_what, points, task.tile, task.hoisted)
     add([x.name for x in task.reductions])
     add(task.outputs, *_function(task.function), *fingerprint(task.model))
     for axes in (task.grid.rows, task.grid.columns):

@@ -21,7 +21,7 @@ Gathered = dict[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Accumulator:
-    """Gathers values (R, C, *core), whose first column has a number, into (R, *core, ...); joins
+    """Gathers values (R, *core, C), whose first column has a number, into (R, *core, ...); joins
     two such, the earlier columns first."""
 
     gather: Callable[[Array, int], np.ndarray]
@@ -37,19 +37,27 @@ QUANTILE_ERROR = 0.5 / (1 << _STEPS)
 def _bins(x: Array) -> np.ndarray:
     """The bin of each value: as many of each sign as there are 64ths of each doubling from 2**-30
     to 2**40, and one between for what is smaller; the bits of a float are in that order."""
-    first = (1023 + _LEAST) << _STEPS
-    level = (np.abs(x).view(np.int64) >> (52 - _STEPS)) - (first - 1)
-    return _BINS + 1 + np.where(x < 0, -1, 1) * np.clip(level, 0, _BINS + 1)
+    level = np.abs(x).view(np.int64)  # and what follows in place: this is most of a quantile's time
+    level >>= 52 - _STEPS
+    level -= ((1023 + _LEAST) << _STEPS) - 1
+    np.maximum(level, 0, out=level)
+    np.minimum(level, _BINS + 1, out=level)
+    sign = x.view(np.int64) >> 63
+    level ^= sign  # with the next line -level, where the number is negative
+    level -= sign
+    level += _BINS + 1
+    return level
 
 
 def _histogram(x: Array, first: int) -> np.ndarray:
-    rows, columns = x.shape[:2]
-    cells = x.size // columns
-    width = 2 * _BINS + 3
-    moved = np.ascontiguousarray(np.moveaxis(x, 1, -1)).reshape(cells, columns)
-    place = _bins(moved) + np.arange(cells)[:, None] * width
-    counts = np.bincount(place[~np.isnan(moved)], minlength=cells * width)
-    return counts.reshape(rows, *x.shape[2:], width)
+    columns, width = x.shape[-1], 2 * _BINS + 3
+    flat = x.reshape(-1, columns)
+    place = _bins(flat)
+    place += np.arange(len(flat))[:, None] * width
+    lacking = np.isnan(flat)
+    counted = place[~lacking] if lacking.any() else place.ravel()
+    counts = np.bincount(counted, minlength=len(flat) * width)
+    return counts.reshape(*x.shape[:-1], width)
 
 
 def _quantile(counts: Array, share: float) -> Array:
@@ -70,11 +78,12 @@ def _place(key: Callable[[Array], Array]) -> Accumulator:
     """The largest key and the column where it first occurs, -1 for none: (..., 2)."""
 
     def gather(x: Array, first: int) -> Array:
-        keys = key(x)
-        keys = np.where(np.isnan(keys), -np.inf, keys)
-        index = np.argmax(keys, axis=1)
-        value = np.take_along_axis(keys, index[:, None], axis=1)[:, 0]
-        lacking = np.isnan(x).all(axis=1)
+        keys, lacking = key(x), np.isnan(x)
+        if lacking.any():
+            keys = np.where(lacking, -np.inf, keys)
+        index = np.argmax(keys, axis=-1)
+        value = np.take_along_axis(keys, index[..., None], axis=-1)[..., 0]
+        lacking = lacking.all(axis=-1)
         return np.stack([value, np.where(lacking, -1.0, index + first)], axis=-1)
 
     def join(a: Array, b: Array) -> Array:
@@ -84,17 +93,31 @@ def _place(key: Callable[[Array], Array]) -> Accumulator:
     return Accumulator(gather, join)
 
 
-def _peak(x: Array, first: int) -> Array:
-    return np.fmax.reduce(np.abs(x), axis=1)
+def _total(x: Array) -> Array:
+    """Of the numbers among them."""
+    lacking = np.isnan(x)
+    return np.add.reduce(np.where(lacking, 0.0, x) if lacking.any() else x, axis=-1)
+
+
+def _end(extreme: np.ufunc, key: Callable[[Array], Array]) -> Accumulator:
+    """The largest or smallest key. Of zeros of both signs, and of NaNs, a processor may take any:
+    told are 0 and the plain NaN."""
+
+    def plain(x: Array) -> Array:
+        return np.where(np.isnan(x), np.nan, x + 0.0)
+
+    return Accumulator(
+        lambda x, first: plain(extreme.reduce(key(x), axis=-1)), lambda a, b: plain(extreme(a, b))
+    )
 
 
 _ACCUMULATORS = {
-    "max": Accumulator(lambda x, first: np.fmax.reduce(x, axis=1), np.fmax),
-    "min": Accumulator(lambda x, first: np.fmin.reduce(x, axis=1), np.fmin),
-    "peak": Accumulator(_peak, np.fmax),
-    "sum": Accumulator(lambda x, first: np.nansum(x, axis=1), np.add),
-    "squares": Accumulator(lambda x, first: np.nansum(x * x, axis=1), np.add),
-    "count": Accumulator(lambda x, first: (~np.isnan(x)).sum(axis=1), np.add),
+    "max": _end(np.fmax, lambda x: x),
+    "min": _end(np.fmin, lambda x: x),
+    "peak": _end(np.fmax, np.abs),
+    "sum": Accumulator(lambda x, first: _total(x), np.add),
+    "squares": Accumulator(lambda x, first: _total(x * x), np.add),
+    "count": Accumulator(lambda x, first: x.shape[-1] - np.isnan(x).sum(axis=-1), np.add),
     "histogram": Accumulator(_histogram, np.add),
     "argmax": _place(lambda x: x),
     "argmin": _place(lambda x: -x),
@@ -190,7 +213,11 @@ def finished(reductions: Sequence[SweepReduction], found: Gathered) -> Gathered:
 
 def gathered(values: Sequence[Array], wanted: Sequence[str], first: int) -> list[Gathered]:
     """Of each output's values in a tile, (R, C, *core), what the reductions need."""
-    return [{key: _ACCUMULATORS[key].gather(x, first) for key in wanted} for x in values]
+    if not wanted:
+        return []
+    # columns side by side: NumPy reduces them ten times as fast
+    turned = [np.ascontiguousarray(np.moveaxis(x, 1, -1)) for x in values]
+    return [{key: _ACCUMULATORS[key].gather(x, first) for key in wanted} for x in turned]
 
 
 def joined(a: list[Gathered], b: list[Gathered]) -> list[Gathered]:
