@@ -72,7 +72,7 @@ class AbsoluteCoordinates:
         self.given, self.efforts = given, efforts
         tree = given.tree
         self.numbers = {k: i + 1 for i, k in enumerate(tree.body_of)}
-        self.links = frozenset(_links(given))
+        self.links = frozenset(links_of(given))
         """Bodies without mass that stand for nothing: they are left out."""
         self.bodies = tuple(
             k for k in sorted(self.numbers, key=self.numbers.__getitem__) if k not in self.links
@@ -282,7 +282,7 @@ class AbsoluteCoordinates:
         return [dot(tuple(x.derivative(name) for x in tip), force) for name in self.names]
 
 
-def _links(given: Symbols) -> Iterator[int]:
+def links_of(given: Symbols) -> Iterator[int]:
     """Bodies without mass that stand between the joints which replace one that frees its body
     altogether and has no motor."""
     n = 0

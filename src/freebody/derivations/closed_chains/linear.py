@@ -132,6 +132,9 @@ def product(x: Trig, layout: Layout) -> Expression:
         return plain
     oriented = []
     for factor, exponent in sorted(factors, key=lambda row: len(row[0])):
+        if layout.order.decimal:  # measured numbers: no whole ones of ten digits
+            largest = max(abs(c) for _, c in factor.terms())
+            factor, number = factor / largest, number * largest**exponent
         flip = layout.is_negative(factor)
         number = -number if flip and exponent % 2 else number
         oriented.append(ex.power(layout.form(-factor if flip else factor), exponent))

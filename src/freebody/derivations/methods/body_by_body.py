@@ -57,7 +57,7 @@ class FreeBodies:
         """Forces on body i: by its parent, minus those on its children, its weight, those from
         outside."""
         s = self.s
-        terms: list[Expression] = [s.force_name(s.tree.bodies[i].parent, i)]
+        terms = [s.force_name(s.tree.bodies[i].parent, i)] if s.is_held(i) else []
         terms += [ex.neg(s.force_name(i, k)) for k in s.tree.children(i)]
         if s.weighs:
             terms.append(s.mass_times(i, vec("g")))
@@ -68,7 +68,8 @@ class FreeBodies:
         s = self.s
         arm, children = s.centre_name(i), s.tree.children(i)
         terms = [s.joint_moment(i), *(ex.neg(s.joint_moment(k)) for k in children)]
-        terms.append(ex.neg(ex.cross(arm, s.force_name(s.tree.bodies[i].parent, i))))
+        if s.is_held(i):
+            terms.append(ex.neg(ex.cross(arm, s.force_name(s.tree.bodies[i].parent, i))))
         for k in children:
             terms.append(ex.neg(ex.cross(ex.sub(s.reach_name(i, k), arm), s.force_name(i, k))))
         terms += [moment_of(force, ex.sub(at, arm)) for force, at in self.outer(i)]

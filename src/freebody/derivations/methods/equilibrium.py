@@ -34,16 +34,16 @@ class Equilibrium:
     def body(self, i: int) -> Step:
         """Equilibrium of one body."""
         s, n, children = self.s, self.s.numbers[i], self.s.tree.children(i)
-        forces = [
-            s.force_name(s.tree.bodies[i].parent, i),
-            *(ex.neg(s.force_name(i, k)) for k in children),
-        ]
+        forces = [s.force_name(s.tree.bodies[i].parent, i)] if s.is_held(i) else []
+        forces += [ex.neg(s.force_name(i, k)) for k in children]
         forces += [force for force, _ in self.outer(i)]
         moments = [s.joint_moment(i), *map(ex.neg, map(s.joint_moment, children)), *self.about(i)]
-        reason = (
-            f"The forces on body {n} add up to zero, and so do the moments; about joint {n} the "
-            f"reaction there has no moment."
-        )
+        where = " about its origin"
+        if s.is_held(i):
+            where = f"; about joint {n} the reaction there has no moment"
+        reason = f"The forces on body {n} add up to zero, and so do the moments{where}."
+        if not s.is_held(i):
+            reason = f"No joint holds body {n}. {reason}"
         if s.cited == "RR" and s.weighs and n == 1:
             reason += (
                 " (The notes leave the weights out: with g = 0 the numbered equations follow.)"

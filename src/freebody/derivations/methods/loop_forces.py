@@ -4,6 +4,7 @@ found from the joints that have no motor."""
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from freebody.algorithms import loop_constraints
 from freebody.algorithms.kinematics import frame_pose
@@ -11,7 +12,7 @@ from freebody.derivations.closed_chains.statics import LoopStatics
 from freebody.derivations.derivation import Step
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, Symbol, eq
-from freebody.derivations.expressions.printed_names import entry
+from freebody.derivations.expressions.printed_names import entry, sym
 from freebody.derivations.methods.cut_loops import Loops
 from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.reactions import SolvedReactions
@@ -19,6 +20,9 @@ from freebody.derivations.methods.setting import Setting
 from freebody.derivations.render.literal import literal
 from freebody.model.tree import TreeLoop
 from freebody.spatial import Vector, sub
+
+FEW = 4
+"""Multipliers up to which the equations for them are solved in print."""
 
 
 class LoopReactions(SolvedReactions):
@@ -72,6 +76,11 @@ class LoopForces:
             f"and its opposite; its components are the unknowns.{along}{more}"
         )
         return Step("Cut the loops: their forces are the unknowns", reason, tuple(lines))
+
+    def system(self, needs: LoopStatics) -> list[Equation]:
+        """A λ = k of the joints without motor."""
+        lines = [eq(ex.mul("A", "lam"), "k"), *self.loops.matrix(sym("A"), needs.A)]
+        return [*lines, *(eq(entry("k", j), self.s.show(x)) for j, x in enumerate(needs.right, 1))]
 
     # ------------------------------------------------------------ on one body
     def on(self, i: int) -> list[tuple[Expression, Expression]]:
@@ -147,7 +156,18 @@ class LoopForces:
         others = any(len(getattr(line.lhs, "low", ())) > 1 for line in lines)
         more = "s_i,P points from joint i to a point P where a loop acts; " if others else ""
         reason = more + step.reason.replace("(or the tip)", "(or the tip, or where a loop acts)")
-        return Step(step.operation, reason, tuple(dict.fromkeys(lines)), step.notes, step.figure)
+        told = Step(step.operation, reason, tuple(dict.fromkeys(lines)), step.notes, step.figure)
+        return without_links(self.s, told)
+
+
+def without_links(s: Setting, step: Step) -> Step:
+    """A step without the lines of bodies that stand for nothing."""
+    skipped = set()
+    for i in s.links:
+        dotted = [(letter, dots) for letter in ("omega", "v") for dots in ("", "_d")]
+        skipped |= {s.angular_name(letter, i, dots) for letter, dots in dotted}
+        skipped |= {s.axis_name(i), *(s.reach_name(i, k) for k in s.tree.children(i))}
+    return replace(step, equations=tuple(x for x in step.equations if x.lhs not in skipped))
 
 
 def _in_words(x: Expression) -> str:

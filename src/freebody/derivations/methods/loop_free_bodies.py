@@ -19,13 +19,16 @@ from freebody.derivations.methods.body_by_body import FreeBodies
 from freebody.derivations.methods.body_motion import motion
 from freebody.derivations.methods.closed_form_steps import closed_form
 from freebody.derivations.methods.cut_loops import LONG, Loops
-from freebody.derivations.methods.loop_forces import LoopForces, LoopReactions, needs_of
+from freebody.derivations.methods.loop_forces import (
+    FEW,
+    LoopForces,
+    LoopReactions,
+    needs_of,
+    without_links,
+)
 from freebody.derivations.methods.method import Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.errors import FreebodyError, listed
-
-_FEW = 4
-"""Multipliers up to which the equations for them are solved in print."""
 
 
 def work_out(s: Setting, route: str) -> Worked:
@@ -40,11 +43,13 @@ def work_out(s: Setting, route: str) -> Worked:
     tau = {i: reactions.motor(i) for i in s.order}
     work = _LoopedBodies(s, reactions, tau)
     work.join(loops)
-    steps = [work.loops_cut(), *map(work.body, s.order), work.count()]
-    steps += map(work.eliminated, reversed(s.order))
-    steps += [work.loop_forces.geometry(), *motion(s)]
+    bodies = [i for i in s.order if i not in s.links]
+    inward = list(reversed(bodies))
+    steps = [work.loops_cut(), *map(work.body, bodies), work.count(bodies)]
+    steps += map(work.eliminated, filter(s.is_held, inward))
+    steps += [work.loop_forces.geometry(), *(without_links(s, step) for step in motion(s))]
     steps += [loops.closed(), loops.rates(), loops.seconds()]
-    steps += [work.substituted(i, reactions=True) for i in reversed(s.order)]
+    steps += [work.substituted(i, True) if s.is_held(i) else work.freed(i) for i in inward]
     steps += [*work.unknowns(), closed_form(s, work.through_loops())]
     sought = (
         "Given a motion that keeps the loops closed, the motor torques and forces, the forces in "
@@ -99,17 +104,18 @@ class _LoopedBodies(FreeBodies):
             "kind have the same unknowns."
         )
 
-    def count(self) -> Step:
+    def count(self, bodies: list[int]) -> Step:
         """As many equations as unknowns?"""
         s = self.s
-        n, m = len(s.order), len(self.loop_forces.unknowns)
+        n, m = len(bodies), len(self.loop_forces.unknowns)
+        free = [f"body {s.numbers[i]}" for i in bodies if not s.is_held(i)]
         motors = sum(map(s.driven, s.order))
-        unknown = 2 * n + m + motors
+        unknown = 2 * (n - len(free)) + m + motors
         reason = (
             f"Each of the {n} bodies has two equations of forces and one of moments. Unknown are "
             f"two components of what each joint's bearing transmits, {m} of the loops, and "
             f"{motors} of the {'motor' if motors == 1 else 'motors'}: {unknown} for {3 * n} "
-            "equations. "
+            f"equations.{f' No joint holds {listed(free)}.' if free else ''} "
         )
         if unknown == 3 * n:
             reason += "For a given motion all of them are determined."
@@ -123,6 +129,20 @@ class _LoopedBodies(FreeBodies):
                 "There are fewer drives than degrees of freedom: not every motion is possible."
             )
         return Step("Equations and unknowns", reason)
+
+    def freed(self, i: int) -> Step:
+        """The equations of a body that no joint holds."""
+        s, n, k = self.s, self.s.numbers[i], i
+        joints = [i]
+        while s.tree.bodies[k].parent in s.links:
+            k = s.tree.bodies[k].parent
+            joints.insert(0, k)
+        reason = (
+            f"No joint holds body {n}: its equations, of the forces along x and y and of the "
+            "moments, contain no other unknowns than the forces in the loops."
+        )
+        lines = tuple(eq(s.motor(j), s.show(self.tau[j])) for j in joints)
+        return Step(f"Substitute the motion: body {n}", reason, lines)
 
     # ------------------------------------------------------------ the unknowns
     def unknowns(self) -> list[Step]:
@@ -138,11 +158,7 @@ class _LoopedBodies(FreeBodies):
             "loops, which stand there linearly. As a system, A λ = k; k holds what the motion"
             f"{' and the weights ask for' if s.weighs else ' asks for'}."
         )
-        lines: list[Equation] = [
-            eq(ex.mul("A", "lam"), "k"),
-            *self.loops.matrix(sym("A"), self.system.A),
-        ]
-        lines += [eq(entry("k", j), s.show(x)) for j, x in enumerate(self.system.right, 1)]
+        lines = self.loop_forces.system(self.system)
         more, found = self._solved()
         unlisted = self.loops.unlisted(self.system.A)
         return [Step("The forces in the loops", f"{reason}{more}{unlisted}", (*lines, *found))]
@@ -153,7 +169,7 @@ class _LoopedBodies(FreeBodies):
         unknown = self.loop_forces.unknowns
         if len(system.passive) != len(unknown):
             return " There are not as many equations as multipliers.", []
-        if len(unknown) > _FEW:
+        if len(unknown) > FEW:
             return " It is solved with numbers.", []
         n = range(len(unknown))
         one = symbols.element(1.0)

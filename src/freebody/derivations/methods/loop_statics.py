@@ -15,7 +15,7 @@ from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.methods import glossary
 from freebody.derivations.methods.cut_loops import LONG, Loops
 from freebody.derivations.methods.equilibrium import Equilibrium
-from freebody.derivations.methods.loop_forces import LoopForces, LoopReactions, needs_of
+from freebody.derivations.methods.loop_forces import FEW, LoopForces, LoopReactions, needs_of
 from freebody.derivations.methods.method import Worked
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
@@ -28,7 +28,8 @@ def work_out(setting: Setting) -> Worked:
     loops = Loops(setting)
     work = _Balance(setting, loops, LoopReactions(setting, loops))
     steps = [work.convention()] if setting.load else []
-    steps += [work.forces.step(), *map(work.body, setting.order), work.forces.geometry()]
+    bodies = [i for i in setting.order if i not in setting.links]
+    steps += [work.forces.step(), *map(work.body, bodies), work.forces.geometry()]
     steps += [*work.passive(), work.torques(), work.reactions_step()]
     torques = tuple(work.reactions.motor(i) for i in setting.order)
     sought = (
@@ -83,7 +84,7 @@ class _Balance(Equilibrium):
         if not free:
             return []
         joints = listed([f"joint {s.numbers[i]}" for i in free])
-        lines = [eq(s.show(self.reactions.motor(i)), ex.ZERO) for i in free]
+        lines = [eq(ex.ZERO, s.show(self.reactions.motor(i))) for i in free]
         reason = (
             f"No motor acts at {joints}: on all the bodies that such a joint carries, the moments "
             f"about its axis (the forces along it, if it slides) add up to zero, springs "
@@ -96,6 +97,14 @@ class _Balance(Equilibrium):
 
     def _loop_forces(self) -> Step:
         system, names = self.system, self.forces.unknowns
+        if len(names) > FEW:
+            reason = (
+                "As a system: A λ = k. It is solved with numbers; the quotients would fill pages. "
+                "Where the determinant of A vanishes the robot can move although its drives are "
+                f"locked (a singular position of the second type).{self.loops.unlisted(system.A)}"
+            )
+            lines = self.forces.system(system)
+            return Step("The forces in the loops", reason, tuple(lines), result=True)
         if system.multipliers is None:
             reason = (
                 f"There are {len(system.passive)} equations for {len(names)} multipliers: there "
@@ -123,7 +132,8 @@ class _Balance(Equilibrium):
             if not s.driven(i):
                 continue
             sides = [s.show(self.reactions.motor(i))]
-            found = self.system.torque(s.index(i))
+            few = len(self.forces.unknowns) <= FEW
+            found = self.system.torque(s.index(i)) if few else None
             if found is not None:
                 shown = self.loops.ratio(found)
                 sides += (
@@ -139,13 +149,14 @@ class _Balance(Equilibrium):
     def reactions_step(self) -> Step:
         """Forces in the joints."""
         s = self.s
+        held = [i for i in s.order if i not in s.links and s.is_held(i)]
         lines = [
             eq(s.force_name(s.tree.bodies[i].parent, i), s.column(self.reactions.borne[i][0]))
-            for i in s.order
+            for i in held
         ]
         lines += [
             eq(s.joint_moment(i), s.angular(self.reactions.borne[i][1]))
-            for i in s.order
+            for i in held
             if not s.is_pin(i)
         ]
         reason = (

@@ -76,10 +76,8 @@ def _composed(s: Setting) -> list[str]:
                 "without mass."
             )
         if taken_apart and body.joint.passive and body.kind.frees(s.symbols.model.dim):
-            told.append(
-                "Together they hold nothing: a force or moment through them stands for a bearing "
-                "that is not there, and vanishes with their equations."
-            )
+            borne = f": body {n} is borne by the loops alone" if s.tree.loops else ""
+            told.append(f"They hold nothing{borne}.")
         if taken_apart and body.kind.quaternion is not None:
             told.append(
                 f"θ_{n - 2}, θ_{n - 1} and θ_{n} are yaw, pitch and roll; the equations are "

@@ -19,6 +19,7 @@ from freebody.algorithms.kinematics import (
     world_poses,
 )
 from freebody.algorithms.rnea import External, Recursion, rnea
+from freebody.derivations.closed_chains.absolute import links_of
 from freebody.derivations.equations.equations import Equations
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression
@@ -117,6 +118,16 @@ class Setting:
     def order(self) -> tuple[int, ...]:
         """Bodies of the tree by their number."""
         return tuple(sorted(range(len(self.tree.bodies)), key=lambda k: self.numbers[k]))
+
+    @cached_property
+    def links(self) -> frozenset[int]:
+        """Of a closed chain the bodies without mass between joints in a row that hold nothing: a
+        platform on legs is moved by these, not borne."""
+        return frozenset(links_of(self.symbols) if self.tree.loops else ())
+
+    def is_held(self, i: int) -> bool:
+        """Whether joint i holds its body in any direction."""
+        return self.tree.bodies[i].parent not in self.links
 
     def turns(self, i: int) -> bool:
         """Whether joint i turns its body about its axis."""

@@ -63,7 +63,7 @@ def _acting(s: Setting, i: int) -> list[str]:
         f"the reaction f_{parent},{n} of {'the ground' if parent == 0 else f'body {parent}'} at "
         f"joint {n}"
     )
-    acting = [held]
+    acting = [held] if s.is_held(i) else []
     if not s.is_pin(i):
         acting.append(f"the moment n_{parent},{n} there")
     elif s.driven(i):
