@@ -21,6 +21,7 @@ from freebody.cli import (
     models,
     plan,
     show,
+    simulate,
     study,
     sweep,
     terminal,
@@ -41,6 +42,7 @@ app = typer.Typer(
 )
 app.command(epilog=study.EXAMPLE)(study.study)
 app.command(epilog=plan.EXAMPLE)(plan.plan)
+app.command(epilog=simulate.EXAMPLE)(simulate.simulate)
 app.command(epilog=sweep.EXAMPLE)(sweep.sweep)
 app.command(epilog=show.EXAMPLE)(show.show)
 app.command(epilog=derive.EXAMPLE, cls=derive.Command)(derive.derive)

@@ -1,4 +1,4 @@
-"""A motion's table as a CSV file holds it: columns by name, in SI units.
+"""A table over time, of a motion or of torques, as a CSV file holds it: columns by name, SI units.
 
 A header names the columns, with a unit where it is not the SI's: `t` or `time`, `joint1 (deg)`,
 `joint1.v [deg/s]`. Columns are separated by commas, semicolons or tabs, whichever the header has;
@@ -33,6 +33,8 @@ _UNITS: dict[str, dict[str, float]] = {
     "angle": {"rad": 1.0, "deg": _DEGREE, "°": _DEGREE},
     "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
     "number": {"1": 1.0},
+    "torque": {"N m": 1.0, "Nm": 1.0, "N·m": 1.0, "mN m": 1e-3, "kN m": 1e3},
+    "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3},
 }
 _PER = {"": ("",), ".v": ("/s",), ".a": ("/s²", "/s^2", "/s2")}
 _NAMED = re.compile(r"(.*\S)\s*(?:\(([^()]*)\)|\[([^\[\]]*)\])")
@@ -93,9 +95,16 @@ def factor(column: str, unit: str, quantities: Mapping[str, str]) -> float | str
     return f"{shown(unit)} is not a unit of {what[ending]}; units: {', '.join(known)}."
 
 
-def read_columns(model: Model, path: Path, timed: bool = True) -> CsvColumns:
-    """The table in a file; timed: it must have times. Raises FileError with the line."""
-    what, row = ("a motion", "one row per time") if timed else ("a file of waypoints", "a row each")
+def read_columns(
+    model: Model,
+    path: Path,
+    timed: bool = True,
+    what: str = "a motion",
+    quantities: Mapping[str, str] | None = None,
+) -> CsvColumns:
+    """The table in a file; timed: it must have times. quantities: what the columns are, by name;
+    None: positions. Raises FileError with the line."""
+    row = "one row per time" if timed else "a row each"
     text = read_file.decoded(str(path), read_file.read(path, _LARGEST, what))
     lines = enumerate(read_file.lines(text), 1)
     rows = [(line, row) for line, row in lines if row.split("#")[0].strip(" ,;\t")]
@@ -109,7 +118,7 @@ def read_columns(model: Model, path: Path, timed: bool = True) -> CsvColumns:
         cells.pop()
     if len(cells) * (len(rows) - 1) > _MOST_VALUES:
         raise FileError(path, None, f"the file has more than {_MOST_VALUES} values.")
-    header, factors, told = _header(model, path, line, cells)
+    header, factors, told = _header(quantities or kinds(model), path, line, cells)
     if timed and "t" not in header:
         raise FileError(
             path,
@@ -120,10 +129,9 @@ def read_columns(model: Model, path: Path, timed: bool = True) -> CsvColumns:
 
 
 def _header(
-    model: Model, path: Path, line: int, cells: list[str]
+    quantities: Mapping[str, str], path: Path, line: int, cells: list[str]
 ) -> tuple[list[str], Array, frozenset[str]]:
     """Names, factors to SI units, and the names whose units are told."""
-    quantities = kinds(model)
     header: dict[str, str] = {}  # name -> its cell
     factors, told = [], set()
     for cell in cells:

@@ -29,7 +29,7 @@ def read_waypoints(model: Model, path: str | os.PathLike[str]) -> tuple[Array, A
     row for each waypoint. For `quintic`, `spline` and the like. Raises FileError with the line.
     """
     file = Path(path)
-    read = read_columns(model, file, timed=False)
+    read = read_columns(model, file, timed=False, what="a file of waypoints")
 
     def problem(text: str, row: int | None = None) -> FileError:
         return FileError(file, read.rows[0 if row is None else row + 1][0], text)

@@ -1,0 +1,265 @@
+"""`freebody simulate`."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from freebody.cli import INTERRUPTED, options, terminal
+from freebody.cli.options import MimicChoice, PhysicalChoice
+from freebody.errors import FreebodyError
+from freebody.outputs.display import TextTable
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from freebody.arrays import Array
+    from freebody.model.model import Model
+
+EXAMPLE = 'Example: freebody simulate 2R --q "30 deg, -0.5" --torque pd --goal "1, 0.5" --time 3'
+_ROWS = 400
+_STIFF, _DAMPED = 100.0, 20.0
+"""1/s², 1/s: default gains, per unit of inertia."""
+_MOST = 1_000_000
+
+
+class FrictionChoice(StrEnum):
+    """How Coulomb friction acts about rest."""
+
+    smooth = "smooth"
+    dry = "dry"
+
+
+def simulate(
+    robot: options.Robot,
+    q: Annotated[
+        str | None,
+        typer.Option(
+            metavar="VALUES",
+            help='Positions at the start, rad and m, or "30 deg"; loops are closed near them. '
+            "Default: 0, within the limits.",
+        ),
+    ] = None,
+    qd: Annotated[
+        str | None, typer.Option(metavar="VALUES", help="Rates at the start. Default: at rest.")
+    ] = None,
+    time: Annotated[
+        float | None,
+        typer.Option(metavar="SECONDS", parser=options.number, help="Duration. Default: 2."),
+    ] = None,
+    torque: Annotated[
+        str,
+        typer.Option(
+            metavar="zero|pd|FILE",
+            help="zero: the robot is limp. pd: gravity and springs are held, and each joint is "
+            "drawn to --goal. A CSV file with t and the joints' names (N m, N): torques, linear "
+            "between its rows, for as long as these go.",
+        ),
+    ] = "zero",
+    goal: Annotated[
+        str | None,
+        typer.Option(metavar="VALUES", help="Of pd: positions. Default: those at the start."),
+    ] = None,
+    kp: Annotated[
+        str | None,
+        typer.Option(
+            metavar="VALUES",
+            help="Of pd: N m/rad or N/m, one or one a joint. Default: 100 times the inertia at "
+            "the start.",
+        ),
+    ] = None,
+    kd: Annotated[
+        str | None,
+        typer.Option(metavar="VALUES", help="Of pd: N m s/rad or N s/m. Default: 20 times that."),
+    ] = None,
+    friction: Annotated[
+        FrictionChoice,
+        typer.Option(help="Coulomb friction about rest: smooth creeps, dry sticks."),
+    ] = FrictionChoice.smooth,
+    restitution: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SHARE",
+            parser=options.number,
+            help="Stops at the limits, which turn a joint back with this share of its speed, 0 "
+            "to 1. Default: no stops.",
+        ),
+    ] = None,
+    method: Annotated[
+        str, typer.Option(metavar="NAME", help="As in fb.simulate: auto, rk4, Radau, …")
+    ] = "auto",
+    every: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SECONDS", parser=options.number, help="Between rows. Default: 400 rows."
+        ),
+    ] = None,
+    out: Annotated[
+        Path, typer.Option(metavar="FILE", help="File for the motion, for study --motion.")
+    ] = Path("motion.csv"),
+    base: options.Base = None,
+    mimic: options.Mimic = MimicChoice.follow,
+    physical: options.Physical = PhysicalChoice.warn,
+    snap_angles: options.Snap = 3e-9,
+    convention: options.Convention = None,
+) -> None:
+    """Simulate the motion that torques cause, and write it.
+
+    Ctrl-C writes what there is. Exit status 2: the motion cannot go on, or something cannot be read
+    or written.
+    """
+    from freebody.motion.simulation.interrupted import SimulationInterrupted
+    from freebody.motion.simulation.simulate import simulate as run
+
+    model = options.load(robot, None, base, mimic, physical, snap_angles, convention)
+    start, rates = _start(model, q, qd)
+    times, law, given = _torque(model, torque, start, rates, (time, every), (goal, kp, kd))
+    interrupted = False
+    with terminal.warnings_as_lines(), terminal.progress("simulating") as tell:
+        try:
+            found = run(
+                model,
+                start,
+                rates,
+                times,
+                law,
+                method=method,
+                friction=friction.value,
+                restitution=restitution,
+                torque_inputs=given,
+                progress=tell,
+            )
+        except SimulationInterrupted as stopped:
+            found, interrupted = stopped.result, True
+    _written(model, found, out)
+    if interrupted:
+        raise typer.Exit(INTERRUPTED)
+
+
+def _start(model: Model, q: str | None, qd: str | None) -> tuple[Array, Array]:
+    """Positions and rates; loops are closed near them."""
+    import numpy as np
+
+    from freebody.loops.assembly import assemble
+    from freebody.motion.ranges import position_columns, ranges
+    from freebody.trees.states import neutral
+
+    if q is None:
+        start, (iq, iv), usable = neutral(model), position_columns(model), ranges(model)
+        start[iq] = np.clip(start[iq], usable.lower[iv], usable.upper[iv])
+    else:
+        start = _vector("--q", q, model.nq, model)
+    if model.loops:
+        start = np.asarray(assemble(model, start))
+    rates = np.zeros(model.nv) if qd is None else _vector("--qd", qd, model.nv, model)
+    return start, rates
+
+
+def _vector(name: str, text: str, size: int, model: Model) -> Array:
+    import numpy as np
+
+    values = options.values(name, text)
+    if len(values) != size:
+        raise FreebodyError(f"{name} has {len(values)} values, {model.name!r} takes {size}.")
+    return np.array(values)
+
+
+def _torque(
+    model: Model,
+    torque: str,
+    q: Array,
+    qd: Array,
+    course: tuple[float | None, float | None],
+    law: tuple[str | None, str | None, str | None],
+) -> tuple[Array, Any, dict[str, Array] | None]:
+    """Times, the torque, and what a compiled one takes besides the state."""
+    import numpy as np
+
+    if torque != "pd":
+        for name, text in zip(("--goal", "--kp", "--kd"), law, strict=True):
+            if text is not None:
+                raise FreebodyError(f"{name} is of --torque pd.")
+    if torque not in ("zero", "pd"):
+        from freebody.motion.files.torque_files import read_torques
+
+        if course[0] is not None:
+            raise FreebodyError(f"--time: the duration is that of {torque}; leave it out.")
+        t, rows = read_torques(model, torque)
+        # lines between the rows stay lines where there are more rows
+        times = np.union1d(t, t[0] + _times(float(t[-1] - t[0]), course[1]))
+        between = [np.interp(times, t, column) for column in rows.T]
+        return times, np.stack(between, axis=-1), None
+    times = _times(*course)
+    if torque == "zero":
+        return times, None, None
+    from freebody.kernels.lookup import kernel
+    from freebody.trees.controllers import pd_gravity
+    from freebody.trees.dynamics import mass_matrix
+
+    goal, kp, kd = law
+    aim = q if goal is None else _vector("--goal", goal, model.nq, model)
+    inertia = np.diagonal(mass_matrix(model, q))
+    gains = [
+        factor * inertia if text is None else _gains(name, text, model)
+        for name, text, factor in (("--kp", kp, _STIFF), ("--kd", kd, _DAMPED))
+    ]
+    pd_gravity(model, q, qd, aim, *gains)  # which refuses what is no PD control
+    given = {"q_ref": aim, "kp": gains[0], "kd": gains[1]}
+    return times, kernel(model, "pd_gravity"), given
+
+
+def _gains(name: str, text: str, model: Model) -> Array:
+    """One for each coordinate."""
+    import numpy as np
+
+    values = options.values(name, text)
+    return (
+        np.full(model.nv, values[0]) if len(values) == 1 else _vector(name, text, model.nv, model)
+    )
+
+
+def _times(time: float | None, every: float | None) -> Array:
+    import numpy as np
+
+    from freebody.motion.motion import FEWEST
+
+    duration = 2.0 if time is None else time
+    gap = duration / _ROWS if every is None else every
+    for name, value in (("--time", duration), ("--every", gap)):
+        if not 0.0 < value < float("inf"):
+            raise FreebodyError(f"{name} is {value:g}, expected seconds above 0.")
+    if not FEWEST - 1.5 <= duration / gap <= _MOST:
+        raise FreebodyError(
+            f"--every {gap:g} makes {duration / gap + 1:.3g} rows of {duration:g} s; a motion has "
+            f"from {FEWEST} to {_MOST}."
+        )
+    return np.linspace(0.0, duration, round(duration / gap) + 1)
+
+
+def _written(model: Model, found: xr.Dataset, out: Path) -> None:
+    """The motion as a file, and its extremes as a table."""
+    import numpy as np
+
+    from freebody.motion.files.waypoint_files import motion_table
+    from freebody.motion.motion import Motion
+    from freebody.motion.ranges import angular
+    from freebody.outputs.files import write
+    from freebody.outputs.text import csv_text
+
+    t, q, qd, qdd, tau = (found[n].values for n in ("time", "q", "qd", "qdd", "tau"))
+    header, table = motion_table(model, Motion.of(model, t, q, qd, qdd))
+    path = write(out, csv_text([header, *table]))
+    console = terminal.out()
+    console.print(f"{model.name}: {t[-1] - t[0]:.4g} s by {found.attrs['method']}.", markup=False)
+    rows = []
+    for k, name in enumerate(model.velocity_names):
+        unit, effort = ("rad", "N m") if angular(model)[k] else ("m", "N")
+        speed, most = np.abs(qd[:, k]).max(), np.abs(tau[:, k]).max()
+        rows.append(
+            (name, f"{speed:.4g} {unit}/s", f"{qd[-1, k]:.4g} {unit}/s", f"{most:.4g} {effort}")
+        )
+    terminal.table(TextTable(("joint", "peak speed", "at the end", "peak torque"), rows))
+    console.print(f"written: {path}", markup=False, soft_wrap=True)
