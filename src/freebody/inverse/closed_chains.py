@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -45,16 +46,9 @@ def of_closed_chain(
     if work.plan is not None:
         candidates = work.plan.solve(np.tile(work.rest, (len(problem.target), 1)), problem.target)
         if candidates is not None:
-            solutions = [
-                work.verified(q, target)
-                for q, target in zip(candidates, problem.target, strict=True)
-            ]
-            branches = [
-                work.plan.branches(s.q, target[None])
-                for s, target in zip(solutions, problem.target, strict=True)
-            ]
+            solutions = work.verified(candidates, problem.target)
             nq = problem.solver.model.nq
-            found = found_in_turn(solutions, branches, nq, "dyads, in closed form", [])
+            found = found_in_turn(solutions, work.named(solutions), nq, "dyads, in closed form", [])
             return gathered(problem, None, found, batch, away)
     return gathered(problem, None, _searched(work), batch, away)
 
@@ -77,7 +71,7 @@ def _searched(work: _Held) -> Found:
     for target in problem.target:
         goals = np.broadcast_to(target, (len(starts), *target.shape))
         q, _ = work.descend(goals, starts, 1.0, 80)
-        solutions.append(work.verified(q, target))
+        solutions += work.verified(q[None], target[None])
     redundant = any(work.freedom(s.q[0]) for s in solutions if len(s.q))
     if redundant:
         solutions = [work.thinned(s) for s in solutions]
@@ -165,23 +159,43 @@ class _Held:
         return closing(model, q, range(model.nv))[0]
 
     # ------------------------------------------------------------ solutions
-    def verified(self, q: Array, target: Array) -> Verified:
-        """Of candidates (k, nq) those that reach the target with all loops closed, polished,
-        wrapped, each once."""
-        good = q[np.isfinite(q).all(axis=-1)]
-        goals = np.broadcast_to(target, (len(good), *target.shape))
-        good = self._polished(good, goals)
-        good = wrapped(self.solver, good, self.rest)
+    def verified(self, q: Array, target: Array) -> list[Verified]:
+        """Of candidates (N, K, nq) those that reach their targets (N, …) with all loops closed,
+        polished, wrapped, each once."""
+        N, K, nq = q.shape
+        rows = np.flatnonzero(np.isfinite(q).all(axis=-1))
+        good, goals = q.reshape(-1, nq)[rows], target[rows // K]
+        good = wrapped(self.solver, self._polished(good, goals), self.rest)
         miss = self.solver.miss(good, goals) if len(good) else np.zeros(0)
-        rows = np.flatnonzero((miss <= EXACT) & self._closed(good))
-        order = rows[np.argsort(np.linalg.norm(good[rows] - self.rest, axis=-1), kind="stable")]
-        if self.plan is not None:
-            order = np.sort(rows)
+        fine = (miss <= EXACT) & self._closed(good)
+        ends = np.searchsorted(rows, K * np.arange(N + 1))
+        return [
+            self._each_once(good, miss, first + np.flatnonzero(fine[first:last]))
+            for first, last in pairwise(ends)
+        ]
+
+    def _each_once(self, q: Array, miss: Array, rows: np.ndarray) -> Verified:
+        """Of the rows of q those that are none before them, in a plan's order, else the nearest
+        to the reference first."""
+        if self.plan is None:
+            way = np.linalg.norm(q[rows] - self.rest, axis=-1)
+            rows = rows[np.argsort(way, kind="stable")]
         kept: list[int] = []
-        for row in order:
-            if all(_apart(self.solver.model, good[row], good[other]) > APART for other in kept):
+        for row in rows:
+            if all(_apart(self.solver.model, q[row], q[other]) > APART for other in kept):
                 kept.append(int(row))
-        return Verified(good[kept], miss[kept], np.array(kept, dtype=int))
+        return Verified(q[kept], miss[kept], np.array(kept, dtype=int))
+
+    def named(self, solutions: list[Verified]) -> list[list[str]]:
+        """Names of the branches of the targets' solutions, by their dyads."""
+        assert self.plan is not None
+        counts = [len(s.q) for s in solutions]
+        every = np.concatenate([s.q for s in solutions]) if solutions else np.zeros((0, 0))
+        if not len(every):
+            return [[] for _ in solutions]
+        names = self.plan.branches(every, np.repeat(self.problem.target, counts, axis=0))
+        ends = np.cumsum([0, *counts])
+        return [names[first:last] for first, last in pairwise(ends)]
 
     def _closed(self, q: Array) -> np.ndarray:
         model = self.solver.model

@@ -56,15 +56,15 @@ class Decomposition:
         return at.q
 
     def branches(self, q: Array, target: Array | None = None) -> list[str]:
-        """Names of the solutions q (k, nq) of one sample: on which side elbows lie, which way
-        slides reach."""
-        at = self._posture(q[None], target)
+        """Names of solutions q (k, nq): on which side elbows lie, which way slides reach; target:
+        their poses (k, 3, 3), or (1, 3, 3) of all."""
+        at = self._posture(q[:, None], target)
         columns = []
         for step in self.steps:
             label = step.label(at)
             if label is not None:
                 words = [f"{step.called} {way}" for way in (*step.ways, "straight")]
-                columns.append(side_of(label[0], 1.0, *words).tolist())
+                columns.append(side_of(label[:, 0], 1.0, *words).tolist())
         return (
             [", ".join(names) for names in zip(*columns, strict=True)] if columns else [""] * len(q)
         )

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 _AT_ONCE = 65536
 """Targets side by side, which bounds the memory."""
+_MODES_AT_ONCE = 4096
+"""The same of closed chains."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -190,13 +192,18 @@ def _closed_chain(model: Model, frame: str, task: Task, target: Array) -> Ways:
         shape = (len(target), *model.family)
         ways, distance = (np.stack([x[k] for x in each], -1).reshape(shape) for k in (0, 1))
         return ways, distance, each[0][2], any(x[3] for x in each)
-    poses = read_target("workspace", model, target, None)[1]
-    problem = Problem(NumericalSolver(model, frame, task), poses, None, "mark", None, 0)
-    found = of_closed_chain(problem, (len(target),), away=unmeasured)
-    ways = (found.valid & found.within_limits).sum(axis=-1)
-    some = found.q[found.valid][:1]
-    redundant = len(some) > 0 and still_moves(problem, some[0])
-    return ways, found.distance, found.method, redundant
+    _, poses = read_target("workspace", model, target, None)
+    solver, method, redundant = NumericalSolver(model, frame, task), "", False
+    ways, distance = np.zeros(len(poses), dtype=int), np.zeros(len(poses))
+    for start in range(0, len(poses), _MODES_AT_ONCE):
+        part = slice(start, start + _MODES_AT_ONCE)
+        problem = Problem(solver, poses[part], None, "mark", None, 0)
+        found = of_closed_chain(problem, problem.target.shape[:1], away=unmeasured)
+        ways[part] = (found.valid & found.within_limits).sum(axis=-1)
+        distance[part], method = found.distance, found.method
+        some = found.q[found.valid][:1]
+        redundant = redundant or (len(some) > 0 and still_moves(problem, some[0]))
+    return ways, distance, method, redundant
 
 
 def _poses(points: Array, R: Array) -> Array:
