@@ -18,7 +18,7 @@ import numpy as np
 import freebody as fb
 from common import quickest
 
-ROUNDS = 3
+ROUNDS = 8
 
 
 def main() -> None:

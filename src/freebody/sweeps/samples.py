@@ -111,18 +111,17 @@ class Samples(Mapping[str, Array]):
 
     def _points(self, places: slice | np.ndarray) -> Array:
         """Of the unit cube, (*places, dimensions)."""
-        if self.count * self._dimensions <= _HELD:
+        if not SAMPLERS[self.method].runs or self.count * self._dimensions <= _HELD:
             return self._all[places]
-        size = _RUN if SAMPLERS[self.method].runs else self.count
         if isinstance(places, slice):
             start, stop, _ = places.indices(self.count)
-            numbers = range(start // size, -(-stop // size))
             parts = [
-                self._run(k)[max(start - k * size, 0) : min(stop - k * size, size)] for k in numbers
+                self._run(k)[max(start - k * _RUN, 0) : stop - k * _RUN]
+                for k in range(start // _RUN, -(-stop // _RUN))
             ]
             return parts[0] if len(parts) == 1 else np.concatenate(parts)
         found = np.empty((*places.shape, self._dimensions))
-        run, within = np.divmod(places, size)
+        run, within = np.divmod(places, _RUN)
         for k in np.unique(run).tolist():
             here = run == k
             found[here] = self._run(k)[within[here]]
@@ -130,18 +129,18 @@ class Samples(Mapping[str, Array]):
 
     @cached_property
     def _all(self) -> Array:
-        if not SAMPLERS[self.method].runs:
-            return self._run(0)
-        return np.concatenate([self._run(k) for k in range(-(-self.count // _RUN))])
+        size = _RUN if SAMPLERS[self.method].runs else self.count
+        parts = [
+            _made(self.method, min(size, self.count - first), self._dimensions, self.seed, k)
+            for k, first in enumerate(range(0, self.count, size))
+        ]
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
     def _run(self, number: int) -> Array:
-        size = self.count
-        if SAMPLERS[self.method].runs:
-            size = min(_RUN, self.count - number * _RUN)
-        return _made(self.method, size, self._dimensions, self.seed, number)
+        size = min(_RUN, self.count - number * _RUN)
+        return _kept(self.method, size, self._dimensions, self.seed, number)
 
 
-@lru_cache(maxsize=4)
 def _made(method: str, count: int, dimensions: int, seed: int, run: int) -> Array:
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(run,)))
     try:
@@ -153,6 +152,10 @@ def _made(method: str, count: int, dimensions: int, seed: int, run: int) -> Arra
         ) from None
     points.flags.writeable = False
     return points
+
+
+_kept = lru_cache(maxsize=4)(_made)
+"""The last runs, of which a sweep reads a part at a time."""
 
 
 def samples(
