@@ -33,7 +33,8 @@ class PageProgram:
 
     def places(self, value: Any) -> list[int]:
         """Where in y the entries of a value will be; equal ones have one place."""
-        forms = [self._quantities.form(x) for x in entries(value)]
+        form = self._quantities.form
+        forms = [x if isinstance(x, Expression) else form(x) for x in entries(value)]
         return [self._places.setdefault(form, len(self._places)) for form in forms]
 
     @property

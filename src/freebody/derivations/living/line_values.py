@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from freebody.derivations.derivation import Derivation, Step
 from freebody.derivations.expressions.expression import Equation, Expression, Symbol
-from freebody.derivations.expressions.nodes import nodes, replaced
+from freebody.derivations.expressions.nodes import (
+    Derivative,
+    Matrix,
+    Quotient,
+    Vector,
+    Words,
+    nodes,
+    replaced,
+)
 from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.living.axes import own_axes, scalar_name, world_axes
 from freebody.derivations.methods import METHODS
@@ -26,7 +34,8 @@ _RATES = {"q_d": "qd", "q_dd": "qdd"}
 
 @dataclass(frozen=True)
 class ValuedLine:
-    """A line and the exact value of its sides: a scalar, or a vector as a tuple."""
+    """A line and the exact value of its sides: a scalar, or a vector as a tuple; of a quotient that
+    is no polynomial a formula of symbols."""
 
     step: Step
     line: Equation
@@ -88,7 +97,41 @@ def _lines(derivation: Derivation, values: Quantities, known: frozenset[str]) ->
             one or _valued(step, line, world, in_world=True)
             for one, (step, line) in zip(made, waiting, strict=True)
         ]
-    return LineValues(values, known, tuple(one for one in made if one))
+    return LineValues(values, known, tuple(_with_quotients(waiting, made, values)))
+
+
+def _with_quotients(
+    waiting: Iterable[tuple[Step, Equation]],
+    made: Iterable[ValuedLine | None],
+    values: Quantities,
+) -> Iterator[ValuedLine]:
+    """The lines, and those that give a name to a quotient that is no polynomial."""
+    quotients: dict[str, Expression] = {}
+    for (step, line), one in zip(waiting, made, strict=True):
+        name = line.lhs.name if isinstance(line.lhs, Symbol) else ""
+        if one is not None:
+            yield one
+        elif name and any(isinstance(x, Quotient) for x in nodes(line.rhs)):
+            form = _in_symbols(line.rhs, values, quotients)
+            if form is not None:
+                quotients[name] = form
+                yield ValuedLine(step, line, form, _names(line, values))
+
+
+def _in_symbols(
+    side: Expression, values: Quantities, quotients: Mapping[str, Expression]
+) -> Expression | None:
+    """A scalar side with the values of its names in their place; None if one has none."""
+    new: dict[Expression, Expression] = {}
+    for x in nodes(side):
+        if isinstance(x, Symbol):
+            found = quotients.get(x.name, values.get(x.name))
+            if not isinstance(found, Expression | Trig):
+                return None
+            new[x] = found if isinstance(found, Expression) else values.form(found)
+        elif isinstance(x, Vector | Matrix | Derivative | Words):
+            return None
+    return replaced(side, new)
 
 
 def _valued(
