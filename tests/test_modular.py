@@ -141,3 +141,11 @@ def test_in_the_plane_the_rules_suffice():
     lines = fb.derive(fb.planar("RR"), "recursive", values="modular").text()
     assert "v̇c₂ = v̇₂ + ω̇₂ z × sc₂ + ω₂ z × (ω₂ z × sc₂)\n" in lines
     assert "τ₁ = nc₁ + τ₂ + sc₁ × fc₁ + s₁ × f₁₂\n" in lines
+
+
+@pytest.mark.parametrize("method", ["newton-euler", "recursive"])
+def test_long_arms_in_the_plane_are_told_by_rules(method):
+    said = fb.derive(fb.planar("RRPRR"), method).text()
+    assert "terms)" not in said
+    assert "   v̇₄ = v̇₃ + ω̇₃ z × s₃ + ω₃ z × (ω₃ z × s₃)\n" in said
+    assert "told by those of the body before" in " ".join(said.split())

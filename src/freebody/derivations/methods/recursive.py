@@ -43,9 +43,8 @@ def work_out(setting: Setting, gravity: str, values: str) -> Worked:
 
 
 def is_readable(setting: Setting, tau: Iterable[Trig]) -> bool:
-    """Whether all torques are written out, not told by their length; in the plane, where a modular
-    recursion would show no values at all, it counts as such."""
-    return setting.planar or not any(isinstance(setting.show(x), Words) for x in tau)
+    """Whether all torques are written out, not told by their length."""
+    return not any(isinstance(setting.show(x), Words) for x in tau)
 
 
 def modular_steps(setting: Setting, gravity: str) -> list[Step]:
@@ -54,7 +53,7 @@ def modular_steps(setting: Setting, gravity: str) -> list[Step]:
     base = gravity == "base" or not setting.weighs
     shown = setting if setting.planar else ModularSetting.of(setting)
     steps = _steps(shown, shown.recursion(gravity), base, rules=setting.planar)
-    long = not setting.equations.is_short
+    long = not setting.planar and not setting.equations.is_short
     steps.append(last_step(steps, setting.equations.length) if long else closed_form(setting))
     return steps
 
@@ -83,6 +82,12 @@ _BY_NAME = (
     " From here each line is written by components of the lines before, such as ω_2x, so that it "
     "holds the numbers and the coordinate of one joint; in the coordinates of all joints the lines "
     "grow from body to body. Velocities of points are left out: the accelerations do not need them."
+)
+
+
+_BY_RULES = (
+    " From here each vector is told by those of the body before; all have components along x and "
+    "y, and written out in the coordinates of the joints they would grow from body to body."
 )
 
 
@@ -117,6 +122,8 @@ class _Outward:
         still = eq(vec("v0"), ex.ZERO) if self.velocities else None
         if not self.velocities:
             reason += _BY_NAME
+        if self.rules:
+            reason += _BY_RULES
         return Step(
             "Start at the base",
             reason,
