@@ -109,11 +109,15 @@ def _read(model: Model, text: str) -> tuple[Any, Any]:
 
         return read_waypoints(model, text)
     rows = [options.values("waypoints", row) for row in text.split(";") if row.strip()]
+    names = model.position_names
+    if model.loops and rows and len(rows[0]) != model.nq:
+        names = model.driven_names
     for k, row in enumerate(rows):
-        if len(row) != model.nq:
+        if len(row) != len(names):
+            what = "driven joints" if names is not model.position_names else "positions"
             raise FreebodyError(
-                f"waypoint {k} has {len(row)} positions, {model.name!r} has {model.nq}: "
-                f"{listed(model.position_names, 8)}."
+                f"waypoint {k} has {len(row)} positions, {model.name!r} has {len(names)} {what}: "
+                f"{listed(names, 8)}."
             )
     return rows, None
 
@@ -132,14 +136,16 @@ def _print(model: Model, motion: Motion, path: Path) -> None:
     out.print(f"{model.name}: {motion.source}, {motion.duration:.4g} s.", markup=False)
     rows = []
     found, limits = motion.peaks, planning_limits("plan", model)
-    for k, name in enumerate(model.velocity_names):
+    names = model.driven_names if model.loops else model.velocity_names
+    for name in names:
+        k, at = model.velocity_names.index(name), model.position_names.index(name)
         unit = "rad" if limits.allowed.turns[k] else "m"
         share = found.velocity.size[k] / limits.velocity[k]
         rows.append(
             (
                 name,
-                f"{_cleared(found.position.low[k]):.4g} {unit}",
-                f"{_cleared(found.position.high[k]):.4g} {unit}",
+                f"{_cleared(found.position.low[at]):.4g} {unit}",
+                f"{_cleared(found.position.high[at]):.4g} {unit}",
                 f"{found.velocity.size[k]:.4g} {unit}/s",
                 f"{100 * share:.3g} %" if limits.velocity[k] < float("inf") else "",
                 f"{found.acceleration.size[k]:.4g} {unit}/s²",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -27,6 +27,7 @@ _SEEDS = 24
 _TELLING = 1e-6  # regularity below which some coordinates do not tell the others
 _AGREE = 1e-4  # of the length: how far a column that is not needed may be off
 _JUMP = 0.5  # rad: between samples nothing moves so far but by changing to another way of closing
+_BY_SAMPLE = "at sample {}; make the motion smaller, or its samples closer"
 _GOOD = 0.15  # regularity at which a home is as good as any
 
 
@@ -86,11 +87,17 @@ def regularity(model: Model, q: Array, leading: Sequence[int]) -> float:
     return float(np.linalg.svd(N[list(leading)], compute_uv=False).min(initial=1.0))
 
 
-def followed(model: Model, start: Array, leading: Sequence[int], way: Array) -> Array:
+def followed(
+    model: Model,
+    start: Array,
+    leading: Sequence[int],
+    way: Array,
+    place: Callable[[int], str] = _BY_SAMPLE.format,
+) -> Array:
     """Closed positions (T, nq) from the closed start (nq,), the leading coordinates moved by way
     (T, len(leading)).
 
-    Raises LoopError with the sample where the loops let them go no further.
+    Raises LoopError with the place of the sample where the loops let them go no further.
     """
     others = [k for k in range(model.nv) if k not in leading]
     q, before = [], start
@@ -108,11 +115,7 @@ def followed(model: Model, start: Array, leading: Sequence[int], way: Array) -> 
         closed, left = closing(model, guess[None], others)
         moved = np.abs(difference(model, before, closed[0]) / rate_scale(model)).max()
         if left[0] > 1e-11 or moved > _JUMP or backward(model, closed).any():
-            raise LoopError(
-                f"the loops of {model.name!r} block the driven joints at sample {k}; "
-                f"make the motion "
-                "smaller, or its samples closer."
-            )
+            raise LoopError(f"the loops of {model.name!r} block the driven joints {place(k)}.")
         before, done = closed[0], reached
         q.append(before)
     return np.array(q)

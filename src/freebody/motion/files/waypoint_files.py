@@ -25,8 +25,9 @@ Rows = Literal["knots", "samples"]
 def read_waypoints(model: Model, path: str | os.PathLike[str]) -> tuple[Array, Array | None]:
     """Waypoints from a CSV file: positions (k, nq), and times (k,) or None.
 
-    A header with the model's position names, perhaps with `t`, units as in `read_motion`; then a
-    row for each waypoint. For `quintic`, `spline` and the like. Raises FileError with the line.
+    A header with the model's position names (of a closed chain those of the driven joints suffice),
+    perhaps with `t`, units as in `read_motion`; then a row for each waypoint. For `quintic`,
+    `spline` and the like. Raises FileError with the line.
     """
     file = Path(path)
     read = read_columns(model, file, timed=False, what="a file of waypoints")
@@ -41,11 +42,17 @@ def read_waypoints(model: Model, path: str | os.PathLike[str]) -> tuple[Array, A
     check_names(model, read.header, problem)
     table = read.values()
     columns = dict(zip(read.header, table.T, strict=True))
-    missing = [name for name in model.position_names if name not in columns]
+    names = _planned_names(model, set(columns))
+    missing = [name for name in names if name not in columns]
     if missing:
         raise problem(f"there is no column for {quoted(missing)}.")
-    q = np.stack([columns[name] for name in model.position_names], axis=-1)
-    return q, columns.get("t")
+    return np.stack([columns[name] for name in names], axis=-1), columns.get("t")
+
+
+def _planned_names(model: Model, given: set[str]) -> tuple[str, ...]:
+    """Of a closed chain the driven joints, unless others are given too."""
+    driven = model.driven_names
+    return driven if model.loops and not given - {"t", *driven} else model.position_names
 
 
 def motion_table(model: Model, motion: Motion) -> tuple[list[str], Array]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -69,7 +69,8 @@ def planning_limits(
     jerk: Limit = None,
     torque: Limit = None,
 ) -> PlanningLimits:
-    """The limits given, one for all coordinates or one each (nv,), and the model's own."""
+    """The limits given, one for all coordinates (of a closed chain: the driven ones) or one each
+    (nv,), and the model's own."""
     allowed = ranges(model)
     given = {
         name: _read(function, model, name, value)
@@ -89,7 +90,8 @@ def _read(function: str, model: Model, name: str, value: Limit) -> Array:
     if value is None:
         return np.full(model.nv, np.inf)
     if not isinstance(value, Mapping) and np.ndim(value) == 0:
-        value = np.full(model.nv, as_floats(function, name, value))
+        led = np.isin(np.arange(model.nv), model.passive if model.loops else ())
+        value = np.where(led, np.inf, as_floats(function, name, value))
     array = vector(function, model, name, value)
     if array.ndim != 1:
         raise FreebodyError(
@@ -163,10 +165,8 @@ def quickest(
 
     sought: arguments that say how fast. Raises MissingArgumentError where nothing limits it.
     """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        by_speed = np.where(velocity > 0.0, limits.velocity / velocity, np.inf)
-        by_size = np.where(acceleration > 0.0, limits.acceleration / acceleration, np.inf)
-    factor = float(min(by_speed.min(), np.sqrt(by_size.min())))
+    by_size = np.sqrt(_within(limits.acceleration, acceleration))
+    factor = float(min(_within(limits.velocity, velocity), by_size))
     if not np.isfinite(factor):
         raise pace_unknown(function, model, *sought, "velocity", "acceleration")
     return factor
@@ -222,19 +222,48 @@ def checked_waypoints(
         raise FreebodyError(
             f"{function}: {name} has shape {q.shape}, expected at least two rows: (k, {model.nq})."
         )
-    iq, iv = position_columns(model)
-    low, high = limits.allowed.lower[iv], limits.allowed.upper[iv]
-    x = q[:, iq]
-    beyond = np.maximum(low - x, x - high)
-    k, j = np.unravel_index(np.argmax(beyond), beyond.shape)
-    if beyond[k, j] > SLACK * max(1.0, abs(x[k, j])):
-        there, least, most = compared(x[k, j], low[j], high[j], digits=5)
-        raise FreebodyError(
-            f"{function}: {one or _numbered(int(k), name)} has {model.velocity_names[iv[j]]} at "
-            f"{there}, outside its range from {least} to {most}."
-        )
+    refuse_beyond(function, model, q, range(model.nv), limits, one, name)
     return q
+
+
+def refuse_beyond(
+    function: str,
+    model: Model,
+    q: Array,
+    columns: Sequence[int],
+    limits: PlanningLimits,
+    one: str = "",
+    name: str = "waypoints",
+) -> None:
+    """Refuse waypoints (k, n) of those coordinates, each with a position of its own, that are out
+    of range."""
+    low, high = (x[list(columns)] for x in (limits.allowed.lower, limits.allowed.upper))
+    beyond = np.maximum(low - q, q - high)
+    k, j = np.unravel_index(np.argmax(beyond), beyond.shape)
+    if beyond[k, j] > SLACK * max(1.0, abs(q[k, j])):
+        there, least, most = compared(q[k, j], low[j], high[j], digits=5)
+        raise FreebodyError(
+            f"{function}: {one or _numbered(int(k), name)} has {model.velocity_names[columns[j]]} "
+            f"at {there}, outside its range from {least} to {most}."
+        )
 
 
 def _numbered(k: int, name: str) -> str:
     return f"waypoint {k}" if name == "waypoints" else f"waypoint {k} of {name}"
+
+
+def slowed(motion: Motion, limits: PlanningLimits) -> float:
+    """How many times as fast, at most as fast as it is, a motion may be run within limits of rates
+    (nv,)."""
+    found = motion.peaks
+    return min(
+        1.0,
+        _within(limits.velocity, found.velocity.size),
+        np.sqrt(_within(limits.acceleration, found.acceleration.size)),
+    )
+
+
+def _within(limit: Array, size: Array) -> float:
+    """The least share of what is used that a limit is; infinite where none is."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return float(np.where(size > 0.0, limit / size, np.inf).min())

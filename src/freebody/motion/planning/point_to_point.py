@@ -10,15 +10,14 @@ from freebody.errors import FreebodyError
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.piecewise import PiecewisePolynomial, side_by_side
-from freebody.motion.planning.planned import planned, read_times
+from freebody.motion.planning.planned import read_times
+from freebody.motion.planning.planned_joints import PlannedJoints
 from freebody.motion.planning.planning_limits import (
     SAME,
     Limit,
     PlanningLimits,
-    checked_waypoints,
     pace_unknown,
     planning_limits,
-    within_limits,
 )
 from freebody.motion.planning.profiles import LIMITS, PROFILES
 from freebody.outputs.numbers import compared, rounded_up
@@ -38,10 +37,12 @@ def quintic(
     """Straight lines in joint space from each waypoint to the next, at rest in each, by polynomials
     of degree 5.
 
-    waypoints: (k, nq), k > 1. times: (k,) s; default as fast as the limits allow. velocity,
-    acceleration, jerk: limits, one number for all joints or (nv,), rad/s, rad/s², rad/s³ (m);
-    besides them the model's limits of position and speed count. step: s between samples, by default
-    a 400th of the motion. Accelerations are continuous, and zero at the waypoints.
+    waypoints: (k, nq), k > 1; of a closed chain positions of its driven joints, (k, number of
+    them), on the branch of its home, or closed positions of all. times: (k,) s; default as fast as
+    the limits allow. velocity, acceleration, jerk: limits, one number for all joints (of a closed
+    chain: the driven ones) or (nv,), rad/s, rad/s², rad/s³ (m); besides them the model's limits of
+    position and speed count. step: s between samples, by default a 400th of the motion.
+    Accelerations are continuous, and zero at the waypoints.
 
     Raises FreebodyError with joint and time where a limit is not kept.
     """
@@ -90,16 +91,15 @@ def s_curve(
 
 
 def dwell(model: Model, q: Vector, duration: float, *, step: float | None = None) -> Motion:
-    """Rest at q (nq,) for `duration` s; to stand between other motions: `a.then(pause).then(b)`.
+    """Rest at q (nq,), or the driven joints of a closed chain, for `duration` s; to stand between other motions: `a.then(pause).then(b)`.
 
     step: s between samples, by default a tenth.
     """
     duration = above_zero("dwell", "duration", duration, "seconds")
-    limits = planning_limits("dwell", model)
-    at = checked_waypoints("dwell", model, [q, q], limits, "q")[:1]
-    still = PiecewisePolynomial(np.array([0.0, duration]), at[None])
-    words = f"at rest for {duration:g} s"
-    return planned("dwell", model, still, words, limits, 0.1 * duration if step is None else step)
+    joints = PlannedJoints.of("dwell", model, [q, q], planning_limits("dwell", model), "q")
+    still = PiecewisePolynomial(np.array([0.0, duration]), joints.waypoints[None, :1])
+    words, tenth = f"at rest for {duration:g} s", 0.1 * duration
+    return joints.motion(still, words, tenth if step is None else step, paced=True)
 
 
 def _stopping(
@@ -111,44 +111,37 @@ def _stopping(
     limits: PlanningLimits,
     step: float | None,
 ) -> Motion:
-    q = checked_waypoints(function, model, waypoints, limits)
+    joints = PlannedJoints.of(function, model, waypoints, limits)
+    q = joints.waypoints
     given = None if times is None else read_times(function, times, len(q))
     whole = None
     for k in range(len(q) - 1):
         wanted = None if given is None else float(given[k + 1] - given[k])
-        move = _move(function, name, model, k, (q[k], q[k + 1]), limits, wanted)
+        move = _move(joints, name, k, wanted)
         whole = move if whole is None else whole.then(move)
     assert whole is not None
     if given is not None:
         whole = PiecewisePolynomial(whole.breaks + given[0], whole.coefficients)
     words = f"{PROFILES[name].words} through {len(q)} waypoints, at rest in each"
-    motion = planned(function, model, whole, words, limits, step)
-    return within_limits(function, model, motion, limits)
+    return joints.motion(whole, words, step, paced=given is not None)
 
 
-def _move(
-    function: str,
-    name: str,
-    model: Model,
-    k: int,
-    ends: tuple[Array, Array],
-    limits: PlanningLimits,
-    wanted: float | None,
-) -> PiecewisePolynomial:
+def _move(joints: PlannedJoints, name: str, k: int, wanted: float | None) -> PiecewisePolynomial:
     """The k-th move from one waypoint to the next; `wanted`: its duration."""
+    function, ends = joints.function, joints.waypoints[k : k + 2]
     way = ends[1] - ends[0]
     if not (np.abs(way) > SAME).any():
         raise FreebodyError(
             f"{function}: waypoints {k} and {k + 1} are the same; leave one out, and to wait there "
             f"use fb.dwell."
         )
-    curves = _quickest(function, name, model, way, limits, wanted)
+    curves = _quickest(joints, name, way, wanted)
     slowest = max(curves, key=lambda i: curves[i].breaks[-1])
     shortest = float(curves[slowest].breaks[-1])
     if wanted is not None and wanted < shortest * (1.0 - 1e-9):
         needed, given = compared(float(rounded_up(shortest, 5)), wanted, digits=5)
         raise FreebodyError(
-            f"{function}: from waypoint {k} to {k + 1} {model.position_names[slowest]} needs "
+            f"{function}: from waypoint {k} to {k + 1} {joints.names[slowest]} needs "
             f"{needed} s within its limits, times give {given} s."
         )
     duration = shortest if wanted is None else wanted
@@ -163,22 +156,18 @@ def _move(
 
 
 def _quickest(
-    function: str,
-    name: str,
-    model: Model,
-    way: Array,
-    limits: PlanningLimits,
-    wanted: float | None,
+    joints: PlannedJoints, name: str, way: Array, wanted: float | None
 ) -> dict[int, PiecewisePolynomial]:
     """The curve of each joint that moves, from 0 over the size of its way, as if it were alone."""
     profile = PROFILES[name]
     curves = {}
     for i in map(int, np.flatnonzero(np.abs(way) > SAME)):
-        own = {x: float(getattr(limits, x)[i]) for x in LIMITS}
+        own = {x: float(getattr(joints.own, x)[i]) for x in LIMITS}
         missing = [x for x in profile.needs if not np.isfinite(own[x])]
         if missing or not any(map(np.isfinite, own.values())):
             if wanted is None or profile.needs:
-                raise pace_unknown(function, model, *(missing or ("times", *LIMITS)))
+                needed = missing or ("times", *LIMITS)
+                raise pace_unknown(joints.function, joints.model, *needed)
             own["velocity"] = 2.0 * abs(way[i]) / wanted  # any: it is run in the wanted duration
         curves[i] = profile.quickest(abs(float(way[i])), *own.values())
     return curves

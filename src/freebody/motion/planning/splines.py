@@ -12,15 +12,14 @@ from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.piecewise import Degree, Ends, interpolated
-from freebody.motion.planning.planned import planned, read_times
+from freebody.motion.planning.planned import read_times
+from freebody.motion.planning.planned_joints import PlannedJoints
 from freebody.motion.planning.planning_limits import (
     SAME,
     Limit,
     PlanningLimits,
-    checked_waypoints,
     planning_limits,
     quickest,
-    within_limits,
 )
 
 
@@ -37,7 +36,7 @@ def spline(
 ) -> Motion:
     """The spline through waypoints, which does not stop at them.
 
-    waypoints: (k, nq), k > 1. times: (k,) s; default in proportion to the way of the slowest joint,
+    waypoints: as for `quintic`, k > 1. times: (k,) s; default in proportion to the way of the slowest joint,
     as fast as the limits allow. ends: "rest", rate zero at both, of degree 5 acceleration too;
     "natural", acceleration zero (of degree 5 the third and fourth derivative); "periodic", the end
     joined smoothly to the start. degree: 5, or 3, which oscillates less between waypoints, but
@@ -52,21 +51,21 @@ def spline(
     if degree not in get_args(Degree):
         raise FreebodyError(f"spline: degree is {degree}, expected 3 or 5.")
     limits = planning_limits("spline", model, velocity, acceleration)
-    q = checked_waypoints("spline", model, waypoints, limits)
+    joints = PlannedJoints.of("spline", model, waypoints, limits)
+    q, own = joints.waypoints, joints.own
     if ends == "periodic" and (len(q) < degree + 1 or (q[0] != q[-1]).any()):
         raise FreebodyError(
             f"spline: a periodic one needs at least {degree + 1} waypoints, the last equal to the "
             f"first."
         )
     given = None if times is None else read_times("spline", times, len(q))
-    knots = _proportional(q, limits) if given is None else given
+    knots = _proportional(q, own) if given is None else given
     curve = interpolated(knots, q, degree, ends)
     if given is None:
         rate, second = (curve.derivative(order).extremes.size for order in (1, 2))
-        curve = curve.scaled(quickest("spline", model, rate, second, limits, "times"))
+        curve = curve.scaled(quickest("spline", model, rate, second, own, "times"))
     words = f"a spline of degree {degree} through {len(q)} waypoints"
-    motion = planned("spline", model, curve, words, limits, step)
-    return within_limits("spline", model, motion, limits)
+    return joints.motion(curve, words, step, paced=given is not None)
 
 
 def _proportional(q: Array, limits: PlanningLimits) -> Array:

@@ -1,0 +1,113 @@
+"""Planned motions of closed chains: the driven joints follow a curve, the loops lead the others."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import LoopError
+from freebody.loops.rates import loop_acceleration, loop_velocity
+from freebody.model.model import Model
+from freebody.motion.closed_chain_motion import followed
+from freebody.motion.motion import Motion
+from freebody.motion.piecewise import PiecewisePolynomial, hermite
+from freebody.motion.planning.driven_waypoints import DrivenWaypoints
+from freebody.motion.planning.planned import SAMPLES, sample_times
+from freebody.trees.position_rates import (
+    continuous,
+    layout,
+    position_acceleration,
+    position_rate,
+    state_of,
+)
+from freebody.trees.states import difference
+
+_BESIDE = 5e-4
+"""Of the duration: times nearer to a break are left out; rounding makes accelerations of less."""
+_ELSEWHERE = 1e-6
+"""rad, m: how far given closed positions may be from where the loops lead."""
+
+
+def through_loops(
+    function: str,
+    model: Model,
+    curve: PiecewisePolynomial,
+    waypoints: DrivenWaypoints,
+    words: str,
+    step: float | None,
+) -> Motion:
+    """The motion of all joints when the driven ones follow a curve (n,) over time.
+
+    Exact at 401 times and where the curve's polynomials meet, quintic between. Raises LoopError
+    where the loops block it, or lead elsewhere than to a given waypoint.
+    """
+    where, start = layout(model), waypoints.start
+    knots = _knots(curve)
+    first = curve.derivative()(knots)
+    second = curve.derivative(2)
+    way = curve(knots)
+
+    def place(k: int) -> str:
+        reached = ", ".join(
+            f"{name} = {x:.4g}" for name, x in zip(model.driven_names, way[k + 1], strict=True)
+        )
+        return f"at t = {knots[k + 1]:.4g} s ({reached}); move the waypoints"
+
+    try:
+        moved = followed(model, start, model.driven, way[1:] - way[0], place)
+    except LoopError as problem:
+        raise LoopError(f"{function}: {problem}") from None
+    q = np.concatenate([start[None], moved])
+    qd = loop_velocity(model, q, _named(model, first))
+    later, before = (
+        loop_acceleration(model, q, qd, _named(model, x))
+        for x in (second(knots), second.before(knots))
+    )
+    x = continuous(where, q)
+    rates = position_rate(where, x, qd)
+    pieces = hermite(
+        knots,
+        x,
+        rates,
+        position_acceleration(where, x, qd, later),
+        position_acceleration(where, x, qd, before),
+    )
+    t = sample_times(function, curve.breaks, step)
+    states = state_of(where, *(pieces.derivative(k)(t) if k else pieces(t) for k in range(3)))
+    motion = Motion(t, *states, f"{words}; the loops lead the other joints", where, pieces=pieces)
+    _refuse_elsewhere(function, model, curve, waypoints, motion)
+    return motion
+
+
+def _knots(curve: PiecewisePolynomial) -> Array:
+    breaks = curve.breaks
+    even = np.linspace(breaks[0], breaks[-1], SAMPLES)
+    nearest = breaks[np.searchsorted(0.5 * (breaks[1:] + breaks[:-1]), even)]
+    beside = np.abs(even - nearest) <= _BESIDE * (breaks[-1] - breaks[0])
+    return np.union1d(even[~beside], breaks)
+
+
+def _named(model: Model, values: Array) -> dict[str, Array]:
+    return dict(zip(model.driven_names, values.T, strict=True))
+
+
+def _refuse_elsewhere(
+    function: str,
+    model: Model,
+    curve: PiecewisePolynomial,
+    waypoints: DrivenWaypoints,
+    motion: Motion,
+) -> None:
+    """Refuse closed waypoints on another branch than the first."""
+    if waypoints.every is None:
+        return
+    for k, (own, every) in enumerate(zip(waypoints.q, waypoints.every, strict=True)):
+        passed = np.abs(curve(motion.knots) - own).max(axis=1)
+        q = motion.at(motion.knots[int(np.argmin(passed))])[0]
+        off = np.abs(difference(model, q, every))
+        if off.max() > _ELSEWHERE:
+            j = int(np.argmax(off))
+            raise LoopError(
+                f"{function}: waypoint {k} is on another branch than the first: the loops lead "
+                f"{model.velocity_names[j]} to a place {off[j]:.3g} away from it."
+            )
