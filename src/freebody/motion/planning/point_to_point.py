@@ -91,7 +91,8 @@ def s_curve(
 
 
 def dwell(model: Model, q: Vector, duration: float, *, step: float | None = None) -> Motion:
-    """Rest at q (nq,), or the driven joints of a closed chain, for `duration` s; to stand between other motions: `a.then(pause).then(b)`.
+    """Rest at q (nq,), or with the driven joints of a closed chain there, for `duration` s; to
+    stand between other motions: `a.then(pause).then(b)`.
 
     step: s between samples, by default a tenth.
     """

@@ -36,13 +36,13 @@ def spline(
 ) -> Motion:
     """The spline through waypoints, which does not stop at them.
 
-    waypoints: as for `quintic`, k > 1. times: (k,) s; default in proportion to the way of the slowest joint,
-    as fast as the limits allow. ends: "rest", rate zero at both, of degree 5 acceleration too;
-    "natural", acceleration zero (of degree 5 the third and fourth derivative); "periodic", the end
-    joined smoothly to the start. degree: 5, or 3, which oscillates less between waypoints, but
-    whose acceleration jumps at the ends. velocity, acceleration: limits, one number or (nv,),
-    rad/s, rad/s² (m); the model's limits of position and speed count too. step: s between samples,
-    by default a 400th of the motion.
+    waypoints: as for `quintic`, k > 1. times: (k,) s; default in proportion to the way of the
+    slowest joint, as fast as the limits allow. ends: "rest", rate zero at both, of degree 5
+    acceleration too; "natural", acceleration zero (of degree 5 the third and fourth derivative);
+    "periodic", the end joined smoothly to the start. degree: 5, or 3, which oscillates less between
+    waypoints, but whose acceleration jumps at the ends. velocity, acceleration: limits as for
+    `quintic`; the model's limits of position and speed count too. step: s between samples, by
+    default a 400th of the motion.
 
     Raises FreebodyError with joint and time where a limit is not kept, between waypoints too.
     """
