@@ -2,8 +2,8 @@
 one sign changed.
 
 tests/textbooks has a file for each book. A result has its place in the book, the robot that it is
-about, and the book's lines; `names` are what --name takes; `refused` tells why `check` cannot yet
-read it.
+about, and the book's lines; `names` are what --name takes, `parameters` formulas; `refused` tells
+why `check` cannot yet read it.
 """
 
 import contextlib
@@ -16,6 +16,7 @@ import pytest
 
 import freebody as fb
 from freebody.derivations.derive import compare
+from freebody.derivations.notations.notation import Notation
 from freebody.formats import toml
 from freebody.model.build import build_model
 
@@ -50,7 +51,10 @@ def model(result: dict[str, Any]) -> fb.Model:
 
 def answered(result: dict[str, Any], lines: list[str]) -> Any:
     text, absolute = "\n".join(lines), result.get("absolute", False)
-    return fb.check(model(result), text, names=result["names"] or None, absolute=absolute)
+    notation = Notation("book", parameters=result.get("parameters", {}))
+    return fb.check(
+        model(result), text, names=result["names"] or None, absolute=absolute, notation=notation
+    )
 
 
 @pytest.mark.parametrize("result", READ, ids=named)

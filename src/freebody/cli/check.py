@@ -42,6 +42,16 @@ def check(
             "torques those of these angles; without it each angle is from the previous link.",
         ),
     ] = False,
+    notation: Annotated[
+        str | None,
+        typer.Option(
+            "--notation",
+            metavar="NAME or FILE",
+            help="Letters, angles and parameters as a book has them: notes, craig, spong, "
+            "siciliano, murray-li-sastry, lynch-park, featherstone; or as a TOML file of your own "
+            "says.",
+        ),
+    ] = None,
     form: Annotated[
         str | None,
         typer.Option(
@@ -67,8 +77,12 @@ def check(
     model = options.load(robot, convention=convention)
     try:
         with terminal.progress("comparing"):
-            verdict = verdict_on(model, own, meanings, absolute=absolute, form=form)
+            verdict = verdict_on(
+                model, own, meanings, absolute=absolute, form=form, notation=notation
+            )
     except FileError as error:
+        if error.path != str(own):
+            raise
         hint = "an answer is a file, an equation such as 'H12 = …', or - for what is piped in"
         raise FileError(answer, None, f"{error.problem.rstrip('.')}; {hint}.") from None
     except AnswerError as problem:

@@ -42,7 +42,7 @@ _BASES: tuple[Literal["fixed", "free"], ...] = ("fixed", "free")
 def describe(file: str, text: str, *, name: str) -> RobotDescription:
     """The description in a TOML text. `name` stands in where the file gives none. Raises FileError
     with the line."""
-    top = _table(file, text)
+    top = table_of(file, text)
     top.only(*_GENERAL, *_TREE, "planar", "dh")
     forms = [key for key in ("planar", "dh") if key in top]
     if len(forms) > 1 or (forms and any(key in top for key in _TREE)):
@@ -83,7 +83,7 @@ def describe(file: str, text: str, *, name: str) -> RobotDescription:
     return _with_values(top, extra)
 
 
-def _table(file: str, text: str) -> TomlTable:
+def table_of(file: str, text: str) -> TomlTable:
     """The parsed text, with its lines."""
     bounded(file, text)
     try:

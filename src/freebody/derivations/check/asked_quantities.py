@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
@@ -19,6 +19,7 @@ from freebody.derivations.expressions.evaluate import arithmetic, evaluate
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.methods.energies import Energies
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.notations.notation import Notation
 from freebody.derivations.polynomials.determinant import determinant
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.relations.quantities import QuantityValues, branches
@@ -61,6 +62,7 @@ _TITLES = {
     "C": "entry {}, {} of the Coriolis matrix of Christoffel symbols",
     "christoffel": "the Christoffel symbol of the mass matrix of row {}, column {} and rate {}",
     "c": "the velocity term of {joint}",
+    "bias": "the velocity and gravity terms of {joint}",
     "g": "the gravity term of {joint}",
     "J": "entry {}, {} of the tip's Jacobian",
     "T": "the kinetic energy",
@@ -87,8 +89,17 @@ _LETTERS = {
     "T": ("T", "K", "KE", "Ek", "Ekin"),
     "V": ("V", "U", "P", "PE", "Ep", "Epot"),
     "L": ("L",),
+    "bias": (),
 }
+"""Letters of quantities, where no notation says which."""
 _WORLD = "This would be right in the world's axes; here the components are along those of body {}."
+
+
+def letters_of(notation: Notation) -> Mapping[str, tuple[str, ...]]:
+    """The letters of the families in a notation."""
+    return {**_LETTERS, **notation.letters}
+
+
 AMBIGUOUS = frozenset(("B", "b", "d", "k", "phi", "v"))
 """Letters that some books have for these quantities, and others for something else."""
 _TIP = {"x": ("x", "xP", "xp", "xE", "xtip", "px"), "y": ("y", "yP", "yp", "yE", "ytip", "py")}
@@ -101,6 +112,8 @@ class Targets:
 
     setting: RightEquations
     velocity: bool = False
+    letters: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: _LETTERS)
+    """Letters of the families."""
     based: bool = False
     """Whether the base is accelerated by -g, which then is in all accelerations."""
 
@@ -133,13 +146,14 @@ class Targets:
         """Vectors (one column) and matrices of quantities."""
         n = range(1, self.count + 1)
         found: dict[str, list[list[AskedQuantity]]] = {}
-        for family in ("tau", "g"):
-            for letter in _LETTERS[family]:
-                found[letter] = [[self.single[f"{_LETTERS[family][0]}{i}"]] for i in n]
-        for letter in ("c", "v"):
-            found[letter] = [[self.single[f"v{i}"]] for i in n]
-        for letter in ("M", "H", "D", "B", "C"):
-            found[letter] = [[self.single[f"{letter}{i}{j}"] for j in n] for i in n]
+        for family in ("tau", "g", "bias", "c"):
+            column = [[self._by_index[family, (i,)]] for i in n if self.letters[family]]
+            found |= dict.fromkeys(self.letters[family], column) if column else {}
+        if self.letters["c"]:
+            found["V"] = found[self.letters["c"][0]]  # the potential energy is no vector
+        for family in ("C", "M"):
+            for letter in filter(str.isupper, self.letters[family]):
+                found[letter] = [[self._by_index[family, (i, j)] for j in n] for i in n]
         coordinates = self.setting.symbols.coordinates
         for dots, ending in enumerate(("", RATE, SECOND) if self.count > 1 else ()):
             column = [[self._coordinate(x + ending)] for x in coordinates]
@@ -151,6 +165,10 @@ class Targets:
             found |= self._tip_vectors(self._tip)
             found["JP"] = found["J"][: self.setting.symbols.model.dim]
         return found
+
+    @cached_property
+    def _by_index(self) -> dict[tuple[str, tuple[int, ...]], AskedQuantity]:
+        return {(target.family, target.index): target for target in self.single.values()}
 
     @cached_property
     def passive(self) -> tuple[int, ...]:
@@ -166,8 +184,8 @@ class Targets:
                 self._torque_names(i),
                 AskedQuantity("tau", (i,), self._entry("tau", i), i in self.passive, f"joint {i}"),
             )
-            for family in ("c", "g"):
-                letters = _LETTERS[family]
+            for family in ("c", "g", "bias"):
+                letters = self.letters[family]
                 names = [f"{x}{i}" for x in letters] + ([*letters] if alone else [])
                 yield (
                     tuple(names),
@@ -175,7 +193,7 @@ class Targets:
                 )
             for j in n:
                 for family in ("M", "C"):
-                    names = [f"{x}{i}{j}" for x in _LETTERS[family]] + (
+                    names = [f"{x}{i}{j}" for x in self.letters[family]] + (
                         ["M", "H", "m", "D"] if alone and family == "M" else []
                     )
                     yield tuple(names), AskedQuantity(family, (i, j), self._entry(family, i, j))
@@ -193,7 +211,7 @@ class Targets:
         driven = [k for k in range(1, self.count + 1) if k not in self.passive]
         own = self.setting.symbols.coordinates[i - 1]
         letters = [
-            *_LETTERS["tau"],
+            *self.letters["tau"],
             *["F", "f"] * (own[0] in "dxyz"),
             *["u"] * (bool(self.passive) or self.count == 1),
         ]
@@ -203,6 +221,10 @@ class Targets:
 
     def _entry(self, name: str, *index: int) -> Callable[[], Trig]:
         def value() -> Trig:
+            parts = ("c", "g", "drives") if name == "bias" else (name,)
+            return sum((part(x) for x in parts), self.setting.zero)
+
+        def part(name: str) -> Trig:
             found: Any = self.setting.all_of(name)
             for i in index:
                 found = found[i - 1]
@@ -234,14 +256,14 @@ class Targets:
         eq = self.setting.equations
         bodies = len(eq.symbols.model.bodies)
         for family in ("T", "V"):
-            yield _LETTERS[family], AskedQuantity(family, (), self._entry(family))
+            yield self.letters[family], AskedQuantity(family, (), self._entry(family))
             for i in range(1, bodies + 1):
-                letters = (*_LETTERS[family], *["k"] * (family == "T"))
+                letters = (*self.letters[family], *["k"] * (family == "T"))
                 names = tuple(f"{x}{i}" for x in letters)
                 yield names, AskedQuantity(f"{family}i", (i,), self._of_body(family, i - 1))
         sum_of_both = ("L = T − V, not T + V.", lambda: self.setting.element(eq.T + eq.V))
         yield (
-            _LETTERS["L"],
+            self.letters["L"],
             AskedQuantity(
                 "L", (), lambda: self.setting.element(eq.T - eq.V), thoughts=(sum_of_both,)
             ),

@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from freebody.derivations.check.answer_text import AnswerError
-from freebody.derivations.check.asked_quantities import Targets
+from freebody.derivations.check.asked_quantities import Targets, letters_of
 from freebody.derivations.check.claims import statements
 from freebody.derivations.check.documents import FORMS, AnswerDocument, form_of
 from freebody.derivations.check.equation_verdict import Judge
-from freebody.derivations.check.right_equations import setting, turned_by
+from freebody.derivations.check.right_equations import in_notation
 from freebody.derivations.check.verdict import Verdict
 from freebody.derivations.equations.equations import equations
+from freebody.derivations.notations.notation import Notation, notation_of
 from freebody.errors import UnknownNameError
 from freebody.formats import read_file
 from freebody.model.model import Model
@@ -33,6 +34,7 @@ def check(
     *,
     absolute: bool = False,
     form: str | None = None,
+    notation: str | PathLike[str] | Notation | None = None,
 ) -> Verdict:
     """Whether an answer is equal to the model's own equations, and if not, where and why.
 
@@ -53,6 +55,11 @@ def check(
     measured from one direction, not each from the previous link; M, C, c, G, J and τ_i are then
     those of these angles (τ_i the torque on link i of drives that stand on the ground).
 
+    notation: "notes", "craig", "spong", "siciliano", "murray-li-sastry", "lynch-park" or
+    "featherstone", which say what letters stand for, or a TOML file of one's own: [names] as in
+    names=, [letters] of quantities (mass = "B"), angles = "absolute", zero = "down" (angles from
+    the vertical), [parameters] by formulas (lc = "l/2", I1 = "m1*l1^2/12").
+
     Where joints are passive, "0 = …" is the equation of one of them (up to a factor that does not
     move) and "u = …" the only drive. C may be any matrix with C q̇ = c, given by whole rows. Where
     the model has values, a term may be in numbers: each is read to half a unit of its last digit.
@@ -63,12 +70,12 @@ def check(
     quantities was left unread; `.text` says it in words, `.findings` lists the mistakes.
     """
     model.require_tree("check")
-    zeros = [name for name, value in model.parameters.items() if value == 0]
-    where = setting(equations(model), zeros, turned_by(model) if absolute else None)
+    style = notation_of(notation)
+    where = in_notation(equations(model), style, absolute)
     document = document_of(answer, form)
-    said = statements(where, document, names or {})
+    said = statements(where, document, names or {}, style)
     velocity = any(claim.target.family == "h" for claim in said.claims)
-    judge = Judge(where, Targets(where, velocity=velocity), said.claims)
+    judge = Judge(where, Targets(where, velocity, letters_of(style)), said.claims)
     judged, wrong = [], 0
     for claim in said.claims:
         verdict = judge.verdict(claim, explain=wrong < MOST_EXPLAINED)

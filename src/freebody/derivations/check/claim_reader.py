@@ -68,7 +68,7 @@ class ClaimReader:
     def _table(self, name: str, span: Span) -> Matrix | None:
         """The entries of a vector or matrix, each with its name."""
         meant = _OF_BODIES.get(name, name) if self.of_bodies else name
-        table = self.targets.tables.get("v" if name == "V" else meant)
+        table = self.targets.tables.get(meant)
         if table is None:
             return None
         return Matrix(
@@ -271,8 +271,6 @@ class ClaimReader:
                     f"{label} is a vector or matrix: write it as [[…, …], […, …]]", name.span
                 )
             return [self._claim(label, single, node)]
-        if name.text == "V" and len(node.rows) * len(node.rows[0]) > 1:
-            table = self.targets.tables["v"]  # the potential energy is no vector
         if table is None and single is not None:
             table = [[single]]
         return self._entries(label, node, table or [])

@@ -10,7 +10,7 @@ from typing import NoReturn
 
 from freebody.derivations.check.answer_lines import DocumentReader, Line
 from freebody.derivations.check.answer_text import AnswerError, AnswerText
-from freebody.derivations.check.asked_quantities import Targets
+from freebody.derivations.check.asked_quantities import Targets, letters_of
 from freebody.derivations.check.circular_answers import refuse_circles, uses
 from freebody.derivations.check.claim_reader import Claim, ClaimReader
 from freebody.derivations.check.documents.answer_document import AnswerDocument, FormulaPiece
@@ -22,6 +22,7 @@ from freebody.derivations.check.vocabulary import Vocabulary, spellings
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import tokens
 from freebody.derivations.grammar.source import Source
+from freebody.derivations.notations.notation import Notation
 from freebody.errors import FreebodyError, listed
 
 MOST_EQUATIONS = 100
@@ -38,14 +39,20 @@ class Statements:
 
 
 def statements(
-    setting: RightEquations, document: AnswerDocument, names: Mapping[str, str]
+    setting: RightEquations,
+    document: AnswerDocument,
+    names: Mapping[str, str],
+    notation: Notation,
 ) -> Statements:
     """All that an answer states."""
     coefficients = setting.turned is None and re.search(
         r"(?<![A-Za-z\\])h(?![a-z])", document.formulas
     )
-    targets = Targets(setting, velocity=bool(coefficients))
+    targets = Targets(setting, bool(coefficients), letters_of(notation))
     vocabulary = Vocabulary(setting, targets.names, targets.alone)
+    for name, value in setting.given.items():
+        vocabulary.define(name, value)
+    _write_as(vocabulary, targets, notation)
     for name, meaning in names.items():
         _rename(vocabulary, targets, name, meaning)
     reading = DocumentReader(document, vocabulary, targets.names)
@@ -132,22 +139,42 @@ def _unused(source: Source, own: Sequence[Line], lines: Sequence[Line]) -> tuple
 
 
 # ---------------------------------------------------------------- names
-def _rename(vocabulary: Vocabulary, targets: Targets, name: str, meaning: str) -> None:
+def _write_as(vocabulary: Vocabulary, targets: Targets, notation: Notation) -> None:
+    """The names of a notation, all at once, as one may stand for what another is called here; none
+    where the model has such names itself."""
+    own = set(notation.names) - set(notation.names.values())
+    numbered = (re.sub(r"\d+$", "", name) for name in vocabulary.setting.symbols.model.parameters)
+    if own & set(numbered):
+        return
+    here = Vocabulary(vocabulary.setting, targets.names, targets.alone)
+    for name, meaning in notation.names.items():
+        _rename(vocabulary, targets, name, meaning, here)
+
+
+def _rename(
+    vocabulary: Vocabulary,
+    targets: Targets,
+    name: str,
+    meaning: str,
+    here: Vocabulary | None = None,
+) -> None:
     """A name of the user's own, for a symbol (and its rates), for a family of them, for an
-    expression, or a letter for the cosines and sines of all angles."""
+    expression, or a letter for the cosines and sines of all angles. here: what the meaning is
+    written with, if not with the names so far."""
+    here = vocabulary if here is None else here
     plain = _plain(name)
     target = _plain(meaning) if re.fullmatch(r"[\w\\{}']+", meaning) else ""
-    if target in (*FAMILIES, "theta", "d", "q") and target not in vocabulary.symbols:
+    if target in (*FAMILIES, "theta", "d", "q") and target not in here.symbols:
         for k in range(1, vocabulary.setting.joints + 1):
-            if f"{target}{k}" in vocabulary.symbols:
-                _rename(vocabulary, targets, f"{plain}{k}", f"{target}{k}")
+            if f"{target}{k}" in here.symbols:
+                _rename(vocabulary, targets, f"{plain}{k}", f"{target}{k}", here)
         return
     if target in ("sin", "cos"):
         vocabulary.also_wave(plain, target)
         return
     source = AnswerText.of(meaning)
     parser = AnswerParser(
-        source, tokens(source, vocabulary)[:-1], vocabulary, lambda n: targets.single[n].compute()
+        source, tokens(source, here)[:-1], here, lambda n: targets.single[n].compute()
     )
     node = parser.side()
     value = PolynomialReader(source, vocabulary.setting.ring).read(node)

@@ -303,13 +303,17 @@ class Misconceptions:
 def related(targets: Targets, target: AskedQuantity) -> dict[str, Trig]:
     """The other entries of a quantity's family, by name."""
     letter = {"tau": "tau", "M": "H", "c": "v", "g": "G", "J": "J"}.get(target.family)
-    found = {}
-    for name, other in targets.single.items():
-        if (
-            other.family == target.family
-            and other.index != target.index
-            and name.startswith(letter or "\0")
-        ):
+    others = [
+        (name, other)
+        for name, other in targets.single.items()
+        if letter and other.family == target.family and other.index != target.index
+    ]
+    usual = [row for row in others if row[0].startswith(letter or "")]
+    found: dict[str, Trig] = {}
+    seen = set()
+    for name, other in usual or others:
+        if other.index not in seen:
+            seen.add(other.index)
             found[name] = other.compute()
     return found or _of_the_same_table(targets, target)
 

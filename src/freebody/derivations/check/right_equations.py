@@ -4,16 +4,22 @@ by mistake."""
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from types import MappingProxyType
 from typing import Any
 
 from freebody.derivations.equations.equations import Equations
+from freebody.derivations.expressions.expression import Expression
+from freebody.derivations.grammar.parser import PI
+from freebody.derivations.notations.notation import Notation
 from freebody.derivations.polynomials.symbol_order import Order
 from freebody.derivations.polynomials.symbols import RATE, SECOND, Symbols
 from freebody.derivations.polynomials.textbook_form import Layout
-from freebody.errors import FreebodyError
+from freebody.derivations.relations.formula import FormulaError, names_in, parse
+from freebody.derivations.relations.formula_values import value
+from freebody.errors import FreebodyError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.scalars.trig import Trig, TrigRing
@@ -38,6 +44,11 @@ class RightEquations:
     turned: Weights | None = None
     """Of absolute angles: B of θ = B φ, where θ are the model's coordinates and φ the answer's, in
     which all turns are measured from one direction. Torques and forces are then those of φ."""
+    quarters: tuple[int, ...] = ()
+    """Of angles that are not measured from the x axis: by how many right angles each coordinate of
+    the answer is 0 elsewhere."""
+    formulas: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    """Parameters that are given by formulas."""
 
     @cached_property
     def layout(self) -> Layout:
@@ -90,18 +101,43 @@ class RightEquations:
     @cached_property
     def _images(self) -> dict[str, Trig]:
         """What the model's coordinates and rates are in those of the answer."""
-        images: dict[str, Trig] = {}
+        images = dict(self.given)
         names = self.symbols.coordinates
-        for name, row in zip(names, self.turned or (), strict=bool(self.turned)):
+        if self.turned is None and not any(self.quarters):
+            return images
+        unit = tuple(tuple(int(i == k) for k in range(len(names))) for i in range(len(names)))
+        for name, row in zip(names, self.turned or unit, strict=True):
             for ending in ("", RATE, SECOND):
                 parts = (k * self.ring[x + ending] for x, k in zip(names, row, strict=True) if k)
                 images[name + ending] = sum(parts, self.zero)
+            quarters = sum(k * q for k, q in zip(row, self.quarters, strict=bool(self.quarters)))
+            images[name] = images[name] + self.zero + PI / 2 * quarters
             if name in self.ring.angles:
                 images[f"sin_{name}"], images[f"cos_{name}"] = (
                     images[name].sin(),
                     images[name].cos(),
                 )
         return images
+
+    @cached_property
+    def given(self) -> dict[str, Trig]:
+        """The values of parameters that are given by formulas."""
+        symbols = {name: self.ring[name] for name in self.ring.names}
+        found: dict[str, Trig] = {}
+        for name, formula in self.formulas.items():
+            try:
+                made = value(_formula(name, formula), symbols)
+            except FreebodyError as problem:
+                raise _bad(name, formula, problem) from None
+            if not isinstance(made, Trig):
+                made = self.zero + made
+            if any(set(powers) & set(self.formulas) for powers, _ in made.terms()):
+                raise FreebodyError(
+                    f"check: {name} = {formula} names a parameter that is given by a formula; "
+                    "write it with the others."
+                )
+            found[name] = made
+        return found
 
     def all_of(self, name: str) -> Any:
         """tau, c or g (Bᵀ τ), M or C (Bᵀ M B), T or V of the equations, for the answer's
@@ -165,6 +201,59 @@ def turned_by(model: Model) -> Weights:
             )
         rows.append(row)
     return tuple(map(tuple, rows))
+
+
+def in_notation(equations: Equations, notation: Notation, absolute: bool = False) -> RightEquations:
+    """The setting of a model's equations for answers in a notation."""
+    model = equations.symbols.model
+    zeros = [name for name, value in model.parameters.items() if value == 0]
+    turned = turned_by(model) if absolute or notation.absolute else None
+    plain = setting(equations, zeros, turned)
+    quarters: list[int] = []
+    if notation.quarter_turns:
+        first = [not any(row[:i]) for i, row in enumerate(turned_by(model))]
+        quarters = [
+            notation.quarter_turns * int(body.kind.turns and (alone or turned is not None))
+            for body, alone in zip(model.bodies, first, strict=True)
+        ]
+    formulas = {
+        own: own_formula
+        for name, formula in notation.parameters.items()
+        for own, own_formula in _of_each_link(plain, name, formula)
+    }
+    return replace(plain, quarters=tuple(quarters), formulas=formulas)
+
+
+def _formula(name: str, formula: str) -> Expression:
+    try:
+        return parse(formula)
+    except FormulaError as problem:
+        raise _bad(name, formula, problem) from None
+
+
+def _bad(name: str, formula: str, problem: FreebodyError) -> FreebodyError:
+    own = problem.bare if isinstance(problem, FormulaError) else str(problem)
+    return FreebodyError(f"check: the parameter {name} = {formula}: {own}.")
+
+
+def _of_each_link(plain: RightEquations, name: str, formula: str) -> Iterator[tuple[str, str]]:
+    """A formula for one parameter, or that of a family for every link."""
+    if name in plain.ring.index:
+        yield name, formula
+        return
+    numbers = [k for k in range(1, plain.joints + 1) if f"{name}{k}" in plain.ring.index]
+    if not numbers:
+        raise UnknownNameError(
+            "parameter", name, repr(plain.symbols.model.name), plain.symbols.model.parameters
+        )
+    families = set(names_in(_formula(name, formula)))
+    for k in numbers:
+        own = re.sub(
+            r"[^\W\d_]+(?![\w(])",
+            lambda m, k=k: f"{m[0]}{k}" if m[0] in families else m[0],
+            formula,
+        )
+        yield f"{name}{k}", own
 
 
 def setting(

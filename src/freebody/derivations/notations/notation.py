@@ -1,0 +1,122 @@
+"""A notation: which letters stand for what, from where angles are measured, and which parameters
+are given by formulas. The presets are TOML files beside this one, and so are a user's own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from importlib import resources
+from os import PathLike, fspath
+from pathlib import Path
+from types import MappingProxyType
+
+from freebody.errors import UnknownNameError
+from freebody.formats import read_file
+from freebody.formats.toml import table_of
+from freebody.formats.toml_table import TomlTable
+
+PRESETS = (
+    "notes", "craig", "spong", "siciliano", "murray-li-sastry", "lynch-park", "featherstone",
+)  # fmt: skip
+"""Names of the notations that come with freebody, each a file."""
+
+FAMILIES = {
+    "torque": "tau", "mass": "M", "coriolis": "C", "velocity": "c", "gravity": "g", "bias": "bias",
+    "jacobian": "J", "kinetic": "T", "potential": "V", "lagrangian": "L",
+}  # fmt: skip
+"""What a file may give letters to: the torques, mass matrix, Coriolis matrix, vectors of velocity
+terms and of gravity, both together, the Jacobian, the energies and the Lagrangian."""
+
+ZEROS = {"x axis": 0, "down": -1, "up": 1}
+"""The direction in which angles are 0, and by how many right angles it is turned from x."""
+
+LARGEST_FILE = 100_000
+
+
+def _nothing() -> Mapping[str, str]:
+    return MappingProxyType({})
+
+
+@dataclass(frozen=True)
+class Notation:
+    """How somebody writes."""
+
+    name: str
+    title: str = ""
+    source: str = ""
+    absolute: bool = False
+    """Whether angles are those of the links themselves, all from one direction."""
+    zero: str = "x axis"
+    """A key of `ZEROS`."""
+    names: Mapping[str, str] = field(default_factory=_nothing)
+    """What a name stands for: {"a": "l"} for all that are numbered, {"C": "cos"}."""
+    parameters: Mapping[str, str] = field(default_factory=_nothing)
+    """Parameters given by formulas, {"lc": "l/2"} for all links or {"lc1": "l1/2"}."""
+    letters: Mapping[str, tuple[str, ...]] = field(
+        default_factory=lambda: MappingProxyType[str, tuple[str, ...]]({})
+    )
+    """Letters of quantities by the keys of `FAMILIES`; what is not given has the usual ones."""
+
+    @property
+    def quarter_turns(self) -> int:
+        """By how many right angles the direction of zero is turned from x."""
+        return ZEROS[self.zero]
+
+
+def read(file: str, text: str, name: str = "") -> Notation:
+    """The notation in a TOML text; raises FileError with the line."""
+    top = table_of(file, text)
+    top.only("title", "source", "angles", "zero", "names", "parameters", "letters")
+    letters: dict[str, tuple[str, ...]] = {}
+    if "letters" in top:
+        table = _part(top, "letters").only(*FAMILIES)
+        for key in table.data:
+            letters[FAMILIES[key]] = tuple(table.text(key).split())
+    return Notation(
+        name or Path(file).stem,
+        top.text("title", name or Path(file).stem),
+        top.text("source", ""),
+        top.choice("angles", ("relative", "absolute"), "relative") == "absolute",
+        top.choice("zero", tuple(ZEROS), "x axis"),
+        _texts(top, "names"),
+        _texts(top, "parameters"),
+        letters,
+    )
+
+
+def _part(top: TomlTable, key: str) -> TomlTable:
+    found = top.data[key]
+    if not isinstance(found, dict):
+        top.refuse(f"{key} is a table, [{key}].", key)
+    return TomlTable(top.file, top.lines, (*top.path, key), found, f"[{key}]")
+
+
+def _texts(top: TomlTable, key: str) -> Mapping[str, str]:
+    if key not in top:
+        return {}
+    table = _part(top, key)
+    return {name: table.text(name) for name in table.data}
+
+
+@lru_cache(maxsize=32)
+def preset(name: str) -> Notation:
+    """The notation of that name; raises UnknownNameError."""
+    if name not in PRESETS:
+        raise UnknownNameError("notation", name, "the notations", PRESETS)
+    folder = resources.files("freebody").joinpath("derivations", "notations")
+    file = f"{name.replace('-', '_')}.toml"
+    return read(file, folder.joinpath(file).read_text(encoding="utf-8"), name)
+
+
+def notation_of(given: str | PathLike[str] | Notation | None) -> Notation:
+    """A notation by name, a user's own by its file, or itself; None for that of the notes."""
+    if given is None:
+        return preset("notes")
+    if isinstance(given, Notation):
+        return given
+    path = fspath(given)
+    if isinstance(given, str) and not path.endswith(".toml"):
+        return preset(path)
+    data = read_file.read(path, LARGEST_FILE, "a notation")
+    return read(path, read_file.decoded(path, data))
