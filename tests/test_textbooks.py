@@ -16,7 +16,7 @@ import pytest
 
 import freebody as fb
 from freebody.derivations.derive import compare
-from freebody.derivations.notations.notation import Notation
+from freebody.derivations.notations.notation import BookNotation
 from freebody.formats import toml
 from freebody.model.build import build_model
 
@@ -51,7 +51,7 @@ def model(result: dict[str, Any]) -> fb.Model:
 
 def answered(result: dict[str, Any], lines: list[str]) -> Any:
     text, absolute = "\n".join(lines), result.get("absolute", False)
-    notation = Notation("book", parameters=result.get("parameters", {}))
+    notation = BookNotation("book", parameters=result.get("parameters", {}))
     return fb.check(
         model(result), text, names=result["names"] or None, absolute=absolute, notation=notation
     )

@@ -19,7 +19,7 @@ from freebody.derivations.expressions.evaluate import arithmetic, evaluate
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.methods.energies import Energies
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.notations.notation import Notation
+from freebody.derivations.notations.notation import BookNotation
 from freebody.derivations.polynomials.determinant import determinant
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.relations.quantities import QuantityValues, branches
@@ -95,7 +95,7 @@ _LETTERS = {
 _WORLD = "This would be right in the world's axes; here the components are along those of body {}."
 
 
-def letters_of(notation: Notation) -> Mapping[str, tuple[str, ...]]:
+def letters_of(notation: BookNotation) -> Mapping[str, tuple[str, ...]]:
     """The letters of the families in a notation."""
     return {**_LETTERS, **notation.letters}
 

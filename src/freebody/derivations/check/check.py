@@ -16,7 +16,7 @@ from freebody.derivations.check.equation_verdict import Judge
 from freebody.derivations.check.right_equations import in_notation
 from freebody.derivations.check.verdict import Verdict
 from freebody.derivations.equations.equations import equations
-from freebody.derivations.notations.notation import Notation, notation_of
+from freebody.derivations.notations.notation import BookNotation, notation_of
 from freebody.errors import UnknownNameError
 from freebody.formats import read_file
 from freebody.model.model import Model
@@ -34,7 +34,7 @@ def check(
     *,
     absolute: bool = False,
     form: str | None = None,
-    notation: str | PathLike[str] | Notation | None = None,
+    notation: str | PathLike[str] | BookNotation | None = None,
 ) -> Verdict:
     """Whether an answer is equal to the model's own equations, and if not, where and why.
 

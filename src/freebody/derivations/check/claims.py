@@ -22,7 +22,7 @@ from freebody.derivations.check.vocabulary import Vocabulary, spellings
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import tokens
 from freebody.derivations.grammar.source import Source
-from freebody.derivations.notations.notation import Notation
+from freebody.derivations.notations.notation import BookNotation
 from freebody.errors import FreebodyError, listed
 
 MOST_EQUATIONS = 100
@@ -42,7 +42,7 @@ def statements(
     setting: RightEquations,
     document: AnswerDocument,
     names: Mapping[str, str],
-    notation: Notation,
+    notation: BookNotation,
 ) -> Statements:
     """All that an answer states."""
     coefficients = setting.turned is None and re.search(
@@ -139,7 +139,7 @@ def _unused(source: Source, own: Sequence[Line], lines: Sequence[Line]) -> tuple
 
 
 # ---------------------------------------------------------------- names
-def _write_as(vocabulary: Vocabulary, targets: Targets, notation: Notation) -> None:
+def _write_as(vocabulary: Vocabulary, targets: Targets, notation: BookNotation) -> None:
     """The names of a notation, all at once, as one may stand for what another is called here; none
     where the model has such names itself."""
     own = set(notation.names) - set(notation.names.values())

@@ -13,7 +13,7 @@ from typing import Any
 from freebody.derivations.equations.equations import Equations
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.grammar.parser import PI
-from freebody.derivations.notations.notation import Notation
+from freebody.derivations.notations.notation import BookNotation
 from freebody.derivations.polynomials.symbol_order import Order
 from freebody.derivations.polynomials.symbols import RATE, SECOND, Symbols
 from freebody.derivations.polynomials.textbook_form import Layout
@@ -203,7 +203,9 @@ def turned_by(model: Model) -> Weights:
     return tuple(map(tuple, rows))
 
 
-def in_notation(equations: Equations, notation: Notation, absolute: bool = False) -> RightEquations:
+def in_notation(
+    equations: Equations, notation: BookNotation, absolute: bool = False
+) -> RightEquations:
     """The setting of a model's equations for answers in a notation."""
     model = equations.symbols.model
     zeros = [name for name, value in model.parameters.items() if value == 0]

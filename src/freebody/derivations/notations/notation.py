@@ -39,7 +39,7 @@ def _nothing() -> Mapping[str, str]:
 
 
 @dataclass(frozen=True)
-class Notation:
+class BookNotation:
     """How somebody writes."""
 
     name: str
@@ -64,7 +64,7 @@ class Notation:
         return ZEROS[self.zero]
 
 
-def read(file: str, text: str, name: str = "") -> Notation:
+def read(file: str, text: str, name: str = "") -> BookNotation:
     """The notation in a TOML text; raises FileError with the line."""
     top = table_of(file, text)
     top.only("title", "source", "angles", "zero", "names", "parameters", "letters")
@@ -73,7 +73,7 @@ def read(file: str, text: str, name: str = "") -> Notation:
         table = _part(top, "letters").only(*FAMILIES)
         for key in table.data:
             letters[FAMILIES[key]] = tuple(table.text(key).split())
-    return Notation(
+    return BookNotation(
         name or Path(file).stem,
         top.text("title", name or Path(file).stem),
         top.text("source", ""),
@@ -100,7 +100,7 @@ def _texts(top: TomlTable, key: str) -> Mapping[str, str]:
 
 
 @lru_cache(maxsize=32)
-def preset(name: str) -> Notation:
+def preset(name: str) -> BookNotation:
     """The notation of that name; raises UnknownNameError."""
     if name not in PRESETS:
         raise UnknownNameError("notation", name, "the notations", PRESETS)
@@ -109,11 +109,11 @@ def preset(name: str) -> Notation:
     return read(file, folder.joinpath(file).read_text(encoding="utf-8"), name)
 
 
-def notation_of(given: str | PathLike[str] | Notation | None) -> Notation:
+def notation_of(given: str | PathLike[str] | BookNotation | None) -> BookNotation:
     """A notation by name, a user's own by its file, or itself; None for that of the notes."""
     if given is None:
         return preset("notes")
-    if isinstance(given, Notation):
+    if isinstance(given, BookNotation):
         return given
     path = fspath(given)
     if isinstance(given, str) and not path.endswith(".toml"):
