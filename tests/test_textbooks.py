@@ -2,11 +2,9 @@
 one sign changed.
 
 tests/textbooks has a file for each book. A result has its place in the book, the robot that it is
-about, and the book's lines; `names` are what --name takes, `parameters` formulas; `refused` tells
-why `check` cannot yet read it.
+about, and the book's lines; `names` are what --name takes, `parameters` formulas.
 """
 
-import contextlib
 import re
 import tomllib
 from pathlib import Path
@@ -36,8 +34,6 @@ def results() -> list[dict[str, Any]]:
 
 
 RESULTS = results()
-READ = [result for result in RESULTS if "refused" not in result]
-REFUSED = [result for result in RESULTS if "refused" in result]
 
 
 def named(result: dict[str, Any]) -> str:
@@ -57,7 +53,7 @@ def answered(result: dict[str, Any], lines: list[str]) -> Any:
     )
 
 
-@pytest.mark.parametrize("result", READ, ids=named)
+@pytest.mark.parametrize("result", RESULTS, ids=named)
 def test_a_books_lines_are_right(result: dict[str, Any]):
     verdict = answered(result, result["lines"])
     assert verdict, verdict
@@ -75,7 +71,7 @@ def wrong(right: str) -> str:
     return changed if changed != right else f"{right} + 1"
 
 
-@pytest.mark.parametrize("result", READ, ids=named)
+@pytest.mark.parametrize("result", RESULTS, ids=named)
 def test_a_books_lines_with_one_sign_changed_are_not(result: dict[str, Any]):
     """In each line one, see `wrong`."""
     unchecked = result.get("unchecked", ())
@@ -90,18 +86,9 @@ def test_a_books_lines_with_one_sign_changed_are_not(result: dict[str, Any]):
         assert not answered(result, lines), lines[k]
 
 
-@pytest.mark.parametrize("result", REFUSED, ids=named)
-def test_what_is_not_read_yet_is_refused_or_found_different(result: dict[str, Any]):
-    """So that this list is right: whoever teaches `check` to read one removes its mark."""
-    with contextlib.suppress(fb.FreebodyError):
-        assert not answered(result, result["lines"])
-
-
-def test_most_published_lines_are_accepted():
-    accepted = sum(len(result["lines"]) for result in READ)
-    total = sum(len(result["lines"]) for result in RESULTS)
+def test_there_are_enough_published_results():
     assert len(RESULTS) >= 60
-    assert accepted >= 0.95 * total
+    assert sum(len(result["lines"]) for result in RESULTS) >= 190
 
 
 ROBOTS = {result["robot"]: result for result in RESULTS}
