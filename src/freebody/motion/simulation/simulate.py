@@ -108,13 +108,8 @@ def simulate(
     those that cannot go on are NaN from there, with a warning. Ctrl-C raises a KeyboardInterrupt
     whose `result` is the dataset of what there was.
     """
-    _require_count("every", every)
-    if threads is not None:
-        _require_count("threads", threads)
-    above_zero("simulate", "friction_width", friction_width)
-    above_zero("simulate", "step", 1.0 if step is None else step, "seconds")
-    above_zero("simulate", "tolerance", _TOLERANCE if tolerance is None else tolerance)
-    above_zero("simulate", "max_step", 1.0 if max_step == np.inf else max_step, "seconds")
+    _require_counts(every=every, threads=threads)
+    _require_sizes(step, tolerance, friction_width, max_step)
     names = recorded(model, record)
     times = _times(t)
     ends = breakpoints_of(breakpoints, sample_time)
@@ -141,28 +136,50 @@ def simulate(
         refuse_massless(model, "simulate")
     if contacts is not None:
         refuse_beyond(model, contacts, asked.q)
-    kept = times[::every]
-    result = Simulated(
-        kept,
-        np.full((*asked.lanes.shape, len(kept), model.nq), np.nan),
-        np.full((*asked.lanes.shape, len(kept), model.nv), np.nan),
-        _used(model, asked, chosen, friction),
-    )
+    result = _nothing_yet(asked, _used(model, asked, chosen, friction))
     try:
-        if not asked.lanes.count:
-            pass
-        elif chosen in STEP_METHODS or (chosen == "auto" and (asked.lanes.shape or contacts)):
-            stepped(asked, chosen, result)
-        else:
-            one_by_one(asked, chosen, result)
+        _run(asked, chosen, result)
     except KeyboardInterrupt:
         raise SimulationInterrupted(dataset(asked, result.until_now(), names)) from None
     return dataset(asked, result, names)
 
 
-def _require_count(name: str, value: Any) -> None:
-    if not (isinstance(value, int | np.integer) and value > 0):
-        raise FreebodyError(f"simulate: {name} is {shown(value)}, expected a whole number above 0.")
+def _nothing_yet(asked: Simulation, used: dict[str, Any]) -> Simulated:
+    """Where the motions are put."""
+    kept = asked.t[:: asked.every]
+    q, qd = (
+        np.full((*asked.lanes.shape, len(kept), n), np.nan)
+        for n in (asked.model.nq, asked.model.nv)
+    )
+    return Simulated(kept, q, qd, used)
+
+
+def _run(asked: Simulation, method: str, result: Simulated) -> None:
+    """Fill in the motions: all at once by steps, or one by one by scipy's integrators."""
+    if not asked.lanes.count:
+        return
+    by_steps = asked.lanes.shape or asked.contacts is not None
+    if method in STEP_METHODS or (method == "auto" and by_steps):
+        stepped(asked, method, result)
+    else:
+        one_by_one(asked, method, result)
+
+
+def _require_counts(**given: Any) -> None:
+    for name, value in given.items():
+        if value is not None and not (isinstance(value, int | np.integer) and value > 0):
+            raise FreebodyError(
+                f"simulate: {name} is {shown(value)}, expected a whole number above 0."
+            )
+
+
+def _require_sizes(
+    step: float | None, tolerance: float | None, friction_width: float, max_step: float
+) -> None:
+    above_zero("simulate", "friction_width", friction_width)
+    above_zero("simulate", "step", 1.0 if step is None else step, "seconds")
+    above_zero("simulate", "tolerance", _TOLERANCE if tolerance is None else tolerance)
+    above_zero("simulate", "max_step", 1.0 if max_step == np.inf else max_step, "seconds")
 
 
 def _asked(
