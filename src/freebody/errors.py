@@ -6,6 +6,8 @@ from __future__ import annotations
 import difflib
 import re
 import reprlib
+import sys
+import warnings
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -86,6 +88,17 @@ class PhysicalWarning(FreebodyWarning):
 
 class MassWarning(FreebodyWarning):
     """Masses in a file that cannot be the robot's: missing, placeholders, implausible."""
+
+
+def warn(text: str, category: type[FreebodyWarning] = FreebodyWarning) -> None:
+    """A warning at the line of the user's that called, however deep in freebody it is found out."""
+    frame, level = sys._getframe(1), 2
+    while frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] == _OWN:
+        frame, level = frame.f_back, level + 1
+    warnings.warn(text, category, stacklevel=level)
+
+
+_OWN = __name__.partition(".")[0]
 
 
 class ShapeError(FreebodyError, ValueError):

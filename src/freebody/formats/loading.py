@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import os
-import warnings
 from dataclasses import replace
 from pathlib import Path
 
-from freebody.errors import FileError, FreebodyError, MassWarning, UnknownNameError, shown
+from freebody.errors import FileError, FreebodyError, MassWarning, UnknownNameError, shown, warn
 from freebody.formats import dh_csv, read_file, toml, urdf
 from freebody.formats.estimated_inertias import estimated
 from freebody.formats.implausible_masses import implausible_masses
@@ -88,7 +87,7 @@ def _estimated(description: RobotDescription, mass: float) -> RobotDescription:
     return estimated(description, mass)
 
 
-def _weighed(model: Model, description: RobotDescription, estimate: bool, warn: bool) -> Model:
+def _weighed(model: Model, description: RobotDescription, estimate: bool, told: bool) -> Model:
     """The model with notices on what is doubtful about its masses, where they are to be those of a
     machine."""
     if description.real:
@@ -96,9 +95,9 @@ def _weighed(model: Model, description: RobotDescription, estimate: bool, warn: 
             model, {link.name: link.shapes for link in description.links}, estimate
         )
         model = replace(model, notices=(*model.notices, *found)) if found else model
-    for notice in model.notices if warn else ():
+    for notice in model.notices if told else ():
         if notice.kind == DOUBTFUL:
-            warnings.warn(f"warning: {notice}", MassWarning, stacklevel=3)
+            warn(f"warning: {notice}", MassWarning)
     return model
 
 

@@ -3,7 +3,6 @@ wanted."""
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from freebody.algorithms.screws import arm_length
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
-from freebody.errors import FreebodyError, FreebodyWarning, SingularError
+from freebody.errors import FreebodyError, SingularError, warn
 from freebody.inverse.task import row_names, rows_of
 from freebody.labels import aligned, labels_of
 from freebody.model.model import Model
@@ -224,10 +223,8 @@ def _say_damped(problem: _JacobianRows, J: Array, rates: Array, wanted: Array) -
     if worst > 1e-9 * max(1.0, float(np.abs(wanted).max())):
         at = [int(i) for i in np.unravel_index(int(np.argmax(off)), off.shape)]
         where = f" at sample {at[0] if len(at) == 2 else tuple(at[:-1])}" if len(at) > 1 else ""
-        warnings.warn(
+        warn(
             f"{problem.function}: damped near a singularity: {problem.frame} gets {problem.letter} "
             f"but for "
             f"{worst:.3g} in {problem.names[at[-1]]}{where}.",
-            FreebodyWarning,
-            stacklevel=5,
         )

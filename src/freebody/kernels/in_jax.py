@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from freebody.errors import MissingPackageError, ShapeError
+from freebody.errors import MissingPackageError, ShapeError, warn
 from freebody.kernels.differentials import Differentiable, of_quantities
 from freebody.kernels.inputs import InputKernel, NamedNumbers
 from freebody.kernels.kernel_or_quantities import Asked, asked
@@ -71,11 +70,10 @@ def to_jax(
     if not slow and jax.default_backend() != "cpu":
         slow = f"JAX runs on {jax.default_backend()!r} here, and kernels on the CPU"
     if slow:
-        warnings.warn(
+        warn(
             f"fb.to_jax: {slow}: JAX calls {computed.program.name} through Python, about 50 µs a "
             f"call, with copies of "
             "the arrays.",
-            stacklevel=2,
         )
     function = _checked(computed.program, jax.jit(JaxFunction(computed, way).call), kind, given)
     function.parameters = given.names if given else ()

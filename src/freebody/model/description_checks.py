@@ -5,14 +5,13 @@ Refusals name the link or joint, the file's line where there is one, and the rem
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal, NoReturn, TypeVar
 
 import numpy as np
 
-from freebody.errors import FileError, ModelError, PhysicalWarning, UnknownNameError
+from freebody.errors import FileError, ModelError, PhysicalWarning, UnknownNameError, warn
 from freebody.model.description import Drive, Joint, Link, Notice, RobotDescription
 from freebody.model.joints import KINDS
 from freebody.model.parameters import Quantity, quantity
@@ -139,7 +138,7 @@ class DescriptionChecks:
             self.refuse(f"{problem}. Correct it, or accept it with physical='warn'.", line)
         notice = Notice(kind, f"warning: {problem}.", self.description.file, line)
         self.notices.append(notice)
-        warnings.warn(str(notice), PhysicalWarning, stacklevel=6)
+        warn(str(notice), PhysicalWarning)
 
     def parent_joints(self, joints: list[Joint]) -> dict[str, Joint]:
         """For each link the joint above it; a link has at most one."""

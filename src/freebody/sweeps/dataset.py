@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError, FreebodyWarning
+from freebody.errors import FreebodyError, warn
 from freebody.model.model import Model
 from freebody.sweeps.axes import SweepAxis, SweepGrid
 from freebody.sweeps.evaluation import BlockResult, FailedPoint, SweepBlock, SweepTask, with_more
@@ -77,11 +76,9 @@ def _about(model: Model, arrays: SweepArrays) -> dict[str, Any]:
     if failed == points:
         raise FreebodyError(f"sweep: no point has a value; {reasons[0]}")
     if failed:
-        warnings.warn(
+        warn(
             f"sweep: {failed} of {points} points have no value, and count in no reduction; the "
             f"first: {reasons[0]}",
-            FreebodyWarning,
-            stacklevel=5,
         )
     return {"model": model.name, "points": points, "failed": failed, "failures": reasons}
 

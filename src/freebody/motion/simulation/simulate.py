@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, above_zero, as_floats, refuse_not_finite
-from freebody.errors import FreebodyError, FreebodyWarning, UnknownNameError, listed, shown
+from freebody.errors import FreebodyError, UnknownNameError, listed, shown, warn
 from freebody.kernels.driven_steps import STEP_METHODS
 from freebody.labels import is_labelled
 from freebody.model.model import Model
@@ -203,12 +202,10 @@ def _asked(
     if isinstance(torque, np.ndarray):
         batches["torque"] = torque.shape[:-2]
         if torque.shape[:-1] == (len(t),) == batches["q"]:
-            warnings.warn(
+            warn(
                 f"simulate: torque {torque.shape} is taken as a table over the {len(t)} times, the "
                 f"same for all motions; one torque for each is {(len(t), 1, model.nv)}, a table "
                 f"{(1, *torque.shape)} says the same as this without a warning.",
-                FreebodyWarning,
-                stacklevel=4,
             )
     if isinstance(torque, CompiledTorque):
         batches |= torque.batches

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import threading
-import warnings
 from dataclasses import replace
 
 import numpy as np
 
 from freebody.arrays import Array, at_sample
-from freebody.errors import FreebodyError, FreebodyWarning
+from freebody.errors import FreebodyError, warn
 from freebody.kernels.driven_steps import STEP_METHODS, driven_rates, driven_step
 from freebody.kernels.structural import Bound
 from freebody.loops.equations import require_closed
@@ -202,13 +201,11 @@ def _warn_unstable(asked: Simulation, method: str, way: Course, drive: Drive) ->
         rate = whole.fastest(asked.t[0], y, _of_lane(asked, k, drive))
         if rate * step > reach:
             where = at_sample(index)
-            warnings.warn(
+            warn(
                 f"simulate: the motion{where} is stiff: a part of it changes within "
                 f"{1.0 / rate:.1g} s, and steps of {method!r} are stable up to "
                 f"{reach / rate:.1g} s; these are {step:.1g} s. Take a shorter step= or method "
                 f"'implicit'.",
-                FreebodyWarning,
-                stacklevel=5,
             )
             return
 
@@ -238,9 +235,7 @@ def _tell_stopped(asked: Simulation, method: str, result: Simulated) -> None:
     )
     if not asked.lanes.shape:
         raise FreebodyError(f"simulate: {method} stopped after t = {last:.6g} s. {advice}")
-    warnings.warn(
+    warn(
         f"simulate: {len(stopped)} of {asked.lanes.count} motions could not go on and are NaN from "
         f"there, the first{at_sample(index)} after t = {last:.6g} s. {advice}",
-        FreebodyWarning,
-        stacklevel=5,
     )

@@ -3,13 +3,12 @@ another method."""
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyWarning
+from freebody.errors import warn
 from freebody.motion.simulation.first_order_system import Drive, System
 
 EXPLICIT_METHODS = ("DOP853", "RK45")
@@ -52,11 +51,9 @@ class StiffnessWatch:
         if self.switches:
             self.method = "LSODA"
         else:
-            warnings.warn(
+            warn(
                 f"simulate: the motion is stiff: at t = {now:.3g} s part of it decays within "
                 f"{1.0 / decay:.1g} s. Explicit methods are stable only with steps as short as "
                 f"{step:.1g} s, about {self.duration / step:.1g} in all. method='auto' or 'Radau' "
                 f"takes far fewer.",
-                FreebodyWarning,
-                stacklevel=7,
             )
