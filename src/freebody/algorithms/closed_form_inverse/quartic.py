@@ -34,6 +34,7 @@ from freebody.spatial import Vector, add, dot, scale, sub, times
 
 _NODES = tuple(2.0 * math.pi * k / 5 for k in range(5))
 _HALVINGS = 30
+_REFINED = 3
 _POLISHED = 4
 _FLAT = 1e-9
 """The least part of second degree (relative)."""
@@ -121,7 +122,9 @@ def zeros(values: Vector) -> list[tuple[Scalar, Scalar, Scalar]]:
         for sign in (1.0, -1.0):
             y = line_s * cosine + sign * line_c * sine, line_c * cosine - sign * line_s * sine
             x = y[0] * c + y[1] * s, y[1] * c - y[0] * s
-            found.append((*_polished(*x, clear, (a0, a1, b1, a2, b2)), clear))
+            sine_x, cosine_x, apart = _polished(*x, clear, (a0, a1, b1, a2, b2))
+            # two zeros that are about to merge may lie on different lines
+            found.append((sine_x, cosine_x, where(less(0.0, clear), minimum(clear, apart), clear)))
     return found
 
 
@@ -154,6 +157,10 @@ def _on_lines(
         above = less(0.0, cubic(middle))
         low, high = where(above, low, middle), where(above, middle, high)
     x = 0.5 * (low + high)
+    for _ in range(_REFINED):
+        slope = p * p + q * q + 4.0 * (x * x - 1.0) + 8.0 * x * (x - a)
+        step = cubic(x) * slope / maximum(slope * slope, 1e-300)
+        x = minimum(maximum(x - step, low), high)
     u, v = sqrt(maximum(1.0 + x, 0.0)), sqrt(maximum(1.0 - x, 0.0))
     half_p, half_q = _over(p, u), _over(q, v)
     from_p = sqrt(maximum(half_p * half_p + x - a, 0.0))
@@ -175,10 +182,13 @@ def _over(x: Scalar, y: Scalar) -> Scalar:
 
 def _polished(
     s: Scalar, c: Scalar, clear: Scalar, coefficients: tuple[Scalar, ...]
-) -> tuple[Scalar, Scalar]:
+) -> tuple[Scalar, Scalar, Scalar]:
     """Nearer to a zero by steps of Newton, none of them long; where there is none, none, since they
-    would lead to another one."""
+    would lead to another one. And how far (squared, roughly) the next zero is, by slope and
+    curvature."""
     a0, a1, b1, a2, b2 = coefficients
+    slope: Scalar = 0.0
+    double_c, double_s = 1.0, 0.0
     for _ in range(_POLISHED):
         double_c, double_s = c * c - s * s, 2.0 * s * c
         value = a0 + a1 * c + b1 * s + a2 * double_c + b2 * double_s
@@ -188,4 +198,5 @@ def _polished(
         c, s = c - step * s, s + step * c
         size = 1.0 / sqrt(c * c + s * s)
         c, s = c * size, s * size
-    return s, c
+    curved = a1 * c + b1 * s + 4.0 * (a2 * double_c + b2 * double_s)
+    return s, c, slope * slope / maximum(slope * slope + curved * curved, 1e-300)
