@@ -314,6 +314,10 @@ def test_a_platform_on_six_legs_is_derived_as_far_as_print_allows():
     loops, last = system.loops, derivation.steps[-1]
     assert last.operation == "No reduction"
     assert "18 loop equations are too many" in last.reason
+    rates = next(s for s in derivation.steps if s.operation == "Velocity constraints")
+    names = [str(line.lhs) for line in rates.equations]
+    assert len(set(names)) == len(names), "row 4, column 11 is not row 41, column 1"
+    assert "Φ_q,₄,₁₁" in names
     q = fb.assemble(model)
     w, x, y, z = q[3:7]
     yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))

@@ -16,6 +16,7 @@ from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.printed_names import entry, sym
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.render.literal import literal
+from freebody.derivations.render.rows import place
 from freebody.errors import listed
 from freebody.lazy import cached_property
 from freebody.model.loop_kinds import LOOP_KINDS
@@ -292,7 +293,10 @@ class Loops:
         letter = name.letter if isinstance(name, ex.Symbol) else "A"
         low = name.low if isinstance(name, ex.Symbol) else ()
         return [
-            eq(ex.Symbol(f"{letter}{i}{j}", letter, (*low, f"{i}{j}")), self._entry(x))
+            eq(
+                ex.Symbol(f"{letter}{place(i, j)}", letter, (*low, *place(i, j).split(","))),
+                self._entry(x),
+            )
             for i, row in enumerate(rows, 1)
             for j, x in enumerate(row, 1)
             if not x.is_zero

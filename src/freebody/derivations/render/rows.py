@@ -53,7 +53,7 @@ def unfolded(equation: Equation, width: float, measure: Measure) -> list[Equatio
 def _entries(name: Symbol, array: Vector | Matrix) -> list[Equation]:
     if isinstance(array, Matrix):
         return [
-            eq(part(name, f"{i}{j}"), x)
+            eq(part(name, place(i, j)), x)
             for i, row in enumerate(array.rows, 1)
             for j, x in enumerate(row, 1)
         ]
@@ -61,10 +61,19 @@ def _entries(name: Symbol, array: Vector | Matrix) -> list[Equation]:
     return [eq(part(name, label), x) for label, x in zip(labels, array.entries, strict=False)]
 
 
+def place(i: int, j: int) -> str:
+    """Row and column of an entry in one subscript: 12, above 9 with a comma, 4,11."""
+    return f"{i}{j}" if max(i, j) < 10 else f"{i},{j}"
+
+
 def part(name: Symbol, label: str) -> Symbol:
     """The symbol of an entry of an array: v of c2 becomes v of c2, x."""
     return Symbol(
-        f"{name.name}_{label}", name.letter, (*name.low, label), name.dots, high=name.high
+        f"{name.name}_{label}",
+        name.letter,
+        (*name.low, *label.split(",")),
+        name.dots,
+        high=name.high,
     )
 
 
