@@ -43,7 +43,7 @@ def undrawn_derivation(
     if load is None:
         load = record.at_rest and _has_moving_tip(model)
     names = LOADS[model.dim] if load else ()
-    extra = (*names, *_multipliers(model), *velocity_names(model))
+    extra = (*names, *multipliers(model), *velocity_names(model))
     made = symbols_of_bodies(f"derive {record.name!r}", model, extra, euler=True)
     setting = Setting(made, names, at_rest=record.at_rest)
     worked = record(setting, **options)
@@ -116,7 +116,7 @@ def _require_options(method: Method, load: bool | None, options: Mapping[str, An
         raise FreebodyError(f"derive {method.name!r}: forces do not occur in it; leave load out.")
 
 
-def _multipliers(model: Model) -> tuple[str, ...]:
+def multipliers(model: Model) -> tuple[str, ...]:
     """Names of the multipliers of its loop equations."""
     space = of_dimension(model.dim)
     size = sum(LOOP_KINDS[loop.kind].closure(space, loop.axis).size(space) for loop in model.loops)

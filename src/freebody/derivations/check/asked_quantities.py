@@ -13,6 +13,7 @@ from typing import Any
 from freebody.derivations.check.body_quantities import BODY_QUANTITIES, BodyQuantity, numbers
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.vocabulary import spellings
+from freebody.derivations.closed_chains.loops import LoopEquations
 from freebody.derivations.equations.kinematics import Kinematics
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.evaluate import arithmetic, evaluate
@@ -23,6 +24,7 @@ from freebody.derivations.notations.notation import BookNotation
 from freebody.derivations.polynomials.determinant import determinant
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.relations.quantities import QuantityValues, branches
+from freebody.derivations.render.literal import literal
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
@@ -160,6 +162,10 @@ class Targets:
             for letter in ("q", "theta", "Theta"):
                 found |= dict.fromkeys(spellings(letter, "", dots), column)
         found |= self._vectors
+        if self.setting.system is not None:
+            rows = range(1, len(self.setting.system.loops.names) + 1)
+            found["Phi"] = [[self._by_index["Phi", (i,)]] for i in rows]
+            found["Phiq"] = [[self._by_index["Phi_q", (i, j)] for j in n] for i in rows]
         if self._tip is not None:
             found["J"] = [[self.single[f"J{i}{j}"] for j in n] for i in self._rows]
             found |= self._tip_vectors(self._tip)
@@ -179,6 +185,8 @@ class Targets:
     def _all(self) -> Iterator[tuple[tuple[str, ...], AskedQuantity]]:
         alone = self.count == 1
         n = range(1, self.count + 1)
+        if self.setting.system is not None:
+            yield from self._loops(self.setting.system.loops)
         for i in n:
             yield (
                 self._torque_names(i),
@@ -213,7 +221,7 @@ class Targets:
         letters = [
             *self.letters["tau"],
             *["F", "f"] * (own[0] in "dxyz"),
-            *["u"] * (bool(self.passive) or self.count == 1),
+            *["u"] * (self.setting.system is None and (bool(self.passive) or self.count == 1)),
         ]
         numbers = (str(i), "") if driven == [i] else (str(i),)
         along = (f"F{own}", f"f{own}") if own in ("x", "y", "z") else ()
@@ -281,6 +289,22 @@ class Targets:
 
         return value
 
+    def _loops(self, loops: LoopEquations) -> Iterator[tuple[tuple[str, ...], AskedQuantity]]:
+        """The equations of closed loops, Φ = 0, and Φ_q."""
+        for i, name in enumerate(loops.names, 1):
+            value = self._element(lambda i=i: loops.Phi[i - 1])
+            words = f"the loop equation {literal(name)}"
+            yield (f"Phi{i}",), AskedQuantity("Phi", (i,), value, words=words)
+            value = self._element(lambda i=i: loops.c[i - 1])
+            words = f"what row {i} of Φ_q q̈ must be"
+            yield (f"c{i}", f"gamma{i}"), AskedQuantity("closing", (i,), value, words=words)
+            for j in range(1, self.count + 1):
+                value = self._element(
+                    lambda i=i, j=j: self.setting.forces(loops.Phi_q[i - 1])[j - 1]
+                )
+                words = f"entry {i}, {j} of the Jacobian of the loop equations"
+                yield (f"Phiq{i}{j}",), AskedQuantity("Phi_q", (i, j), value, words=words)
+
     # ------------------------------------------------------------ bodies
     @cached_property
     def _setting(self) -> Setting:
@@ -296,15 +320,21 @@ class Targets:
     def _vectors(self) -> dict[str, list[list[AskedQuantity]]]:
         """Vectors of bodies, in the axes in which `fb.quantities` gives them."""
         tree = self.setting.equations.symbols.tree
-        if tree.follows or branches(tree):
+        if tree.follows:
             return {}
+        chain = not branches(tree) and self.setting.system is None
         dim = self.setting.symbols.model.dim
         found = {"gravity": self._constants("the gravitational acceleration", tree.gravity)}
         found["z"] = self._constants("the world's z axis", (0.0, 0.0, 1.0))
         for n in range(1, len(tree.bodies) + 1):
             for record in BODY_QUANTITIES:
                 whole = len(tree.bodies[tree.body_of[n - 1]].masses) < 2
-                if record.exists(n, len(tree.bodies), dim) and (whole or not record.of_centre):
+                is_told = chain or record.of_motion
+                if (
+                    is_told
+                    and record.exists(n, len(tree.bodies), dim)
+                    and (whole or not record.of_centre)
+                ):
                     table = self._table_of(record, n, dim)
                     found |= dict.fromkeys(
                         (name for name in record.spelt(n) if name not in found), table

@@ -42,6 +42,11 @@ class BodyQuantity:
         """Whether it is of the centre of mass; of bodies joined into one that is a fraction."""
         return "c{" in self.known or self.known == "I{n}"
 
+    @property
+    def of_motion(self) -> bool:
+        """Whether it is told of bodies of trees and closed chains too: what moves a body alone."""
+        return self.known in _OF_MOTION
+
     def exists(self, n: int, count: int, dim: int) -> bool:
         """Whether body n of an arm of `count` bodies has it."""
         at_end = {"first": n == 1, "last": n == count, "": True}[self.only]
@@ -50,6 +55,9 @@ class BodyQuantity:
     def axes(self, dim: int) -> str:
         """Of a vector "xy" or "xyz", of one number ""."""
         return "" if self.angular and dim == 2 else "xyz"[:dim]
+
+
+_OF_MOTION = ("omega{n}", "omega{n}_d", "vc{n}", "vc{n}_d", "rc{n}")
 
 
 def numbers(n: int) -> dict[str, int]:

@@ -13,9 +13,8 @@ from freebody.derivations.check.asked_quantities import Targets, letters_of
 from freebody.derivations.check.claims import statements
 from freebody.derivations.check.documents import FORMS, AnswerDocument, form_of
 from freebody.derivations.check.equation_verdict import Judge
-from freebody.derivations.check.right_equations import in_notation
+from freebody.derivations.check.right_equations import equations_of, in_notation
 from freebody.derivations.check.verdict import Verdict
-from freebody.derivations.equations.equations import equations
 from freebody.derivations.notations.notation import BookNotation, notation_of
 from freebody.errors import UnknownNameError
 from freebody.formats import read_file
@@ -69,9 +68,8 @@ def check(
     are found equal. The verdict is true when all equations are, and none about the robot's
     quantities was left unread; `.text` says it in words, `.findings` lists the mistakes.
     """
-    model.require_tree("check")
     style = notation_of(notation)
-    where = in_notation(equations(model), style, absolute)
+    where = in_notation(equations_of(model), style, absolute)
     document = document_of(answer, form)
     said = statements(where, document, names or {}, style)
     velocity = any(claim.target.family == "h" for claim in said.claims)

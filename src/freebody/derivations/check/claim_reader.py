@@ -205,10 +205,17 @@ class ClaimReader:
             named, other = named[:1], list(line[1:])
         found = []
         for side in other:
+            if self._closes(named[0], side, len(other)):
+                continue
             node = self.parse(side, self._shape_of(named[0]))
             for subject in named:
                 found += self._pairs(subject, node)
         return found
+
+    def _closes(self, subject: Token | Named | Matrix, side: Sequence[Token], count: int) -> bool:
+        """Whether a side is the 0 of Φ1 = … = 0, which says that the loop is closed."""
+        own = isinstance(subject, Token) and subject.text.startswith("Phi")
+        return own and count > 1 and len(side) == 1 and side[0].text == "0"
 
     def _tells_of_bodies(self, token: Token) -> bool:
         """Whether a name is that of a vector of a body or the tip, or of an energy."""
@@ -327,6 +334,10 @@ class ClaimReader:
             if self.targets.single[name].family == "tau"
         }
         torques = {target for target in torques if not target.idle}
+        if len(line) == 2 and not torques and self.setting.system is not None:
+            closing = self._closing(line)
+            if closing is not None:
+                return [closing]
         if len(line) == 2 and not torques and self.targets.passive:
             return [self._unpowered(line, before)]
         if (len(line) != 2 or len(torques) != 1) and self.of_bodies:
@@ -349,6 +360,32 @@ class ClaimReader:
         used = [use for side in nodes for use in uses(side, self.targets.single, self.vocabulary)]
         used = [use for use in used if use.target != target]
         return [Claim(name, target, node, rest / -slope, self.source, tuple(used))]
+
+    def _closing(self, line: Line) -> Claim | None:
+        """A loop equation without its name, l1 c1 + l2 c12 - d - l3 c3 = 0, with either sign; None
+        of an equation in which something moves or presses."""
+        node, value = self._difference(line)
+        rates = {x for names in self.setting.symbols.rates.items() for x in (names[0],)}
+        used = {name for powers, _ in value.terms() for name in powers}
+        moving = {name for name in used if name.endswith(("_d", "_dd")) or name.startswith("lam")}
+        if moving or not rates or (self.setting.order.gravity or "") in used:
+            return None
+        loops = [x for x in self.targets.single.values() if x.family == "Phi"]
+        signs = [(x, sign) for x in dict.fromkeys(loops) for sign in (1, -1)]
+        target, sign = min(signs, key=lambda row: len(value * row[1] - row[0].compute()))
+        if sign < 0:
+            node = Negative(node, span=node.span)
+        return self._claim(f"The loop equation {self.source[node.span]}", target, node)
+
+    def _difference(self, line: Line) -> tuple[Expression, Trig]:
+        """Left less right; where one is 0 the other, with its own sign."""
+        left, right = map(self.parse, line)
+        values = self.value(left), self.value(right)
+        node: Expression = Sum((left, Negative(right, span=right.span)), span=around(left, right))
+        for side, value in ((right, values[0]), (left, values[1])):
+            if value.is_zero:
+                node = side
+        return node, self.value(node)
 
     def _identities(self, line: Line) -> list[Claim]:
         """An equation between quantities of bodies, f01 - f12 + m1 g = m1 v̇c1, entry by entry."""
@@ -382,18 +419,13 @@ class ClaimReader:
 
     def _unpowered(self, line: Line, before: Sequence[Claim]) -> Claim:
         """An equation without torque: that of a joint which nothing drives."""
-        left, right = map(self.parse, line)
-        values = self.value(left), self.value(right)
-        node: Expression = Sum((left, Negative(right, span=right.span)), span=around(left, right))
-        for side, value in ((right, values[0]), (left, values[1])):
-            if value.is_zero:
-                node = side
+        node, value = self._difference(line)
         taken = [
             claim.target.index
             for claim in before
             if claim.target.family == "0" or claim.target.idle
         ]
-        target = undriven_joints.equation(self.targets, self.value(node), taken)
+        target = undriven_joints.equation(self.targets, value, taken)
         return self._claim(f"The equation of joint {target.index[0]}", target, node)
 
     def _solved(self, line: Line, target: AskedQuantity) -> tuple[Trig, Trig | None]:

@@ -84,6 +84,7 @@ def statements(
         stated = line[1:] if line in own else line
         if line not in reading.failed and (line not in own or len(stated) > 1):
             with reading.passing_over(line):
+                _refuse_unread_names(source, stated, reading.failed)
                 found += claimed.claims(stated, found)
     if not found:
         _refuse_nothing(source, own, reading.unread)
@@ -93,6 +94,17 @@ def statements(
         found = _without_circles(reading, found)
     unread = sorted(reading.unread, key=lambda row: row.at)
     return Statements(found, _unused(source, own, lines), tuple(unread))
+
+
+def _refuse_unread_names(source: Source, line: Line, failed: Sequence[Line]) -> None:
+    """Refuse a line that is written with a name whose own line could not be read."""
+    unread = {x[0][0].text for x in failed if len(x[0]) == 1 and x[0][0].kind == "name"}
+    for side in line if len(line[0]) > 1 else line[1:]:
+        for token in side:
+            if token.kind == "name" and token.text in unread:
+                source.fail(
+                    f"{source[token.span]} is given on a line that could not be read", token.span
+                )
 
 
 def _without_circles(reading: DocumentReader, found: Sequence[Claim]) -> list[Claim]:

@@ -10,12 +10,15 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Any
 
-from freebody.derivations.equations.equations import Equations
+from freebody.derivations.closed_chains.first_kind import FirstKind
+from freebody.derivations.closed_chains.loops import LoopEquations
+from freebody.derivations.derive import multipliers
+from freebody.derivations.equations.equations import Equations, equations
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.grammar.parser import PI
 from freebody.derivations.notations.notation import BookNotation
 from freebody.derivations.polynomials.symbol_order import Order
-from freebody.derivations.polynomials.symbols import RATE, SECOND, Symbols
+from freebody.derivations.polynomials.symbols import RATE, SECOND, Symbols, symbols
 from freebody.derivations.polynomials.textbook_form import Layout
 from freebody.derivations.relations.formula import FormulaError, names_in, parse
 from freebody.derivations.relations.formula_values import value
@@ -65,6 +68,13 @@ class RightEquations:
         """The ring of answers."""
         return self.symbols.ring
 
+    @cached_property
+    def system(self) -> FirstKind | None:
+        """Of a closed chain its equations with multipliers; torques are those of them."""
+        symbols = self.equations.symbols
+        loops = LoopEquations(symbols) if symbols.model.loops else None
+        return loops and FirstKind(loops, self.equations)
+
     @property
     def is_planar(self) -> bool:
         """Whether the model moves in the plane."""
@@ -90,11 +100,12 @@ class RightEquations:
         for powers, coefficient in x.terms():
             term = self.zero + coefficient
             for name, power in powers.items():
-                term = term * self._image(name) ** power
+                term = term * self.image(name) ** power
             found = found + term
         return found
 
-    def _image(self, name: str) -> Trig:
+    def image(self, name: str) -> Trig:
+        """What a symbol of the equations is in those of the answer."""
         kept = self._images.get(name)
         return self.ring.polynomial([({name: 1}, Fraction(1))]) if kept is None else kept
 
@@ -142,7 +153,9 @@ class RightEquations:
     def all_of(self, name: str) -> Any:
         """tau, c or g (Bᵀ τ), M or C (Bᵀ M B), T or V of the equations, for the answer's
         coordinates."""
-        found: Any = getattr(self.equations, name)
+        found: Any = self.system.forces if self.system and name == "tau" else None
+        if found is None:
+            found = getattr(self.equations, name)
         if self.turned is None or isinstance(found, Trig):
             return found
         rows = self.forces(found)
@@ -236,6 +249,14 @@ def _formula(name: str, formula: str) -> Expression:
 def _bad(name: str, formula: str, problem: FreebodyError) -> FreebodyError:
     own = problem.bare if isinstance(problem, FormulaError) else str(problem)
     return FreebodyError(f"check: the parameter {name} = {formula}: {own}.")
+
+
+def equations_of(model: Model) -> Equations:
+    """The closed-form equations; of a closed chain those of the tree that is left when its loops
+    are cut, over a ring that holds the multipliers."""
+    if not model.loops:
+        return equations(model)
+    return Equations(symbols(model, extra=multipliers(model)))
 
 
 def _of_each_link(plain: RightEquations, name: str, formula: str) -> Iterator[tuple[str, str]]:

@@ -12,13 +12,14 @@ from freebody.scalars.trig import Trig
 
 
 def equation(targets: Targets, x: Trig, taken: Collection[tuple[int, ...]]) -> AskedQuantity:
-    """The passive joint's equation that x = 0 states, or else should: the first that no other line
-    has given."""
+    """The passive joint's equation that x = 0 states, or else should: of those that no other line
+    has given the one with which it has most in common."""
     own = [targets.single[f"tau{i}"] for i in targets.passive]
     right = next((target for target in own if is_same(targets.setting, x, target.compute())), None)
     if right is not None:
         return AskedQuantity("0", right.index, lambda: x)
-    target = next((target for target in own if target.index not in taken), own[0])
+    left = [target for target in own if target.index not in taken] or own
+    target = max(left, key=lambda target: len(_votes(targets.setting, x, target.compute())))
     return AskedQuantity("0", target.index, lambda: _alike(targets.setting, x, target.compute()))
 
 
@@ -33,12 +34,17 @@ def is_same(setting: RightEquations, x: Trig, y: Trig) -> bool:
 
 def _alike(setting: RightEquations, x: Trig, y: Trig) -> Trig:
     """y times the number with which it has most parts in common with x."""
-    first, second = parts(setting, x), parts(setting, y)
-    votes = [ratio for k in first.keys() & second.keys() for ratio in _ratio(first[k], second[k])]
+    votes = _votes(setting, x, y)
     best = max(
         votes, key=lambda ratio: (votes.count(ratio), ratio > 0, -abs(ratio)), default=Fraction(1)
     )
     return y * best
+
+
+def _votes(setting: RightEquations, x: Trig, y: Trig) -> list[Fraction]:
+    """The numbers that parts of x are times those of y."""
+    first, second = parts(setting, x), parts(setting, y)
+    return [ratio for k in first.keys() & second.keys() for ratio in _ratio(first[k], second[k])]
 
 
 def _ratio(a: Trig, b: Trig) -> Iterator[Fraction]:

@@ -14,7 +14,7 @@ from freebody.derivations.check.right_equations import FAMILIES, RightEquations
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.source import Source, Span
 from freebody.derivations.grammar.words import DOT, PRIME, spell
-from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.polynomials.symbols import RATE, SECOND, names_by_body
 from freebody.errors import likely
 from freebody.identifiers import word_set
 from freebody.scalars.trig import Trig
@@ -201,17 +201,22 @@ class Vocabulary:
                     yield f"l{k}c", value
 
     def _absolute_rates(self) -> Iterator[tuple[str, Trig]]:
-        """ω_i = θ̇_1 + … + θ̇_i, (3.16) and (3.17), and its time derivative."""
-        ring, s = self.setting.ring, self.setting.symbols
-        for name in s.coordinates:
-            k = re.sub(r"\D", "", name)
-            turning = [
-                x for x in s.coordinates[: s.coordinates.index(name) + 1] if x.startswith("theta")
-            ]
+        """ω_i, the sum of the rates of all turns from the ground to body i, (3.16) and (3.17), and
+        its time derivative."""
+        setting = self.setting
+        model, own = setting.symbols.model, names_by_body(setting.symbols.model)
+        for i, names in enumerate(own):
+            k = re.sub(r"\D", "", names[0]) if len(names) == 1 else ""
+            if not k:
+                continue
+            turning, at = [], i
+            while at >= 0:
+                turning += [x for x in own[at] if x.startswith("theta")]
+                at = model.bodies[at].parent
             for dots, ending in ((0, RATE), (1, SECOND)):
-                value = sum((ring[x + ending] for x in turning), self.setting.zero)
+                value = sum((setting.image(x + ending) for x in turning), setting.zero)
                 for letter, number in itertools.product(
-                    ("omega", "w"), (k, "") if len(s.coordinates) == 1 else (k,)
+                    ("omega", "w"), (k, "") if len(setting.symbols.coordinates) == 1 else (k,)
                 ):
                     for spelling in spellings(letter, number, dots):
                         yield spelling, value

@@ -23,12 +23,14 @@ _LETTERS = {letter: name for name, letter in GREEK.items()} | {
     "λ": "lam",
     "ɡ": "g",
     "Θ": "Theta",
+    "Φ": "Phi",
 }
 _COMMANDS = {name: name for name in GREEK} | {
     "lambda": "lam",
     "vartheta": "theta",
     "varphi": "phi",
     "Theta": "Theta",
+    "Phi": "Phi",
     "ell": "l",
 }
 _FONTS = word_set("mathrm mathit mathbf mathsf boldsymbol bm text operatorname textrm rm")

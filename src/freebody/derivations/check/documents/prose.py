@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from unicodedata import category
 
 from freebody.derivations.grammar.source import Span
 
@@ -43,7 +44,7 @@ def sentences(text: str, line: Span, is_name: Callable[[str], bool]) -> Iterator
         words = [
             match.span()
             for match in _WORD.finditer(text, start, end)
-            if match[0][0].isalpha() and match[0][-1].isalpha() and not is_name(match[0])
+            if _is_word(match[0]) and not is_name(match[0])
         ]
         if not words or "#" in text[line[0] : words[0][0]]:
             continue
@@ -61,6 +62,11 @@ def sentences(text: str, line: Span, is_name: Callable[[str], bool]) -> Iterator
         behind = any(a > equals.start() for a, _ in words)
         if before or behind:
             yield Sentence(start, before[-1] if before else start, end, bool(before), behind)
+
+
+def _is_word(text: str) -> bool:
+    """Whether it is made of letters alone: no superscripts, such as that of a transpose."""
+    return all((c.isalpha() and category(c) != "Lm") or c in "-'’" for c in text)
 
 
 def _is_formula(text: str, start: int, end: int) -> bool:

@@ -1,0 +1,84 @@
+"""Answers about closed chains: loop equations, Φ_q, equations with multipliers; and branched
+robots."""
+
+from __future__ import annotations
+
+import pytest
+
+import freebody as fb
+from freebody.derivations.check.answer_text import AnswerError
+
+BAR = fb.load("four_bar")
+
+RIGHT = [
+    "Φ1 = l1 c1 + l2 c12 - d - l3 c3 = 0",
+    "l1 c1 + l2 c12 = d + l3 c3; l1 s1 + l2 s12 - l3 s3 = 0",
+    r"\Phi_q = \begin{bmatrix} -l_1 s_1 - l_2 s_{12} & -l_2 s_{12} & l_3 s_3 \\"
+    r" l_1 c_1 + l_2 c_{12} & l_2 c_{12} & -l_3 c_3 \end{bmatrix}",
+    "0 = (m3 lc3² + I3) θ̈3 + m3 g lc3 c3 + l3 s3 λ1 - l3 c3 λ2",
+    "(m3 lc3² + I3) θ̈3 + m3 g lc3 c3 = -l3 s3 λ1 + l3 c3 λ2",
+    "τ1 = H11 θ̈1 + H12 θ̈2 - h θ̇2² - 2 h θ̇1 θ̇2 + G1 + ∂Φ1/∂θ1 λ1 + ∂Φ2/∂θ1 λ2\nh = m2 l1 lc2 s2",
+    "d/dt (∂L/∂θ̇1) - ∂L/∂θ1 + ∂Φ1/∂θ1 λ1 + ∂Φ2/∂θ1 λ2 = τ1",
+    "vc3 = [-lc3 θ̇3 s3; lc3 θ̇3 c3]",
+    "T3 = ½ (m3 lc3² + I3) ω3²",
+    "gamma2 = (l1 s1 + l2 s12) θ̇1² + l2 s12 θ̇2² - l3 s3 θ̇3² + 2 l2 s12 θ̇1 θ̇2",
+]
+
+
+@pytest.mark.parametrize("answer", RIGHT)
+def test_lines_about_a_closed_chain_are_right(answer: str):
+    assert fb.check(BAR, answer), answer
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        ("Φ1 = l1 c1 + l2 c12 - d + l3 c3 = 0", "‘l3 c3’ has the wrong sign"),
+        ("l1 c1 + l2 c12 = d - l3 c3", "the loop equation ⁠closing_pin.fx⁠, is not right"),
+        ("l1 s1 + l2 s2 - l3 s3 = 0", "closing_pin.fy"),
+        ("0 = (m3 lc3² + I3) θ̈3 + m3 g lc3 c3 - l3 s3 λ1 - l3 c3 λ2",
+         "equation of joint 3, which nothing drives, is not right.\n  ‘- l3 s3 λ1’ has the wrong"),
+        ("d/dt (∂L/∂θ̇1) - ∂L/∂θ1 - ∂Φ1/∂θ1 λ1 - ∂Φ2/∂θ1 λ2 = τ1", "‘- ∂Φ1/∂θ1 λ1’ has the wrong"),
+        ("τ1 = H11 θ̈1 + H12 θ̈2 + v1 + G1", "λ₁"),
+        ("T3 = ½ (m3 lc3² + I3) (θ̇1 + θ̇2 + θ̇3)²", "T3, the kinetic energy of body 3, is not"),
+        ("c1 = 0", "row 1 of Φ_q q̈"),
+    ],
+)  # fmt: skip
+def test_mistakes_about_a_closed_chain_are_named(answer: str, words: str):
+    verdict = fb.check(BAR, answer)
+    assert not verdict
+    assert words in verdict.text
+
+
+def test_a_derivation_of_a_closed_chain_is_an_answer():
+    """What is a quotient is not read, and so told; nothing is called wrong."""
+    derivation = fb.derive(BAR, "lagrange-first-kind")
+    lines = [str(equation) for step in derivation.steps for equation in step.equations]
+    verdict = fb.check(BAR, "\n\n".join(lines), form="markdown")
+    assert len(verdict.equations) > 60
+    assert all(equation.equal for equation in verdict.equations), verdict
+    assert not verdict  # K2 and the like are left out
+    assert {x.text[0] for x in verdict.left_out} <= set("Kqγ")
+
+
+def test_a_name_whose_own_line_cannot_be_read_leaves_others_unread():
+    text = "K2 = l1/l2\n\nH22 = K2 + 0\n\nH11 = H11 + H12 - H12 + 0*K2"
+    verdict = fb.check(fb.planar("RR"), text + "\n\nG2 = m2 g lc2 c12", form="markdown")
+    assert [equation.name for equation in verdict.equations] == ["G2"]
+    assert not verdict
+
+
+def test_angular_velocities_of_a_branched_robot_go_along_its_own_branch():
+    """Body 3 hangs on the ground; in absolute angles each link's own rate is its angular
+    velocity."""
+    assert fb.check(BAR.opened, "T3 = ½ (m3 lc3² + I3) ω3²")
+    assert not fb.check(BAR.opened, "T3 = ½ (m3 lc3² + I3) (θ̇1 + θ̇2 + θ̇3)²")
+    arm = fb.planar("RR")
+    assert fb.check(arm, "T2 = ½ m2 vc2² + ½ I2 ω2²; ω2 = θ̇2", absolute=True)
+    assert not fb.check(arm, "ω2 = θ̇1 + θ̇2", absolute=True)
+
+
+def test_loop_forces_are_no_forces_of_the_tree():
+    """f12 of the tree that is left when a loop is cut would lack what the loop transmits."""
+    with pytest.raises(AnswerError, match="f12 is taken for a name of your own"):
+        fb.check(BAR, "f12 = m2 g")
