@@ -33,7 +33,7 @@ def panel(inputs: list[dict[str, Any]], dim: int) -> str:
             groups.append(f"<details{state}><summary>{title}</summary>{''.join(rows)}</details>")
     turned = "".join(
         f'<p class="slider"><label for="{name}">{name} the view</label><input id="{name}" '
-        f'type="range" min="{low}" max="{high}" value="{value}" step="1"></p>'
+        f'type="range" min="{low}" max="{high}" value="{value}" step="1"/></p>'
         for name, low, high, value in (VIEWS if dim == 3 else ())
     )
     moments = "; moments, with two heads, to another" if dim == 3 else ""
@@ -48,7 +48,7 @@ def panel(inputs: list[dict[str, Any]], dim: int) -> str:
         f'belong to this state.</p><p id="open" role="status"></p>{turned}'
         f"{''.join(groups)}"
         '<p><button id="again">Back to the first state</button> <button id="fold">Fold all steps'
-        '</button></p><p><label><input type="checkbox" id="predict"> Predict first: hide each '
+        '</button></p><p><label><input type="checkbox" id="predict"/> Predict first: hide each '
         "line until you have tried it</label></p></aside>"
     )
 
@@ -64,7 +64,7 @@ def _slider(k: int, x: dict[str, Any]) -> str:
     return (
         f'<p class="slider" data-of="{name}"><label for="in{k}">{letter}</label>'
         f'<input id="in{k}" type="range" data-input="{name}" '
-        f'min="{x["low"]!r}" max="{x["high"]!r}" step="any" value="{x["value"]!r}">'
+        f'min="{x["low"]!r}" max="{x["high"]!r}" step="any" value="{x["value"]!r}"/>'
         f'<span><output id="out{k}" for="in{k}"></output>{unit}</span></p>'
     )
 
