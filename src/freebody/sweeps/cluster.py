@@ -22,7 +22,7 @@ _WORTH = 0.5
 _MOST = 64
 """Blocks that are sent together."""
 _AHEAD = 2
-"""Pieces of work for each thread of the cluster that may wait to be joined."""
+"""Pieces for each thread of the cluster that may wait here for one before them."""
 
 
 def on_cluster(
@@ -66,8 +66,9 @@ def _in_order(
     client: Any,
     as_completed: Callable[..., Any],
 ) -> Iterator[BlockResult]:
-    """Results are fetched when they are there, since a worker that is lost takes with it what was
-    not, and wait here for those before them."""
+    """Results are fetched when they are there, and wait here for those before them. A thread has
+    one piece at a time, the next when its result is here: a worker that is lost takes no more.
+    """
     # as bytes: what a worker cannot read would break its connection instead of being said
     packed = imported("cloudpickle").dumps(task)
     needs = needs_of(task)
@@ -78,8 +79,10 @@ def _in_order(
     together, begun, joined = 1, 0, 0
     try:
         while True:
-            room = _AHEAD * max(1, sum(client.nthreads().values())) - (begun - joined)
-            for _ in range(room):
+            threads = max(1, sum(client.nthreads().values()))
+            room = threads - len(pieces)
+            waiting = begun - joined - len(pieces)
+            for _ in range(min(room, _AHEAD * threads - waiting)):
                 some = list(islice(blocks, together))
                 if not some:
                     break
