@@ -250,6 +250,22 @@ def test_coulomb_friction_is_smooth_in_all_methods():
     assert found[2].attrs["coulomb_friction"] == "c q̇ / √(q̇² + 0.05²)"
 
 
+@pytest.mark.parametrize(
+    ("model", "gain", "words"),
+    [
+        (arm(coulomb=2.0), 0.0, "smooth dry friction keeps the steps .* friction_width = 0.0001"),
+        (arm(), 3000.0, "motions are stiff, .* decays within .* method='implicit'"),
+    ],
+)
+def test_steps_that_friction_or_stiffness_keeps_short_are_told(model, gain, words):
+    law = fb.compile(lambda qd, gain: [-gain * x for x in qd], {"qd": 2, "gain": ()}, {"tau": 2})
+    options = {"torque_inputs": {"gain": gain}, "tolerance": 1e-8, "friction_width": 1e-4}
+    with pytest.warns(FreebodyWarning, match=words) as told:
+        fb.simulate(model.replace(gravity=0), Q[:2], 0.01 * QD[:2], [0, 0.1], law, **options)
+    assert len(told) == 1
+    assert told[0].filename == __file__
+
+
 def test_a_free_body_and_a_closed_chain():
     bars = fb.load("four_bar")
     free = generate.model(24, 3).without("friction")

@@ -18,6 +18,7 @@ from freebody.motion.simulation.steppers import State, Stepper
 
 _ROUND = 1e-9  # of a step: what is left of an interval that rounding left
 _SHORTEST = 1e-13  # of the duration: steps this short lead nowhere
+_WATCHED = 50  # steps between two looks at the shortest
 _SAFETY, _LEAST, _MOST = 0.9, 0.2, 4.0  # of a step: how much the next may differ
 
 
@@ -72,6 +73,8 @@ class ControlledSteps:
     sizes: Array
     stop: threading.Event
     events: ContactEvents | None = None
+    watch: Callable[[int, float, State, float], None] | None = None
+    """Told now and then of a lane, a time, its state there, and the step it took."""
     order: int = 4
 
     def __call__(self, lanes: slice, state: State, start: float, end: float) -> State:
@@ -82,7 +85,9 @@ class ControlledSteps:
         now, sizes = np.full(len(q), start), self.sizes[lanes]
         first = range(self.sizes.shape[0])[lanes].start
         going = np.flatnonzero(np.isfinite(q).all(axis=1) & np.isfinite(qd).all(axis=1))
+        rounds = 0
         while len(going) and not self.stop.is_set():
+            rounds += 1
             left = end - now[going]
             wanted = np.minimum(sizes[going], self.max_step)
             h = np.where(wanted > left * (1.0 - _ROUND), left, wanted)
@@ -106,6 +111,9 @@ class ControlledSteps:
             stuck = going[~good & (h_next < _SHORTEST * self.duration)]
             q[stuck] = qd[stuck] = np.nan
             now[stuck] = end
+            if self.watch is not None and rounds % _WATCHED == 0 and len(done):
+                k = done[h[good].argmin()]
+                self.watch(first + int(k), float(now[k]), (q[k], qd[k]), float(h[good].min()))
             going = going[now[going] < end]
         return q, qd
 

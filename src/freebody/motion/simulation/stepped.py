@@ -12,13 +12,13 @@ from freebody.errors import FreebodyError, warn
 from freebody.kernels.driven_steps import STEP_METHODS, driven_rates, driven_step
 from freebody.kernels.structural import Bound
 from freebody.loops.equations import require_closed
-from freebody.model.families import member_at
-from freebody.motion.simulation.compiled_torque import CompiledTorque, one_lane
+from freebody.motion.simulation.compiled_torque import CompiledTorque
 from freebody.motion.simulation.contact_events import ContactEvents
 from freebody.motion.simulation.first_order_system import Drive, System, constant_loads, system
 from freebody.motion.simulation.integration import step_tolerance
 from freebody.motion.simulation.lane_torques import HeldTorque, LaneTorque, LawTorque, TableTorque
 from freebody.motion.simulation.motion_lanes import some_of
+from freebody.motion.simulation.short_steps import ShortSteps, lane_drive, lane_system
 from freebody.motion.simulation.side_by_side import Course, Walk, course
 from freebody.motion.simulation.simulation import Simulated, Simulation
 from freebody.motion.simulation.step_sizes import Advance, ControlledSteps, FixedSteps
@@ -57,7 +57,8 @@ def stepped(asked: Simulation, method: str, result: Simulated) -> None:
     if method != "auto":
         _warn_unstable(asked, fixed, way, drive)
     stop = threading.Event()
-    advance = _advance(asked, method, stepper, events, stop)
+    watch = ShortSteps(asked, drive)
+    advance = _advance(asked, method, stepper, events, watch, stop)
     result.used["method"] = fixed if method != "auto" else f"{fixed}, steps chosen by their error"
     if method != "auto":
         result.used["step"] = _longest(asked, way)
@@ -76,9 +77,10 @@ def stepped(asked: Simulation, method: str, result: Simulated) -> None:
         controller,
         torque,
         asked.threads,
-        asked.tell,
+        watch.while_telling(asked.tell),
         stop,
     ).run()
+    watch.tell(5)
     _tell_stopped(asked, fixed, result)
 
 
@@ -166,6 +168,7 @@ def _advance(
     method: str,
     stepper: Stepper,
     events: ContactEvents | None,
+    watch: ShortSteps,
     stop: threading.Event,
 ) -> Advance:
     if method != "auto":
@@ -173,8 +176,9 @@ def _advance(
     flat = layout(asked.model).flat and not asked.model.loops
     first = np.full(stepper.rows, asked.duration / 100)
     tolerance = step_tolerance("rk4", asked.tolerance)
+    own = None if stepper.rows < asked.lanes.count or asked.model.loops else watch.look
     return ControlledSteps(
-        stepper, tolerance, asked.max_step, asked.duration, flat, first, stop, events
+        stepper, tolerance, asked.max_step, asked.duration, flat, first, stop, events, own
     )
 
 
@@ -196,9 +200,7 @@ def _warn_unstable(asked: Simulation, method: str, way: Course, drive: Drive) ->
     for k in sorted({0, lanes.count // 2, lanes.count - 1})[:_LOOKED_AT]:
         index = lanes.index(k)
         y = np.concatenate([some_of(lanes.each(x, 1), 1, k) for x in (asked.q, asked.qd)])
-        loads = {n: some_of(lanes.each(w, 1), 1, k) for n, w in asked.wrenches.items()}
-        whole = system(member_at(model, index), asked.width, *constant_loads(loads))
-        rate = whole.fastest(asked.t[0], y, _of_lane(asked, k, drive))
+        rate = lane_system(asked, k).fastest(asked.t[0], y, lane_drive(asked, k, drive))
         if rate * step > reach:
             where = at_sample(index)
             warn(
@@ -208,16 +210,6 @@ def _warn_unstable(asked: Simulation, method: str, way: Course, drive: Drive) ->
                 f"'implicit'.",
             )
             return
-
-
-def _of_lane(asked: Simulation, k: int, drive: Drive) -> Drive:
-    """The torque of one motion, of a batch of its states."""
-    if asked.sample_time is not None or isinstance(asked.torque, np.ndarray):
-        still = np.zeros(asked.model.nv)
-        return lambda now, q, qd: still
-    if isinstance(asked.torque, CompiledTorque):
-        return one_lane(asked.torque, asked.lanes, k)
-    return lambda now, q, qd: np.stack([drive(now, *state) for state in zip(q, qd, strict=True)])
 
 
 def _tell_stopped(asked: Simulation, method: str, result: Simulated) -> None:
