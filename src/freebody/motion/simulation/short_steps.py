@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from freebody.arrays import at_sample
-from freebody.errors import FreebodyWarning
+from freebody.errors import warn
 from freebody.model.families import member_at
 from freebody.model.model import Model
 from freebody.motion.friction import smooth_friction
@@ -67,17 +66,17 @@ class ShortSteps:
             f"step= takes fewer."
         )
 
-    def tell(self, depth: int) -> None:
-        """Warn, once, of what was found; depth: of the calls from the user's to this one."""
+    def tell(self) -> None:
+        """Warn, once, of what was found."""
         if self.text and not self.told:
             self.told = True
-            warnings.warn(self.text, FreebodyWarning, stacklevel=depth)
+            warn(self.text)
 
     def while_telling(self, tell: Callable[[float], None]) -> Callable[[float], None]:
         """The same function of the part that is done, which warns as soon as there is reason to."""
 
         def both(done: float) -> None:
-            self.tell(7)
+            self.tell()
             tell(done)
 
         return both

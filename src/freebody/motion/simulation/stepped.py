@@ -80,7 +80,7 @@ def stepped(asked: Simulation, method: str, result: Simulated) -> None:
         watch.while_telling(asked.tell),
         stop,
     ).run()
-    watch.tell(5)
+    watch.tell()
     _tell_stopped(asked, fixed, result)
 
 
