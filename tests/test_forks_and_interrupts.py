@@ -11,8 +11,8 @@ import os
 import signal
 import subprocess
 import sys
-import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -302,22 +302,17 @@ def test_memory_of_results_that_are_gone_is_used_again_and_of_those_that_are_the
 def test_threads_that_ask_for_memory_at_once_get_different_pieces():
     from freebody.targets import result_memory
 
-    wrong = []
-
-    def work(value: float) -> None:
+    def is_its_own(value: float) -> bool:
         for _ in range(300):
             piece = result_memory.empty((40_000,))
             piece[::5000] = value
             time.sleep(0)
-            wrong.append(bool((piece[::5000] != value).any()))
+            if (piece[::5000] != value).any():
+                return False
+        return True
 
-    workers = [threading.Thread(target=work, args=(float(k),)) for k in range(4)]
-    for worker in workers:
-        worker.start()
-    for worker in workers:
-        worker.join()
-    assert len(wrong) == 1200
-    assert not any(wrong)
+    with ThreadPoolExecutor(4) as pool:
+        assert all(pool.map(is_its_own, range(4)))
     assert (
         sum(size * len(pieces) for size, pieces in result_memory._kept.items())
         <= result_memory.LIMIT

@@ -7,7 +7,8 @@ import re
 import subprocess
 import sys
 import textwrap
-import threading
+from concurrent.futures import ThreadPoolExecutor
+from itertools import chain
 
 import numpy as np
 import pytest
@@ -467,20 +468,15 @@ def test_threads():
     model = fb.load("ur5e")
     arrays = state(model, 300)
     expected = fb.kernel(model, "inverse_dynamics")(*arrays)
-    function, found = jax.jit(fb.to_jax(model, "inverse_dynamics")), []
+    function = jax.jit(fb.to_jax(model, "inverse_dynamics"))
 
-    def work():
+    def work(_):
         with jax.enable_x64(True):
-            found.extend(np.array(function(*arrays)) for _ in range(20))
+            return [np.array(function(*arrays)) for _ in range(20)]
 
-    threads = [threading.Thread(target=work) for _ in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert len(found) == 80
-    for result in found:
-        agree(result, expected)
+    with ThreadPoolExecutor(4) as pool:
+        for result in chain(*pool.map(work, range(4))):
+            agree(result, expected)
 
 
 def test_long_batches_are_shared_among_threads_without_a_trace(monkeypatch):
@@ -504,20 +500,15 @@ def test_long_batches_are_shared_among_threads_without_a_trace(monkeypatch):
         x, y = rng.normal(size=shapes[0]), rng.normal(size=(*shapes[1], 2))
         agree(function(x, y), kernel(x, y))
     x, y = rng.normal(size=(10_000,)), rng.normal(size=(10_000, 2))
-    expected, found = kernel(x, y), []
+    expected = kernel(x, y)
 
-    def work():
+    def call(_):
         with jax.enable_x64(True):
-            found.extend(np.array(function(x, y)) for _ in range(50))
+            return [np.array(function(x, y)) for _ in range(50)]
 
-    threads = [threading.Thread(target=work) for _ in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert len(found) == 200
-    for result in found:
-        agree(result, expected)
+    with ThreadPoolExecutor(4) as pool:
+        for result in chain(*pool.map(call, range(4))):
+            agree(result, expected)
 
 
 def test_symbols_without_values_are_refused():

@@ -89,47 +89,24 @@ class Leaves:
 
 
 @dataclass(frozen=True)
-class Attributes:
-    """Numbers that are attributes of a piece: field -> attribute."""
+class Entries:
+    """Numbers that are each an attribute of a piece, or an entry of a tuple: field -> which."""
 
     path: Path
-    attributes: Mapping[str, str]
+    steps: Mapping[str, str | int]
     first = False
     keeps_places = True
 
     def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
         piece = get(model, self.path)
-        return {field: getattr(piece, name) for field, name in self.attributes.items()}
+        return {field: get(piece, (step,)) for field, step in self.steps.items()}
 
     def alone(self, model: Model, field: str) -> tuple[Path, ...]:
-        return ((*self.path, self.attributes[field]),)
-
-    def write(self, model: Model, values: Fields) -> Model:
-        piece = get(model, self.path)
-        return put(
-            model, self.path, changed(piece, {self.attributes[f]: x for f, x in values.items()})
-        )
-
-
-@dataclass(frozen=True)
-class Items:
-    """Numbers in a tuple: field -> place."""
-
-    path: Path
-    places: Mapping[str, int]
-    first = False
-    keeps_places = True
-
-    def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
-        piece = get(model, self.path)
-        return {field: piece[k] for field, k in self.places.items()}
-
-    def alone(self, model: Model, field: str) -> tuple[Path, ...]:
-        return ((*self.path, self.places[field]),)
+        return ((*self.path, self.steps[field]),)
 
     def write(self, model: Model, values: Fields) -> Model:
         for field, value in values.items():
-            model = put(model, (*self.path, self.places[field]), value)
+            model = put(model, (*self.path, self.steps[field]), value)
         return model
 
 

@@ -100,17 +100,7 @@ def integrated(
             message = solver.step()
             if solver.status == "failed" or not np.isfinite(solver.y).all():
                 _refuse(scheme, method, before, message)
-            due = t[(t > before) & (t <= solver.t)]
-            inside = due[due < solver.t]
-            if len(inside):
-                states += [scheme.settled(state) for state in solver.dense_output()(inside).T]
-            if scheme.every_step or solver.status == "finished":
-                solver.y = scheme.settled(solver.y)
-            if len(due) > len(inside):
-                states.append(scheme.settled(solver.y))
-            if scheme.every_step and solver.status == "running":
-                # Runge-Kutta methods go on from f, which their base class does not have
-                solver.f = solver.fun(solver.t, solver.y)  # type: ignore[attr-defined]
+            states += _reached(solver, scheme, t[(t > before) & (t <= solver.t)])
             tell((solver.t - t[0]) / (t[-1] - t[0]))
             if watch.steps(method):
                 watch.look(drive, before, solver.t, solver.y)
@@ -118,6 +108,22 @@ def integrated(
                 method, y = watch.method, solver.y
                 solver = _solver(system, scheme, drive, method, solver.t, y, end, None)
         y, first = solver.y, getattr(solver, "h_abs", solver.step_size)
+
+
+def _reached(solver: OdeSolver, scheme: Scheme, due: Array) -> list[Array]:
+    """The states at times of the last step; where it is settled, the solver goes on from there."""
+    inside = due[due < solver.t]
+    found: list[Array] = []
+    if len(inside):
+        found += [scheme.settled(state) for state in solver.dense_output()(inside).T]
+    if scheme.every_step or solver.status == "finished":
+        solver.y = scheme.settled(solver.y)
+    if len(due) > len(inside):
+        found.append(scheme.settled(solver.y))
+    if scheme.every_step and solver.status == "running":
+        # Runge-Kutta methods go on from f, which their base class does not have
+        solver.f = solver.fun(solver.t, solver.y)  # type: ignore[attr-defined]
+    return found
 
 
 def _solver(
