@@ -89,7 +89,7 @@ class Leaves:
 
 
 @dataclass(frozen=True)
-class Entries:
+class PieceEntries:
     """Numbers that are each an attribute of a piece, or an entry of a tuple: field -> which."""
 
     path: Path

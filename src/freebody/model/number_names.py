@@ -11,10 +11,10 @@ from freebody.model.bodies import Body, Frame
 from freebody.model.number_editors import (
     TENSOR,
     Editor,
-    Entries,
     Leaves,
     LinkInertiaEditor,
     NewPayloadEditor,
+    PieceEntries,
 )
 from freebody.model.piece_paths import Path, get, is_plain, named_leaves
 from freebody.model.pose_editor import ANGLES, PoseEditor
@@ -124,12 +124,14 @@ def _by_name(rows: list[ModelNumber], told: dict[str, str]) -> Catalogue:
 # ---------------------------------------------------------------- all places, in order
 def _places(model: Model, space: AnySpace) -> Iterator[tuple[ModelNumber, Path]]:
     """Each number's row, and the path at which it stands as it is."""
-    gravity = Entries((), {"gravity": "gravity_size"})
+    gravity = PieceEntries((), {"gravity": "gravity_size"})
     yield (
         ModelNumber(("gravity",), "model", gravity, "gravity", "m/s²", "size of the gravity field"),
         ("gravity_size",),
     )
-    along = Entries(("gravity_direction",), {f"direction.{x}": k for k, x in enumerate(space.axes)})
+    along = PieceEntries(
+        ("gravity_direction",), {f"direction.{x}": k for k, x in enumerate(space.axes)}
+    )
     for field, k in along.steps.items():
         what = "component of the gravity field's direction, a unit vector in world axes"
         yield (
@@ -151,7 +153,7 @@ def _places(model: Model, space: AnySpace) -> Iterator[tuple[ModelNumber, Path]]
         if loop.distance is not None:
             path = ("loops", k)
             editor, what = (
-                Entries(path, {"distance": "distance"}),
+                PieceEntries(path, {"distance": "distance"}),
                 f"between the frames of loop {loop.name!r}",
             )
             yield (
@@ -190,7 +192,7 @@ def _joint(
             model, joint.name, "joint", pose, f"of the origin of joint {joint.name!r} in {where}"
         )
     for k, number in enumerate(body.kind.numbers):
-        own = Entries((*path, "joint", "numbers"), {number.name: k})
+        own = PieceEntries((*path, "joint", "numbers"), {number.name: k})
         what = f"{number.what} of joint {joint.name!r}"
         yield (
             ModelNumber((joint.name, number.name), "joint", own, number.name, number.unit, what),
@@ -200,7 +202,7 @@ def _joint(
         return
     (turns,) = body.kind.angular
     for label, attribute, unit, what in _DRIVE[turns]:
-        editor = Entries((*path, "joint", "drive"), {label: attribute})
+        editor = PieceEntries((*path, "joint", "drive"), {label: attribute})
         row = ModelNumber(
             (joint.name, *label.split(".")),
             "joint",
@@ -212,7 +214,7 @@ def _joint(
         )
         yield row, (*editor.path, attribute)
     for attribute, unit in _LIMITS[turns].items():
-        editor = Entries((*path, "joint", "limits"), {attribute: attribute})
+        editor = PieceEntries((*path, "joint", "limits"), {attribute: attribute})
         what = f"{attribute} limit of joint {joint.name!r}"
         row = ModelNumber(
             (joint.name, "limits", attribute), "joint", editor, attribute, unit, what, "limit"
