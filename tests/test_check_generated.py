@@ -18,8 +18,8 @@ from support.answers import KINDS, Mistake, Writer, lines, mistake, model, named
 from test_check_documents import CODE, LATEX, MARKDOWN, NOTEBOOK, TEXT
 
 WORDS = ("R", "RR", "RP", "PR", "PP", "RRR", "RPR", "PRR")
-SHORT, LONG = 40, 500
-HOSTILE_SHORT, HOSTILE_LONG = 30, 300
+SHORT, LONG = 25, 500
+HOSTILE_SHORT, HOSTILE_LONG = 20, 300
 
 
 def accepted(count: int) -> None:

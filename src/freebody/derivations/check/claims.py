@@ -84,7 +84,7 @@ def statements(
         stated = line[1:] if line in own else line
         if line not in reading.failed and (line not in own or len(stated) > 1):
             with reading.passing_over(line):
-                _refuse_unread_names(source, stated, reading.failed)
+                _refuse_unread_names(source, stated, reading.failed, vocabulary)
                 found += claimed.claims(stated, found)
     if not found:
         _refuse_nothing(source, own, reading.unread)
@@ -96,9 +96,13 @@ def statements(
     return Statements(found, _unused(source, own, lines), tuple(unread))
 
 
-def _refuse_unread_names(source: Source, line: Line, failed: Sequence[Line]) -> None:
-    """Refuse a line that is written with a name whose own line could not be read."""
+def _refuse_unread_names(
+    source: Source, line: Line, failed: Sequence[Line], vocabulary: Vocabulary
+) -> None:
+    """Refuse a line that is written with a name whose own line could not be read; what a line says
+    of one of the robot's symbols, g = 9.81, changes nothing."""
     unread = {x[0][0].text for x in failed if len(x[0]) == 1 and x[0][0].kind == "name"}
+    unread -= vocabulary.symbols.keys()
     for side in line if len(line[0]) > 1 else line[1:]:
         for token in side:
             if token.kind == "name" and token.text in unread:
