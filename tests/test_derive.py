@@ -92,6 +92,7 @@ def test_the_table_tells_the_symbols_of_the_whole():
     assert "mt₂             mass of body 2 [kg]" in text
     assert "ct₂x, ct₂y      distances from joint 2 to the centre of mass of body 2 [m]" in text
     assert "mp" not in text
+    assert "m_{t2}" in fb.derive(LOADED[0], "lagrange").latex()
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@ for.
 
 A body and what is fixed to it, such as a payload or a link behind a fixed joint, are one rigid
 body. Numbers are added up. Where there are parameters among them, the centre of mass would be a
-fraction of polynomials: the whole then has parameters of its own, mt2, ct2x, …, It2, with t for
+fraction of polynomials: the whole then has parameters of its own, m_t2, c_t2x, …, I_t2, with t for
 total, whose values are those of the parts together.
 """
 
@@ -92,13 +92,13 @@ def _named(
 
     off = [any(not _is_zero(mass.c[k]) for mass in masses) for k in range(dim)]
     com = [
-        parameter("ct", "xyz"[k], lambda x, k=k: x.com[k]) if off[k] else 0.0 for k in range(dim)
+        parameter("c_t", "xyz"[k], lambda x, k=k: x.com[k]) if off[k] else 0.0 for k in range(dim)
     ]
-    mass = parameter("mt", "", lambda x: x.mass)
+    mass = parameter("m_t", "", lambda x: x.mass)
     if dim == 2:
-        return Inertia(mass, tuple(com), (parameter("It", "", lambda x: x.tensor[0]),))
+        return Inertia(mass, tuple(com), (parameter("I_t", "", lambda x: x.tensor[0]),))
     tensor = [
-        parameter("It", "xyz"[i] + "xyz"[k], lambda x, entry=entry: x.tensor[entry])
+        parameter("I_t", "xyz"[i] + "xyz"[k], lambda x, entry=entry: x.tensor[entry])
         if i == k or (off[i] and off[k]) or any(not _is_zero(m.inertia[i][k]) for m in masses)
         else 0.0
         for entry, (i, k) in enumerate(_ENTRIES)
