@@ -11,7 +11,9 @@ from scipy.optimize import brentq
 
 import freebody as fb
 from freebody.errors import FreebodyError, UnknownNameError
+from freebody.motion.ranges import position_columns, ranges
 from freebody.motion.simulation.joint_contacts import complementary
+from support import generate
 
 G = 9.81
 T = np.linspace(0.0, 3.0, 31)
@@ -181,6 +183,21 @@ def test_a_family_has_its_own_friction_and_stops():
     for k in range(2):
         one = fb.simulate(family[k], [0.5, 0.3], [0, 0], T[:11], **options)
         assert np.abs(one.q.values - both.q.values[k]).max() < 1e-12
+
+
+@pytest.mark.parametrize("seed", [7, 13])
+def test_stops_of_any_joints_and_followers_keep_energy_or_take_it(seed: int):
+    model = generate.model(seed, 2).without("friction")
+    usable, (iq, iv) = ranges(model), position_columns(model)
+    q, qd, _ = fb.random_state(model, seed)
+    q[iq] = np.clip(q[iq], usable.lower[iv], usable.upper[iv])
+    both = fb.simulate(model, q, qd, T[:11], restitution=[[1.0] * model.nv, [0.4] * model.nv])
+    energy = (both.kinetic_energy + both.potential_energy).values
+    assert np.ptp(energy[0]) < 1e-8
+    assert np.diff(energy[1]).max() < 1e-9
+    assert energy[1, -1] < energy[1, 0] - 0.1  # there were impacts
+    x = both.q.values[..., iq]
+    assert ((x >= usable.lower[iv]) & (x <= usable.upper[iv])).all()
 
 
 @pytest.mark.parametrize("seed", range(3))
