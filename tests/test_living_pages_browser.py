@@ -180,6 +180,15 @@ def test_an_arm_in_space_is_seen_from_where_one_likes(driver, tmp_path):
     assert np.linalg.norm(moved[:, 2:] - moved[:, :2], axis=1).max() < 20
 
 
+def test_a_wheel_is_a_ring_about_its_axis(driver, tmp_path):
+    """Bodies without extent: both of the gyro, and the reaction wheel, but no cart."""
+    rings = """return ['arm', 'bodies'].map(name =>
+      document.querySelectorAll(`#${name} polygon.rail`).length)"""
+    for name, count in (("gyro", 2), ("reaction_wheel", 1), ("cart_pole", 0)):
+        opened(driver, tmp_path, fb.derive(fb.load(name), "newton-euler"))
+        assert driver.execute_script(rings) == [count, count]
+
+
 def test_vectors_of_three_entries_are_predicted(driver, tmp_path):
     opened(driver, tmp_path, fb.derive(fb.load("furuta"), "newton-euler"))
     driver.find_element("id", "predict").click()

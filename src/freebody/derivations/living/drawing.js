@@ -57,9 +57,27 @@ function joint(parent, place, slides) {
   else put(parent, "circle", {class: "pin", cx: place[0], cy: place[1], r: 5});
 }
 function centre(parent, place) { put(parent, "circle", {class: "com", cx: place[0], cy: place[1], r: 3.5}); }
+// A body without extent that turns: a ring about its axis, which in the plane points at the viewer.
+const RING = 20, SIDES = 40;
+function ring(parent, place, axis) {
+  let across = [[1, 0], [0, 1]];
+  if (axis) {
+    const first = unit(cross(axis, Math.abs(axis[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
+    across = [first, cross(axis, first)].map(seen);
+  }
+  const points = Array.from({length: SIDES}, (_, k) => {
+    const angle = 2 * Math.PI * k / SIDES, [c, s] = [RING * Math.cos(angle), RING * Math.sin(angle)];
+    return [place[0] + c * across[0][0] + s * across[1][0], place[1] - c * across[0][1] - s * across[1][1]];
+  });
+  put(parent, "polygon", {class: "rail", points: points.join(" ")});
+}
+
 // A body reaches from its joint to its ends and to its centre of mass.
-function bars(parent, body, at) {
+function bars(parent, body, at, y) {
   const ends = [...body.ends.map(at), at(body.centre)];
+  if (!body.slides && ends.every((end) => length(minus(end, at(body.joint))) < 1)) {
+    ring(parent, at(body.joint), body.axis && vector(y, body.axis));
+  }
   for (const [kind, width] of [["edge", 13], ["bar", 10]]) {
     for (const end of ends) line(parent, kind, at(body.joint), end, width);
   }
@@ -86,7 +104,7 @@ function drawArm(svg, bodies, rods, y) {
     far.push({joint: before, end: before + Math.max(...body.ends.map((end) => length(minus(vector(y, end), joint))))});
   }
   const reach = Math.max(...far.map((one) => one.end));
-  const scale = 118 / (reach || 1);
+  const scale = 104 / (reach || 1);
   const at = (places) => {
     const [u, v] = seen(vector(y, places));
     return [180 + scale * u, 125 - scale * v];
@@ -96,7 +114,7 @@ function drawArm(svg, bodies, rods, y) {
     const [u, v] = body.slides || body.parent >= 0 ? from : at(body.joint);
     if (body.parent < 0) line(svg, "hatch", [u - 30, v], [u + 30, v]);
     if (body.slides) line(svg, "rail", from, at(body.joint));
-    bars(svg, body, at);
+    bars(svg, body, at, y);
   }
   for (const ends of rods) line(svg, "rail", ...ends.map(at));
   for (const body of bodies) {
@@ -125,7 +143,7 @@ function drawBodies(svg, bodies, y) {
   const drawn = (v, unit) => seen(v).map((u, k) => (k ? -1 : 1) * LONGEST_ARROW * u / unit);
   const ways = (body) => body.ends.map((end) => minus(vector(y, end), vector(y, body.joint)));
   const size = largest(bodies.flatMap(ways)) || 1;
-  const names = [], taken = [];
+  const names = [], taken = [[0, 4, 72, 20]];  // there is the scale
   all.forEach(({body, forces, moments}, k) => {
     const far = body.ends.reduce((one, other, i) => length(ways(body)[i]) > length(ways(body)[body.ends.indexOf(one)]) ? other : one);
     const [a, b] = [body.joint, far].map((places) => seen(vector(y, places))), scale = LARGEST_BODY / size;
@@ -133,7 +151,7 @@ function drawBodies(svg, bodies, y) {
     const at = (places) => seen(vector(y, places)).map((u, i) =>
       middle[i] + (i ? -1 : 1) * scale * (u - (a[i] + b[i]) / 2));
     const group = put(svg, "g", {});
-    bars(group, body, at);
+    bars(group, body, at, y);
     for (const pin of body.pins) joint(group, at(pin), false);
     joint(group, at(body.joint), body.slides);
     centre(group, at(body.centre));
