@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from freebody.arrays import Array
@@ -13,6 +11,8 @@ from freebody.trees.states import random_state
 
 _SHOWN = 8
 """How many of the infinitely many solutions of a redundant arm are returned."""
+_AT_ONCE = 1024
+"""Targets side by side, which bounds the memory."""
 
 
 def by_search(problem: Problem, known: Array | None = None) -> Found:
@@ -24,21 +24,11 @@ def by_search(problem: Problem, known: Array | None = None) -> Found:
     redundant = solver.freedom > 0
     K = problem.starts or (32 if redundant else 96)
     starts = _starts(problem, K)
-    goals = np.repeat(problem.target, K, axis=0)
-    keep = problem.limits != "ignore"
-    q, _ = solver.solve(goals, np.tile(starts, (N, 1)), within=keep)
-    q = q.reshape(N, K, -1)
-    if known is not None:
-        q = np.concatenate([q, known], axis=1)
-    solutions = _sorted_out(problem, q, keep)
-    lost = [i for i, s in enumerate(solutions) if not len(s.q)]
-    if lost and keep:  # perhaps beyond the limits
-        q, _ = solver.solve(
-            np.repeat(problem.target[lost], K, axis=0), np.tile(starts, (len(lost), 1))
-        )
-        again = replace(problem, target=problem.target[lost])
-        for i, s in zip(lost, _sorted_out(again, q.reshape(len(lost), K, -1), False), strict=True):
-            solutions[i] = s
+    solutions: list[Verified] = []
+    for first in range(0, N, _AT_ONCE):
+        rows = np.arange(first, min(first + _AT_ONCE, N))
+        also = None if known is None else known[rows]
+        solutions += _from_starts(problem.part(rows), starts, also)
     notes = (
         [f"The arm is redundant: at most {_SHOWN} of infinitely many solutions, nearest first."]
         if redundant
@@ -54,6 +44,27 @@ def by_search(problem: Problem, known: Array | None = None) -> Found:
         f"Levenberg–Marquardt from {K} starts",
         notes,
     )
+
+
+def _from_starts(problem: Problem, starts: Array, known: Array | None) -> list[Verified]:
+    """The solutions of each target."""
+    solver, N, K = problem.solver, len(problem.target), len(starts)
+    goals = np.repeat(problem.target, K, axis=0)
+    keep = problem.limits != "ignore"
+    q, _ = solver.solve(goals, np.tile(starts, (N, 1)), within=keep)
+    q = q.reshape(N, K, -1)
+    if known is not None:
+        q = np.concatenate([q, known], axis=1)
+    solutions = _sorted_out(problem, q, keep)
+    lost = np.array([i for i, s in enumerate(solutions) if not len(s.q)], dtype=int)
+    if len(lost) and keep:  # perhaps beyond the limits
+        again = problem.part(lost)
+        goals = np.repeat(again.target, K, axis=0)
+        q, _ = solver.solve(goals, np.tile(starts, (len(lost), 1)))
+        found = _sorted_out(again, q.reshape(len(lost), K, -1), False)
+        for i, s in zip(lost, found, strict=True):
+            solutions[i] = s
+    return solutions
 
 
 def _starts(problem: Problem, K: int) -> Array:
