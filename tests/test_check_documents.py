@@ -221,6 +221,29 @@ def test_sympys_own_latex_of_functions_of_time_is_read():
     assert not fb.check(ARM, text.replace(r"\sin", r"\cos"))
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "A = foo1\n\nH22 = m2 lc2^2 + I2 + A",
+        "A = l1/l2\n\nH22 = m2 lc2^2 + I2 + A",
+        "A = B\n\nB = foo3\n\nH22 = A + m2 lc2^2 + I2",
+        "A = B\n\nB = A\n\nH22 = A + m2 lc2^2 + I2",
+    ],
+)
+def test_what_is_written_with_a_name_without_value_is_not_judged(text: str):
+    verdict = fb.check(ARM, f"{text}\n\nG2 = m2 g lc2 c12", form="markdown")
+    assert [equation.name for equation in verdict.equations] == ["G2"]
+    assert not verdict
+    with pytest.raises(AnswerError):
+        fb.check(ARM, text)
+
+
+def test_names_may_be_introduced_in_any_order():
+    text = "H22 = E + I2\nE = F lc2\nF = m2 lc2"
+    assert fb.check(ARM, text)
+    assert not fb.check(ARM, text.replace("m2 lc2", "m1 lc2"))
+
+
 HOSTILE = [
     ("$" * 99_999, "markdown"),
     ("$a=1$ " * 20_000, "markdown"),

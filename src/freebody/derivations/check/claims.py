@@ -4,7 +4,7 @@ it."""
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NoReturn
 
@@ -20,7 +20,7 @@ from freebody.derivations.check.right_equations import FAMILIES, RightEquations
 from freebody.derivations.check.verdict import UnreadEquation
 from freebody.derivations.check.vocabulary import Vocabulary, spellings
 from freebody.derivations.grammar import words
-from freebody.derivations.grammar.lexer import tokens
+from freebody.derivations.grammar.lexer import Token, tokens
 from freebody.derivations.grammar.source import Source
 from freebody.derivations.notations.notation import BookNotation
 from freebody.errors import FreebodyError, listed
@@ -57,7 +57,9 @@ def statements(
         _rename(vocabulary, targets, name, meaning)
     reading = DocumentReader(document, vocabulary, targets.names)
     source = reading.source
-    for name in _new_names(source, reading.pieces, vocabulary):
+    symbols = frozenset(vocabulary.symbols)
+    pending = set(_new_names(source, reading.pieces, vocabulary))
+    for name in pending:  # known as words; no line is read with one before it has its value
         vocabulary.define(name, setting.zero)
     lines = reading.lines()
     if not lines and not reading.unread:
@@ -75,17 +77,21 @@ def statements(
             if claimed.says_that_the_base_moves(line):
                 claimed.targets = replace(targets, based=True)
     claimed.letters_of_vectors = claimed.letters_given_as_vectors(lines)
-    own: list[Line] = []
-    for line in (line for line in lines if line not in reading.failed):
+    own = _definitions(claimed, reading, lines, pending)
+    stated = [line[1:] if line in own else line for line in lines if line not in reading.failed]
+    by_line: dict[Line, list[Claim]] = {}
+    for line in (line for line in stated if len(line) > 1):
         with reading.passing_over(line):
-            own += claimed.definitions(line, lines)
-    found: list[Claim] = []
-    for line in lines:
-        stated = line[1:] if line in own else line
-        if line not in reading.failed and (line not in own or len(stated) > 1):
-            with reading.passing_over(line):
-                _refuse_unread_names(source, stated, reading.failed, vocabulary)
-                found += claimed.claims(stated, found)
+            _refuse_names(source, line, pending)
+            before = [claim for claims in by_line.values() for claim in claims]
+            by_line[line] = claimed.claims(line, before)
+    unread_names = _names_of(reading.failed) - symbols
+    for line in list(by_line):
+        with reading.passing_over(line):
+            _refuse_names(source, line, unread_names)
+        if line in reading.failed:
+            del by_line[line]
+    found = [claim for claims in by_line.values() for claim in claims]
     if not found:
         _refuse_nothing(source, own, reading.unread)
     if document.strict:
@@ -96,19 +102,42 @@ def statements(
     return Statements(found, _unused(source, own, lines), tuple(unread))
 
 
-def _refuse_unread_names(
-    source: Source, line: Line, failed: Sequence[Line], vocabulary: Vocabulary
-) -> None:
-    """Refuse a line that is written with a name whose own line could not be read; what a line says
-    of one of the robot's symbols, g = 9.81, changes nothing."""
-    unread = {x[0][0].text for x in failed if len(x[0]) == 1 and x[0][0].kind == "name"}
-    unread -= vocabulary.symbols.keys()
-    for side in line if len(line[0]) > 1 else line[1:]:
-        for token in side:
-            if token.kind == "name" and token.text in unread:
-                source.fail(
-                    f"{source[token.span]} is given on a line that could not be read", token.span
-                )
+def _definitions(
+    claimed: ClaimReader, reading: DocumentReader, lines: Sequence[Line], pending: set[str]
+) -> list[Line]:
+    """The lines that introduce names, in whatever order they stand; `pending` loses the names that
+    get a value."""
+    own: list[Line] = []
+    waiting = [line for line in lines if line not in reading.failed]
+    while True:
+        ready = [line for line in waiting if not _written_with(line, pending)]
+        if not ready:
+            return own
+        for line in ready:
+            waiting.remove(line)
+            with reading.passing_over(line):
+                own += claimed.definitions(line, lines)
+        pending -= _names_of(own)
+
+
+def _names_of(lines: Sequence[Line]) -> set[str]:
+    """The names that are the whole left side of lines."""
+    sides = (line[0] for line in lines)
+    return {side[0].text for side in sides if len(side) == 1 and side[0].kind == "name"}
+
+
+def _written_with(line: Line, names: Collection[str]) -> list[Token]:
+    """Where a line is written with one of some names, not about it."""
+    sides = line if len(line[0]) > 1 else line[1:]
+    return [
+        token for side in sides for token in side if token.kind == "name" and token.text in names
+    ]
+
+
+def _refuse_names(source: Source, line: Line, without_value: Collection[str]) -> None:
+    """Refuse a line that is written with a name that no line gives, or none that can be read."""
+    for token in _written_with(line, without_value):
+        source.fail(f"{source[token.span]} is given by no line that can be read", token.span)
 
 
 def _without_circles(reading: DocumentReader, found: Sequence[Claim]) -> list[Claim]:
