@@ -58,6 +58,14 @@ def test_torques_of_a_file_with_units_and_passive_joints():
     assert np.abs(motion.q[places] - found.q.values).max() < 1e-8
 
 
+def test_a_closed_chain_is_assembled_and_its_motion_studied_again():
+    assert run(["simulate", "five_bar", "--time", "0.2", "--every", "0.02"]) == 0
+    model = fb.load("five_bar")
+    found = fb.simulate(model, fb.assemble(model), np.zeros(4), np.linspace(0, 0.2, 11))
+    motion = fb.read_motion(model, "motion.csv")
+    assert np.abs(motion.q - found.q.values).max() < 1e-9
+
+
 REFUSED = [
     (["--q", "1"], "--q has 1 values, '2R' takes 2"),
     (["--time", "0"], "--time is 0, expected seconds above 0"),

@@ -40,7 +40,7 @@ def simulate(
         typer.Option(
             metavar="VALUES",
             help='Positions at the start, rad and m, or "30 deg"; loops are closed near them. '
-            "Default: 0, within the limits.",
+            "Default: 0, within the limits; of closed chains their home.",
         ),
     ] = None,
     qd: Annotated[
@@ -147,13 +147,12 @@ def _start(model: Model, q: str | None, qd: str | None) -> tuple[Array, Array]:
     from freebody.motion.ranges import position_columns, ranges
     from freebody.trees.states import neutral
 
-    if q is None:
-        start, (iq, iv), usable = neutral(model), position_columns(model), ranges(model)
-        start[iq] = np.clip(start[iq], usable.lower[iv], usable.upper[iv])
-    else:
-        start = _vector("--q", q, model.nq, model)
+    start = None if q is None else _vector("--q", q, model.nq, model)
     if model.loops:
         start = np.asarray(assemble(model, start))
+    elif start is None:
+        start, (iq, iv), usable = neutral(model), position_columns(model), ranges(model)
+        start[iq] = np.clip(start[iq], usable.lower[iv], usable.upper[iv])
     rates = np.zeros(model.nv) if qd is None else _vector("--qd", qd, model.nv, model)
     return start, rates
 
@@ -243,14 +242,13 @@ def _written(model: Model, found: xr.Dataset, out: Path) -> None:
     """The motion as a file, and its extremes as a table."""
     import numpy as np
 
-    from freebody.motion.files.waypoint_files import motion_table
-    from freebody.motion.motion import Motion
+    from freebody.motion.files.waypoint_files import state_table
     from freebody.motion.ranges import angular
     from freebody.outputs.files import write
     from freebody.outputs.text import csv_text
 
     t, q, qd, qdd, tau = (found[n].values for n in ("time", "q", "qd", "qdd", "tau"))
-    header, table = motion_table(model, Motion.of(model, t, q, qd, qdd))
+    header, table = state_table(model, t, q, qd, qdd)
     path = write(out, csv_text([header, *table]))
     console = terminal.out()
     console.print(f"{model.name}: {t[-1] - t[0]:.4g} s by {found.attrs['method']}.", markup=False)

@@ -56,14 +56,20 @@ def _planned_names(model: Model, given: set[str]) -> tuple[str, ...]:
 
 
 def motion_table(model: Model, motion: Motion) -> tuple[list[str], Array]:
-    """(header, rows) of a motion's samples as `read_motion` reads it: positions, and rates and
-    accelerations where they have a column; of a closed chain, whose loops give them, none."""
+    """(header, rows) of a motion's samples; see `state_table`."""
+    return state_table(model, motion.t, motion.q, motion.qd, motion.qdd)
+
+
+def state_table(model: Model, t: Array, q: Array, qd: Array, qdd: Array) -> tuple[list[str], Array]:
+    """(header, rows) of times (T,) and states (T, …) as `read_motion` reads them: positions, and
+    rates and accelerations where they have a column; of a closed chain, whose loops give them,
+    none."""
     if model.loops:
-        return ["t", *model.position_names], np.column_stack([motion.t, motion.q])
+        return ["t", *model.position_names], np.column_stack([t, q])
     iq, iv = position_columns(model)
     names = [model.position_names[k] for k in iq]
     header = ["t", *model.position_names, *(f"{n}.v" for n in names), *(f"{n}.a" for n in names)]
-    return header, np.column_stack([motion.t, motion.q, motion.qd[:, iv], motion.qdd[:, iv]])
+    return header, np.column_stack([t, q, qd[:, iv], qdd[:, iv]])
 
 
 def write_motion(
