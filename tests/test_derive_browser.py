@@ -89,7 +89,7 @@ def test_a_wide_left_side_leaves_the_others_their_room():
     assert [table.count("<mtr><mtd style") for table in tables] == [1, 3]
 
 
-@pytest.mark.parametrize(("name", "method"), [("3R", "lagrange"), ("five_bar", None)])
+@pytest.mark.parametrize(("name", "method"), [("3R", "lagrange"), ("four_bar", None)])
 def test_pages_fit_a_phone_and_a_sheet_of_paper(driver, tmp_path: Path, name, method):
     """A phone scrolls long equations; on A4, with the browser's margins, none is cut off, and no
     values are printed, whose state would not be seen."""

@@ -139,7 +139,7 @@ def test_every_method_has_a_page_that_can_be_tried(driver, tmp_path, method):
             np.testing.assert_allclose(row, rows[0], rtol=1e-12, atol=1e-14)
 
 
-@pytest.mark.parametrize("name", ["furuta", "elbow_arm", "cylindrical_arm"])
+@pytest.mark.parametrize("name", ["elbow_arm", "cylindrical_arm"])
 def test_the_numbers_of_an_arm_in_space_are_those_of_the_kernels(driver, tmp_path, name):
     """Torques, and forces at the joints, which the page has in axes of the bodies."""
     model = fb.load(name)
@@ -155,7 +155,7 @@ def test_the_numbers_of_an_arm_in_space_are_those_of_the_kernels(driver, tmp_pat
     tau, forces = fb.inverse_dynamics(arm, *motion), fb.joint_wrenches(arm, *motion)
     assert len(shown["tau1"]) == 3  # as z · n, with the motion, and in the closed form
     for k in range(model.nv):
-        for found in shown.get(f"tau{k + 1}", ()):  # a passive joint has none
+        for found in shown[f"tau{k + 1}"]:
             np.testing.assert_allclose(found, [tau[k]], rtol=1e-9, atol=1e-11)
         for found in shown[f"f{k}{k + 1}"]:
             size = np.linalg.norm(forces[k][:3])
