@@ -238,6 +238,38 @@ def test_what_is_written_with_a_name_without_value_is_not_judged(text: str):
         fb.check(ARM, text)
 
 
+NOT_ALL = [
+    (r"$$H_{22} = m_2 l_{c2}^2 + \text{damping} + I_2$$", "markdown"),
+    (r"$$H_{22} = m_2 l_{c2}^2 + \dots + I_2$$", "markdown"),
+    ("H22 = m2*lc2**2 + I2\nH22 += l1", "python"),
+    ("H22 = m2*lc2**2 + I2\nH22 = H22 + l1", "python"),
+    ("H22 = m2*lc2**2 + I2\nH12 = I2 + f('a')", "python"),
+    ("H22 = m2*lc2**2 + I2\nH12 = H22.subs(lc2, 3)", "python"),
+]
+
+
+@pytest.mark.parametrize(("text", "form"), NOT_ALL, ids=range(len(NOT_ALL)))
+def test_no_part_of_an_equation_is_left_out_unseen(text: str, form: str):
+    try:
+        verdict = fb.check(ARM, text, form=form)
+    except AnswerError:
+        return
+    assert not verdict, verdict
+    assert verdict.left_out
+
+
+def test_what_follows_an_equation_without_one_is_told():
+    verdict = fb.check(ARM, r"$$H_{22} = m_2 l_{c2}^2 + I_2 \text{ times } 2$$", form="markdown")
+    assert [x.text for x in verdict.unread] == ["2"]
+
+
+def test_signs_of_markdown_are_told_from_powers_and_minus():
+    text = "**Answer**\n\n- H22 = m2*lc2**2 + I2\n- **so** G2 = m2*g*lc2*cos(theta1 + theta2)"
+    assert len(fb.check(ARM, text, form="markdown").equations) == 2
+    text = r"$$H_{22} = m_2 l_{c2}^2 + I_2 \Rightarrow G_2 = m_2 g l_{c2} c_{12}$$"
+    assert len(fb.check(ARM, text, form="markdown").equations) == 2
+
+
 def test_names_may_be_introduced_in_any_order():
     text = "H22 = E + I2\nE = F lc2\nF = m2 lc2"
     assert fb.check(ARM, text)

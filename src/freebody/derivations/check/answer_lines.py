@@ -83,7 +83,8 @@ class DocumentReader:
             return False
         behind = source.text[word.end : span[1]].lstrip(" &")
         is_value = word.plain in self.vocabulary.symbols and not _TABLE.match(behind)
-        return word.plain in self.quantities and behind[:1] in ("=", "(") and not is_value
+        is_stated = re.match(r"[-+*/]{0,2}=|\(", behind) is not None
+        return word.plain in self.quantities and is_stated and not is_value
 
     # ------------------------------------------------------------ equations
     def lines(self) -> list[Line]:
@@ -127,21 +128,22 @@ class DocumentReader:
         except AnswerError as problem:
             if not lenient or (self.document.strict and self._is_asked(self.source, span)):
                 raise
-            if "=" in self.source.text[slice(*span)]:
+            if self.source.text[slice(*span)].strip():
                 self._pass_over(self.source, span, problem.bare)
 
-    def pass_over(self, span: Span, reason: str) -> None:
+    def pass_over(self, span: Span, reason: str, is_asked: bool) -> None:
         """Note a piece of the document that says nothing."""
-        self._pass_over(self.source, span, reason)
+        self._pass_over(self.source, span, reason, is_asked)
 
-    def _pass_over(self, source: AnswerText, span: Span, reason: str) -> None:
+    def _pass_over(
+        self, source: AnswerText, span: Span, reason: str, is_asked: bool = False
+    ) -> None:
         text = source[span]
         text = text if len(text) <= _SHOWN else f"{text[:_SHOWN]}…"
         first = span[0] + len(source.text[slice(*span)]) - len(source.text[slice(*span)].lstrip())
+        asked = is_asked or self._is_asked(source, span)
         self.unread.append(
-            UnreadEquation(
-                first, source.where(first), text, reason.rstrip("."), self._is_asked(source, span)
-            )
+            UnreadEquation(first, source.where(first), text, reason.rstrip("."), asked)
         )
 
 

@@ -200,6 +200,8 @@ class ClaimReader:
         named = [subject for subject in subjects if subject is not None]
         if not named or len(line) < 2:
             return self._implicit(line, before)
+        if any(self._is_of_joints(subject) for subject in named):
+            self.of_bodies = False
         other = [side for side, subject in zip(line, subjects, strict=True) if subject is None]
         if not other:
             named, other = named[:1], list(line[1:])
@@ -228,6 +230,12 @@ class ClaimReader:
             return False
         table = self.targets.tables.get(token.text)
         return table is not None and table[0][0].family in _BODY_FAMILIES
+
+    def _is_of_joints(self, subject: Token | Named | Matrix) -> bool:
+        """Whether it is a whole vector or matrix of the equations of motion, in which g is too."""
+        if not isinstance(subject, Token) or subject.text in self.targets.single:
+            return False
+        return self.targets.tables[subject.text][0][0].family not in _BODY_FAMILIES
 
     def _shape_of(self, subject: Token | Named | Matrix) -> Shape | None:
         """The shape of a vector or matrix that cannot be one number."""

@@ -10,6 +10,7 @@ from typing import NoReturn
 
 from freebody.derivations.check.answer_lines import DocumentReader, Line
 from freebody.derivations.check.answer_text import AnswerError, AnswerText
+from freebody.derivations.check.answer_tree import Named
 from freebody.derivations.check.asked_quantities import Targets, letters_of
 from freebody.derivations.check.circular_answers import refuse_circles, uses
 from freebody.derivations.check.claim_reader import Claim, ClaimReader
@@ -148,7 +149,8 @@ def _without_circles(reading: DocumentReader, found: Sequence[Claim]) -> list[Cl
             refuse_circles(reading.source, [*kept, claim])
             kept.append(claim)
         except AnswerError as problem:
-            reading.pass_over(claim.node.span, problem.bare)
+            own_name = isinstance(claim.node, Named)  # Q = [τ1; τ2] only says another name
+            reading.pass_over(claim.node.span, problem.bare, not own_name)
     return kept
 
 

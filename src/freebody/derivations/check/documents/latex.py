@@ -28,10 +28,13 @@ _GROUP = r"\{[^{}]{0,200}\}"
 _NOTHING = re.compile(
     rf"\\(?:tag\*?|label|eqref|ref|cite|hspace\*?|vspace\*?|color|phantom|hphantom|vphantom)\s*{_GROUP}"
     r"|\\(?:notag|nonumber|limits|nolimits|allowbreak|strut|mathstrut|hfill|hline|centering"
-    r"|thinspace|medspace|thickspace|enspace|therefore|Rightarrow|implies|Longrightarrow|quad"
-    r"|qquad|dots|ldots|cdots|iff)(?![A-Za-z])"
+    r"|thinspace|medspace|thickspace|enspace|quad|qquad)(?![A-Za-z])"
 )
 """Commands that say nothing about the matter, with what they are given."""
+_THEREFORE = re.compile(
+    r"\\(?:therefore|Rightarrow|implies|Longrightarrow|rightarrow|iff|Leftrightarrow)(?![A-Za-z])"
+)
+"""Commands between equations."""
 _AROUND = re.compile(
     r"\\(?:boxed|fbox|underline|overline|ensuremath|displaystyle|underbrace|overbrace)(?![A-Za-z])\s*"
     rf"|\\(?:textcolor|colorbox)\s*{_GROUP}\s*"
@@ -39,6 +42,7 @@ _AROUND = re.compile(
 """Commands around a formula that is read without them; below an underbrace stand words."""
 _TEXT = re.compile(rf"(?<![_^{{])\\(?:text|mbox|textrm|textit|intertext|mathrm)\s*({_GROUP})")
 _HALF_BRACE = re.compile(r"\\left\s*\\?[.{](?=\s*(?:\\begin|$))|\\right\s*\.|\\left\s*\\lbrace")
+_OPERATORS = tuple("+-*/^_=(")
 _ENVIRONMENT = re.compile(r"\\(begin|end)\s*\{([A-Za-z]+)\*?\}|\\\\")
 _ARRAY = re.compile(r"\\(begin|end)\s*\{array\}(?:\s*\{[^{}]{0,40}\})?")
 
@@ -104,6 +108,7 @@ def clean(whole: Blanks, found: list[Span]) -> list[FormulaPiece]:
                 whole.characters[k] = " "
     whole.replaced(_NOTHING)
     whole.replaced(_HALF_BRACE)
+    whole.replaced(_THEREFORE, ",")
     _take_words(whole)
     _open_boxes(whole)
     _open_arrays(whole)
@@ -157,10 +162,15 @@ def _open_arrays(whole: Blanks) -> None:
 
 
 def _take_words(whole: Blanks) -> None:
-    """Words set as text become what a line's end is: a comma."""
-    for match in _TEXT.finditer(str(whole)):
+    """Words set as text become what a line's end is: a comma; but not between operators, where
+    they stand for a term."""
+    text = str(whole)
+    for match in _TEXT.finditer(text):
         words = match[1][1:-1].strip()
-        if len(words) > 1 and ("mathrm" not in match[0] or " " in words):
+        before = text[max(0, match.start() - 80) : match.start()].rstrip(" &~")[-1:]
+        behind = text[match.end() : match.end() + 80].lstrip(" &~")[:1]
+        is_term = before in _OPERATORS or behind in _OPERATORS
+        if len(words) > 1 and ("mathrm" not in match[0] or " " in words) and not is_term:
             whole.put(*match.span(), ",")
 
 

@@ -17,10 +17,12 @@ from freebody.derivations.grammar.source import Span
 
 _FENCE = re.compile(r"^[ ]{0,3}(```+|~~~+)[ ]*(\w*)[^\n]*$", re.MULTILINE)
 _MARKS = re.compile(
-    r"^[ \t]*(?:>[ \t]?|[-*+][ \t]+|\d{1,3}[.)][ \t]+|#{1,6}[ \t][^\n]*|\|)|\*\*|(?<=\s)_(?=\w)|\|",
+    r"^[ \t]*(?:>[ \t]?|[-*+][ \t]+|\d{1,3}[.)][ \t]+|#{1,6}[ \t][^\n]*|\|)"
+    r"|(?<!\S)\*\*(?=\S)|(?<=\S)\*\*(?!\S)|(?<=\s)_(?=\w)|\|",
     re.MULTILINE,
 )
-"""Marks of headings, lists, quotations, tables and emphasis; a heading with its words."""
+"""Marks of headings, lists, quotations, tables and emphasis; a heading with its words. A power
+lc2**2 is no emphasis."""
 
 
 def read(text: str) -> AnswerDocument:

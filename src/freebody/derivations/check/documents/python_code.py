@@ -14,10 +14,9 @@ from freebody.derivations.check.documents.answer_document import (
 )
 from freebody.derivations.grammar.source import Span
 
-_ASSIGNED = re.compile(r"[ \t]{0,12}([A-Za-z_]\w{0,60})[ \t]*(?::[^=\n]{0,40})?(=)(?!=)")
+_ASSIGNED = re.compile(r"[ \t]{0,12}([A-Za-z_]\w{0,60})[ \t]*(?::[^=\n]{0,40})?([-+*/]{0,2}=)(?!=)")
 _DECLARED = re.compile(
-    r"\b(?:symbols|Symbol|dynamicsymbols|Function|var|lambdify|import|ReferenceFrame|Point|open)\b"
-    r"|[\"'](?:\w|\s)"
+    r"\b(?:symbols|Symbol|dynamicsymbols|Function|var|lambdify|import|ReferenceFrame|Point)\b"
 )
 _STRINGS = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
 _MODULES = re.compile(r"(?<![\w.])(?:sp|sympy|sm|smp|np|numpy|math|mp|me)\.(?=[A-Za-z])")
@@ -26,6 +25,11 @@ _WRAPPERS = re.compile(
 )
 _RATIONAL = re.compile(r"(?<![\w.])(?:Rational|S)\(\s*(\d{1,9})\s*(?:,\s*(\d{1,9})\s*)?\)")
 _RATE = re.compile(r"(?<![\w.])([A-Za-z]\w{0,30})\.diff\(\s*t\s*(?:,\s*([12])\s*|,\s*t\s*)?\)")
+_SAME = (
+    r"(?:\w+\.)?(?:simplify|trigsimp|expand|factor|expand_trig)\({0}\)"
+    r"|{0}\.(?:simplify|expand|doit|trigsimp)\(\)"
+)
+"""What does not change a value."""
 _METHODS = re.compile(r"\.(?:simplify|expand|doit|trigsimp)\(\s*\)")
 
 
@@ -39,7 +43,8 @@ def clean(whole: Blanks, span: Span) -> list[FormulaPiece]:
         assigned = _ASSIGNED.match(text)
         if assigned is None or _DECLARED.search(text):
             continue
-        if re.search(rf"(?<!\w){assigned[1]}(?!\w)", text[assigned.end() :]):
+        behind = "".join(text[assigned.end() :].split())
+        if re.fullmatch(_SAME.format(assigned[1]), behind):
             continue  # tau = simplify(tau)
         kept.append((start, end))
         pieces.append(FormulaPiece(start, end, lenient=True))
