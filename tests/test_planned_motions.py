@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from scipy.spatial.transform import Rotation
 
 import freebody as fb
 from freebody.cli.app import run
@@ -331,7 +332,12 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: fb.quintic(ARM, 9.0 * WAY), "waypoint 3 has elbow_joint at -12.735, outside"),
     (lambda: fb.quintic(ARM, WAY[[0, 0]]), "waypoints 0 and 1 are the same; leave one out"),
     (lambda: fb.quintic(fb.load("2R"), [[0, 0], [1, 1]]), "how fast '2R' may move is not known"),
-    (lambda: fb.quintic(fb.load("quadrotor"), np.zeros((2, 7))), "positions are quaternions"),
+    (
+        lambda: fb.quintic(fb.load("quadrotor"), np.zeros((2, 7))),
+        "quintic: the quaternion of joint 'flight' at sample 0 has length 0; it must be 1",
+    ),
+    (lambda: fb.quintic(fb.load("quadrotor"), np.zeros((2, 6))), "waypoints has shape (2, 6)"),
+    (lambda: fb.spline(fb.load("quadrotor"), np.zeros((2, 7))), "positions are quaternions"),
     (lambda: fb.quintic(fb.load("four_bar"), np.zeros((2, 3))), "is open by 0.5 m at sample 0"),
     (lambda: fb.trapezoid(ARM, WAY), "give acceleration="),
     (lambda: fb.s_curve(ARM, WAY, acceleration=1.0), "give jerk="),
@@ -356,6 +362,39 @@ def test_what_cannot_be_is_refused_with_what_to_do(case: int):
     with pytest.raises(fb.FreebodyError) as problem:
         function()
     assert words in str(problem.value)
+
+
+@pytest.mark.parametrize("plan", [fb.quintic, fb.trapezoid, fb.s_curve])
+def test_a_free_body_goes_straight_and_turns_about_one_axis(plan: Callable[..., fb.Motion]):
+    """As scipy's Slerp says, with the profile of a single joint over the angle."""
+    drone, rng = fb.load("quadrotor"), np.random.default_rng(0)
+    turns = Rotation.random(3, random_state=1)
+    way = np.hstack([rng.normal(size=(3, 3)), turns.as_quat(scalar_first=True)])
+    way[1, 3:] *= -1.0  # the same orientation
+    limits = {"acceleration": 2.0} | ({"jerk": 20.0} if plan is fb.s_curve else {})
+    motion = plan(drone, way, **limits)
+    t = np.linspace(*motion.t[[0, -1]], 777)
+    _, qd, qdd = motion.at(t)
+    _, stop, _ = motion.knots[np.abs(motion.at(motion.knots)[1]).max(axis=1) < 1e-9]
+    middle = 0.4 * stop
+    place, _, _ = motion.at(middle)
+    share = np.linalg.norm(place[:3] - way[0, :3]) / np.linalg.norm(way[1, :3] - way[0, :3])
+    np.testing.assert_allclose(place[:3], way[0, :3] + share * (way[1, :3] - way[0, :3]))
+    axis = (turns[0].inv() * turns[1]).as_rotvec()
+    turned = (turns[0].inv() * Rotation.from_quat(place[3:], scalar_first=True)).as_rotvec()
+    np.testing.assert_allclose(np.cross(axis, turned), 0.0, atol=1e-9)
+    assert 0.0 < axis @ turned < axis @ axis
+    ends = motion.at([0.0, stop, motion.t[-1]])[0]
+    np.testing.assert_allclose(fb.difference(drone, ends, way), 0.0, atol=1e-6)
+    inside, h = slice(5, -5), 1e-6
+    before, after = (motion.at(t[inside] + x)[0] for x in (-h, h))
+    numeric = fb.difference(drone, before, after) / (2 * h)
+    np.testing.assert_allclose(qd[inside], numeric, atol=1e-6)
+    fastest = np.abs(qdd).max(axis=0)
+    assert fastest.max() == pytest.approx(2.0, rel=1e-2)
+    assert fb.exceeded_limits(drone, motion, acceleration=2.0) == ()
+    both = motion.then(fb.dwell(drone, motion.q[-1], 0.3))
+    assert both.duration == pytest.approx(motion.duration + 0.3)
 
 
 @pytest.mark.parametrize("plan", [fb.quintic, fb.trapezoid, fb.s_curve])
@@ -474,6 +513,19 @@ def test_what_the_command_cannot_use_is_one_line(
     assert run(["plan", "2R", "way.csv", *more]) == 2
     assert words in capsys.readouterr().err
     assert not Path("motion.csv").exists()
+
+
+def test_the_command_plans_a_free_body(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.chdir(tmp_path)
+    way = "0, 0, 1, 1, 0, 0, 0; 1, 0, 1, 0, 0, 0, 1"
+    assert run(["plan", "quadrotor", way, "--by", "quintic", "--acceleration", "2"]) == 0
+    assert "flight.vx" in capsys.readouterr().out
+    read = fb.read_motion(fb.load("quadrotor"), "motion.csv")
+    np.testing.assert_allclose(read.q[-1], [1, 0, 1, 0, 0, 0, 1], atol=1e-9)
+    assert run(["plan", "quadrotor", way, "--acceleration", "2"]) == 2
+    assert "positions are quaternions" in capsys.readouterr().err
 
 
 def test_the_command_knows_all_planners():

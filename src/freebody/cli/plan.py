@@ -138,14 +138,19 @@ def _print(model: Model, motion: Motion, path: Path) -> None:
     found, limits = motion.peaks, planning_limits("plan", model)
     names = model.driven_names if model.loops else model.velocity_names
     for name in names:
-        k, at = model.velocity_names.index(name), model.position_names.index(name)
+        k = model.velocity_names.index(name)
         unit = "rad" if limits.allowed.turns[k] else "m"
         share = found.velocity.size[k] / limits.velocity[k]
+        ends = ["", ""]  # a rate of a joint with a quaternion has no position of its own
+        if name in model.position_names:
+            at = model.position_names.index(name)
+            ends = [
+                f"{_cleared(x[at]):.4g} {unit}" for x in (found.position.low, found.position.high)
+            ]
         rows.append(
             (
                 name,
-                f"{_cleared(found.position.low[at]):.4g} {unit}",
-                f"{_cleared(found.position.high[at]):.4g} {unit}",
+                *ends,
                 f"{found.velocity.size[k]:.4g} {unit}/s",
                 f"{100 * share:.3g} %" if limits.velocity[k] < float("inf") else "",
                 f"{found.acceleration.size[k]:.4g} {unit}/s²",

@@ -15,6 +15,7 @@ from freebody.motion.motion import Motion
 from freebody.motion.ranges import Flags, ranges, with_drive
 from freebody.report.bearings import bearing_loads
 from freebody.trees import dynamics
+from freebody.trees.position_rates import Index
 
 _TOLD = 1e-4  # of the largest at the samples: what is higher between them is worth a sample
 _EDGE = 1e-4  # of an interval: how far from its ends a jump is not felt
@@ -59,10 +60,10 @@ class _Loads:
 
     def _of(self, q: Array, qd: Array, qdd: Array) -> Array:
         model, shape = self.model, q.shape[:-1]
-        flat = [x.reshape(-1, x.shape[-1]) for x in (q, qd, qdd)]
-        tau = dynamics.inverse_dynamics(model, *flat)
-        power = np.where(with_drive(model), tau * flat[1], 0.0)
-        wrenches = dynamics.joint_wrenches(model, *flat, reference="child")
+        q, qd, qdd = (x.reshape(-1, x.shape[-1]) for x in (q, qd, qdd))
+        tau = dynamics.inverse_dynamics(model, q, qd, qdd)
+        power = np.where(with_drive(model), tau * qd, 0.0)
+        wrenches = dynamics.joint_wrenches(model, q, qd, qdd, reference="child")
         force, moment = wrenches[..., : model.dim], wrenches[..., model.dim :]
         bearings = bearing_loads(model, force, moment).values()
         found = [tau, power, power.sum(axis=-1, keepdims=True)]
@@ -106,7 +107,7 @@ class _Loads:
         parts = np.array_split(np.arange(len(times)), -(-len(times) // _BLOCK))
         return np.concatenate([self.at(times[k], around[k]).max(axis=1) for k in parts])
 
-    def _climbed(self, interval: Array, column: Array) -> tuple[Array, Array]:
+    def _climbed(self, interval: Index, column: Index) -> tuple[Array, Array]:
         """(largest values (C,), their times) of quantities in intervals of the knots."""
         knots = self.motion.knots
         start, step = knots[interval], np.diff(knots)[interval]

@@ -221,7 +221,7 @@ def vector(
     if array.shape[-1:] != (size,):
         check_core(function, name, array, (size,), f"model {model.name!r} has {dimension} = {size}")
     if name in POSITIONS and model.nq != model.nv:
-        _check_quaternions(function, model, array)
+        check_quaternions(function, model, array)
     return array
 
 
@@ -305,7 +305,8 @@ def labels(model: Model, name: str) -> tuple[str, ...]:
     return _VECTORS[_dimension(name)].entries(model)
 
 
-def _check_quaternions(function: str, model: Model, q: Array) -> None:
+def check_quaternions(function: str, model: Model, q: Array) -> None:
+    """Refuse positions (..., nq) with a quaternion that is not of unit length."""
     for body, at in zip(model.bodies, model.coordinates, strict=True):
         start = body.kind.quaternion
         if start is not None:

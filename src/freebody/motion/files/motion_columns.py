@@ -159,7 +159,7 @@ def given_motion(
     the times are reached, where they jump. Notices say what contradicts itself."""
     plain = motion_of(model, t, q, source)
     q, notices = plain.q, []
-    known, told = (~np.isnan(x).any(axis=0) for x in (rates, accelerations))
+    known, told = (np.asarray(~np.isnan(x).any(axis=0)) for x in (rates, accelerations))
     if known.all() and plain.layout.flat:
         q = along_rates(t, q, rates)
         notices += _in_line(model, np.abs(q - plain.q))

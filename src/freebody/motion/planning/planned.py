@@ -16,6 +16,7 @@ from freebody.trees.position_rates import layout
 
 SAMPLES = 401
 """Of a motion whose step is not given."""
+_BESIDE = 5e-4  # of the duration: times nearer to a break are left out; rounding in accelerations
 _ROUNDED = 1e-12  # of the fastest rate
 
 
@@ -46,6 +47,15 @@ def sample_times(function: str, breaks: Array, step: float | None) -> Array:
         t = np.append(start + step * np.arange(count), end)
     nearest = breaks[np.searchsorted(0.5 * (breaks[1:] + breaks[:-1]), t)]
     return np.where(np.abs(t - nearest) <= NEAR * (end - start), nearest, t)
+
+
+def times_and_breaks(breaks: Array) -> Array:
+    """401 even times from the first to the last of breaks, without those beside a break, and
+    these."""
+    even = np.linspace(breaks[0], breaks[-1], SAMPLES)
+    nearest = breaks[np.searchsorted(0.5 * (breaks[1:] + breaks[:-1]), even)]
+    beside = np.abs(even - nearest) <= _BESIDE * (breaks[-1] - breaks[0])
+    return np.union1d(even[~beside], breaks)
 
 
 def planned(

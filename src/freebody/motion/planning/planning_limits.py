@@ -239,11 +239,13 @@ def refuse_beyond(
     of range."""
     low, high = (x[list(columns)] for x in (limits.allowed.lower, limits.allowed.upper))
     beyond = np.maximum(low - q, q - high)
+    if not beyond.size:
+        return
     k, j = np.unravel_index(np.argmax(beyond), beyond.shape)
     if beyond[k, j] > SLACK * max(1.0, abs(q[k, j])):
         there, least, most = compared(q[k, j], low[j], high[j], digits=5)
         raise FreebodyError(
-            f"{function}: {one or _numbered(int(k), name)} has {model.velocity_names[columns[j]]} "
+            f"{function}: {one or _numbered(int(k), name)} has {model.velocity_names[columns[int(j)]]} "
             f"at {there}, outside its range from {least} to {most}."
         )
 

@@ -38,7 +38,8 @@ def quintic(
     of degree 5.
 
     waypoints: (k, nq), k > 1; of a closed chain positions of its driven joints, (k, number of
-    them), on the branch of its home, or closed positions of all. times: (k,) s; default as fast as
+    them), on the branch of its home, or closed positions of all. With quaternions each move turns
+    about one axis, and the origin of a free body goes straight. times: (k,) s; default as fast as
     the limits allow. velocity, acceleration, jerk: limits, one number for all joints (of a closed
     chain: the driven ones) or (nv,), rad/s, rad/s², rad/s³ (m); besides them the model's limits of
     position and speed count. step: s between samples, by default a 400th of the motion.
@@ -97,10 +98,11 @@ def dwell(model: Model, q: Vector, duration: float, *, step: float | None = None
     step: s between samples, by default a tenth.
     """
     duration = above_zero("dwell", "duration", duration, "seconds")
-    joints = PlannedJoints.of("dwell", model, [q, q], planning_limits("dwell", model), "q")
-    still = PiecewisePolynomial(np.array([0.0, duration]), joints.waypoints[None, :1])
+    limits, ends = planning_limits("dwell", model), np.array([0.0, duration])
+    joints = PlannedJoints.of("dwell", model, [q, q], limits, "q", straight=True)
+    still = PiecewisePolynomial(ends, joints.waypoints[None, :1])
     words, tenth = f"at rest for {duration:g} s", 0.1 * duration
-    return joints.motion(still, words, tenth if step is None else step, paced=True)
+    return joints.motion(still, ends, words, tenth if step is None else step, paced=True)
 
 
 def _stopping(
@@ -112,19 +114,21 @@ def _stopping(
     limits: PlanningLimits,
     step: float | None,
 ) -> Motion:
-    joints = PlannedJoints.of(function, model, waypoints, limits)
-    q = joints.waypoints
-    given = None if times is None else read_times(function, times, len(q))
-    whole = None
-    for k in range(len(q) - 1):
+    joints = PlannedJoints.of(function, model, waypoints, limits, straight=True)
+    count = len(joints.waypoints)
+    given = None if times is None else read_times(function, times, count)
+    whole, marks = None, np.zeros(count)
+    for k in range(count - 1):
         wanted = None if given is None else float(given[k + 1] - given[k])
         move = _move(joints, name, k, wanted)
         whole = move if whole is None else whole.then(move)
+        marks[k + 1] = whole.breaks[-1]
     assert whole is not None
     if given is not None:
+        marks += given[0]
         whole = PiecewisePolynomial(whole.breaks + given[0], whole.coefficients)
-    words = f"{PROFILES[name].words} through {len(q)} waypoints, at rest in each"
-    return joints.motion(whole, words, step, paced=given is not None)
+    words = f"{PROFILES[name].words} through {count} waypoints, at rest in each"
+    return joints.motion(whole, marks, words, step, paced=given is not None)
 
 
 def _move(joints: PlannedJoints, name: str, k: int, wanted: float | None) -> PiecewisePolynomial:
@@ -148,7 +152,9 @@ def _move(joints: PlannedJoints, name: str, k: int, wanted: float | None) -> Pie
     duration = shortest if wanted is None else wanted
     columns = []
     for i, start in enumerate(ends[0]):
-        like = i if i in curves else slowest  # what hardly moves goes along
+        others = [k for k in joints.together.get(i, (i,)) if k in curves]
+        # what hardly moves goes along
+        like = max(others, key=lambda k: curves[k].breaks[-1], default=slowest)
         curve = curves[like].scaled(float(curves[like].breaks[-1]) / duration)
         powers = curve.coefficients * (way[i] / abs(way[like]))
         powers[-1] += start

@@ -63,9 +63,10 @@ def spline(
     curve = interpolated(knots, q, degree, ends)
     if given is None:
         rate, second = (curve.derivative(order).extremes.size for order in (1, 2))
-        curve = curve.scaled(quickest("spline", model, rate, second, own, "times"))
+        factor = quickest("spline", model, rate, second, own, "times")
+        curve, knots = curve.scaled(factor), knots / factor
     words = f"a spline of degree {degree} through {len(q)} waypoints"
-    return joints.motion(curve, words, step, paced=given is not None)
+    return joints.motion(curve, knots, words, step, paced=given is not None)
 
 
 def _proportional(q: Array, limits: PlanningLimits) -> Array:

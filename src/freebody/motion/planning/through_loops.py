@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from freebody.arrays import Array
@@ -12,7 +14,7 @@ from freebody.motion.closed_chain_motion import followed
 from freebody.motion.motion import Motion
 from freebody.motion.piecewise import PiecewisePolynomial, hermite
 from freebody.motion.planning.driven_waypoints import DrivenWaypoints
-from freebody.motion.planning.planned import SAMPLES, sample_times
+from freebody.motion.planning.planned import sample_times, times_and_breaks
 from freebody.trees.position_rates import (
     continuous,
     layout,
@@ -22,8 +24,6 @@ from freebody.trees.position_rates import (
 )
 from freebody.trees.states import difference
 
-_BESIDE = 5e-4
-"""Of the duration: times nearer to a break are left out; rounding makes accelerations of less."""
 _ELSEWHERE = 1e-6
 """rad, m: how far given closed positions may be from where the loops lead."""
 
@@ -42,7 +42,7 @@ def through_loops(
     where the loops block it, or lead elsewhere than to a given waypoint.
     """
     where, start = layout(model), waypoints.start
-    knots = _knots(curve)
+    knots = times_and_breaks(curve.breaks)
     first = curve.derivative()(knots)
     second = curve.derivative(2)
     way = curve(knots)
@@ -79,15 +79,7 @@ def through_loops(
     return motion
 
 
-def _knots(curve: PiecewisePolynomial) -> Array:
-    breaks = curve.breaks
-    even = np.linspace(breaks[0], breaks[-1], SAMPLES)
-    nearest = breaks[np.searchsorted(0.5 * (breaks[1:] + breaks[:-1]), even)]
-    beside = np.abs(even - nearest) <= _BESIDE * (breaks[-1] - breaks[0])
-    return np.union1d(even[~beside], breaks)
-
-
-def _named(model: Model, values: Array) -> dict[str, Array]:
+def _named(model: Model, values: Array) -> Any:
     return dict(zip(model.driven_names, values.T, strict=True))
 
 
