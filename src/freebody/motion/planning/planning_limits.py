@@ -244,9 +244,10 @@ def refuse_beyond(
     k, j = np.unravel_index(np.argmax(beyond), beyond.shape)
     if beyond[k, j] > SLACK * max(1.0, abs(q[k, j])):
         there, least, most = compared(q[k, j], low[j], high[j], digits=5)
+        joint = model.velocity_names[columns[int(j)]]
         raise FreebodyError(
-            f"{function}: {one or _numbered(int(k), name)} has {model.velocity_names[columns[int(j)]]} "
-            f"at {there}, outside its range from {least} to {most}."
+            f"{function}: {one or _numbered(int(k), name)} has {joint} at "
+            f"{there}, outside its range from {least} to {most}."
         )
 
 
