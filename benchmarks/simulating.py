@@ -1,7 +1,8 @@
 """Many arms through `fb.simulate`: held by joint controllers beside MuJoCo's `rollout`, a million
-different ones beside equal ones, and two threads beside one.
+different ones beside equal ones, two threads beside one, and dry friction beside smooth friction.
 
-    python benchmarks/simulating.py [--arms 4096] [--steps 300] [--different 1000000] [--rounds 3]
+    python benchmarks/simulating.py [--arms 4096] [--steps 300] [--rubbing 200]
+        [--different 1000000] [--rounds 3]
 
 The controllers are -kp (q - goal) - kd q̇ with a goal for each arm: a function that `fb.compile`
 compiled, in every stage of the Runge-Kutta steps; MuJoCo has position and velocity actuators of the
@@ -15,6 +16,7 @@ import os
 os.environ.update(OMP_NUM_THREADS="1")
 
 import time
+import warnings
 from functools import partial
 from xml.etree.ElementTree import SubElement, fromstring, tostring
 
@@ -166,14 +168,52 @@ def different(arms: int, steps: int, rounds: int) -> None:
         )
 
 
+def rubbing(arms: int, rounds: int) -> None:
+    """Arms with Coulomb friction that are drawn to goals for 0.5 s, errors controlled."""
+    arm = fb.load("ur5e")
+    for name, coulomb in zip(arm.joint_names, 2.5e-3 * KP, strict=True):
+        arm = arm.with_drive(name, coulomb=coulomb)
+    q, qd, _ = fb.random_state(arm, 1, (arms,))
+
+    def run(friction: str, tolerance: float) -> None:
+        fb.simulate(
+            arm,
+            q,
+            0.0 * qd,
+            [0.0, 0.5],
+            CONTROL,
+            torque_inputs={"goal": q + 0.1},
+            friction=friction,
+            tolerance=tolerance,
+            record="q",
+            threads=1,
+        )
+
+    warnings.simplefilter("ignore", fb.FreebodyWarning)  # that smooth friction keeps steps short
+    for tolerance in (1e-10, 1e-6):
+        for friction in ("smooth", "dry"):
+            run(friction, tolerance)
+        times = [
+            [seconds(partial(run, friction, tolerance)) for friction in ("smooth", "dry")]
+            for _ in range(rounds)
+        ]
+        smooth, dry = np.min(times, axis=0)
+        print(
+            f"{arms} UR5e with friction, tolerance {tolerance:g}: smooth {smooth:.2f} s, dry "
+            f"{dry:.2f} s, ratio {dry / smooth:.2f}"
+        )
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--arms", type=int, default=4096)
     parser.add_argument("--steps", type=int, default=300)
+    parser.add_argument("--rubbing", type=int, default=200)
     parser.add_argument("--different", type=int, default=1_000_000)
     parser.add_argument("--rounds", type=int, default=3)
     args = parser.parse_args()
     held(args.arms, args.steps, args.rounds)
+    rubbing(args.rubbing, args.rounds)
     if args.different:
         different(args.different, 100, args.rounds)
 
