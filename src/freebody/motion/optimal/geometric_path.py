@@ -23,6 +23,7 @@ from freebody.trees.position_rates import layout
 
 _SAME = 1e-9  # of the length of a path: positions nearer to each other are one
 _PARTS = 11  # into which the first and the last interval of a grid are divided
+_WAY = (np.arange(1, _PARTS) / _PARTS) ** 2
 
 
 def path_curve(
@@ -129,9 +130,10 @@ def grid(curve: PiecewisePolynomial, intervals: int) -> Array:
     at = np.maximum.accumulate(np.rint(place) - index) + index  # one interval each at least
     at = np.minimum(at, intervals - count + index)
     even = np.interp(np.arange(intervals + 1), at, breaks)
-    way = (np.arange(1, _PARTS) / _PARTS) ** 2
-    start, end = even[0] + way * (even[1] - even[0]), even[-1] - way * (even[-1] - even[-2])
-    return np.sort(np.concatenate([even, start, end]))
+    start, end = even[0] + _WAY * (even[1] - even[0]), even[-1] - _WAY * (even[-1] - even[-2])
+    if intervals == 1:
+        return np.sort(np.concatenate([even, start, end]))
+    return np.concatenate([even[:1], start, even[1:-1], end[::-1], even[-1:]])
 
 
 def motions_along(

@@ -29,6 +29,8 @@ from freebody.trees.dynamics import inverse_dynamics
 
 _INSTANT = 1e-6
 """s: no path takes less time; what would be quicker has no limit."""
+RESERVE = 2e-4
+"""Of a limit of torque or acceleration: kept from it in the rows, for what is between points."""
 _CUSHION = 5e-5
 """Of a limit: by how much more than what it was exceeded by it is made stricter."""
 _SLIGHTLY = 0.01
@@ -71,8 +73,8 @@ class RobotLimits:
 
 @dataclass(frozen=True, eq=False)
 class PathProblem:
-    """Limits of a robot along paths: `rows` without viscous friction, whose coefficients by ṡ are
-    `viscous` (N + 1, P, m), or None."""
+    """Limits of a robot along paths: `rows`, within `RESERVE`, without viscous friction, whose
+    coefficients by ṡ are `viscous` (N + 1, P, m), or None."""
 
     limits: RobotLimits
     at: PathSamples
@@ -143,6 +145,13 @@ class PathProblem:
             fastest[points] = np.minimum(fastest[points], slower)
         return replace(self, margin=margin, rows=self.rows._replace(most=fastest))
 
+    def without_reserve(self, paths: Flags) -> PathProblem:
+        """With the whole limits of those paths."""
+        more = np.where(paths[:, None], RESERVE * self.limits.size, 0.0)
+        (lo, lo_end), (hi, hi_end) = self.rows.lo, self.rows.hi
+        lo, hi = (lo - more, lo_end - more), (hi + more, hi_end + more)
+        return replace(self, rows=self.rows._replace(lo=lo, hi=hi))
+
     def only(self, paths: Flags) -> PathProblem:
         """Of some paths."""
         if paths.all():
@@ -184,7 +193,8 @@ def path_problem(
     a = limits.row((limits.dynamics(at.q, still, first) - rest) / unit, at.first)
     b = limits.row(with_rates / unit**2, at.second)
     held, size = limits.row(rest, still), limits.size
-    lo, hi = -size - held, size - held
+    kept = (1.0 - RESERVE) * size
+    lo, hi = -kept - held, kept - held
     ends = [(lo[:-1], hi[:-1]), (lo[1:], hi[1:])]
     if coulomb.any():
         signs = np.stack([np.sign(x) for x in (at.first[:-1], between.first, at.first[1:])])
@@ -217,7 +227,7 @@ def _speed_limits(limits: RobotLimits, samples: PathSamples, count: int) -> Arra
     most = 1.0 / np.maximum(fastest, 1.0 / _from_rest(samples.s, count))
     points, halfway = (most[part] for part in _parts(count))
     above = np.maximum(0.5 * (points[:-1] + points[1:]) - halfway, 0.0)
-    above[above > _SLIGHTLY * np.minimum(points[:-1], points[1:])] = 0.0
+    above *= above <= _SLIGHTLY * np.minimum(points[:-1], points[1:])
     found = points.copy()
     found[:-1] -= above
     found[1:] = np.minimum(found[1:], points[1:] - above)

@@ -23,8 +23,8 @@ from freebody.motion.optimal.geometric_path import (
     refuse_out_of_range,
 )
 from freebody.motion.optimal.path_limits import PathProblem, RobotLimits, path_problem
-from freebody.motion.optimal.speed_profile import SpeedProfile, quickest_profile
-from freebody.motion.optimal.unreachable import refuse_unreachable
+from freebody.motion.optimal.speed_profile import quickest_profile
+from freebody.motion.optimal.unreachable import refuse_unreachable, without_motion
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planning.planned import sample_times
 from freebody.motion.planning.planning_limits import Limit, PlanningLimits, planning_limits
@@ -36,7 +36,6 @@ _NAME = "time_optimal"
 _BLOCK = 16  # paths computed side by side: what is known of them stays in the processor's cache
 _ROUNDS = 12
 _TANGENT = 1e-4  # of a limit: error of the viscous torque
-_SPARE = 2e-4  # of a limit: kept from it at the points of the grid, for what is between them
 _HELD = 1e-6  # of a limit: what it may be exceeded by between two points of the grid
 _FAST = 2e-4  # of a limit of speed: more is not slowed down to, but computed again
 _MISSED = 1e-6  # of the squares of speeds: what parabolas may miss of them
@@ -197,8 +196,13 @@ def _solved(problem: PathProblem, labels: list[str]) -> _Quickest:
     """Repeated where viscous friction asks for it, then where limits are exceeded between the
     points, unless stricter ones leave nothing; each path as if it were alone."""
     before = _first_guess(problem, labels)
-    problem, profile = _with_room(problem, before)
-    refuse_unreachable(_NAME, problem, profile, labels)
+    profile = quickest_profile(problem.strict(before))
+    stuck = without_motion(problem, profile)
+    if stuck.any():
+        problem = problem.without_reserve(stuck)
+        profile = quickest_profile(problem.strict(before))
+        stuck = without_motion(problem, profile)
+    refuse_unreachable(_NAME, problem, profile, stuck, labels)
     none = np.full(len(labels), np.inf)
     found = _Quickest(np.zeros_like(problem.rows.most), none, none.copy())
     settled = np.zeros(len(labels), dtype=bool)
@@ -221,24 +225,6 @@ def _solved(problem: PathProblem, labels: list[str]) -> _Quickest:
         problem, before, left = problem.only(again), profile.x[:, again], left[again]
         profile = quickest_profile(problem.strict(before))
     return found
-
-
-def _with_room(problem: PathProblem, before: Array) -> tuple[PathProblem, SpeedProfile]:
-    """The problem with limits kept by a little at the points of the grid, unless that leaves a path
-    nothing, and its speeds; before: the speeds of the tangents."""
-    rows, size = problem.rows, problem.limits.size
-    room = np.full((rows.h.shape[1], 1), _SPARE)
-    for _ in range(2):
-        margin = np.broadcast_to(room * size, (*rows.h.shape, len(size)))
-        roomy = replace(problem, margin=(margin, margin))
-        profile = quickest_profile(roomy.strict(before))
-        stuck = ~profile.moves
-        if problem.viscous is None:  # else its tangent says nothing of rest
-            stuck |= ~profile.starts
-        if not (stuck & (room[:, 0] > 0.0)).any():
-            break
-        room[stuck] = 0.0
-    return roomy, profile
 
 
 def _first_guess(problem: PathProblem, labels: list[str]) -> Array:

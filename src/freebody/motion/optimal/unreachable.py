@@ -12,24 +12,30 @@ from freebody.errors import FreebodyError, MissingArgumentError, listed
 from freebody.model.model import Model
 from freebody.motion.optimal.path_limits import PathProblem, RobotLimits, unlimited
 from freebody.motion.optimal.speed_profile import SpeedProfile
-from freebody.motion.ranges import angular
+from freebody.motion.ranges import Flags, angular
 from freebody.outputs.numbers import compared
 
 _BINDING = 1e-6
 _FAST = 0.25  # of `unlimited`
 
 
-def refuse_unreachable(
-    function: str, problem: PathProblem, profile: SpeedProfile, labels: list[str]
-) -> None:
-    """Raise FreebodyError for the first path without a motion; `labels` name the paths."""
+def without_motion(problem: PathProblem, profile: SpeedProfile) -> Flags:
+    """(P,) whether a path's end is not reached from rest."""
     moves = profile.moves
     if problem.viscous is None:  # its tangent says nothing of rest
         moves &= profile.starts
+    return ~moves
+
+
+def refuse_unreachable(
+    function: str, problem: PathProblem, profile: SpeedProfile, stuck: Flags, labels: list[str]
+) -> None:
+    """Raise FreebodyError for the first path without a motion, which are `stuck` (P,), or without a
+    limit; `labels` name the paths."""
     free = profile.x.max(axis=0) > _FAST * unlimited(problem.at.s)
-    for path in map(int, np.flatnonzero(~moves | free)):
+    for path in map(int, np.flatnonzero(stuck | free)):
         start = f"{function}: {labels[path]}"
-        if moves[path]:
+        if not stuck[path]:
             raise _without_limit(start, problem, profile, path)
         reason = _held_still(problem, path) or _excluded(problem, profile, path)
         raise FreebodyError(
