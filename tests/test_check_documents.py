@@ -181,7 +181,7 @@ def test_an_equation_about_the_robot_that_is_not_read_is_no_success(
         ("H22 = m2 lc2^2 + I2\n + damping", "no symbol 'damping'"),
         ("H22 = m2 lc2^2 + I2 + l1*\n damping", "no symbol 'damping'|a term is expected"),
         ("foo + H22 = m2 lc2^2 + I2", "no symbol 'foo'"),
-        ("foo H22 - damping = m2 lc2^2 + I2", "no equation could be read"),
+        ("foo H22 - damping = m2 lc2^2 + I2", "no symbol 'damping'"),
         ("foo/2 H22 = m2 lc2^2 + I2", "no symbol 'foo'"),
         ("The answer is easy.", "the answer is empty"),
         ("Let n = 3 be a number", "no equation could be read; line 1"),
@@ -239,6 +239,11 @@ def test_what_is_written_with_a_name_without_value_is_not_judged(text: str):
 
 
 NOT_ALL = [
+    (r"$$M(q) + \text{bar} = 3$$ $G_2 = m_2 g l_{c2} c_{12}$", "markdown"),
+    (
+        r"\begin{cases} H_{12} = 2 + \text{bar} \\ H_{22} = m_2 l_{c2}^2 + I_2 \end{cases} $G$",
+        "latex",
+    ),
     (r"$$H_{22} = m_2 l_{c2}^2 + \text{damping} + I_2$$", "markdown"),
     (r"$$H_{22} = m_2 l_{c2}^2 + \dots + I_2$$", "markdown"),
     ("H22 = m2*lc2**2 + I2\nH22 += l1", "python"),

@@ -23,6 +23,7 @@ from freebody.errors import FreebodyError
 
 MOST_SIDES = 6
 _SHOWN = 60
+_COMMAND = re.compile(r"\\([A-Za-z]+)")
 _TABLE = re.compile(r"=[\s&]*(?:\[|\\(?:left\s*)?\[|\\begin|Matrix|array)")
 
 Line = tuple[tuple[Token, ...], ...]
@@ -71,20 +72,16 @@ class DocumentReader:
             return True
 
     def _is_asked(self, source: Source, span: Span) -> bool:
-        """Whether what stands there begins with one of the robot's quantities."""
-        at = span[0]
-        while at < span[1] and source.text[at] in " &\n\t":
-            at += 1
-        if at >= span[1] or not (source.text[at] in words.STARTS or source.text[at] == "\\"):
+        """Whether the left side of what stands there names one of the robot's quantities. A symbol
+        of the robot, as in g = 9.81, is one only where a vector or matrix is given for it."""
+        end = source.text.find("=", *span)
+        if end < 0:
             return False
-        try:
-            word = words.spell(source, at)
-        except FreebodyError:
-            return False
-        behind = source.text[word.end : span[1]].lstrip(" &")
-        is_value = word.plain in self.vocabulary.symbols and not _TABLE.match(behind)
-        is_stated = re.match(r"[-+*/]{0,2}=|\(", behind) is not None
-        return word.plain in self.quantities and is_stated and not is_value
+        is_table = _TABLE.match(source.text, end) is not None
+        for plain in _names(source, (span[0], end)):
+            if plain in self.quantities and (is_table or plain not in self.vocabulary.symbols):
+                return True
+        return False
 
     # ------------------------------------------------------------ equations
     def lines(self) -> list[Line]:
@@ -145,6 +142,23 @@ class DocumentReader:
         self.unread.append(
             UnreadEquation(first, source.where(first), text, reason.rstrip("."), asked)
         )
+
+
+def _names(source: Source, span: Span) -> Iterator[str]:
+    """The plain spellings of the words between two places."""
+    at = span[0]
+    while at < span[1]:
+        command = _COMMAND.match(source.text, at)
+        if source.text[at] in words.STARTS or (command and command[1] in words.COMMANDS):
+            try:
+                word = words.spell(source, at)
+            except FreebodyError:
+                at += 1
+                continue
+            yield word.plain
+            at = max(word.end, at + 1)
+        else:
+            at = command.end() if command else at + 1
 
 
 def _parted(piece: FormulaPiece, apart: Sequence[Span]) -> Iterator[FormulaPiece]:
