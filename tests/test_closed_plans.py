@@ -82,6 +82,7 @@ def test_motions_of_closed_chains_follow_each_other_and_are_studied():
     assert found.checked
 
 
+@pytest.mark.long
 def test_a_platform_on_six_legs_is_moved_by_their_lengths():
     """Its own coordinates have a quaternion; the legs are planned."""
     model = fb.load("stewart")
