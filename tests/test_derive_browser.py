@@ -86,7 +86,18 @@ def test_a_wide_left_side_leaves_the_others_their_room():
     step = re.search(r"The equation of θ₃.*?</section>", text, re.DOTALL)
     assert step
     tables = re.findall(r"<math [^>]*block.*?</math>", step[0], re.DOTALL)
-    assert [table.count("<mtr><mtd style") for table in tables] == [1, 3]
+    assert [table.count("<mtr>") for table in tables] == [1, 3]
+
+
+def test_rows_are_aligned_by_the_page_and_equations_that_stand_alone_by_themselves():
+    """The style that every row repeated was a tenth of a page of many equations."""
+    text = fb.derive(fb.load("2R")).html()
+    assert text.count("text-align:-webkit-right") == 1
+    assert ".aligned>mtr>mtd:first-child{" in text
+    assert 'class="aligned"' in text
+    alone = fb.equations(fb.load("2R")).mathml()
+    assert "class=" not in alone
+    assert alone.count("text-align:-webkit-right") == alone.count("<mtr>")
 
 
 @pytest.mark.parametrize(("name", "method"), [("3R", "lagrange"), ("four_bar", None)])

@@ -89,7 +89,7 @@ def page(findings: Sequence[ExecutedItem]) -> str:
             seconds=sum(f.seconds for f in findings),
             exercises=[(exercise, solution(exercise)) for exercise in exercises()],
             colours=(colours.page_colours(dark=False), colours.page_colours(dark=True)),
-            math_style=Markup(math_style()),
+            math_style=Markup(math_style() + formulas.STYLE),
             figure_style=Markup(colours.style("@media screen and (prefers-color-scheme:dark)")),
         )
     )

@@ -30,7 +30,7 @@ def shown(model: Model) -> Shown | None:
     if closed.is_short:
         return Shown(closed.mathml("named"), base=False)
     groups = short_by_base(closed)
-    return None if groups is None else Shown(page.html(groups), base=True)
+    return None if groups is None else Shown(page.html(groups, alone=True), base=True)
 
 
 def _has_closed_form(model: Model) -> bool:

@@ -99,7 +99,7 @@ class Equations(Titled, ClosedForm):
         if view == "auto" and not self.is_short:
             rows = (f"<mtr><mtd>{MATHML.line(line)}</mtd></mtr>" for line in self._told())
             return f'<math {NAMESPACE} display="block"><mtable>{"".join(rows)}</mtable></math>'
-        return page.html(self.groups(view, names))
+        return page.html(self.groups(view, names), alone=True)
 
     def _told(self) -> list[ex.Expression]:
         """How long they are that nobody reads."""

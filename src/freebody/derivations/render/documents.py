@@ -273,7 +273,7 @@ def html(
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">{policy(scripts)}'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         '<meta name="color-scheme" content="light dark"><link rel="icon" href="data:,">'
-        f"<title>{title}</title><style>{math_style()}{style}{_STYLE}{term_sources.STYLE}</style></head>\n"
+        f"<title>{title}</title><style>{math_style()}{style}{_STYLE}{page.STYLE}{term_sources.STYLE}</style></head>\n"
         f"<body><main{kind}>\n{inside(derivation, figures)}\n</main>{run}</body></html>\n"
     )
 

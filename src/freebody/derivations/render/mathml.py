@@ -15,6 +15,10 @@ _OPEN, _CLOSE = '<mo stretchy="false">(</mo>', '<mo stretchy="false">)</mo>'
 _THIN, _APPLY, _TIMES = '<mspace width="0.17em"/>', "<mo>&#x2061;</mo>", "<mo>&#x2062;</mo>"
 _DOTS = ("", "˙", "¨")
 _TAGS = re.compile(r"<[^>]*>|&[^;]*;|[˙¨]|\ue000[a-z]*\ue001|\ue002")
+_LOW = re.compile(
+    "<msub(?:sup)?>(?:<mi[^>]*>[^<]*</mi>|<mover.*?</mover>)"
+    "(<mrow>.*?</mrow>|<mn>[^<]*</mn>|<mi>[^<]*</mi>)"
+)
 _MARKS = re.compile("\ue000([a-z]*)\ue001|\ue002")
 """Where a term with a source begins and ends, until it is known where lines end."""
 
@@ -28,9 +32,7 @@ def mathml(node: Expression, display: bool = True) -> str:
 def _width(string: str) -> float:
     """About how wide it is, in letters; scripts are smaller, elements take no room."""
     full = len(_TAGS.sub("", string))
-    scripts = sum(
-        len(_TAGS.sub("", s)) for s in re.findall(r"(?:</mi>|</mover>)<mrow>(.*?)</mrow>", string)
-    )
+    scripts = sum(len(_TAGS.sub("", low)) for low in _LOW.findall(string))
     return 0.85 * (full - 0.4 * scripts) + 0.8 * string.count('form="infix"')
 
 
@@ -69,22 +71,24 @@ def _symbol(node: Symbol, high: str) -> str:
     letter = f"<mi{upright}>{escape(node.letter)}</mi>"
     if node.dots:
         letter = f'<mover accent="true">{letter}<mo>{_DOTS[node.dots]}</mo></mover>'
-    low = f"<mrow>{_low(node.low)}</mrow>" if node.low else ""
+    low = _low(node.low) if node.low else ""
     high = high or (f"<mi>{escape(node.high)}</mi>" if node.high else "")
     scripts = "sub" * bool(low) + "sup" * bool(high)
     return f"<m{scripts}>{letter}{low}{high}</m{scripts}>" if scripts else letter
 
 
 def _low(parts: tuple[str, ...]) -> str:
-    return "<mo>,</mo>".join(map(_letters, parts))
+    """One element: a row only around several."""
+    elements = [*_letters(parts[0])]
+    for part in parts[1:]:
+        elements += ["<mo>,</mo>", *_letters(part)]
+    return elements[0] if len(elements) == 1 else f"<mrow>{''.join(elements)}</mrow>"
 
 
-def _letters(part: str) -> str:
+def _letters(part: str) -> list[str]:
     """Digits as numbers, letters in italics, words upright."""
     runs = re.findall(r"\d+|[^\W\d_]{3,}|.", part)
-    return "".join(
-        f"<mn>{run}</mn>" if run.isdigit() else f"<mi>{escape(run)}</mi>" for run in runs
-    )
+    return [f"<mn>{run}</mn>" if run.isdigit() else f"<mi>{escape(run)}</mi>" for run in runs]
 
 
 MATHML = Typesetter(

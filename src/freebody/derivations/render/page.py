@@ -23,6 +23,8 @@ from freebody.derivations.render.typesetter import Typesetter
 
 _RIGHT = "text-align:right;text-align:-webkit-right;padding-right:0"
 _LEFT = "text-align:left;text-align:-webkit-left;padding-left:0.25em"
+STYLE = f".aligned>mtr>mtd:first-child{{{_RIGHT}}}.aligned>mtr>mtd:last-child{{{_LEFT}}}"
+"""A page with equations of `html` needs it: their rows say nothing of how they are aligned."""
 
 Groups = Sequence[Sequence[Equation]]
 
@@ -101,14 +103,14 @@ def span(node: Expression) -> float:
     return width_of(LATEX.line(node))
 
 
-def html(groups: Groups, width: int = 74) -> str:
+def html(groups: Groups, width: int = 74, alone: bool = False) -> str:
     """MathML tables, equations aligned at their sign, long ones broken before one; equations with a
     wide left side have a table of their own, lest others have no room.
 
     The width, in letters, suits a page of 960 px in the widest of the usual mathematical fonts
-    (DejaVu's).
+    (DejaVu's). Equations that stand `alone` need no style of a page around them.
     """
-    return "".join(_table(table, width) for table in _tables(groups, width))
+    return "".join(_table(table, width, alone) for table in _tables(groups, width))
 
 
 def _tables(groups: Groups, width: float) -> list[list[list[Equation]]]:
@@ -127,14 +129,21 @@ def _tables(groups: Groups, width: float) -> list[list[list[Equation]]]:
     return tables
 
 
-def _table(groups: Groups, width: float) -> str:
+def _table(groups: Groups, width: float, alone: bool) -> str:
     cells = ""
     for j, group in enumerate(_set(groups, width, MATHML)):
         for k, (left, right, goes_on) in enumerate(group):
-            space = "padding-top:1em;" if j and not k else ""
+            apart = "padding-top:1em;" if j and not k else ""
+            signed = "" if goes_on else left + "<mo>=</mo>"
             indent = '<mspace width="1.5em"/>' if goes_on else ""
             cells += (
-                f'<mtr><mtd style="{space}{_RIGHT}">{"" if goes_on else left + "<mo>=</mo>"}</mtd>'
-                f'<mtd style="{space}{_LEFT}">{indent}{right}</mtd></mtr>'
+                f"<mtr>{_cell(signed, apart + _RIGHT * alone)}"
+                f"{_cell(indent + right, apart + _LEFT * alone)}</mtr>"
             )
-    return f'<math {NAMESPACE} display="block"><mtable displaystyle="true">{cells}</mtable></math>'
+    of_class = "" if alone else ' class="aligned"'
+    table = f'<mtable displaystyle="true"{of_class}>{cells}</mtable>'
+    return f'<math {NAMESPACE} display="block">{table}</math>'
+
+
+def _cell(inside: str, style: str) -> str:
+    return f'<mtd style="{style}">{inside}</mtd>' if style else f"<mtd>{inside}</mtd>"
