@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array, as_floats
-from freebody.errors import FreebodyError, KindError, UnknownNameError
+from freebody.errors import FreebodyError, KindError, UnknownNameError, listed
 from freebody.lazy import cached_property
+from freebody.outputs.display import Titled
 
 _RUN = 1 << 18
 """Points of a run."""
@@ -59,8 +60,8 @@ SAMPLERS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class Samples(Mapping[str, Array]):
+@dataclass(frozen=True, eq=False, repr=False)
+class Samples(Titled, Mapping[str, Array]):
     """Points by name, made when they are asked for: `found["m2"]` has all of them, (count, ...).
 
     bounds: by name (low, high), arrays of one shape.
@@ -70,6 +71,11 @@ class Samples(Mapping[str, Array]):
     method: str
     seed: int
     bounds: dict[str, tuple[Array, Array]]
+
+    def _title(self) -> str:
+        return (
+            f"Samples: {self.count} of {listed(self.bounds, 4)} by {self.method}, seed {self.seed}"
+        )
 
     def __getitem__(self, name: str) -> Array:
         low, high = self.bounds[name]

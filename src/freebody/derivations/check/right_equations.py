@@ -220,8 +220,8 @@ def in_notation(
     equations: Equations, notation: BookNotation, absolute: bool = False
 ) -> RightEquations:
     """The setting of a model's equations for answers in a notation."""
-    model = equations.symbols.model
-    zeros = [name for name, value in model.parameters.items() if value == 0]
+    model, given = equations.symbols.model, equations.symbols.given or equations.symbols.model
+    zeros = [name for name, value in given.parameters.items() if value == 0]
     turned = turned_by(model) if absolute or notation.absolute else None
     plain = setting(equations, zeros, turned)
     quarters: list[int] = []
