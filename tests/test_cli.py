@@ -71,7 +71,8 @@ def test_study_writes_a_report_and_data(capsys: pytest.CaptureFixture[str]):
     assert (
         run(["study", "2R", "--motion", "study-2R/motion.csv", "--out", "again"]) == 0
     )  # what it writes, it reads
-    assert "Motion: read from motion.csv, 401 rows; rates as given." in capsys.readouterr().out
+    told = capsys.readouterr().out  # 401 samples, and where a load has its peak between two
+    assert re.search(r"Motion: read from motion.csv, 40[1-9] rows; rates as given\.", told)
 
 
 def test_a_failed_check_gives_exit_code_1(
