@@ -113,6 +113,52 @@ def test_dry_friction_is_the_limit_of_smooth_friction():
     assert apart[0] / apart[1] == pytest.approx(10.0, rel=0.3)
 
 
+def test_what_rests_is_let_go_by_each_swing_of_a_torque():
+    """Nothing moves while it sticks, so that the error of its state lets steps grow without end."""
+    a, c, w = 1.2, 1.0, 40.0
+    begun = np.arcsin(c / a) / w
+    end = brentq(lambda t: a / w * (np.cos(w * begun) - np.cos(w * t)) - c * (t - begun), 0.05, 0.1)
+    assert end < np.pi / w
+    way = a / w * np.cos(w * begun) * (end - begun) - 0.5 * c * (end - begun) ** 2
+    way -= a / w**2 * (np.sin(w * end) - np.sin(w * begun))
+    law = fb.compile(lambda t: [a * fb.math.sin(w * t)], {"t": ()}, {"tau": 1})
+    block = fb.planar("P", l=[0], lc=[0], m=[1], I=[0], drives=[fb.Drive(coulomb=c)])
+    block = block.replace(gravity=0.0)
+    for torque in (law, lambda t, q, qd: np.array([a * np.sin(w * t)])):
+        run = fb.simulate(
+            block, [0], [0], [0, 4 * np.pi / w, 9 * np.pi / w], torque, friction="dry"
+        )
+        assert run.q.values[:, 0] == pytest.approx([0.0, 0.0, way], abs=1e-12)
+        assert (run.qd.values == 0.0).all()
+    # a stop that presses holds just as little
+    floor = fb.planar("P", l=[0], lc=[0], m=[1], I=[0], limits=[(0, 9)]).replace(gravity=0.0)
+    law = fb.compile(lambda t: [-fb.math.cos(w * t)], {"t": ()}, {"tau": 1})
+    run = fb.simulate(floor, [0], [0], [0, 0.5], law, restitution=0.0)
+    left = 0.5 * np.pi / w  # goes when the push is over; ever after what it gained carries it
+    gone = (0.5 - left) / w + (np.cos(w * 0.5) - np.cos(w * left)) / w**2
+    assert run.q.values[-1, 0] == pytest.approx(gone, abs=1e-10)
+    # a torque that jumps while it holds stops nothing
+    law = fb.compile(lambda t: [0.5 * fb.math.sign(fb.math.sin(9.0 * t))], {"t": ()}, {"tau": 1})
+    run = fb.simulate(block, [0], [0], [0, 2.0], law, friction="dry")
+    assert run.q.values[-1] == run.qd.values[-1] == 0.0
+
+
+def test_what_slides_rests_between_two_steps_that_both_find_it_sliding():
+    """q̇ = (t - 0.5)² - 0.01 up to its rest at 0.4 s; let go at 0.5 s: (t - 0.5)² from there."""
+    law = fb.compile(lambda t: [1.0 + 2.0 * (t - 0.5)], {"t": ()}, {"tau": 1})
+    block = fb.planar("P", l=[0], lc=[0], m=[1], I=[0], drives=[fb.Drive(coulomb=1.0)])
+    block = block.replace(gravity=0.0)
+    for options in ({}, {"step": 1.0}):
+        run = fb.simulate(block, [0], [0.24], [0.0, 1.0], law, friction="dry", **options)
+        way = (0.5**3 - 0.1**3) / 3 - 0.004 + 0.5**3 / 3
+        assert [run.qd.values[-1, 0], run.q.values[-1, 0]] == pytest.approx([0.25, way], abs=1e-12)
+        back = fb.simulate(  # the same the other way round, among others that nothing cuts
+            block, [[0.0], [0.0]], [[-0.24], [9.0]], [0.0, 1.0],
+            np.array([[[0.0], [-2.0]], [[0.0], [-2.0]]]), friction="dry", **options,
+        )  # fmt: skip
+        assert back.qd.values[0, -1] == pytest.approx(-0.25, abs=1e-12)
+
+
 def test_an_impact_changes_no_momentum_but_that_of_the_joint_that_is_stopped():
     model = arm(limits=[(-9, 9), (-0.5, 0.5)]).replace(gravity=0)
     q, qd = np.array([0.3, 0.5]), np.array([0.7, 2.0])  # moving into the stop

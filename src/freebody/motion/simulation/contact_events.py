@@ -3,7 +3,7 @@ leaves its stop."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -21,6 +21,9 @@ _HAIR = 1e-14
 _ROUND = 1e-11
 _IDLE = 500  # events in a row that bring a motion no further
 _SHORTEST = 1e-13  # of the duration
+_BEND = 0.2
+"""Of a bound, of what is needed to hold: what this may bend by within a step."""
+_FINE = 1e-6  # of the duration: steps in which torques that jump may change as they like
 
 Index = NDArray[np.intp]
 Move = Callable[[Some, State, Array, Array], State]
@@ -110,6 +113,33 @@ class ContactEvents:
         q[rows], qd[rows] = (np.where(lost[:, None], np.nan, x) for x in state)
         return ends, (q, qd)
 
+    def unseen(
+        self, lanes: Index, states: tuple[State, State, State], start: Array, h: Array
+    ) -> Array:
+        """(lanes,) what may happen unseen in steps of size h to coordinates that are held, as an
+        error of order 4 above 1 where steps are to be shorter; states at their start, halfway and
+        at their end.
+
+        What is held does not move, whatever acts on it: the errors of its state say nothing of how
+        long a torque that changes with time still lets it rest.
+        """
+        found = np.zeros(len(lanes))
+        held = (self.held[lanes] > 0.0).any(axis=-1) & (h > _FINE * self.duration)
+        rows = np.flatnonzero(held)
+        if not len(rows):
+            return found
+        own, coulomb = lanes[rows], self.contacts.coulomb[lanes[rows]]
+        m0, m1, m2 = (
+            self._margins(own, (q[rows], qd[rows]), start[rows] + part * h[rows])[:, -qd.shape[1] :]
+            for (q, qd), part in zip(states, (0.0, 0.5, 1.0), strict=True)
+        )
+        with np.errstate(invalid="ignore", divide="ignore"):
+            size = np.maximum(np.maximum(np.abs(m0), np.abs(m1)), np.maximum(np.abs(m2), coulomb))
+            bend = np.nan_to_num(np.abs(m0 - 2.0 * m1 + m2) / (_BEND * size), posinf=0.0)
+        let_go = (m1 < 0.0) & (m2 >= 0.0)
+        found[rows] = np.where(let_go, np.inf, bend**2.5).max(axis=-1)
+        return found
+
     def _first_change(
         self, lanes: Index, before: State, start: Array, h: Array, move: Move
     ) -> Array:
@@ -171,30 +201,38 @@ class ContactEvents:
         changes: NDArray[np.bool_],
         move: Move,
     ) -> None:
-        """Find stops that were passed and left again within a step: `changes` there, and `ends` at
-        the farthest, where the cubic through both ends has it."""
+        """Find stops that were passed and left again within a step, and rests that sliding motions
+        went through and back: `changes` there, and `ends` at the farthest, where the cubic through
+        both ends has it."""
+        h, seen = ends.copy(), changes.copy()
+        for part in self._suspected(lanes, before, after, h):
+            reach = np.where(seen, np.inf, part * h)
+            rows = np.flatnonzero(reach < ends)
+            if not len(rows):
+                continue
+            own, there = (before[0][rows], before[1][rows]), reach[rows]
+            state = move(lanes[rows], own, start[rows], there)
+            margins = self._margins(lanes[rows], state, start[rows] + there)
+            past = (margins < 0.0).any(axis=-1)
+            ends[rows[past]] = there[past]
+            changes[rows[past]] = True
+
+    def _suspected(self, lanes: Index, before: State, after: State, h: Array) -> Iterator[Array]:
+        """In which part of a step (lanes,) the cubic through its ends first has a coordinate
+        farthest behind its lower stop, behind its upper one, or slowest, having turned round;
+        infinite where it has none."""
         contacts, free = self.contacts.some(lanes), self.held[lanes] == 0.0
-        h, rows = ends[:, None], ~changes[:, None]
-        x0, x1 = (contacts.positions(q) for q, _ in (before, after))
+        (x0, v0), (x1, v1) = ((contacts.positions(q), qd) for q, qd in (before, after))
+        d0, d1 = h[:, None] * v0, h[:, None] * v1
         pairs = zip(_to_stops(contacts, x0), _to_stops(contacts, x1), (1.0, -1.0), strict=True)
         for m0, m1, side in pairs:
-            v0, v1 = side * before[1], side * after[1]
-            turning = np.flatnonzero((rows & free & np.isfinite(m0) & (v0 < 0) & (v1 > 0)).any(-1))
-            if not len(turning):
-                continue
-            with np.errstate(invalid="ignore", divide="ignore"):
-                where = _lowest(m0, m1, h * v0, h * v1)
-            seen = np.where(free & (v0 < 0) & (v1 > 0), where[1], np.inf)[turning]
-            k = seen.argmin(axis=-1)
-            low = turning[seen.min(axis=-1) < 0.0]
-            if not len(low):
-                continue
-            part = where[0][low, k[seen.min(axis=-1) < 0.0]]
-            reach = part * ends[low]
-            there = move(lanes[low], (before[0][low], before[1][low]), start[low], reach)
-            past = (self._margins(lanes[low], there, start[low] + reach) < 0.0).any(axis=-1)
-            ends[low[past]] = reach[past]
-            changes[low[past]] = True
+            turning = free & np.isfinite(m0) & (side * v0 < 0) & (side * v1 > 0)
+            if turning.any():
+                yield _earliest(turning, *_lowest(m0, m1, side * d0, side * d1))
+        side = -np.sign(self.push[lanes])
+        sliding = free & (side * v0 > 0) & (side * v1 > 0)
+        if sliding.any():
+            yield _earliest(sliding, *_slowest(side * (x1 - x0), side * d0, side * d1))
 
     def _decided(self, lanes: Index, state: State, t: Array) -> State:
         """States put right where something changes, and what holds from there."""
@@ -245,10 +283,31 @@ def _to_stops(contacts: JointContacts, x: Array) -> tuple[Array, Array]:
 def _lowest(m0: Array, m1: Array, d0: Array, d1: Array) -> tuple[Array, Array]:
     """Where, between 0 and 1, the cubic of two values and slopes, d0 < 0 < d1, is lowest, and its
     value."""
-    a, b = 2.0 * (m0 - m1) + d0 + d1, 3.0 * (m1 - m0) - 2.0 * d0 - d1
-    root = np.sqrt(np.maximum(b * b - 3.0 * a * d0, 0.0))
-    s = np.clip(-d0 / (b + root), 0.0, 1.0)
-    return s, ((a * s + b) * s + d0) * s + m0
+    with np.errstate(invalid="ignore", divide="ignore"):
+        a, b = _cubic(m1 - m0, d0, d1)
+        root = np.sqrt(np.maximum(b * b - 3.0 * a * d0, 0.0))
+        s = np.clip(-d0 / (b + root), 0.0, 1.0)
+        return s, ((a * s + b) * s + d0) * s + m0
+
+
+def _slowest(way: Array, d0: Array, d1: Array) -> tuple[Array, Array]:
+    """Where the cubic that makes a way with two slopes has its least slope, and that slope."""
+    a, b = _cubic(way, d0, d1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        s = np.where(a > 0.0, -b / (3.0 * a), np.nan)
+        return s, np.where((s > 0.0) & (s < 1.0), b * s + d0, np.nan)
+
+
+def _cubic(way: Array, d0: Array, d1: Array) -> tuple[Array, Array]:
+    """The coefficients of s³ and s² of the cubic with slopes d0 at 0, where it is 0, and d1 at 1,
+    where it is `way`."""
+    return d0 + d1 - 2.0 * way, 3.0 * way - 2.0 * d0 - d1
+
+
+def _earliest(which: NDArray[np.bool_], part: Array, value: Array) -> Array:
+    """The least part (n,) of those whose value is below 0."""
+    with np.errstate(invalid="ignore"):
+        return np.where(which & (value < 0.0), part, np.inf).min(axis=-1)
 
 
 def _finite(state: State) -> NDArray[np.bool_]:

@@ -92,7 +92,10 @@ class ControlledSteps:
             wanted = np.minimum(sizes[going], self.max_step)
             h = np.where(wanted > left * (1.0 - _ROUND), left, wanted)
             at = (q[going], qd[going])
-            reached, error = self._tried(first + going, at, now[going], h)
+            reached, error, middle = self._tried(first + going, at, now[going], h)
+            if self.events is not None:
+                states = at, middle, reached
+                error = np.maximum(error, self.events.unseen(first + going, states, now[going], h))
             good = error <= 1.0
             with np.errstate(divide="ignore", invalid="ignore"):
                 factor = np.nan_to_num(_SAFETY * error ** (-1.0 / (self.order + 1)), nan=_LEAST)
@@ -120,9 +123,11 @@ class ControlledSteps:
     def _moved(self, lanes: Some, state: State, start: Array, h: Array) -> State:
         return self._tried(lanes, state, start, h)[0]
 
-    def _tried(self, lanes: Some, state: State, start: Array, h: Array) -> tuple[State, Array]:
-        """The states after a step, and their error over what is allowed (lanes,); NaN where one is
-        not finite."""
+    def _tried(
+        self, lanes: Some, state: State, start: Array, h: Array
+    ) -> tuple[State, Array, State]:
+        """The states after a step, their error over what is allowed (lanes,), NaN where one is not
+        finite, and the states halfway."""
         half, step = 0.5 * h, self.stepper.step
         rough = step(lanes, state, start, h)
         middle = step(lanes, state, start, half)
@@ -136,7 +141,7 @@ class ControlledSteps:
                 allowed = self.tolerance * (0.01 + most)
                 error = np.maximum(error, (np.abs(off) / allowed).max(axis=1, initial=0.0))
                 better.append(two + off if self.extrapolated else two)
-        return (better[0], better[1]), error
+        return (better[0], better[1]), error, middle
 
 
 def _of(state: State, which: NDArray[np.bool_]) -> State:
