@@ -308,3 +308,35 @@ def test_hostile_documents_are_refused_in_bounded_time(text: str, form: str):
     with pytest.raises(AnswerError):
         fb.check(ARM, text, form=form)
     assert time.process_time() - begun < 3.0
+
+
+def test_sines_that_a_document_introduces_and_coordinates_of_centres_are_read():
+    """A student's first lines: they were passed over, and c_1 was taken for a velocity term."""
+    verdict = fb.check(
+        ARM,
+        r"""With $c_1 = \cos\theta_1$, $s_1 = \sin\theta_1$, $s_{12} = \sin(\theta_1+\theta_2)$:
+$$x_{c1} = l_{c1} c_1$$
+$$\dot{x}_{c2} = -l_1 s_1 \dot\theta_1 - l_{c2} s_{12} \dot\theta_2$$
+$$y_{c2} = l_1 s_1 + l_{c2} s_{12}$$
+$$V = m_1 g l_{c1} s_1 + m_2 g y_{c2}$$
+""",
+        form="markdown",
+    )
+    said = str(verdict)
+    assert [f"{name} is right." in said for name in ("x_{c1}", "y_{c2}", "V")] == [True] * 3
+    assert r"\dot{x}_{c2}, the velocity of the centre of mass of body 2, is not right" in said
+    assert "velocity term" not in said
+    assert "Not read" not in said
+
+
+def test_a_sine_of_another_angle_is_no_s1():
+    with pytest.raises(AnswerError, match="s_1 is a symbol"):
+        fb.check(ARM, "s_1 = sin(theta2)\nV = s_1")
+
+
+def test_in_space_only_the_positions_of_centres_have_coordinates():
+    """v_c2 is along body 2 there: its components are no rates of x_c2, y_c2, z_c2."""
+    arm = fb.load("elbow_arm")
+    assert fb.check(arm, "x_c2 = lc2*cos(theta1)*cos(theta2)")
+    with pytest.raises(fb.FreebodyError):
+        fb.check(arm, r"\dot{x}_{c2} = 0")

@@ -208,6 +208,7 @@ class Targets:
         yield from self._christoffel()
         yield from self._energies()
         yield from self._entries_of_bodies()
+        yield from self._coordinates_of_centres()
         if self._tip is not None:
             yield from self._of_tip(self._tip)
         if self.velocity and self.setting.equations.is_short:
@@ -386,6 +387,16 @@ class Targets:
                 for entry in row:
                     if entry.axis or len(table) == 1:
                         yield (name + entry.axis,), entry
+
+    def _coordinates_of_centres(self) -> Iterator[tuple[tuple[str, ...], AskedQuantity]]:
+        """x_c2, ẋ_c2, ẍ_c2: r_c2, v_c2 and a_c2 by components. In space the last two have those
+        along the body, which are no rates of coordinates."""
+        of_rates = "rva" if self.setting.symbols.model.dim == 2 else "r"
+        for n in range(1, len(self._bodies) + 1):
+            for dots, letter in enumerate(of_rates):
+                for (entry,) in self._vectors.get(f"{letter}c{n}", ()):
+                    names = (spellings(entry.axis, f"{place}{n}", dots) for place in "cG")
+                    yield tuple(itertools.chain.from_iterable(names)), entry
 
     def _in_world(self, n: int, name: str, row: int) -> Callable[[], Trig]:
         """A component in the world's axes of what is given in the body's."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from freebody.derivations.check import undriven_joints
 from freebody.derivations.check.answer_lines import Line
 from freebody.derivations.check.answer_text import AnswerText
-from freebody.derivations.check.answer_tree import Named
+from freebody.derivations.check.answer_tree import Named, Wave
 from freebody.derivations.check.asked_quantities import AMBIGUOUS, AskedQuantity, Targets
 from freebody.derivations.check.circular_answers import GivenQuantity, uses
 from freebody.derivations.check.exact_polynomials import PolynomialReader
@@ -126,6 +126,8 @@ class ClaimReader:
         value is noted."""
         first = line[0]
         name = first[0].text if len(first) == 1 and first[0].kind == "name" else ""
+        if name in self.vocabulary.waves and self._is_wave(name, line):
+            return [line]
         if not name or (
             name in self.targets.names
             and not self._is_own_h(name, line, lines)
@@ -143,6 +145,14 @@ class ClaimReader:
         given = tuple(use.target for use in uses(node, self.targets.single, self.vocabulary))
         self.vocabulary.define(name, self.value(node), given)
         return [line]
+
+    def _is_wave(self, name: str, line: Line) -> bool:
+        """Whether a line says of s12 or c12 only what it stands for anyway."""
+        node = self.parse(line[1])
+        if isinstance(node, Matrix):
+            return False
+        meant = Wave(*self.vocabulary.waves[name], span=line[0][0].span)
+        return (self.value(node) - self.value(meant)).is_zero
 
     def _is_free(self, name: str) -> bool:
         """Whether a name stands for nothing of the model: for nothing, or for what only other
