@@ -133,7 +133,7 @@ def test_rates_that_contradict_the_positions_are_mentioned(tmp_path: Path):
     )
     assert motion.notices == (
         "The rates given for 'joint2' are not the slope of the positions: between t = 0 and 1 s "
-        "this is 1 rad/s, and 5 and 5 rad/s are given.",
+        "the slope is 1 rad/s, but 5 and 5 rad/s are given.",
     )
 
 

@@ -310,7 +310,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: fb.quintic(ARM, WAY, [0.0, 0.1, 0.2, 0.3]), "needs 1.6447 s within its limits"),
     (
         lambda: fb.quintic(fb.load("2R"), [[0, 0], [1, 1]], acceleration=1e300),
-        "acceleration of joint1 is 1e+300, expected at most 1e+12; infinity says that there is no",
+        "acceleration of joint1 is 1e+300, expected at most 1e+12; infinity means no limit",
     ),
     (
         lambda: fb.quintic(fb.load("2R"), [[0, 0], [1e-200, 0], [1, 1]], acceleration=1.0),
@@ -322,7 +322,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     ),
     (
         lambda: fb.quintic(fb.load("2R"), [[0, 0], [1, 1]]),
-        "is not known; give times=, velocity=, acceleration= or jerk= (descriptions",
+        "is not known; give times=, velocity=, acceleration= or jerk= (robot descriptions",
     ),
     (lambda: fb.quintic(ARM, WAY[:1]), "expected at least two rows: (k, 6)"),
     (lambda: fb.quintic(ARM, WAY, [0.0, 1.0]), "times has shape (2,), expected (4,)"),
@@ -490,13 +490,13 @@ MISTAKEN = [
     (
         "joint1,joint2\n1,2\n2,3",
         [],
-        "give a column t of times, --velocity or --acceleration (descriptions of robots",
+        "give a column t of times, --velocity or --acceleration (robot descriptions",
     ),
-    ("joint1,joint2\n1,2\n2,3", ["--by", "s-curve"], "not known; give --jerk (descriptions"),
+    ("joint1,joint2\n1,2\n2,3", ["--by", "s-curve"], "not known; give --jerk (robot descriptions"),
     (
         "joint1,joint2\n1,2\n2,3",
         ["--by", "time-optimal"],
-        "joint1 and joint2 may move as fast as they like; give --velocity, --acceleration or "
+        "nothing limits the speed of joint1 and joint2; give --velocity, --acceleration or "
         "--torque.",
     ),
     ("joint1,joint2\n1,2\n2,3", ["--jerk", "1"], "--jerk has no meaning for spline; it takes"),

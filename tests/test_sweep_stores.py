@@ -76,7 +76,7 @@ def test_what_was_stopped_goes_on(tmp_path, monkeypatch, reduce):
     for stop in (0.1, 0.3, 0.9):
 
         def stopping(told: str, share: float, stop: float = stop) -> None:
-            assert re.fullmatch(r"\d+ of 720 points, \S+ a second, \d+ s left", told)
+            assert re.fullmatch(r"\d+ of 720 points, \S+ per second, \d+ s left", told)
             if share >= stop:
                 raise KeyboardInterrupt
 

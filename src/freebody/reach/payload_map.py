@@ -57,7 +57,7 @@ class PayloadMap(Tabled, ByValue):
             {
                 "mass": (dims, self.mass, "kg", f"largest payload at {self.frame}"),
                 "joint": (dims, names, "1", "joint that limits it"),
-                "overloaded": (dims, self.overloaded, "1", "whether it cannot even hold the arm"),
+                "overloaded": (dims, self.overloaded, "1", "overloaded without payload"),
             },
             {},
             {"frame": self.frame},
@@ -97,7 +97,7 @@ def payload_map(
     q: (..., nq), such as `fb.random_state(model, seed, 10**6)[0]`, of a family (..., *family, nq).
     frame: name, default the tip. effort: (nv,), of a family (*family, nv) too, the largest torques
     and forces, N m and N; default the joints' effort limits. Of a closed chain, whose positions
-    have to be closed, only its driven joints count, and a dictionary need hold no others. point:
+    must satisfy its loops, only driven joints count, and a dictionary may omit the others. point:
     (dim,), centre of the mass in the frame's axes, m; default its origin.
 
     The torques at rest are those of `fb.static_torque`, affine in the mass: g + springs - m Jᵀ g₀

@@ -31,14 +31,14 @@ _MODES_AT_ONCE = 4096
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WorkspaceMap(Tabled, ByValue):
-    """In how many ways a frame comes to points (...), within the joints' limits.
+    """In how many ways a frame reaches points (...), within the joints' limits.
 
     points: (..., dim), m, world axes. ways: (...), or (..., m) for m orientations, of a family
     (..., [m,] *family); 0 out of reach. redundant: whether each point that is reached is reached in
-    infinitely many ways; ways is 1 there. distance: as ways, m, from what can be reached, limits
-    left aside; 0 where only they, or the orientation, are in the way; NaN out of a closed chain's
-    reach. oriented: whether the orientation was given. frame: its name. method: how the ways were
-    found. family: the shape of the family.
+    infinitely many ways; ways is 1 there. distance: as ways, m, from the reachable set without
+    limits; 0 where only limits or the orientation prevent it; NaN out of a closed chain's reach.
+    oriented: whether the orientation was given. frame: its name. method: how the ways were found.
+    family: the shape of the family.
     """
 
     points: Array

@@ -64,9 +64,9 @@ def over_plane(study: Study) -> tuple[Drawing, str] | None:
     mass = payload_map(model, np.nan_to_num(found.q), study.tip).mass
     best = np.where(good, mass, -1.0).max(axis=-1)
     best[(best < 0) | ~np.isfinite(best)] = np.nan
-    words = "turned as at the worst instant" if oriented else "turned in any way"
+    words = "oriented as at the worst instant" if oriented else "in any orientation"
     if held is not None:
-        words += f", {model.position_names[held]} where it is then"
+        words += f", {model.position_names[held]} as at that instant"
     return map_diagram(model, points, best, q, title=TITLE).drawing, words
 
 

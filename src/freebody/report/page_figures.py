@@ -155,8 +155,8 @@ def lifting(study: Study) -> Iterator[CaptionedDrawing]:
         drawing, words = found
         yield CaptionedDrawing(
             picture(drawing, PANEL, TALLEST).text(css=False),
-            f"In the upright plane of the worst instant, {study.tip} {words}: of all ways to reach "
-            f"a place the best.",
+            f"In the upright plane of the worst instant, {study.tip} {words}; at each point the "
+            f"best of all postures that reach it.",
         )
 
 

@@ -122,8 +122,8 @@ def _done(
     if others:
         advice = "Run the sweep on machines of one kind, with the same packages"
         raise FreebodyError(
-            f"sweep: a worker has another {listed(others)} than this machine, so that last digits "
-            f"would depend on who computed what. {advice}, or name in cpu= a level that all "
+            f"sweep: a worker has another {listed(others)} than this machine, so the last digits "
+            f"would depend on which computed what. {advice}, or name in cpu= a level that all "
             f'processors reach, such as "x86-64-v3".'
         )
     try:

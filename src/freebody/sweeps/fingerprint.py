@@ -47,9 +47,9 @@ def fingerprint(value: Any, known: tuple[Any, ...] = ()) -> list[Any]:
     if named:
         return named
     raise FreebodyError(
-        f"sweep: a store must know the function again, and cannot: it is, holds or reads a "
-        f"{type(value).__name__}. Give a function of Python that holds numbers, arrays, texts, "
-        f"models, kernels and functions alone."
+        f"sweep: a store must recognise the function later, and cannot: it is, contains or reads "
+        f"a {type(value).__name__}. Give a Python function that contains only numbers, arrays, "
+        f"strings, models, kernels and functions."
     )
 
 

@@ -69,7 +69,7 @@ class Watched:
             rate = self._here / max(time.monotonic() - self._begun, 1e-6)
             left = (self._whole - done) / rate
             self._progress(
-                f"{done:.3g} of {self._whole:.3g} points, {rate:.2g} a second, {left:.0f} s left",
+                f"{done:.3g} of {self._whole:.3g} points, {rate:.2g} per second, {left:.0f} s left",
                 done / self._whole,
             )
         return result

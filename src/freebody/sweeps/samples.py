@@ -153,8 +153,8 @@ def _made(method: str, count: int, dimensions: int, seed: int, run: int) -> Arra
         points = SAMPLERS[method].unit(count, dimensions, rng)
     except MemoryError:
         raise FreebodyError(
-            f"samples: {count} points of method {method!r} do not fit into memory, and are made as "
-            f"a whole; 'sobol' and 'random' make them part by part."
+            f"samples: {count} points of method {method!r} do not fit into memory, and are made "
+            f"all at once; 'sobol' and 'random' make them in parts."
         ) from None
     points.flags.writeable = False
     return points
@@ -174,11 +174,11 @@ def samples(
     of two; more than 2**18 are several such sets, each scrambled by itself), "latin-hypercube"
     (each range cut into `count` equal parts, one point in each), both of scipy.stats.qmc, or
     "random" (uniform, independent). seed: a whole number from 0 up; the same seed gives the same
-    points, of which a smaller count has the first ones (but of a Latin hypercube).
+    points, and a smaller count the first of them (except for a Latin hypercube).
 
     Points are made when they are read. A sweep reads those of its block alone: Sobol and random
     points follow from the seed and the number of their set of 2**18, so that any number of them
-    takes no memory; a Latin hypercube is made as a whole.
+    takes no memory; a Latin hypercube is made all at once.
 
     Raises FreebodyError, UnknownNameError.
     """

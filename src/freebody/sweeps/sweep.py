@@ -76,9 +76,9 @@ def sweep(
     "p99.9": by a histogram, within 0.8 % of a value of that rank), "argmax", "argmin" or
     "argpeak" (the place on each axis, and what is given there), or several; None: all values.
     along: axes that are reduced; default the last.
-    frame, reference: as for `fb.kernel`. block: points that are one piece of work: sums, and so
-    the last digits of means, depend on it alone, not on the number of processors; default 2**20,
-    and up to 2**24 on grids of more than 10**9 points.
+    frame, reference: as for `fb.kernel`. block: points in one piece of work: sums, and so the last
+    digits of means, depend on it but not on the number of processors; default 2**20, and up to
+    2**24 on grids of more than 10**9 points.
     store: folder of a Zarr store, in which each block is put when it is done; the same call goes on
     with what is there, after whatever stopped it, and ends with the same bytes. Without reduce= the
     values stay there: they are read when they are looked at, over one axis `point` in the place of
@@ -87,8 +87,8 @@ def sweep(
     its workers, with the same bytes as here; default this process. Needs the extra `sweep`.
     cpu: a level of processors for which kernels are compiled ("x86-64-v2", "x86-64-v3",
     "x86-64-v4", "armv8-a"): all that reach it give the same bytes; default this machine's own.
-    progress: called after each block with what is done, how many points a second and how long it
-    still takes, in words, and with the share that is done.
+    progress: called after each block with a text (points done, points per second, time left) and
+    with the fraction done.
 
     Returns an xarray Dataset over the other axes, with `failed`, how many points had no value (NaN,
     or refused: a mass below 0, a singular matrix); they count in no reduction, and its attributes
@@ -188,7 +188,7 @@ def _target(cpu: Any, function: Any) -> str | None:
     if callable(function) and not isinstance(function, Kernel):
         raise FreebodyError(
             f"sweep: cpu= is for kernels: the name of a formula, or what fb.compile returns. A "
-            f"function of Python calls what it likes; set FREEBODY_TARGET=cpu:{cpu} where it runs."
+            f"Python function may call anything; set FREEBODY_TARGET=cpu:{cpu} where it runs."
         )
     return f"cpu:{cpu}"
 

@@ -79,7 +79,7 @@ def contradictions(
         unit = ("rad" if angular(model)[j] else "m") + per
         yield (
             f"The {what} given for {model.velocity_names[j]!r}{more} are not the slope of the "
-            f"{of}: between t = {t[i]:.5g} and {t[i + 1]:.5g} s this is "
-            f"{found.slopes[i, j]:.4g} {unit}, and {found.start[i, j]:.4g} and "
+            f"{of}: between t = {t[i]:.5g} and {t[i + 1]:.5g} s the slope is "
+            f"{found.slopes[i, j]:.4g} {unit}, but {found.start[i, j]:.4g} and "
             f"{found.end[i, j]:.4g} {unit} are given."
         )

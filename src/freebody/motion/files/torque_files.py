@@ -40,10 +40,12 @@ def read_torques(model: Model, path: str | os.PathLike[str]) -> tuple[Array, Arr
     missing = [name for name in model.driven_names if name not in read.header]
     if missing:
         raise problem(
-            f"there is no column for {quoted(missing)}; 0 says that a drive gives nothing."
+            f"there is no column for {quoted(missing)}; write 0 for a drive that exerts no torque."
         )
     if len(read.rows) < 3:
-        raise problem("there are fewer than two rows of numbers; torques need a first and a last.")
+        raise problem(
+            "there are fewer than two rows of numbers; torques over time need at least two."
+        )
     columns = dict(zip(read.header, read.values().T, strict=True))
     t = columns.pop("t")
     late = np.flatnonzero(np.diff(t) <= 0.0)

@@ -61,7 +61,7 @@ def time_optimal(
     through them, s from 0 to 1 along its chords; or a path of your own, q(s) as a scipy PPoly of nq
     values with a continuous first derivative. Many at once: (P, k, nq), or a list of motions or
     PPolys. velocity, acceleration, torque: limits, one number or (nv,), rad/s, m/s; rad/s², m/s²;
-    N m, N. The model's own count too (zero means not given, see `Limits`). Torques contain friction
+    N m, N. The model's own apply too (zero means not given, see `Limits`). Torques contain friction
     (viscous, Coulomb), rotors, springs and the payload. wrenches: constant ones by frame, world
     axes. points: of the grid over s, to which 20 are added in its first and last interval; at least
     one interval in each piece of the path; s̈ is constant in an interval. Limits are kept within

@@ -110,8 +110,8 @@ def _without_limit(
     if not names:
         return FreebodyError(f"{start} stands still {_at(problem, i, path)}; leave that piece out.")
     return MissingArgumentError(
-        f"{start} has no quickest motion: {_at(problem, i, path)} {listed(names, 3)} may move as "
-        f"fast as they like",
+        f"{start} has no quickest motion: {_at(problem, i, path)} nothing limits the speed of "
+        f"{listed(names, 3)}",
         ("velocity", "acceleration", "torque"),
     )
 

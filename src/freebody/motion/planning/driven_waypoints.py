@@ -74,8 +74,8 @@ def _from_home(function: str, model: Model, columns: list[int], first: Array) ->
     start = home(model)
     if list(model.driven) != leaders(model, start):
         raise LoopError(
-            f"{function}: the driven joints of {model.name!r}, {', '.join(model.driven_names)}, do "
-            f"not determine the others, or more than do; give samples to fb.Motion.of."
+            f"{function}: the driven joints of {model.name!r}, {', '.join(model.driven_names)}, "
+            f"are too few or too many to determine the others; give samples to fb.Motion.of."
         )
     way = first - start[columns]
     count = int(np.ceil(np.abs(way).max() / _STEP)) + 1
@@ -85,7 +85,7 @@ def _from_home(function: str, model: Model, columns: list[int], first: Array) ->
         ]
     except LoopError:
         raise LoopError(
-            f"{function}: the loops of {model.name!r} block the driven joints on the way from its "
+            f"{function}: the loops of {model.name!r} block the driven joints on the way from "
             f"home to waypoint 0; give closed positions of all joints, (k, {model.nq}): "
             f"fb.assemble(model, q)."
         ) from None

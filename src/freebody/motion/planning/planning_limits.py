@@ -112,7 +112,7 @@ def _read(function: str, model: Model, name: str, value: Limit) -> Array:
         given, most = compared(array[k], _MOST, digits=6)
         raise FreebodyError(
             f"{function}: {name} of {model.velocity_names[k]} is {given}, expected at most {most}; "
-            f"infinity says that there is no limit."
+            f"infinity means no limit."
         )
     return array
 
@@ -177,7 +177,7 @@ def pace_unknown(function: str, model: Model, *needed: str) -> MissingArgumentEr
     return MissingArgumentError(
         f"{function}: how fast {model.name!r} may move is not known",
         needed,
-        " (descriptions of robots have limits of speed at most)",
+        " (robot descriptions give at most speed limits)",
     )
 
 

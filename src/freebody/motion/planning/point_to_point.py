@@ -39,10 +39,10 @@ def quintic(
 
     waypoints: (k, nq), k > 1; of a closed chain positions of its driven joints, (k, number of
     them), on the branch of its home, or closed positions of all. With quaternions each move turns
-    about one axis, and the origin of a free body goes straight. times: (k,) s; default as fast as
-    the limits allow. velocity, acceleration, jerk: limits, one number for all joints (of a closed
-    chain: the driven ones) or (nv,), rad/s, rad/s², rad/s³ (m); besides them the model's limits of
-    position and speed count. step: s between samples, by default a 400th of the motion.
+    about one axis; the origin of a free body moves in a straight line. times: (k,) s; default as
+    fast as the limits allow. velocity, acceleration, jerk: limits, one number for all joints (of a
+    closed chain: the driven ones) or (nv,), rad/s, rad/s², rad/s³ (m); the model's limits of
+    position and speed apply too. step: s between samples, by default 1/400 of the motion.
     Accelerations are continuous, and zero at the waypoints.
 
     Raises FreebodyError with joint and time where a limit is not kept.
@@ -95,7 +95,7 @@ def dwell(model: Model, q: Vector, duration: float, *, step: float | None = None
     """Rest at q (nq,), or with the driven joints of a closed chain there, for `duration` s; to
     stand between other motions: `a.then(pause).then(b)`.
 
-    step: s between samples, by default a tenth.
+    step: s between samples, by default a tenth of it.
     """
     duration = above_zero("dwell", "duration", duration, "seconds")
     limits, ends = planning_limits("dwell", model), np.array([0.0, duration])

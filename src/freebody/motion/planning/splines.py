@@ -41,8 +41,8 @@ def spline(
     acceleration too; "natural", acceleration zero (of degree 5 the third and fourth derivative);
     "periodic", the end joined smoothly to the start. degree: 5, or 3, which oscillates less between
     waypoints, but whose acceleration jumps at the ends. velocity, acceleration: limits as for
-    `quintic`; the model's limits of position and speed count too. step: s between samples, by
-    default a 400th of the motion.
+    `quintic`; the model's limits of position and speed apply too. step: s between samples, by
+    default 1/400 of the motion.
 
     Raises FreebodyError with joint and time where a limit is not kept, between waypoints too.
     """

@@ -74,7 +74,8 @@ def through_loops(
     )
     t = sample_times(function, curve.breaks, step)
     states = state_of(where, *(pieces.derivative(k)(t) if k else pieces(t) for k in range(3)))
-    motion = Motion(t, *states, f"{words}; the loops lead the other joints", where, pieces=pieces)
+    told = f"{words}; the loops determine the other joints"
+    motion = Motion(t, *states, told, where, pieces=pieces)
     _refuse_elsewhere(function, model, curve, waypoints, motion)
     return motion
 

@@ -154,7 +154,7 @@ def _stops(model: Model) -> tuple[Array, Array]:
     if found.apart:
         raise FreebodyError(
             f"simulate: restitution= needs stops that leave room to move; the range of "
-            f"{listed(found.apart)} has nothing in common with that one's."
+            f"{listed(found.apart)} has nothing in common with that of the joint it follows."
         )
     return found.lower, found.upper
 

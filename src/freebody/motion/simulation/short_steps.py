@@ -59,10 +59,10 @@ class ShortSteps:
         self.text = (
             f"simulate: smooth dry friction keeps the steps of motions short, {here}: it changes "
             f"within friction_width = {asked.width:g}. A larger tolerance= or friction_width=, or "
-            f"method='implicit' with step=, take fewer."
+            f"method='implicit' with step=, takes fewer."
             if rubs
-            else f"simulate: motions are stiff, and their steps short for stability alone, {here}, "
-            f"where a part of the motion decays within {1.0 / decay:.1g} s. method='implicit' with "
+            else f"simulate: motions are stiff: stability, not accuracy, keeps their steps short, "
+            f"{here}, where part of the motion decays within {1.0 / decay:.1g} s. method='implicit' with "
             f"step= takes fewer."
         )
 

@@ -86,11 +86,11 @@ def simulate(
     friction: "smooth": Coulomb friction acts as c tanh(q̇ / friction_width), rad/s or m/s (c q̇ /
     √(q̇² + width²) in "implicit"), so that a joint at rest creeps instead of sticking. "dry": as c
     sign(q̇), and a joint that comes to rest stays there as long as at most c is needed to hold it.
-    restitution: None: nothing stops a joint at its limit. A number from 0 to 1, or (..., nv): stops
-    at the limits turn a joint back with this share of its speed; the others change as the impulse
-    demands (Newton's law of impact); slower than 1e-5 rad/s or m/s it comes to rest there. Dry
-    friction and stops are of open chains and the methods "auto", "rk4" and "semi-implicit": steps
-    end at the time of each change.
+    restitution: None: nothing stops a joint at its limit. A number from 0 to 1, or (..., nv): a
+    joint rebounds from stops at its limits with this fraction of its speed; the others change as
+    the impulse demands (Newton's law of impact); below 1e-5 rad/s or m/s it comes to rest there.
+    Dry friction and stops need an open chain and the method "auto", "rk4" or "semi-implicit":
+    steps end at the time of each change.
 
     record: names of what is wanted of the result; None: all. every: of the times t each so many-th
     is kept. threads: how many share many states; by default all processors. progress: called with a
@@ -235,8 +235,8 @@ def _method(model: Model, method: str, tolerance: float | None, asked: Simulatio
     chosen = "rk4" if method == "auto" and asked.step is not None else method
     if asked.contacts is not None and chosen not in _TO_EVENTS:
         raise FreebodyError(
-            f"simulate: friction='dry' and restitution= end the steps at the times at which "
-            f"something changes, which method {chosen!r} does not: take one of "
+            f"simulate: friction='dry' and restitution= need steps that end where a joint "
+            f"sticks, slides or meets its stop; method {chosen!r} has none: take one of "
             f"{listed(_TO_EVENTS)}."
         )
     if chosen in STEP_METHODS:
@@ -279,7 +279,7 @@ def _contacts(
         return None
     if model.loops:
         raise FreebodyError(
-            f"simulate: friction='dry' and restitution= are of open chains, and {model.name!r} has "
+            f"simulate: friction='dry' and restitution= need an open chain, and {model.name!r} has "
             f"loops: leave them out, and give stops as part of the torque."
         )
     return joint_contacts(model, friction == "dry", share)
@@ -299,7 +299,7 @@ def _used(model: Model, asked: Simulation, chosen: str, friction: str) -> dict[s
         **({"tolerance": asked.tolerance} if chosen not in STEP_METHODS else {}),
         "coulomb_friction": told.format(width=asked.width) if acts else "none",
         "friction_width": asked.width,
-        **({"stops": "at the limits, rebound with the share restitution="} if stops else {}),
+        **({"stops": "at the limits, rebound with the fraction restitution="} if stops else {}),
     }
 
 

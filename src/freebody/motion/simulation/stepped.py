@@ -112,8 +112,8 @@ def _events(asked: Simulation, torque: LaneTorque | None, drive: Drive, qd: Arra
     assert asked.contacts is not None
     if torque is None and asked.lanes.shape:
         raise FreebodyError(
-            f"simulate: dry friction and stops end the steps of each motion where it needs it, and "
-            f"a Python function is called with all of them at once: {_REMEDY}."
+            f"simulate: dry friction and stops end the steps of each motion at its own times, but "
+            f"a Python function is called with all motions at once: {_REMEDY}."
         )
     law = None if torque is None else torque.law
     kernel = _lane_kernel(asked, driven_rates(asked.model, tuple(asked.wrenches), law))
@@ -139,12 +139,12 @@ def _stepper(
         return KernelStepper(_lane_kernel(asked, kernel), torque, asked.lanes.count, holding)
     if model.loops:
         raise FreebodyError(
-            f"simulate: steps of a closed chain take no Python function within them: {_REMEDY}."
+            f"simulate: the steps of a closed chain cannot call a Python function: {_REMEDY}."
         )
     if STEP_METHODS[method].implicit:
         raise FreebodyError(
-            f"simulate: method 'implicit' needs the slopes of the torque, which a Python function "
-            f"does not tell: {_REMEDY}."
+            f"simulate: method 'implicit' needs the derivatives of the torque, which a Python "
+            f"function does not give: {_REMEDY}."
         )
     whole = system(model, asked.width, *constant_loads(asked.wrenches))
     if holding is not None:
