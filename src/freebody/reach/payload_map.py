@@ -39,7 +39,7 @@ class PayloadMap(Tabled, ByValue):
 
     mass: (...), kg; 0 where a joint is overloaded without any, infinite where none limits it.
     joint: (...), index of the joint that limits it, -1 without one. overloaded: (...), whether that
-    joint cannot even hold the arm. joint_names: (nv,). frame: where the mass is.
+    joint is overloaded without payload. joint_names: (nv,). frame: where the mass is.
     """
 
     mass: Array

@@ -62,8 +62,8 @@ class ShortSteps:
             f"method='implicit' with step=, takes fewer."
             if rubs
             else f"simulate: motions are stiff: stability, not accuracy, keeps their steps short, "
-            f"{here}, where part of the motion decays within {1.0 / decay:.1g} s. method='implicit' with "
-            f"step= takes fewer."
+            f"{here}, where part of the motion decays within {1.0 / decay:.1g} s. "
+            f"method='implicit' with step= takes fewer."
         )
 
     def tell(self) -> None:
