@@ -410,6 +410,18 @@ def test_a_joint_that_hardly_moves_goes_along(plan: Callable[..., fb.Motion]):
     assert np.abs(found.qdd[:, 1]).max() < 1e-12
 
 
+@pytest.mark.parametrize("degree", [3, 5])
+def test_a_joint_that_waypoints_leave_alone_is_at_rest(degree: int):
+    """Between samples too, where the rounding of a spline would feel Coulomb friction."""
+    way = WAY.copy()
+    way[:, 4] = -0.3
+    motion = fb.spline(ARM, way, acceleration=4.0, degree=degree)
+    q, qd, qdd = motion.at(np.linspace(0.0, motion.duration, 999))
+    np.testing.assert_allclose(q[:, 4], -0.3, rtol=1e-15)
+    assert not qd[:, 4].any()
+    assert not qdd[:, 4].any()
+
+
 # ---------------------------------------------------------------- files and the command
 def test_a_plan_is_written_and_studied(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -114,6 +115,27 @@ def test_no_friction_helps_to_brake_at_the_very_end(way: list[list[float]]):
     assert np.abs(ends).max() <= 5.0
     within = fb.inverse_dynamics(model, *fine(motion))[:, 0]
     assert np.mean(np.abs(within) > 5.0 * 0.999) > 0.99  # but everywhere else
+
+
+def rounded(way: np.ndarray) -> PPoly:
+    curve = CubicSpline(np.linspace(0.0, 1.0, len(way)), way)
+    curve.c[:-1] -= 1e-16
+    return curve
+
+
+@pytest.mark.parametrize("form", [np.array, rounded])
+def test_a_joint_that_does_not_move_along_the_path_feels_no_friction(form: Callable[..., Any]):
+    """Rounding of the spline is no motion."""
+    way = np.column_stack([WAY, np.full(4, 0.3)])
+    model = fb.planar("PPP", lc=[0, 0, 0], m=[1, 1, 1], I=[0, 0, 0]).replace(gravity=0.0)
+    model = with_limits(model, velocity=2.0, effort=20.0)
+    stuck = model.with_drive("joint3", coulomb=19.9)
+    motion = fb.time_optimal(stuck, form(way))
+    assert motion.duration == fb.time_optimal(model, form(way)).duration
+    q, qd, qdd = fine(motion)
+    np.testing.assert_allclose(q[:, 2], 0.3, rtol=1e-15)
+    assert not qd[:, 2].any()
+    assert not qdd[:, 2].any()
 
 
 def test_a_weak_motor_lifts_where_the_load_is_light():

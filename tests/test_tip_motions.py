@@ -48,6 +48,17 @@ def test_the_tip_moves_straight_and_turns_about_one_axis():
     assert max(used, fastest) == pytest.approx(1.0, rel=1e-6)
 
 
+def test_joints_that_a_line_leaves_alone_are_at_rest():
+    """Coulomb friction would feel a rate of 1e-12."""
+    q0 = Q0 * [1, 1, 1, 1, 0, 1] + [0, 0, 0, 0, -np.pi / 2, 0]
+    up = fb.forward_kinematics(ARM, q0)
+    up[2, 3] += 0.1
+    motion = fb.line(ARM, q0, up)
+    at_rest = motion.peaks.velocity.size == 0.0
+    assert at_rest.tolist() == [True, False, False, False, True, True]
+    np.testing.assert_allclose(motion.q[-1, at_rest], q0[at_rest], rtol=1e-14)
+
+
 def test_the_branch_of_the_start_is_kept():
     target = moved([0.1, 0.3, -0.2])
     branches = fb.inverse_kinematics(ARM, START)

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import PPoly, make_interp_spline
+from scipy.interpolate import BSpline, PPoly, make_interp_spline
 
 from freebody.arrays import Array
 from freebody.lazy import cached_property
@@ -19,6 +19,8 @@ Ends = Literal["rest", "natural", "periodic"]
 Degree = Literal[3, 5]
 _NEAR = 1e-12
 """Of the duration: breaks nearer to each other are one."""
+_REST = 1e-9
+"""Of the largest excursion of all functions: one that moves less is constant."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -39,6 +41,24 @@ class PiecewisePolynomial(Titled, ByValue):
             f"PiecewisePolynomial: {counted(functions, 'function')} of degree {count - 1}, "
             f"{counted(pieces, 'piece')} from {self.breaks[0]:.4g} to {self.breaks[-1]:.4g}"
         )
+
+    def resting(self) -> PiecewisePolynomial:
+        """The same, with functions that do not move but for rounding made constant: a joint at rest
+        whose rate is 1e-15 would feel the whole Coulomb friction."""
+        lengths = np.diff(self.breaks)[:, None]
+        starts = self.coefficients[-1]
+        way = np.zeros_like(starts)
+        for power in self.coefficients[:-1]:  # how far each piece comes at most, by Horner
+            way = (way + np.abs(power)) * lengths
+        most = way.max(axis=0)
+        excursion = most + np.abs(starts - starts[0]).max(axis=0)
+        still = (excursion <= _REST * excursion.max(initial=0.0)) & (most > 0.0)
+        if not still.any():
+            return self
+        coefficients = self.coefficients.copy()
+        coefficients[:-1, :, still] = 0.0
+        coefficients[-1, :, still] = starts[0, still][:, None]
+        return PiecewisePolynomial(self.breaks, coefficients)
 
     @cached_property
     def _pieces(self) -> PPoly:
@@ -160,6 +180,12 @@ def interpolated(
     fixed = [(order, np.zeros(points.shape[1])) for order in orders]
     conditions = "periodic" if ends == "periodic" else (fixed, fixed)
     spline = make_interp_spline(breaks, points, k=degree, bc_type=conditions)
+    return of_spline(spline)
+
+
+def of_spline(spline: BSpline) -> PiecewisePolynomial:
+    """The same in powers, n functions, between its knots."""
+    degree = spline.k
     knots = np.unique(spline.t[degree:-degree])
     powers = [
         spline(knots[:-1]) if j == 0 else spline.derivative(j)(knots[:-1]) / factorial(j)

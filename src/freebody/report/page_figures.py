@@ -156,7 +156,8 @@ def lifting(study: Study) -> Iterator[CaptionedDrawing]:
         yield CaptionedDrawing(
             picture(drawing, PANEL, TALLEST).text(css=False),
             f"In the upright plane of the worst instant, {study.tip} {words}; at each point the "
-            f"best of all postures that reach it.",
+            f"best of all postures that reach it. Blank points are out of reach within the joint "
+            f"limits.",
         )
 
 

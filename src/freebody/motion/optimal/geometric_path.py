@@ -45,7 +45,7 @@ def path_curve(
     points = q[np.concatenate([[True], moves])]
     s = np.concatenate([[0.0], np.cumsum(length[moves])]) / length[moves].sum()
     s[-1] = 1.0
-    return interpolated(s, points, 3, "natural")
+    return interpolated(s, points, 3, "natural").resting()
 
 
 def _label(name: str) -> str:
@@ -68,7 +68,7 @@ def _of_scipy(function: str, model: Model, given: PPoly, label: str) -> Piecewis
     _refuse_jump(function, model, curve.derivative(), label, "its first derivative")
     if not coefficients[:-1].any():
         raise FreebodyError(f"{function}: {label} does not move: all its derivatives are 0.")
-    return curve
+    return curve.resting()
 
 
 def _refuse_jump(

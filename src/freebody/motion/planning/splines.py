@@ -60,7 +60,7 @@ def spline(
         )
     given = None if times is None else read_times("spline", times, len(q))
     knots = _proportional(q, own) if given is None else given
-    curve = interpolated(knots, q, degree, ends)
+    curve = interpolated(knots, q, degree, ends).resting()
     if given is None:
         rate, second = (curve.derivative(order).extremes.size for order in (1, 2))
         factor = quickest("spline", model, rate, second, own, "times")

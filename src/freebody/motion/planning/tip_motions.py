@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import BSpline, make_interp_spline
+from scipy.interpolate import make_interp_spline
 
 from freebody.arrays import Array, above_zero, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, MissingArgumentError, ShapeError
@@ -16,6 +16,7 @@ from freebody.inverse.numerical_solver import NumericalSolver
 from freebody.inverse.task import Task, read_target
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
+from freebody.motion.piecewise import PiecewisePolynomial, of_spline
 from freebody.motion.planning.planned import SAMPLES, sample_times
 from freebody.motion.planning.planning_limits import (
     Limit,
@@ -213,7 +214,8 @@ class _TipPlan:
         ways = np.append(np.concatenate(pieces), path.length)
         q, notices = TipFollower(self.function, self.solver, path).joints(self.q0, ways)
         notices = (*self.limits.allowed.notices, *notices)
-        return _JointCurve(self.model, path, make_interp_spline(ways, q, k=5), notices)
+        spline = of_spline(make_interp_spline(ways, q, k=5)).resting()
+        return _JointCurve(self.model, path, spline, notices)
 
     def _duration(self, unit: Motion, duration: float | None, speed: float | None) -> float:
         """The one that is given, else the shortest within the limits, of a motion that takes 1 s;
@@ -256,7 +258,7 @@ class _JointCurve:
 
     model: Model
     path: TipPath
-    spline: BSpline
+    spline: PiecewisePolynomial
     notices: tuple[str, ...]
 
     def motion(self, T: float, t: Array) -> Motion:
