@@ -38,11 +38,14 @@ def test_two_links_by_hand(monkeypatch):
     masses = (40.0 / np.abs(np.cos(ways)) - 1.5 * 9.81 * 0.2) / (9.81 * 0.4)
     assert np.isclose(seen["best"][i, j], masses.max(), rtol=1e-9)
     page = html.page(study)
-    assert "Payload over the workspace" in page
+    assert "Payload at rest" in page
     assert f"At least {by_hand.min():.3g} kg" in page
+    assert "Blank points" in page
+    monkeypatch.setattr(lifting, "over_plane", lambda study: None)  # no closed form: no map
+    assert "Blank points" not in html.page(study)
 
 
 def test_nothing_without_limits():
     study = fb.study(fb.load("2R"))
     assert lifting.along(study) is None
-    assert "Payload over the workspace" not in html.page(study)
+    assert "Payload at rest" not in html.page(study)
