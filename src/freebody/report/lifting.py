@@ -26,6 +26,8 @@ _CELLS = 41
 """Of the map, along each side."""
 _SAMPLES = 400
 """Postures that tell how far the tip comes."""
+_THIN = 1e-6
+"""Of an area that is no more than a line."""
 TITLE = "Largest payload at rest (kg)"
 
 
@@ -49,6 +51,8 @@ def over_plane(study: Study) -> tuple[Drawing, str] | None:
     if form is None:
         return None
     points = _plane(model, study.tip, q)
+    if points is None:
+        return None
     oriented, held = bool(form.task.angular), form.held
     target = points
     if oriented:
@@ -81,8 +85,9 @@ def _form(model: Model, tip: str) -> ClosedFormArm | None:
     return closed_form_for(model, tip, task)
 
 
-def _plane(model: Model, tip: str, q: Array) -> Array:
-    """An even grid of points (n, n, dim): across, and up against gravity."""
+def _plane(model: Model, tip: str, q: Array) -> Array | None:
+    """An even grid of points (n, n, dim): across, and up against gravity; None where the tip stays
+    on a line."""
     up = -np.asarray(model.gravity) / np.linalg.norm(model.gravity)
     some, _, _ = random_state(model, 0, _SAMPLES)
     places = forward_kinematics(model, some, tip)[:, : model.dim, model.dim]
@@ -99,6 +104,8 @@ def _plane(model: Model, tip: str, q: Array) -> Array:
     radius = float(np.linalg.norm(ways - heights[:, None] * up, axis=-1).max())
     side = np.linspace(-1.05 * radius, 1.05 * radius, _CELLS)
     span = float(np.ptp(heights))
+    if min(radius, span) <= _THIN * max(radius, span):
+        return None
     height = np.linspace(heights.min() - 0.05 * span, heights.max() + 0.05 * span, _CELLS)
     plane = foot + (at - foot) - (away @ across) * across - (away @ up) * up
     return plane + side[:, None] * across + height[:, None, None] * up
