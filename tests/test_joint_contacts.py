@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 import freebody as fb
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.motion.ranges import position_columns, ranges
+from freebody.motion.simulation.contact_events import ContactEvents
 from freebody.motion.simulation.joint_contacts import complementary
 from support import generate
 
@@ -157,6 +158,34 @@ def test_what_slides_rests_between_two_steps_that_both_find_it_sliding():
             np.array([[[0.0], [-2.0]], [[0.0], [-2.0]]]), friction="dry", **options,
         )  # fmt: skip
         assert back.qd.values[0, -1] == pytest.approx(-0.25, abs=1e-12)
+
+
+def test_two_joints_at_their_stops_do_not_set_each_other_moving_for_ever(monkeypatch):
+    """One that comes to rest a rounding before its stop was held by friction alone, which the other
+    overcame, came to rest a rounding before its own, and so on: millions of changes a second."""
+    drives = [fb.Drive(coulomb=c, rotor=0.02) for c in (0.8, 0.52, 0.19)]
+    body = {"l": [0.44, 0.44, 0.35], "lc": [0.22, 0.22, 0.175], "m": [0.93, 0.58, 1.08]}
+    limits = [(-1, 1)] * 3
+    model = fb.planar("RPR", **body, I=[0.03, 0.01, 0.01], drives=drives, limits=limits)
+    sin, cos = fb.math.sin, fb.math.cos
+    law = fb.compile(
+        lambda t, q, qd: [
+            sin(5 * t) - q[0] - 0.1 * qd[0], 1.5 * cos(7 * t) * q[1], -0.3 * q[2]
+        ],
+        {"t": (), "q": 3, "qd": 3}, {"tau": 3},
+    )  # fmt: skip
+    calls, whole = [0], ContactEvents.cut
+
+    def counted(*given):
+        calls[0] += 1
+        assert calls[0] < 4000
+        return whole(*given)
+
+    monkeypatch.setattr(ContactEvents, "cut", counted)
+    given = [-0.66, 0.03, -0.45], [-2.94, -1.45, 2.43], [0.0, 1.0], law
+    others = {"friction": "dry", "restitution": [0.51, 0.13, 0.35], "record": ("q", "qd")}
+    found, equal = (fb.simulate(model, *given, **others, **x) for x in ({}, {"step": 0.001}))
+    assert found.q.values[-1] == pytest.approx(equal.q.values[-1], abs=1e-6)
 
 
 def test_an_impact_changes_no_momentum_but_that_of_the_joint_that_is_stopped():

@@ -18,6 +18,8 @@ _NEAR = 1e-14  # of the duration
 _TURNS = 200
 _HAIR = 1e-14
 """rad, rad/s, m, m/s: how far behind a change a step may end."""
+_LIES = 1e-12
+"""rad, m: what comes to rest so near to its stop lies at it, lest friction has to hold it there."""
 _ROUND = 1e-11
 _IDLE = 500  # events in a row that bring a motion no further
 _SHORTEST = 1e-13  # of the duration
@@ -239,12 +241,10 @@ class ContactEvents:
         (q, qd), contacts = (x.copy() for x in state), self.contacts.some(lanes)
         stopped = (self.held[lanes] == 0.0) & (-np.sign(self.push[lanes]) * qd < 0.0)
         qd[stopped] = 0.0
-        x = contacts.positions(q)
-        for stop, past in (
-            (contacts.lower, x < contacts.lower),
-            (contacts.upper, x > contacts.upper),
-        ):
-            row, k = np.nonzero(past)
+        off = np.where(qd == 0.0, _LIES, 0.0)
+        to_stops = _to_stops(contacts, contacts.positions(q))
+        for stop, left in zip((contacts.lower, contacts.upper), to_stops, strict=True):
+            row, k = np.nonzero(left < off)
             q[row, contacts.place[k]] = stop[row, k]
         push, held = self.push[lanes], self.held[lanes]
         qdd, reaction, M = self.rates(lanes, (q, qd), t, push, held)
