@@ -51,7 +51,8 @@ def test_mistakes_about_a_closed_chain_are_named(answer: str, words: str):
 
 
 def test_a_derivation_of_a_closed_chain_is_an_answer():
-    """What is a quotient is not read, and so told; nothing is called wrong."""
+    """What is a quotient or the derivative of a vector is not read, and so told; nothing is called
+    wrong."""
     derivation = fb.derive(BAR, "lagrange-first-kind")
     lines = [str(equation) for step in derivation.steps for equation in step.equations]
     verdict = fb.check(BAR, "\n\n".join(lines), form="markdown")

@@ -174,6 +174,66 @@ def test_an_equation_about_the_robot_that_is_not_read_is_no_success(
     assert "no form 'nothing'" in capsys.readouterr().err
 
 
+RIGHT = r"$H_{22} = m_2 l_{c2}^2 + I_2$"
+WRONG = "H12 = m2 lc2^2 + I2"
+LATEX_WRONG = r"H_{12} = m_2 l_{c2}^2 + I_2"
+
+
+@pytest.mark.parametrize(
+    ("form", "text"),
+    [
+        ("markdown", f"{RIGHT} and {WRONG}"),
+        ("markdown", f"{RIGHT}\n\n| a | b |\n|---|---|\n| {WRONG} | x |"),
+        ("markdown", f"{RIGHT}\n\n`{WRONG}`"),
+        ("markdown", f"{RIGHT}\n\n```c\n{WRONG}\n"),
+        ("markdown", f"{RIGHT}\n\n<p>{WRONG}</p>"),
+        ("markdown", f"{RIGHT}\n\n- [ ] {WRONG}"),
+        ("markdown", f"{RIGHT}\n\n$H_{{12}}$ = $m_2 l_{{c2}}^2 + I_2$"),
+        ("latex", f"{RIGHT}\n{WRONG}"),
+        ("latex", f"{RIGHT} \\ensuremath{{{LATEX_WRONG}}}"),
+        ("latex", f"{RIGHT}\\begin{{empheq}}{{align}}{LATEX_WRONG}\\end{{empheq}}"),
+        ("latex", f"{RIGHT}\\[{LATEX_WRONG}"),
+        ("latex", f"{RIGHT}\\begin{{alignat}}{{2}}{LATEX_WRONG}\\end{{alignat}}"),
+        ("latex", f"{RIGHT}\\begin{{IEEEeqnarray}}{{rCl}}H_{{12}}&=&I_2\\end{{IEEEeqnarray}}"),
+        ("latex", r"$H_{22} = m_2 l_{c2}^2 + I_2 \dots$ " + RIGHT),
+        ("latex", f"{RIGHT} $H_{{12}} \\approx I_2$"),
+        ("latex", f"{RIGHT} $H_{{12}} := I_2$"),
+        ("latex", f"{RIGHT} $H_{{12}} \\overset{{!}}{{=}} I_2$"),
+        ("python", "H22 = m2*lc2**2 + I2\nH12, H21 = m2*lc2**2, m2*lc2**2"),
+        ("python", "H22 = m2*lc2**2 + I2\nM[0, 1] = m2*lc2**2"),
+        ("python", "H22 = m2*lc2**2 + I2\nH12 += m2*lc2**2"),
+        ("python", "H22 = m2*lc2**2 + I2\nH22 = H22 + I2"),
+        ("python", "H22 = m2*lc2**2 + I2\ndisplay(sp.Eq(H12, m2*lc2**2))"),
+        ("python", "H22 = m2*lc2**2 + I2\nassert H12 == m2*lc2**2"),
+        ("python", "H22 = m2*lc2**2 + I2\n%time H12 = m2*lc2**2"),
+        ("python", "H22 = m2*lc2**2 + I2\nH12 = sympify('m2*lc2**2')"),
+        ("text", "H22 = m2 lc2^2 + I2\nH12 (the coupling) = m2 lc2^2"),
+        ("text", "H22 = m2 lc2^2 + I2\nH12 [kg m^2] = m2 lc2^2"),
+    ],
+)
+def test_nothing_about_the_robot_is_left_out_in_silence(form: str, text: str):
+    """Wherever it stands: an equation of one of its quantities is judged, or told as not read."""
+    verdict = fb.check(ARM, text, form=form)
+    assert not verdict
+    assert verdict.left_out or not all(x.equal for x in verdict.equations)
+
+
+@pytest.mark.parametrize(
+    ("form", "text"),
+    [
+        ("latex", f"% {WRONG}\n{RIGHT}"),
+        ("markdown", f"# Where x = y\n\n{RIGHT}<!-- {WRONG} -->"),
+        ("python", f"H22 = simplify(m2*lc2**2 + I2)  # {WRONG}\nH22 = trigsimp(H22)"),
+        ("python", "x, y = symbols('x y')\nH22 = m2*lc2**2 + I2\nprint(H22 == H12)\nplot(x=3)"),
+        ("python", "H22 = m2*lc2**2 + I2\nprint('H12 = ', H12)  # the last"),
+    ],
+)
+def test_comments_titles_and_declarations_state_nothing(form: str, text: str):
+    verdict = fb.check(ARM, text, form=form)
+    assert verdict, verdict
+    assert not verdict.unread
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -298,6 +358,8 @@ HOSTILE = [
     ("\\" * 99_000 + "%", "latex"),
     ("H12 = \ud800\u202e", "text"),
     ("H12 = 🤖", "markdown"),
+    ("Eq(H12," * 50_000, "python"),
+    (json.dumps({"cells": [{"cell_type": "code", "source": "H12, x = " * 40_000}]}), "notebook"),
     ("__import__('os').system('touch x') = 3", "python"),
 ]
 

@@ -12,7 +12,9 @@ from freebody.derivations.check.documents.answer_document import (
     Blanks,
     FormulaPiece,
 )
+from freebody.derivations.check.documents.plain import lines as plain_lines
 from freebody.derivations.check.documents.prose import sentences
+from freebody.derivations.check.equation_marks import asked_marks
 from freebody.derivations.check.formula_spellings import respelt
 from freebody.derivations.check.verdict import UnreadEquation
 from freebody.derivations.check.vocabulary import Vocabulary
@@ -22,6 +24,8 @@ from freebody.derivations.grammar.source import Source, Span
 from freebody.errors import FreebodyError
 
 MOST_SIDES = 6
+MOST_OUTSIDE = 20
+"""Lines outside of formulas that are told."""
 _SHOWN = 60
 _COMMAND = re.compile(r"\\([A-Za-z]+)")
 _TABLE = re.compile(r"=[\s&]*(?:\[|\\(?:left\s*)?\[|\\begin|Matrix|array)")
@@ -40,6 +44,7 @@ class DocumentReader:
         self.unread: list[UnreadEquation] = []
         self.failed: list[Line] = []
         self.source, self.pieces = self._without_words()
+        self._tell_what_no_formula_holds()
 
     # ------------------------------------------------------------ words
     def _without_words(self) -> tuple[AnswerText, list[FormulaPiece]]:
@@ -59,6 +64,28 @@ class DocumentReader:
                 blanks.put(sentence.start, span[0])
         text = AnswerText.of_formulas(str(blanks), document.written, document.parts)
         return text, [part for piece in document.pieces for part in _parted(piece, apart)]
+
+    def _tell_what_no_formula_holds(self) -> None:
+        """Note what a document says of the robot's quantities outside of its formulas."""
+        said = self.document.said
+        plain = AnswerText(said, self.document.written, self.document.parts)
+        for line in plain_lines(said, 0, len(said)):
+            for start, at in asked_marks(said, line, self._is_quantity):
+                if self.document.formulas[at] != said[at]:
+                    self._pass_over(plain, (start, line[1]), "it stands outside of the formulas")
+                    break
+            if len(self.unread) >= MOST_OUTSIDE:
+                break
+
+    def _asks(self, source: Source, span: Span) -> bool:
+        """Whether one of the robot's quantities stands before a sign of equality there, as it is
+        written or as it is read."""
+        texts = (source.text, self.document.written)
+        return any(True for text in texts for _ in asked_marks(text, span, self._is_quantity))
+
+    def _is_quantity(self, name: str) -> bool:
+        """Whether a name is that of one of the robot's quantities, and no symbol too."""
+        return name in self.quantities and name not in self.vocabulary.symbols
 
     def _is_name(self, word: str) -> bool:
         """Whether a word may be made of names of the robot's."""
@@ -102,8 +129,10 @@ class DocumentReader:
 
     def _says_something(self, piece: FormulaPiece) -> bool:
         """Whether a piece holds an equation, or may continue one; of plain text all does."""
-        text = self.source.text[piece.start : piece.end].strip()
-        return bool(text) and (not piece.lenient or "=" in text or text[0] in "+-*/&")
+        span = (piece.start, piece.end)
+        text = self.source.text[slice(*span)].strip()
+        may = not piece.lenient or "=" in text or text[:1] in [*"+-*/&"]
+        return bool(text) and (may or self._asks(self.source, span))
 
     def _is_lenient(self, at: int) -> bool:
         return any(piece.lenient for piece in self.pieces if piece.start <= at < piece.end)
@@ -138,7 +167,7 @@ class DocumentReader:
         text = source[span]
         text = text if len(text) <= _SHOWN else f"{text[:_SHOWN]}…"
         first = span[0] + len(source.text[slice(*span)]) - len(source.text[slice(*span)].lstrip())
-        asked = is_asked or self._is_asked(source, span)
+        asked = is_asked or self._is_asked(source, span) or self._asks(source, span)
         self.unread.append(
             UnreadEquation(first, source.where(first), text, reason.rstrip("."), asked)
         )

@@ -36,6 +36,9 @@ class AnswerDocument:
     """Lines in which formulas may stand between words."""
     parts: tuple[tuple[str, int], ...] = ()
     """Of a notebook the cells: what they are called and where they begin."""
+    said: str = ""
+    """What it says to its readers, formula or not, every character at its place: without comments,
+    headings and declarations."""
     told: bool = False
     """Whether it is a document, of which a verdict says the line of each equation."""
     strict: bool = False

@@ -21,6 +21,9 @@ _DISPLAYS = (
     "equation", "align", "gather", "multline", "eqnarray", "flalign", "alignat", "displaymath",
     "math", "dmath", "IEEEeqnarray",
 )  # fmt: skip
+_WITH_COLUMNS = ("alignat", "IEEEeqnarray")
+_COLUMNS = re.compile(r"\s{0,9}\{[^{}]{0,40}\}")
+"""What stands behind the begin of some displays: how many columns, or how they are set."""
 _COMMENT = re.compile(r"(?<!\\)(?:\\\\)*(%[^\n]*)")
 _DOCUMENT, _END = r"\begin{document}", r"\end{document}"
 
@@ -57,7 +60,8 @@ def read(text: str) -> AnswerDocument:
     start = str(whole).find(_DOCUMENT)
     if start >= 0:
         whole.put(0, start + len(_DOCUMENT))
-    found = formulas(str(whole))
+    said = str(whole)
+    found = formulas(said)
     if not found:
         document = plain.read(text)
         return AnswerDocument(
@@ -65,7 +69,7 @@ def read(text: str) -> AnswerDocument:
         )
     whole.only(found)
     pieces = clean(whole, found)
-    return AnswerDocument(written, str(whole), tuple(pieces), told=True)
+    return AnswerDocument(written, str(whole), tuple(pieces), said=said, told=True)
 
 
 def formulas(text: str) -> list[Span]:
@@ -74,7 +78,9 @@ def formulas(text: str) -> list[Span]:
     for name in _DISPLAYS:
         for star in ("", "*"):
             opening, closing = f"\\begin{{{name}{star}}}", f"\\end{{{name}{star}}}"
-            found += between(text, opening, closing)
+            for start, end in between(text, opening, closing):
+                columns = _COLUMNS.match(text, start, end) if name in _WITH_COLUMNS else None
+                found.append((columns.end() if columns else start, end))
     found += between(text, "\\[", "\\]") + between(text, "\\(", "\\)")
     outside = Blanks(text.replace("\\$", "  "))
     for start, end in found:

@@ -16,9 +16,10 @@ from freebody.derivations.check.documents.answer_document import (
 from freebody.derivations.grammar.source import Span
 
 _FENCE = re.compile(r"^[ ]{0,3}(```+|~~~+)[ ]*(\w*)[^\n]*$", re.MULTILINE)
+_HEADING = re.compile(r"^[ \t]*#{1,6}[ \t][^\n]*", re.MULTILINE)
 _MARKS = re.compile(
-    r"^[ \t]*(?:>[ \t]?|[-*+][ \t]+|\d{1,3}[.)][ \t]+|#{1,6}[ \t][^\n]*|\|)"
-    r"|(?<!\S)\*\*(?=\S)|(?<=\S)\*\*(?!\S)|(?<=\s)_(?=\w)|\|",
+    rf"{_HEADING.pattern}|^[ \t]*(?:>[ \t]?|[-*+][ \t]+(?:\[[ xX]\][ \t])?|\d{{1,3}}[.)][ \t]+|\|)"
+    r"|(?<!\S)\*\*(?=\S)|(?<=\S)\*\*(?!\S)|(?<=\s)_(?=\w)|\||`",
     re.MULTILINE,
 )
 """Marks of headings, lists, quotations, tables and emphasis; a heading with its words. A power
@@ -28,16 +29,21 @@ lc2**2 is no emphasis."""
 def read(text: str) -> AnswerDocument:
     """Formulas are LaTeX; fences called python are code, other fences and lines are plain text."""
     written = plain_characters(text)
-    whole, pieces, prose = parted(written)
-    return AnswerDocument(written, str(whole), tuple(pieces), tuple(prose), told=True)
+    whole, said, pieces, prose = parted(written)
+    return AnswerDocument(
+        written, str(whole), tuple(pieces), tuple(prose), said=str(said), told=True
+    )
 
 
-def parted(written: str) -> tuple[Blanks, list[FormulaPiece], list[Span]]:
-    """The text without what is no formula, its pieces, and its lines of words."""
+def parted(written: str) -> tuple[Blanks, Blanks, list[FormulaPiece], list[Span]]:
+    """The text without what is no formula, without what says nothing, its pieces, and its lines of
+    words."""
     whole = Blanks(written)
     for start, end in between(written, "<!--", "-->"):
         whole.put(start - 4, end + 3)
     text = str(whole)
+    said = Blanks(text)
+    said.replaced(_HEADING)
     pieces: list[FormulaPiece] = []
     prose: list[Span] = []
     displays: list[Span] = []
@@ -49,14 +55,14 @@ def parted(written: str) -> tuple[Blanks, list[FormulaPiece], list[Span]]:
         if name in ("math", "latex", "tex"):
             displays.append(inside)
         elif name in ("python", "py", "ipython"):
-            pieces += python_code.clean(whole, inside)
+            pieces += python_code.clean(whole, said, inside)
         else:
             prose += plain.lines(text, *inside)
             pieces.append(FormulaPiece(*inside, lenient=True))
         at = end
     displays += _lines(whole, text, (at, len(text)), pieces, prose)
     pieces += latex.clean(whole, displays)
-    return whole, sorted(pieces, key=lambda piece: piece.start), prose
+    return whole, said, sorted(pieces, key=lambda piece: piece.start), prose
 
 
 def _fences(text: str) -> list[tuple[int, int, str, Span]]:

@@ -19,7 +19,7 @@ from freebody.derivations.grammar.source import Span
 
 def read(text: str) -> AnswerDocument:
     """Its cells, one after the other; outputs are not read."""
-    written, formulas = "", ""
+    written, formulas, said = "", "", ""
     pieces: list[FormulaPiece] = []
     prose: list[Span] = []
     parts: list[tuple[str, int]] = []
@@ -28,19 +28,27 @@ def read(text: str) -> AnswerDocument:
         parts.append((f"cell {number}", at))
         found: list[FormulaPiece] = []
         if kind == "markdown":
-            whole, found, lines = markdown.parted(own)
+            whole, heard, found, lines = markdown.parted(own)
             prose += ((at + start, at + end) for start, end in lines)
         else:
-            whole = Blanks(own)
+            whole, heard = Blanks(own), Blanks(own)
             if kind == "code":
-                found = python_code.clean(whole, (0, len(own)))
+                found = python_code.clean(whole, heard, (0, len(own)))
             else:
                 whole.put(0, len(own))
+                heard.put(0, len(own))
         pieces += (FormulaPiece(at + x.start, at + x.end, x.lenient) for x in found)
         written += own + "\n"
         formulas += str(whole) + "\n"
+        said += str(heard) + "\n"
     return AnswerDocument(
-        plain_characters(written), formulas, tuple(pieces), tuple(prose), tuple(parts), told=True
+        plain_characters(written),
+        formulas,
+        tuple(pieces),
+        tuple(prose),
+        tuple(parts),
+        said,
+        told=True,
     )
 
 

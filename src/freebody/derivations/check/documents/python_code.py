@@ -18,6 +18,7 @@ _ASSIGNED = re.compile(r"[ \t]{0,12}([A-Za-z_]\w{0,60})[ \t]*(?::[^=\n]{0,40})?(
 _DECLARED = re.compile(
     r"\b(?:symbols|Symbol|dynamicsymbols|Function|var|lambdify|import|ReferenceFrame|Point)\b"
 )
+_EQUATION = re.compile(r"(?<![\w.])(?:\w{1,9}\.)?Eq\(\s*([A-Za-z_]\w{0,60})\s*(,)")
 _STRINGS = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
 _MODULES = re.compile(r"(?<![\w.])(?:sp|sympy|sm|smp|np|numpy|math|mp|me)\.(?=[A-Za-z])")
 _WRAPPERS = re.compile(
@@ -33,29 +34,59 @@ _SAME = (
 _METHODS = re.compile(r"\.(?:simplify|expand|doit|trigsimp)\(\s*\)")
 
 
-def clean(whole: Blanks, span: Span) -> list[FormulaPiece]:
-    """A piece for each assignment, `whole` changed in place: nothing else of the code is left."""
+def clean(whole: Blanks, said: Blanks, span: Span) -> list[FormulaPiece]:
+    """A piece for each assignment, `whole` changed in place: nothing else of the code is left. In
+    `said` all is left that states something."""
     pieces = []
     kept: list[Span] = []
     code = "".join(whole.characters[slice(*span)])
+    stated: list[Span] = []
     for a, b in _statements(code):
         text, start, end = code[a:b], span[0] + a, span[0] + b
         assigned = _ASSIGNED.match(text)
-        if assigned is None or _DECLARED.search(text):
+        if not text.strip() or _DECLARED.search(text):
             continue
-        behind = "".join(text[assigned.end() :].split())
-        if re.fullmatch(_SAME.format(assigned[1]), behind):
+        behind = "".join(text[assigned.end() :].split()) if assigned else ""
+        if assigned and re.fullmatch(_SAME.format(assigned[1]), behind):
             continue  # tau = simplify(tau)
+        stated.append((start, end))
+        if assigned is None:
+            continue
         kept.append((start, end))
         pieces.append(FormulaPiece(start, end, lenient=True))
         whole.put(start + assigned.end(1), start + assigned.start(2))
-    at = span[0]
-    for start, end in [*kept, (span[1], span[1])]:
-        whole.put(at, start)
-        at = end
+    for text, spans in ((whole, kept), (said, stated)):
+        at = span[0]
+        for start, end in [*spans, (span[1], span[1])]:
+            text.put(at, start)
+            at = end
+    for start, end in stated:
+        _statement_alone(said, start, end)
     for start, end in kept:
         _plain(whole, start, end)
     return pieces
+
+
+def _statement_alone(said: Blanks, start: int, end: int) -> None:
+    """A statement without what stands in brackets and strings, the arguments of functions, and
+    without questions, a == b; Eq(a, b) states that a = b."""
+    text = "".join(said.characters[start:end])
+    equations = list(_EQUATION.finditer(text))
+    for match in equations:
+        said.put(start + match.start(2), start + match.end(2), "=")
+    apart = {at for match in equations for at in range(*match.span())}
+    depth = 0
+    for at, c in enumerate(text):
+        depth -= c in ")]}"
+        inside = depth > 0 and at not in apart
+        depth += c in "([{"
+        if inside:
+            said.put(start + at, start + at + 1)
+    if not text.lstrip().startswith("assert"):
+        for match in re.finditer("==", text):
+            said.put(start + match.start(), start + match.end())
+    for match in _STRINGS.finditer(text):
+        said.put(start + match.start(), start + match.end())
 
 
 def _plain(whole: Blanks, start: int, end: int) -> None:
@@ -105,9 +136,9 @@ def _statements(code: str) -> Iterator[Span]:
 def read(text: str) -> AnswerDocument:
     """All of it is code."""
     written = plain_characters(text)
-    whole = Blanks(written)
-    pieces = clean(whole, (0, len(written)))
-    return AnswerDocument(written, str(whole), tuple(pieces), told=True)
+    whole, said = Blanks(written), Blanks(written)
+    pieces = clean(whole, said, (0, len(written)))
+    return AnswerDocument(written, str(whole), tuple(pieces), said=str(said), told=True)
 
 
 FORM = DocumentForm("python", "Python code with SymPy", (".py",), read)
