@@ -20,7 +20,7 @@ _BEFORE = re.compile(
     r"(?:[\s$&+:*/`-]|\\(?:quad|qquad|not|[,;:!( )]))+$|\([^()]*\)$|\[[^\[\]]*\]$"
     r"|(?:\\(?:overset|underset|stackrel)\s{0,9}\{[^{}]*\}\s{0,9}|\\mathrel\s{0,9})?\{$"
 )
-"""What may stand between a quantity and the mark: alignment, arguments, a unit, +=, \\overset{!}{."""
+"""What may stand between a quantity and the mark: alignment, arguments, a unit, +=, \\overset."""
 
 
 def asked_marks(text: str, span: Span, is_quantity: Callable[[str], bool]) -> Iterator[Span]:
