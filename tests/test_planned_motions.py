@@ -284,6 +284,25 @@ def test_a_motion_of_samples_whatever_they_come_in():
     assert (rated.qd[:, 0] == 2 * t).all()
 
 
+def test_a_result_of_a_simulation_or_a_study_is_a_motion():
+    model, t = fb.load("2R"), np.linspace(0.0, 0.5, 51)
+    run = fb.simulate(model, [0.3, -0.5], [0.0, 0.0], t)
+    motion = fb.Motion.of(model, run)
+    for name in ("q", "qd", "qdd"):
+        np.testing.assert_array_equal(getattr(motion, name), run[name].values)
+    study = fb.study(model, run)
+    again = fb.Motion.of(model, study.data)
+    np.testing.assert_allclose(again.at(t)[2], run.qdd.values, atol=1e-9)
+    np.testing.assert_allclose(study.data.tau, 0.0, atol=1e-4)  # between samples
+    np.testing.assert_allclose(fb.Motion.of(model, run[["q"]]).qd, motion.qd, atol=1e-3)
+    five_bar = fb.load("five_bar")
+    fall = fb.simulate(five_bar, fb.assemble(five_bar), np.zeros(five_bar.nv), t[:11])
+    np.testing.assert_allclose(fb.Motion.of(five_bar, fall).qd, fall.qd.values, atol=1e-3)
+    many = fb.simulate(model, np.zeros((3, 2)), [0.0, 0.0], t)
+    with pytest.raises(fb.FreebodyError, match=r"many motions; .* such as table\.isel\(sample=0\)"):
+        fb.Motion.of(model, many)
+
+
 def test_a_closed_chain_follows_its_drives(tmp_path: Path):
     linkage = fb.load("four_bar")
     motion = fb.default_motion(linkage, samples=41)

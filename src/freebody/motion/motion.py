@@ -86,9 +86,9 @@ class Motion(Tabled, ByValue):
 
         A table (dict, DataFrame or Dataset) is given in the place of t: `t` or `time` and the names
         of the model's positions, `name.v` and `name.a` for rates and accelerations, units as in
-        `read_motion`. Arrays may be by name too. At least 4 samples. What is not given is
-        differentiated: by the quintic spline through the positions, or through the rates. Raises
-        FreebodyError.
+        `read_motion`; or what `simulate` returned, or a study's data, of one motion. Arrays may be
+        by name too. At least 4 samples. What is not given is differentiated: by the quintic spline
+        through the positions, or through the rates. Raises FreebodyError.
         """
         # above this module: tables are completed and smoothed there, which takes motions
         return imported("freebody.motion.files.tables").motion_of_samples(model, t, q, qd, qdd)

@@ -60,7 +60,9 @@ def motion_of_samples(model: Model, t: Any, q: Any, qd: Any, qdd: Any) -> Motion
 
 def motion_from_table(model: Model, table: Any) -> Motion:
     """The motion in a dict, a DataFrame or a Dataset with `time` or `t` and a column for each
-    position name."""
+    position name; or in a Dataset of `simulate` or of a study."""
+    if "position" in getattr(table, "coords", ()) and "q" in table:
+        return _recorded(model, table)
     columns: dict[str, Array] = {}
     told = set()
     quantities = kinds(model)
@@ -94,6 +96,17 @@ def motion_from_table(model: Model, table: Any) -> Motion:
     motion = motion_from_columns(model, t, columns, "a table", _problem, before)
     where = "attrs['units'] of '{}' as '{}'" if hasattr(table, "data_vars") else "'{} ({})'"
     return doubted(model, motion, columns, frozenset(told), where)
+
+
+def _recorded(model: Model, result: Any) -> Motion:
+    """The motion in a result of `simulate` or a study, of which q, qd and qdd are read."""
+    several = [str(d) for d in result["q"].dims if d not in ("time", "position")]
+    if several:
+        one = ", ".join(f"{d}=0" for d in several)
+        raise _problem(f"it has many motions; choose one, such as table.isel({one}).")
+    given = ["q"] if model.loops else [name for name in ("q", "qd", "qdd") if name in result]
+    arrays = {"q": None, "qd": None, "qdd": None} | {name: result[name] for name in given}
+    return motion_of_samples(model, result["time"].values, **arrays)
 
 
 def _columns(table: Any) -> Iterator[tuple[str, Any, str | None]]:
