@@ -434,3 +434,10 @@ def test_kinematics_ends_in_no_torques():
     model = fb.planar("RR")
     with pytest.raises(fb.FreebodyError, match="kinematics does not give joint torques"):
         compare(fb.derive(model, "kinematics"), fb.derive(model, "lagrange"))
+
+
+def test_no_equation_repeats_a_rule_as_a_number_of_terms():
+    """T₄ = ½ m₄ v² + … had read “= ((55 terms))”."""
+    said = str(fb.derive(fb.load("bricard")))
+    assert "T₄ = ½ m₄ vc₄² + ½ (ω₄ · I₄ ω₄)\n" in said
+    assert "((" not in said

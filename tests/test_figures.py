@@ -16,7 +16,7 @@ from freebody.figures.label_placement import Crowd, Wanted, overlaps
 from freebody.figures.layers import forces
 from freebody.figures.plots import Plot, plot, thin, ticks
 from freebody.figures.robot import robot_drawing
-from freebody.figures.snapshot import snapshot
+from freebody.figures.snapshot import snapshot, with_values
 from freebody.figures.svg import picture
 from freebody.figures.svg_symbols import MARKS
 from freebody.figures.text import plain
@@ -509,6 +509,20 @@ def test_wrong_wishes_are_refused_by_name(arm):
             draw(arm, Q2, labels="numbers")
         with pytest.raises(FreebodyError, match=r"show is 5; give a name, or several"):
             draw(arm, Q2, show=5)
+
+
+def test_a_centre_without_value_is_drawn_halfway_along_a_link_with_one():
+    """That of a link of 0.2 m had been drawn 0.36 m along it."""
+    drawn = with_values(fb.planar("RRR", l=["l1", 0.4, 0.2]).bind(l1=0.5)).parameters
+    assert drawn["lc1"] == 0.25
+    assert with_values(fb.planar("RR")).parameters["lc1"] == 0.45
+
+
+def test_a_body_that_no_joint_holds_has_no_joint_axes_in_its_caption():
+    page = fb.derive(fb.load("quadrotor")).html()
+    assert "Joint axes" not in page
+    assert "axes are those of the world" in page
+    assert "Joint axes" in fb.derive(fb.load("elbow_arm"), "kinematics").html()
 
 
 def test_pages_of_derivations_show_values_on_wish():

@@ -172,6 +172,8 @@ def _drawn(seen: Snapshot, name: str, scales: Sequence[forces.Scale]) -> Drawing
         layers: tuple[Layer, ...] = (*_GEOMETRY, alone)
     elif name in _RECIPES[dim]:
         note, layers = _RECIPES[dim][name]
+        if name == "overview" and not any(body.kind.holds for body in seen.model.bodies):
+            note = _UNHELD
     else:
         return None
     drawing = drawn(seen, note.lower(), layers, faint=name == "tip")
@@ -212,6 +214,7 @@ _BESIDE: tuple[Layer, ...] = (
     geometry.centres, partial(geometry.links, aside=geometry.BESIDE),
     geometry.to_centres, geometry.directions,
 )  # fmt: skip
+_UNHELD = "The body in a pose where its axes are those of the world"
 _PLANE, _SPACE = VIEWS[2], VIEWS[3]
 _RECIPES: dict[int, dict[str, tuple[str, tuple[Layer, ...]]]] = {
     2: {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -175,15 +175,21 @@ def with_values(model: Model) -> Model:
     need not be, and a drawing of places and forces is none the worse for it.
     """
     missing = set(model.missing)
-    return with_parameters(
-        model, lambda p: Parameter(p.name, _typical(p.name)) if p.name in missing else p
-    )
+
+    def valued(p: Parameter) -> Parameter:
+        return Parameter(p.name, _typical(p.name, model.parameters)) if p.name in missing else p
+
+    return with_parameters(model, valued)
 
 
-def _typical(name: str) -> float:
-    """Metres, kg or kg m²: links grow shorter outwards; products of inertia are 0."""
+def _typical(name: str, given: Mapping[str, float | None]) -> float:
+    """Metres, kg or kg m²: links grow shorter outwards, centres of mass are halfway along links of
+    given lengths; products of inertia are 0."""
     if re.search(r"(xy|xz|yz)$", name):
         return 0.0
+    length = given.get(f"l{name[2:]}") if name.startswith("lc") else None
+    if length is not None:
+        return length / 2
     size = next((value for start, value in _PATTERN if name.startswith(start)), 0.1)
     digits = re.search(r"\d+", name)
     return size * 0.9 ** (int(digits.group()) - 1) if digits and name[0] in "lad" else size

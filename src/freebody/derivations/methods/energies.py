@@ -97,7 +97,7 @@ def kinetic_step(s: Setting, energies: Energies) -> Step:
         spin = ex.mul(inertia, ex.power(w, 2)) if s.planar else ex.dot(w, ex.mul(inertia, w))
         turning = ex.ZERO if s.is_point(i) else ex.mul(HALF, spin)
         rule = ex.add(ex.mul(HALF, s.mass_name(i), ex.power(v, 2)), turning)
-        lines.append(eq(f"T{s.numbers[i]}", rule, s.show(energies.kinetic(i))))
+        lines.append(s.with_value(f"T{s.numbers[i]}", rule, energies.kinetic(i)))
     if energies.has_rotors:
         lines.append(eq("T_r", s.show(energies.rotors)))
     reason = (
@@ -115,7 +115,7 @@ def potential_step(s: Setting, energies: Energies) -> Step:
     for i in s.weighted if s.weighs else ():
         n = s.numbers[i]
         rule = ex.neg(s.mass_times(i, ex.dot(vec("g"), s.name("rc", i))))
-        lines.append(eq(f"V{n}", rule, s.show(energies.potential(i))))
+        lines.append(s.with_value(f"V{n}", rule, energies.potential(i)))
     if energies.has_springs:
         lines.append(eq("V_s", s.show(energies.springs)))
     parts = (

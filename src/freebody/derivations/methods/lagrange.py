@@ -160,7 +160,7 @@ def _lagrangian(s: Setting, energies: Energies) -> Step:
         "The Lagrangian",
         f"Kinetic minus potential energy: all that the equations need from the "
         f"{'bodies' if s.tree.loops else 'arm'}.",
-        (eq("L", rule, s.show(energies.lagrangian)),),
+        (s.with_value("L", rule, energies.lagrangian),),
         ("5.6",),
     )
 

@@ -23,6 +23,7 @@ from freebody.derivations.closed_chains.absolute import links_of
 from freebody.derivations.equations.equations import Equations
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression
+from freebody.derivations.expressions.nodes import Equation, Words
 from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.naming import Naming
 from freebody.derivations.polynomials.grouped_by_length import by_lengths
@@ -294,6 +295,11 @@ class Setting:
     def show_moved(self, x: Scalar) -> Expression:
         """A component of a velocity, acceleration or force, sorted by lengths."""
         return self._short(x, lambda element: by_lengths(self.layout, element))
+
+    def with_value(self, left: str, rule: Expression, x: Scalar) -> Equation:
+        """left = rule = value; left = rule where nobody could read the value."""
+        value = self.show(x)
+        return ex.eq(left, rule) if isinstance(value, Words) else ex.eq(left, rule, value)
 
     def _short(self, x: Scalar, form: Callable[[Trig], Expression]) -> Expression:
         element = self.symbols.element(x)
