@@ -26,6 +26,10 @@ from freebody.derivations.grammar.source import Span
 from freebody.scalars.trig import Trig
 
 _LONGEST_LABEL = 60
+_BY_FORMULA = (
+    "Parameters that formulas give, as lc = l/2 of uniform bars, stand below [parameters] in a "
+    "notation of your own: --notation FILE.toml, notation='FILE.toml'."
+)
 
 
 @dataclass(frozen=True)
@@ -140,6 +144,7 @@ class ClaimReader:
                 f"{self.source[first[0].span]} is a symbol of the model, not a result to be "
                 f"checked",
                 first[0].span,
+                "" if name in self.vocabulary.waves else _BY_FORMULA,
             )
         node = self.parse(line[1])
         given = tuple(use.target for use in uses(node, self.targets.single, self.vocabulary))

@@ -136,8 +136,9 @@ class RightEquations:
         symbols = {name: self.ring[name] for name in self.ring.names}
         found: dict[str, Trig] = {}
         for name, formula in self.formulas.items():
+            parsed = _formula(name, formula)
             try:
-                made = value(_formula(name, formula), symbols)
+                made = value(parsed, symbols)
             except FreebodyError as problem:
                 raise _bad(name, formula, problem) from None
             if not isinstance(made, Trig):
@@ -248,7 +249,7 @@ def _formula(name: str, formula: str) -> Expression:
 
 def _bad(name: str, formula: str, problem: FreebodyError) -> FreebodyError:
     own = problem.bare if isinstance(problem, FormulaError) else str(problem)
-    return FreebodyError(f"check: the parameter {name} = {formula}: {own}.")
+    return FreebodyError(f"check: the parameter {name} = {formula}: {own.rstrip('.')}.")
 
 
 def equations_of(model: Model) -> Equations:
