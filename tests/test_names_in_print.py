@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ast
 import re
+import tomllib
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -23,6 +24,7 @@ from freebody.model.inertia import Inertia
 from freebody.model.parameters import Parameter
 from freebody.model.placement import shift
 
+ROBOTS = sorted(Path(fb.__file__).parent.glob("robots/*.toml"))
 SPECIAL = r"\_%#&${}~^<>|\"'`*[]" + "\u202e\x1b\n"
 NAMES = (
     "θ1",
@@ -105,6 +107,13 @@ def test_foreign_letters_are_declared_to_tex():
     assert any("5173" in line for line in lines)
     assert not any("03B8" in line or "2013" in line for line in lines)
     assert literal.declared("plain é – θ") == []
+
+
+def test_what_is_said_of_bundled_robots_is_set_by_any_tex():
+    said = [tomllib.loads(file.read_text("utf-8")).get("about", "") for file in ROBOTS]
+    assert any("₂" in about for about in said)
+    assert literal.declared(literal.tex(" ".join(said))) == []
+    assert literal.tex("θ̇₁² − x̂") == r"$\dot{\theta}$$_{1}$² $-$ x̂"
 
 
 # ---------------------------------------------------------------- whole documents

@@ -67,7 +67,7 @@ class _Absolute:
         names = [self.given.names_of(i) for i in self.bodies]
         places = [x for name in names for x in name[:2]]
         angles = [name[2] for name in names]
-        where = "place of the centre of mass of body i"
+        where = "position of the centre of mass of body i"
         if len(self.bodies) > len(self.s.weighted):
             where += ", or of joint i if the body has no mass"
         for chosen, words, unit in (
@@ -98,9 +98,9 @@ class _Absolute:
         ]
         lines.append(eq("q", ex.Vector(tuple(map(sym, self.given.names)))))
         reason = (
-            "Each body is told by the place of its centre of mass, x and y, and by the angle φ "
-            "of its axes, as if it were free. What the joints do not allow is added as "
-            "constraints. The choice needs no thought, and is that of programs for any mechanism; "
+            "Each body is located by the position of its centre of mass, x and y, and by the angle "
+            "φ of its axes, as if it were free. What the joints do not allow is added as "
+            "constraints. No choice is needed, which is why general multibody programs use them; "
             "the price is many coordinates."
         )
         return Step("Absolute coordinates", reason, tuple(lines), figure="centres")

@@ -95,7 +95,7 @@ def _undriven(setting: Setting) -> str:
         return ""
     return (
         f"{motorless(setting)} An equation with 0 on the left is a condition on the motion, which "
-        "cannot be chosen freely: it gives one acceleration by the others."
+        "cannot be chosen freely: it gives one acceleration in terms of the others."
     )
 
 

@@ -93,8 +93,8 @@ def _positions(s: Setting) -> Step:
     lines = [eq(s.name("rc", i), s.column(s.centre_position(i))) for i in s.weighted]
     if s.planar:
         reason = (
-            "The energies depend on the position and the velocity of each centre of mass; "
-            "the drawing shows the positions."
+            "The energies depend on the position and the velocity of each centre of mass; the "
+            "velocities follow from these positions."
         )
     else:
         reason = (

@@ -122,7 +122,7 @@ class _LoopedBodies(FreeBodies):
         elif unknown > 3 * n:
             reason += (
                 "There are more drives than degrees of freedom: for a given motion the drives can "
-                "work against one another, and the forces in the loops stay free to choose."
+                "work against one another, and the forces in the loops are not determined."
             )
         else:
             reason += (
@@ -155,7 +155,7 @@ class _LoopedBodies(FreeBodies):
         theirs = "its equation holds" if len(free) == 1 else "their equations hold"
         reason = (
             f"No motor acts at {joints}: {theirs} no unknown but the forces in the "
-            "loops, which stand there linearly. As a system, A λ = k; k holds what the motion"
+            "loops, which occur linearly. As a system, A λ = k; k holds what the motion"
             f"{' and the weights ask for' if s.weighs else ' asks for'}."
         )
         lines = self.loop_forces.system(self.system)
@@ -176,7 +176,7 @@ class _LoopedBodies(FreeBodies):
         unit = [[one if i == j else symbols.zero() for j in n] for i in n]
         above, below = solved(system.A, unit, symbols)
         if below.is_zero:
-            return " Its determinant vanishes: these joints do not tell the multipliers.", []
+            return " Its determinant vanishes: these joints do not determine the multipliers.", []
         layout = self.loops.equations.layout
         rows = [
             ex.add(*(ex.mul(product(x, layout), entry("k", j)) for j, x in enumerate(row, 1)))

@@ -197,7 +197,7 @@ _LATEX = _Document(
     equations=_display,
     title=r"{{\LARGE\bfseries {}\par}}\bigskip",
     row="\n{} & {} & {} \\\\",
-    table="\\begin{{center}}\\small\n\\begin{{tabular}}{{lp{{95mm}}l}}{}\n\\end{{tabular}}\n"
+    table="\\begin{{center}}\\small\n\\begin{{tabular}}{{lp{{70mm}}l}}{}\n\\end{{tabular}}\n"
     "\\end{{center}}",
     heading=r"\section{{{1}{2}}}",
     notes=r"\hfill{{\normalfont\small notes {}}}",

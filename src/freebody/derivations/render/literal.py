@@ -34,8 +34,14 @@ TEX = {
     '"': r"\textquotedbl{}",
     **{c: "\\" + c for c in "&%$#_{}"},
     **{letter: f"${command}$" for letter, command in GREEK_COMMANDS.items()},
+    **{chr(0x2080 + k): f"$_{{{k}}}$" for k in range(10)},
+    "−": "$-$",
+    "–": "--",
+    "—": "---",
 }
-"""What LaTeX would read as something else, and the Greek letters, in text."""
+"""What LaTeX would read as something else, Greek letters, subscripts and dashes, in text."""
+_LETTERS = re.compile(rf"[A-Za-z{''.join(GREEK_COMMANDS)}][\u0307\u0308]|.", re.DOTALL)
+_DOTS = {"\u0307": r"\dot", "\u0308": r"\ddot"}
 _KNOWN = "\u017f"  # the last letter that pdfTeX has in T1 fonts
 
 
@@ -53,7 +59,13 @@ def in_parts(sentence: str, words: Callable[[str], str], name: Callable[[str], s
 
 def tex(name: str) -> str:
     """For LaTeX's text mode."""
-    return "".join(TEX.get(c, c) for c in printable(name))
+    return "".join(map(_tex_letter, _LETTERS.findall(printable(name))))
+
+
+def _tex_letter(letter: str) -> str:
+    if len(letter) == 1:
+        return TEX.get(letter, letter)
+    return f"${_DOTS[letter[1]]}{{{GREEK_COMMANDS.get(letter[0], letter[0])}}}$"
 
 
 def tex_math(name: str) -> str:

@@ -20,17 +20,13 @@ _LOW = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 _TEX = {
     **literal.TEX,
-    **{chr(0x2080 + k): f"$_{{{k}}}$" for k in range(10)},
     "²": "$^2$",
     "·": r"$\cdot$",
     "×": r"$\times$",
     "ᵀ": r"$^{\mathsf T}$",
-    "−": "$-$",
     "Σ": r"$\Sigma$",
     "δ": r"$\delta$",
     "ḋ": r"$\dot d$",
-    "–": "--",
-    "—": "---",
 }
 
 
