@@ -111,6 +111,14 @@ def test_help_has_an_example_that_runs(command: str, tmp_path: Path):
         assert freebody(example, tmp_path) == ""
 
 
+@pytest.mark.parametrize("command", PROGRAM.commands)
+def test_help_breaks_lines_where_the_terminal_does(command: str):
+    """The source's line breaks would leave one word in a line."""
+    paragraphs = (PROGRAM.commands[command].help or "").split("\n\n")
+    assert paragraphs[0]
+    assert not any("\n" in one for one in paragraphs)
+
+
 def test_every_public_name_is_in_the_list_of_functions():
     listed = re.findall(
         r"^\| `fb\.(\w+)` \|",

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -40,16 +40,22 @@ app = typer.Typer(
     add_completion=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.command(epilog=study.EXAMPLE)(study.study)
-app.command(epilog=plan.EXAMPLE)(plan.plan)
-app.command(epilog=simulate.EXAMPLE)(simulate.simulate)
-app.command(epilog=sweep.EXAMPLE)(sweep.sweep)
-app.command(epilog=show.EXAMPLE)(show.show)
-app.command(epilog=derive.EXAMPLE, cls=derive.Command)(derive.derive)
-app.command(epilog=check.EXAMPLE)(check.check)
-app.command(epilog=fbd.EXAMPLE)(fbd.fbd)
-app.command(epilog=export.EXAMPLE)(export.export)
-app.command(epilog=models.EXAMPLE)(models.models)
+
+
+def _command(function: Callable[..., None], example: str, **more: Any) -> None:
+    app.command(epilog=example, help=terminal.paragraphs(function.__doc__), **more)(function)
+
+
+_command(study.study, study.EXAMPLE)
+_command(plan.plan, plan.EXAMPLE)
+_command(simulate.simulate, simulate.EXAMPLE)
+_command(sweep.sweep, sweep.EXAMPLE)
+_command(show.show, show.EXAMPLE)
+_command(derive.derive, derive.EXAMPLE, cls=derive.Command)
+_command(check.check, check.EXAMPLE)
+_command(fbd.fbd, fbd.EXAMPLE)
+_command(export.export, export.EXAMPLE)
+_command(models.models, models.EXAMPLE)
 
 BESIDE = {"notes": "freebody_notes.command"}
 """Commands of packages that build on freebody, each with the module that has the function of this
@@ -70,7 +76,7 @@ def _add(name: str, module: str) -> None:
             _missing(name, package)
         )
     else:
-        app.command(name, epilog=found.EXAMPLE)(getattr(found, name))
+        _command(getattr(found, name), found.EXAMPLE, name=name)
 
 
 def _missing(name: str, package: str) -> Callable[[], None]:

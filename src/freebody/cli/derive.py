@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from enum import StrEnum
-from inspect import Parameter, Signature, cleandoc
+from inspect import Parameter, Signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -58,7 +58,7 @@ class Command(TyperCommand):
         from freebody.derivations.methods import METHODS
 
         lines = [f"{method.name}: {method.words} ({method.source})." for method in METHODS.values()]
-        self.help = "\n\n".join([cleandoc(derive.__doc__ or ""), *lines])
+        self.help = "\n\n".join([terminal.paragraphs(derive.__doc__), *lines])
         super().format_help(ctx, formatter)
 
 

@@ -54,9 +54,9 @@ def simulate(
         str,
         typer.Option(
             metavar="zero|pd|FILE",
-            help="zero: the robot is limp. pd: gravity and springs are held, and each joint is "
-            "drawn to --goal. A CSV file with t and the joints' names (N m, N): torques, linear "
-            "between its rows, for as long as these go.",
+            help="zero: no torque. pd: gravity and springs are held, and each joint is "
+            "driven to --goal. A CSV file with t and the joints' names (N m, N): torques, linear "
+            "between its rows, which also give the duration.",
         ),
     ] = "zero",
     goal: Annotated[
@@ -67,8 +67,8 @@ def simulate(
         str | None,
         typer.Option(
             metavar="VALUES",
-            help="Of pd: N m/rad or N/m, one or one a joint. Default: 100 times the inertia at "
-            "the start.",
+            help="Of pd: N m/rad or N/m, one value or one per joint. Default: 100 times the "
+            "inertia at the start.",
         ),
     ] = None,
     kd: Annotated[
@@ -82,10 +82,10 @@ def simulate(
     restitution: Annotated[
         float | None,
         typer.Option(
-            metavar="SHARE",
+            metavar="FRACTION",
             parser=options.number,
-            help="Stops at the limits, which turn a joint back with this share of its speed, 0 "
-            "to 1. Default: no stops.",
+            help="Stops at the limits, from which a joint rebounds with this fraction of its "
+            "speed, 0 to 1. Default: no stops.",
         ),
     ] = None,
     method: Annotated[
@@ -94,7 +94,7 @@ def simulate(
     every: Annotated[
         float | None,
         typer.Option(
-            metavar="SECONDS", parser=options.number, help="Between rows. Default: 400 rows."
+            metavar="SECONDS", parser=options.number, help="Time between rows. Default: 400 rows."
         ),
     ] = None,
     out: Annotated[
@@ -108,8 +108,8 @@ def simulate(
 ) -> None:
     """Simulate the motion that torques cause, and write it.
 
-    Ctrl-C writes what there is. Exit status 2: the motion cannot go on, or something cannot be read
-    or written.
+    Ctrl-C stops it and writes the motion so far. Exit status 2: the motion cannot go on, or
+    something cannot be read or written.
     """
     from freebody.motion.simulation.interrupted import SimulationInterrupted
     from freebody.motion.simulation.simulate import simulate as run

@@ -10,6 +10,7 @@ import warnings
 from collections.abc import Callable, Container, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
+from inspect import cleandoc
 from typing import TYPE_CHECKING, Any, TextIO, cast
 
 from freebody.cli.spelling import spelled
@@ -24,6 +25,12 @@ if TYPE_CHECKING:
 _WIDE = 140
 """Columns where output goes to a file or a pipe."""
 _MOST_WARNINGS = 40
+
+
+def paragraphs(document: str | None) -> str:
+    """A docstring as help: without the line breaks of the source, which are those of its width."""
+    found = cleandoc(document or "").split("\n\n")
+    return "\n\n".join(" ".join(one.split()) for one in found)
 
 
 @cache
