@@ -127,6 +127,9 @@ def test_angles_may_be_measured_from_the_vertical(zero: str):
         ("[parameters]\nlc1 = 'k9'", "k9"),
         ("[parameters]\nlc1 = 'I1/m1'", "the parameter lc1 = I1/m1: "),
         ("[parameters]\nlc1 = 'lc2'\nlc2 = 'l2'", "names a parameter that is given by a formula"),
+        ("[parameters]\nm2 = 'theta1'", "m2 = theta1 changes with the motion"),
+        ("[parameters]\nlc2 = 'l2*cos(theta2)'", "changes with the motion"),
+        ("[letters]\nmass = 'A'\ncoriolis = 'C A'", "mine.toml:3.*A stands for mass and coriolis"),
         ("[names]\n'a b' = 'l1'", "no single name"),
         ("title = ", "not valid TOML"),
     ],
@@ -136,6 +139,21 @@ def test_a_malformed_notation_is_refused_with_its_place(tmp_path: Path, text: st
     file.write_text(text, encoding="utf-8")
     with pytest.raises(fb.FreebodyError, match=words):
         fb.check(ARM, "H22 = m2 lc2^2 + I2", notation=file)
+
+
+@pytest.mark.parametrize(
+    ("letters", "right"),
+    [
+        ({"M": ("C",)}, "C22 = m2 lc2^2 + I2"),
+        ({"g": ("C",)}, "C2 = m2 g lc2 c12"),
+        ({"M": ("J",)}, "J22 = m2 lc2^2 + I2"),
+        ({"c": ("H",)}, "H2 = m2 l1 lc2 s2 θ̇1²"),
+    ],
+)
+def test_a_letter_that_is_given_to_one_quantity_is_no_others(letters: dict, right: str):
+    style = BookNotation("own", letters=letters)
+    assert fb.check(ARM, right, notation=style)
+    assert not fb.check(ARM, right.replace("= ", "= 2 "), notation=style)
 
 
 def test_presets_are_files_that_name_their_source():

@@ -98,8 +98,13 @@ _WORLD = "This would be right in the world's axes; here the components are along
 
 
 def letters_of(notation: BookNotation) -> Mapping[str, tuple[str, ...]]:
-    """The letters of the families in a notation."""
-    return {**_LETTERS, **notation.letters}
+    """The letters of the families in a notation: those that it gives to one are no other's."""
+    taken = {letter for letters in notation.letters.values() for letter in letters}
+    usual = {
+        family: tuple(letter for letter in letters if letter not in taken)
+        for family, letters in _LETTERS.items()
+    }
+    return {**usual, **notation.letters}
 
 
 AMBIGUOUS = frozenset(("B", "b", "d", "k", "phi", "v"))

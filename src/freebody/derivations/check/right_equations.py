@@ -148,6 +148,10 @@ class RightEquations:
                     f"check: {name} = {formula} names a parameter that is given by a formula; "
                     "write it with the others."
                 )
+            if not made.along(self.symbols.rates).is_zero:
+                raise FreebodyError(
+                    f"check: {name} = {formula} changes with the motion; a parameter is constant."
+                )
             found[name] = made
         return found
 

@@ -71,8 +71,12 @@ def read(file: str, text: str, name: str = "") -> BookNotation:
     letters: dict[str, tuple[str, ...]] = {}
     if "letters" in top:
         table = _part(top, "letters").only(*FAMILIES)
+        given: dict[str, str] = {}
         for key in table.data:
             letters[FAMILIES[key]] = tuple(table.text(key).split())
+            for letter in letters[FAMILIES[key]]:
+                if given.setdefault(letter, key) != key:
+                    table.refuse(f"{letter} stands for {given[letter]} and {key}.", key)
     return BookNotation(
         name or Path(file).stem,
         top.text("title", name or Path(file).stem),
