@@ -11,6 +11,7 @@ import pytest
 import freebody as fb
 from freebody.cli.app import run
 from freebody.derivations.methods import METHODS
+from freebody.derivations.render.page import STYLE
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.figures import svg, text
 from freebody.figures.drawing import Arc, Arrow, Dimension, Label, Line, Mark, Prism, Turn
@@ -511,7 +512,8 @@ def test_derivation_of_a_planar_arm_is_illustrated(method):
     for drawing in drawn.values():
         assert_legible(drawing, 460.0, 400.0)
     assert derivation.html().count("<figure>") == len(drawn)
-    assert "<style>" in derivation._repr_html_()
+    for shown in (derivation._repr_html_(), derivation.steps[0]._repr_html_()):
+        assert STYLE in shown, "in a notebook too, equations are aligned at their sign"
 
 
 def test_names_are_those_of_the_equations():

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from freebody.derivations.equations.equations import Equations
 from freebody.derivations.expressions.expression import Equation, Expression
-from freebody.derivations.render import documents, term_sources
+from freebody.derivations.render import documents
 from freebody.outputs.display import InWords, Titled, counted
 from freebody.scalars.trig import Trig
 
@@ -49,7 +49,7 @@ class Step(InWords):
         return self.text()
 
     def _repr_html_(self) -> str:
-        return f"<style>{term_sources.STYLE}</style>{documents.body.step(self)}"
+        return f"<style>{documents.NOTEBOOK_STYLE}</style>{documents.body.step(self)}"
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,7 @@ class Derivation(Titled):
 
     def _repr_html_(self) -> str:
         made = self._drawings()
-        style = f"<style>{made.style}{term_sources.STYLE}</style>"
+        style = f"<style>{made.style}{documents.NOTEBOOK_STYLE}</style>"
         return style + documents.body(self, made.svg)
 
 

@@ -229,6 +229,11 @@ def latex(derivation: Derivation) -> str:
 
 
 # ---------------------------------------------------------------- HTML
+NOTEBOOK_STYLE = (
+    f"{page.STYLE}{term_sources.STYLE}section>details>summary>h2{{display:inline-block}}"
+)
+"""What steps need where they stand in a page of others, such as a notebook."""
+
 body = _Document(
     prose=web_prose,
     symbol=lambda symbol: mathml(symbol, display=False),
