@@ -64,9 +64,11 @@ def time_optimal(
     N m, N. The model's own apply too (zero means not given, see `Limits`). Torques contain friction
     (viscous, Coulomb), rotors, springs and the payload. wrenches: constant ones by frame, world
     axes. points: of the grid over s, to which 20 are added in its first and last interval; at least
-    one interval in each piece of the path; s̈ is constant in an interval. Limits are kept within
-    intervals too, or else notices say by how much torques or accelerations exceed theirs (above 5 %
-    it raises). Returns the motion with its exact curve, samples at the grid; of many, a tuple.
+    one interval in each piece of the path; s̈ is constant in an interval. Limits are kept
+    halfway in each interval too, or else notices say by how much torques or accelerations exceed
+    theirs (above 5 % it raises); elsewhere in long intervals they may be exceeded untold: by up to
+    2 % of 31 points, 0.1 % of 51, in tests of random paths.
+    Returns the motion with its exact curve, samples at the grid; of many, a tuple.
     Raises FreebodyError where the path leaves the joints' ranges, or where the robot cannot hold or
     move it: at which s, which joint, which limit.
 
