@@ -62,7 +62,7 @@ def test_a_mistake_in_a_vector_is_named_in_its_entry():
         ("T = M^2", "a matrix of 2 × 2 has no power 2 here"),
         ("[tau1; tau2] = M", "not as many entries"),
         ("tau = tau", "defined by itself"),
-        ("M = [[1, 2], [3]] M", "the rows of this matrix are not equally long"),
+        ("M = [[1, 2], [3]] M", "the rows of this matrix have different lengths"),
         ("tau = " + "M " * 40 + "q̈", "too many entries"),
         ("vc1 = cross(rc1, ω1)", "have no cross product"),
         ("vc1 = 2 × rc1", "may be a product or the cross product"),

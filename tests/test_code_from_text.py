@@ -188,17 +188,17 @@ def test_calls_that_the_notes_execute_are_made_with_the_package():
 )
 def test_a_name_from_outside_is_refused_in_a_program(name):
     inner = Argument("q", (1,))
-    with pytest.raises(ProgramError, match="is no word of letters a-z, digits and _"):
+    with pytest.raises(ProgramError, match="is not a word of letters a-z, digits and _"):
         trace("f", lambda x: ([x[0]],), [Argument(name, (1,))], [inner])
-    with pytest.raises(ProgramError, match="is no word"):
+    with pytest.raises(ProgramError, match="is not a word"):
         trace(name, lambda x: ([x[0]],), [inner], [inner])
     made = trace("f", lambda x: ([x[0]],), [inner], [Argument("y", (1,))])
     for target in ("cpu", "numpy"):
-        with pytest.raises(ProgramError, match="is no word"):
+        with pytest.raises(ProgramError, match="is not a word"):
             compile_program(dataclasses.replace(made, name=name), target=target)
-    with pytest.raises(ProgramError, match="is no word"):
+    with pytest.raises(ProgramError, match="is not a word"):
         Unit(dataclasses.replace(made, outputs=(Argument(name, (1,)),)), "f")
-    with pytest.raises(ProgramError, match="is no word"):
+    with pytest.raises(ProgramError, match="is not a word"):
         Unit(made, name)
 
 
@@ -207,7 +207,7 @@ def test_a_name_from_outside_is_refused_in_a_program(name):
 )
 def test_a_remark_that_could_end_a_comment_is_refused(remark):
     made = trace("f", lambda x: ([x[0]],), [Argument("q", (1,))], [Argument("y", (1,))])
-    with pytest.raises(ProgramError, match="no comment may hold"):
+    with pytest.raises(ProgramError, match="a comment must not contain"):
         Unit(made, "f", (remark,))
 
 

@@ -297,7 +297,7 @@ def test_what_does_not_fit_is_refused_in_words(kernels):
 
 def test_entries_that_are_not_evenly_apart_are_refused(arm):
     here, _ = pair(arm, "mass_matrix")
-    with pytest.raises(KernelError, match="not evenly apart"):
+    with pytest.raises(KernelError, match="not evenly spaced in memory"):
         here(Owned(np.zeros((5, 6))), out=Owned(np.zeros((5, 6, 8))[:, :, :6]))
     both, _ = pair(arm, ["gravity_torque", "bias"])
     out = Owned(np.zeros((5, 6)))

@@ -640,7 +640,7 @@ def test_what_cannot_be_written_is_refused():
     with pytest.raises(fb.FreebodyError, match=r"fb.source\(fb.load\('ur5e'\)"):
         fb.source("ur5e", "bias", "c")
     heavy = fb.compile(lambda x: [1e39 * x[0]], {"x": 1}, {"y": 1}, target="numpy")
-    with pytest.raises(fb.FreebodyError, match="beyond what float32 can hold"):
+    with pytest.raises(fb.FreebodyError, match="beyond the range of float32"):
         fb.source(heavy, language="c", dtype="float32")
 
 

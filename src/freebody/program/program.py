@@ -182,7 +182,7 @@ def verify(program: Program) -> Program:
     for name in (program.name, *(argument.name for argument in program.inputs + program.outputs)):
         if not is_identifier(name):
             raise ProgramError(
-                f"the name {name!r} in a program is no word of letters a-z, digits and _."
+                f"the name {name!r} in a program is not a word of letters a-z, digits and _."
             )
     for kind, arguments in (("inputs", program.inputs), ("outputs", program.outputs)):
         names = [argument.name for argument in arguments]

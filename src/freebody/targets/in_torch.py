@@ -253,7 +253,7 @@ def _named(key: str) -> TensorProgram:
         raise KernelError(
             f"freebody::evaluate: no program {key[:200]!r} in this process. A graph holds its "
             f"name, not the program: "
-            "call fb.to_torch as where the graph was made, and keep what it returns."
+            "call fb.to_torch with the same arguments as for the graph, and keep the result."
         )
     return function
 

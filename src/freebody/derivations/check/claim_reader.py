@@ -311,7 +311,7 @@ class ClaimReader:
             len(x) for x in named.rows
         ]:
             self.source.fail(
-                "the sides of this equation have not as many entries as each other", named.span
+                "the sides of this equation have different numbers of entries", named.span
             )
         pairs = zip(named.rows, node.rows, strict=True)
         return [
@@ -420,10 +420,10 @@ class ClaimReader:
             left, right = (left, fitting) if k else (fitting, right)
         span = (line[0][0].start, line[-1][-1].end)
         if len(line) != 2 or self.source[left.span] == self.source[right.span]:
-            self.source.fail("this is no equation between two sides that differ", span)
+            self.source.fail("this must be an equation between two different sides", span)
         pairs = zip(_entries_of(left), _entries_of(right), strict=False)
         if len(_entries_of(left)) != len(_entries_of(right)):
-            self.source.fail("the sides have not as many entries as each other", span)
+            self.source.fail("the sides have different numbers of entries", span)
         label = self.source[span]
         label = label if len(label) <= _LONGEST_LABEL else f"{label[:_LONGEST_LABEL]}…"
         return [self._identity(label, x, y) for x, y in pairs]

@@ -138,7 +138,7 @@ def _written_with(line: Line, names: Collection[str]) -> list[Token]:
 def _refuse_names(source: Source, line: Line, without_value: Collection[str]) -> None:
     """Refuse a line that is written with a name that no line gives, or none that can be read."""
     for token in _written_with(line, without_value):
-        source.fail(f"{source[token.span]} is given by no line that can be read", token.span)
+        source.fail(f"{source[token.span]} is not defined by any line that can be read", token.span)
 
 
 def _without_circles(reading: DocumentReader, found: Sequence[Claim]) -> list[Claim]:

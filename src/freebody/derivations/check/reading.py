@@ -114,7 +114,7 @@ class AnswerParser(Parser):
             (name,) = terms[0][0]
             return name
         self.source.fail(
-            f"{self.source[token.span]} is no coordinate to differentiate by", token.span
+            f"{self.source[token.span]} is not a coordinate to differentiate by", token.span
         )
 
     def makes_table(self, function: Token) -> bool:

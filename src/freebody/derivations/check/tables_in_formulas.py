@@ -263,7 +263,7 @@ def _flipped(x: Matrix) -> Matrix:
 
 def _shape(x: Matrix) -> Shape:
     if len({len(row) for row in x.rows}) > 1:
-        raise NoValue("the rows of this matrix are not equally long", x)
+        raise NoValue("the rows of this matrix have different lengths", x)
     return len(x.rows), len(x.rows[0])
 
 

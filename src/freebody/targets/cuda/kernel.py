@@ -202,11 +202,12 @@ class _Call:
             raise KernelError(
                 f"{name} holds {given.dtype} on GPU "
                 f"{given.device}{', read-only' if given.readonly else ''}; expected "
-                f"{self.kernel.dtype} on GPU {self.device} that may be written."
+                f"{self.kernel.dtype} on GPU {self.device}, writable."
             )
         if given.step(len(argument.shape)) is None:
             raise KernelError(
-                f"{name}: the entries of a sample are not evenly apart; give one in C order."
+                f"{name}: the entries of a sample are not evenly spaced in memory; give one in C "
+                f"order."
             )
         return given
 
@@ -251,8 +252,7 @@ class _Call:
             if given.step(len(argument.shape)) is None:
                 raise KernelError(
                     f"{self.program.name}: the entries of a sample of {argument.name} are not "
-                    f"evenly apart; give it "
-                    "in C order, or as columns."
+                    f"evenly spaced in memory; give it in C order, or as columns."
                 )
             if not any(given.overlaps(x) for x in outs):
                 return given

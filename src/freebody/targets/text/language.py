@@ -73,7 +73,7 @@ def single(value: float, suffix: str = "") -> str:
         nearest = np.float32(value)
     if isinf(nearest):
         raise FreebodyError(
-            f"the number {value!r} of this robot is beyond what float32 can hold; use float64."
+            f"the number {value!r} of this robot is beyond the range of float32; use float64."
         )
     text = str(nearest)
     return f"{text if '.' in text or 'e' in text else f'{text}.0'}{suffix}"

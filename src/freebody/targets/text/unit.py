@@ -44,17 +44,17 @@ class Unit:
         verify(self.program)
         if not is_identifier(self.name):
             raise ProgramError(
-                f"the name {self.name!r} of a function is no word of letters a-z, digits and _."
+                f"the function name {self.name!r} is not a word of letters a-z, digits and _."
             )
         for word in self.marks.values():
             if not is_identifier(word):
                 raise ProgramError(
-                    f"the name {word!r} of a value is no word of letters a-z, digits and _."
+                    f"the value name {word!r} is not a word of letters a-z, digits and _."
                 )
         for remark in (*self.comment, *(self.joints.words if self.joints else ())):
             if not _REMARK.fullmatch(remark):
                 raise ProgramError(
-                    f"the remark {remark!r} has characters that no comment may hold."
+                    f"the remark {remark!r} has characters that a comment must not contain."
                 )
 
 

@@ -62,8 +62,8 @@ def _cells(text: str) -> list[tuple[str, str]]:
         found = []
     if not found:
         raise AnswerError(
-            "this is no notebook of Jupyter with cells (JSON, as .ipynb files are)",
-            "Save it once more, or give its text.",
+            "this is not a Jupyter notebook with cells (JSON, as .ipynb files are)",
+            "Save it again, or give its text.",
         )
     return found
 
@@ -77,4 +77,4 @@ def _joined(source: Any) -> str:
     raise TypeError(type(source).__name__)
 
 
-FORM = DocumentForm("notebook", "a notebook of Jupyter", (".ipynb",), read)
+FORM = DocumentForm("notebook", "a Jupyter notebook", (".ipynb",), read)
