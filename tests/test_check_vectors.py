@@ -60,7 +60,7 @@ def test_a_mistake_in_a_vector_is_named_in_its_entry():
         ("tau = M [1; 2; 3]", "a matrix of 2 × 2 is multiplied with a vector of 3"),
         ("tau1 = M q̈", "tau1 is one number, not a vector or matrix"),
         ("T = M^2", "a matrix of 2 × 2 has no power 2 here"),
-        ("[tau1; tau2] = M", "not as many entries"),
+        ("[tau1; tau2] = M", "different numbers of entries"),
         ("tau = tau", "defined by itself"),
         ("M = [[1, 2], [3]] M", "the rows of this matrix have different lengths"),
         ("tau = " + "M " * 40 + "q̈", "too many entries"),
