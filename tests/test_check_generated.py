@@ -14,8 +14,8 @@ import pytest
 import freebody as fb
 from freebody.derivations.check.asked_quantities import polynomial
 from freebody.derivations.check.right_equations import setting
+from support.answer_documents import CODE, LATEX, MARKDOWN, NOTEBOOK, TEXT
 from support.answers import KINDS, Mistake, Writer, lines, mistake, model, named, rewritten
-from test_check_documents import CODE, LATEX, MARKDOWN, NOTEBOOK, TEXT
 
 WORDS = ("R", "RR", "RP", "PR", "PP", "RRR", "RPR", "PRR")
 SHORT, LONG = 25, 500

@@ -62,11 +62,19 @@ class DocumentForm:
 
 
 def plain_characters(text: str) -> str:
-    """A text with accents decomposed and the line ends of any system as one character; raises
-    AnswerError where it is too long."""
+    """A text with accents decomposed, the line ends of any system as one character and blanks for
+    the numbers of equations; raises AnswerError where it is too long."""
     if len(text) > LARGEST:
         raise AnswerError(f"the answer has {len(text)} characters; at most {LARGEST} are read")
-    return unicodedata.normalize("NFD", text.replace("\r\n", "\n").replace("\r", "\n"))
+    plain = unicodedata.normalize("NFD", text.replace("\r\n", "\n").replace("\r", "\n"))
+    return _NUMBER.sub(lambda number: " " * len(number[0]), plain)
+
+
+_NUMBER = re.compile(
+    r"(?:\\q?quad|\\hfill|\t|(?<=[ ]) )[ ]?\((?:\d{1,3}[.-]\d{1,3}[a-z]?|[A-Z]\.\d{1,3})\)"
+    r"(?=[ ]?(?:\\\\|\$|\\\]|\n|$))"
+)
+"""Of an equation, at the end of its line and apart from it: (3.2), (A.4)."""
 
 
 @dataclass
