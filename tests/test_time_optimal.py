@@ -220,6 +220,32 @@ def test_no_limit_is_exceeded_as_the_motion_itself_tells():
         assert (torque <= arm().limits.effort * (1 + 1e-9)).all()
 
 
+def test_what_few_points_exceed_between_them_is_told():
+    """Seen at 40 places of each interval, not halfway alone."""
+    told = 0
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        word = ("RP", "PR", "RR", "PRR")[seed % 4]
+        n = len(word)
+        model = fb.planar(
+            word, l=[0.4] * n, lc=[0.2] * n, m=rng.uniform(0.5, 3.0, n), I=[0.02] * n, name=word
+        )
+        limit = 3.0 * np.abs(fb.inverse_dynamics(model, *np.zeros((3, n)))) + 60.0
+        ways = rng.uniform(-1.0, 1.0, (4, n))
+        try:
+            motion = fb.time_optimal(model, ways, torque=limit, velocity=3.0, points=12)
+        except fb.FreebodyError as problem:
+            assert "more points than" in str(problem)
+            continue
+        t = (motion.t[:-1, None] + np.diff(motion.t)[:, None] * np.linspace(0.01, 0.99, 40)).ravel()
+        over = np.abs(fb.inverse_dynamics(model, *motion.at(t)) / limit).max() - 1.0
+        if motion.notices:
+            told += 1
+        else:
+            assert over < 2e-3, (seed, word, over)
+    assert told > 0
+
+
 def test_few_points_cost_little_time_and_no_limit():
     """Most of what they cost, if their first and last interval were one, is lost there."""
     ways = np.random.default_rng(8).uniform(-1.2, 1.2, (8, 5, 2))

@@ -3,7 +3,7 @@ whose speed is known."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -141,7 +141,6 @@ def motions_along(
     at: PathSamples,
     x: Array,
     source: str,
-    notices: Sequence[tuple[str, ...]],
 ) -> Iterator[Motion]:
     """The exact motions of paths with ṡ² = x (N + 1, P) at the grid, 0 at its end, s̈ constant
     between: q(t) are polynomials of twice the curve's degree."""
@@ -156,4 +155,4 @@ def motions_along(
         for array in (t, qd, qdd):
             array.flags.writeable = False  # else a motion copies it
         pieces = PiecewisePolynomial(t, powers)
-        yield Motion(t, at.q[:, k], qd, qdd, source, layout(model), notices[k], pieces=pieces)
+        yield Motion(t, at.q[:, k], qd, qdd, source, layout(model), pieces=pieces)
