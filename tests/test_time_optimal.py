@@ -235,7 +235,8 @@ def test_what_few_points_exceed_between_them_is_told():
         try:
             motion = fb.time_optimal(model, ways, torque=limit, velocity=3.0, points=12)
         except fb.FreebodyError as problem:
-            assert "more points than" in str(problem)
+            if "more points than" not in str(problem):
+                raise
             continue
         t = (motion.t[:-1, None] + np.diff(motion.t)[:, None] * np.linspace(0.01, 0.99, 40)).ravel()
         over = np.abs(fb.inverse_dynamics(model, *motion.at(t)) / limit).max() - 1.0
