@@ -21,13 +21,11 @@ from freebody.motion.simulation.step_sizes import Advance
 from freebody.motion.simulation.steppers import State
 from freebody.targets.threads import cpus
 
-_BLOCK = 2048
-"""MotionLanes whose states and numbers stay in the second cache from step to step."""
+_BLOCK = 8192
+"""Motions whose states stay in a processor's caches from step to step, and whose step lasts so long
+that threads seldom wait for each other between two steps, as they do for Python."""
 _LOOK = 0.05  # s
 _ULPS = 8.0  # more than the rounding of a sum of steps
-_PARTS = 2
-"""Blocks of a thread: which is slower than the others, as one that shares its processor is, leaves
-the second to them."""
 _FEWEST = 256
 """Motions that are worth a thread."""
 
@@ -93,8 +91,7 @@ class Walk:
         starts = self.course.calls or (0,)
         ends = (*starts[1:], len(self.course.edges) - 1)
         threads = self.threads or cpus()
-        parts = threads * (_PARTS if threads > 1 else 1)
-        size = min(_BLOCK, max(_FEWEST, ceil(self.rows / parts)))
+        size = min(_BLOCK, max(_FEWEST, ceil(self.rows / threads)))
         blocks = [slice(k, min(k + size, self.rows)) for k in range(0, self.rows, size)]
         threads = min(threads, len(blocks))
         self._record(slice(0, self.rows), 0, self.state)
