@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 
 EXAMPLE = 'Example: freebody simulate 2R --q "30 deg, -0.5" --torque pd --goal "1, 0.5" --time 3'
 _ROWS = 400
-_STIFF, _DAMPED = 100.0, 20.0
-"""1/s², 1/s: default gains, per unit of inertia."""
 _MOST = 1_000_000
 
 
@@ -195,15 +193,14 @@ def _torque(
     if torque == "zero":
         return times, None, None
     from freebody.kernels.lookup import kernel
-    from freebody.trees.controllers import pd_gravity
-    from freebody.trees.dynamics import mass_matrix
+    from freebody.trees.controllers import default_pd_gains, pd_gravity
 
     goal, kp, kd = law
     aim = q if goal is None else _vector("--goal", goal, model.nq, model)
-    inertia = np.diagonal(mass_matrix(model, q))
+    defaults = default_pd_gains(model, q)
     gains = [
-        factor * inertia if text is None else _gains(name, text, model)
-        for name, text, factor in (("--kp", kp, _STIFF), ("--kd", kd, _DAMPED))
+        own if text is None else _gains(name, text, model)
+        for name, text, own in zip(("--kp", "--kd"), (kp, kd), defaults, strict=True)
     ]
     pd_gravity(model, q, qd, aim, *gains)  # which refuses what is no PD control
     given = {"q_ref": aim, "kp": gains[0], "kd": gains[1]}
@@ -239,7 +236,7 @@ def _times(time: float | None, every: float | None) -> Array:
 
 
 def _written(model: Model, found: xr.Dataset, out: Path) -> None:
-    """The motion as a file, and its extremes as a table."""
+    """The motion as a file, and the largest values among its rows as a table."""
     import numpy as np
 
     from freebody.motion.files.waypoint_files import state_table
@@ -259,5 +256,5 @@ def _written(model: Model, found: xr.Dataset, out: Path) -> None:
         rows.append(
             (name, f"{speed:.4g} {unit}/s", f"{qd[-1, k]:.4g} {unit}/s", f"{most:.4g} {effort}")
         )
-    terminal.table(TextTable(("joint", "peak speed", "at the end", "peak torque"), rows))
+    terminal.table(TextTable(("joint", "largest speed", "at the end", "largest torque"), rows))
     console.print(f"written: {path}", markup=False, soft_wrap=True)
