@@ -9,7 +9,7 @@ from collections import Counter
 import pytest
 
 import freebody as fb
-from freebody.derivations.check.asked_quantities import polynomial
+from freebody.derivations.check.asked.joints import polynomial
 from freebody.derivations.check.right_equations import setting
 from support.answers import (
     KINDS,

@@ -14,7 +14,7 @@ from itertools import product as words_of
 import freebody as fb
 from freebody.algorithms.kinematics import jacobian
 from freebody.derivations.check.answer_text import AnswerText
-from freebody.derivations.check.asked_quantities import polynomial
+from freebody.derivations.check.asked.joints import polynomial
 from freebody.derivations.check.exact_polynomials import PolynomialReader
 from freebody.derivations.check.reading import AnswerParser
 from freebody.derivations.check.right_equations import RightEquations

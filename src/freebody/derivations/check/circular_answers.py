@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from freebody.derivations.check.answer_tree import Named
-from freebody.derivations.check.asked_quantities import AskedQuantity
+from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.expressions.nodes import Expression, nodes
 from freebody.derivations.grammar.source import Source, Span

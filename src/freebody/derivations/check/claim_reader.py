@@ -11,7 +11,8 @@ from freebody.derivations.check import undriven_joints
 from freebody.derivations.check.answer_lines import Line
 from freebody.derivations.check.answer_text import AnswerText
 from freebody.derivations.check.answer_tree import Named, Wave
-from freebody.derivations.check.asked_quantities import AMBIGUOUS, AskedQuantity, Targets
+from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.check.asked_quantities import AMBIGUOUS, Targets
 from freebody.derivations.check.circular_answers import GivenQuantity, uses
 from freebody.derivations.check.exact_polynomials import PolynomialReader
 from freebody.derivations.check.reading import AnswerParser

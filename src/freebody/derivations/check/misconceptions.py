@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 
-from freebody.derivations.check.asked_quantities import AskedQuantity, Targets
+from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.check.asked_quantities import Targets
 from freebody.derivations.check.finite_field import PRIME, Point, Turn, plus, residue
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.expressions.printed_names import sym

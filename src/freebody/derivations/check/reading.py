@@ -8,7 +8,7 @@ from fractions import Fraction
 from types import MappingProxyType
 
 from freebody.derivations.check.answer_tree import Named, Wave
-from freebody.derivations.check.asked_quantities import AskedQuantity
+from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.circular_answers import uses
 from freebody.derivations.check.exact_polynomials import LARGEST_EXPONENT, PolynomialReader
 from freebody.derivations.check.vocabulary import Vocabulary

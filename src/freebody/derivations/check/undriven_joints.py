@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from fractions import Fraction
 
-from freebody.derivations.check.asked_quantities import AskedQuantity, Targets
+from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.check.asked_quantities import Targets
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.terms_by_motion import parts
 from freebody.scalars.trig import Trig

@@ -20,7 +20,7 @@ from freebody.identifiers import word_set
 from freebody.scalars.trig import Trig
 
 if TYPE_CHECKING:
-    from freebody.derivations.check.asked_quantities import AskedQuantity
+    from freebody.derivations.check.asked.quantity import AskedQuantity
 
 FUNCTIONS = {
     "sin": "sin", "Sin": "sin", "SIN": "sin", "cos": "cos", "Cos": "cos", "COS": "cos",

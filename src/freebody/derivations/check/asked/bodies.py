@@ -1,0 +1,128 @@
+"""Vectors of bodies, in the axes in which `fb.quantities` gives them."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+from freebody.derivations.check.asked.group import Named, QuantityGroup
+from freebody.derivations.check.asked.quantity import AskedQuantity, Table
+from freebody.derivations.check.body_quantities import BODY_QUANTITIES, BodyQuantity, numbers
+from freebody.derivations.check.vocabulary import spellings
+from freebody.derivations.methods.setting import Setting
+from freebody.derivations.relations.quantities import QuantityValues, branches
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
+
+_WORLD = "This would be right in the world's axes; here the components are along those of body {}."
+
+
+class QuantitiesOfBodies(QuantityGroup):
+    """ω_2, r_c2, v_c2, f_12, …, whole and by components."""
+
+    def single(self) -> Iterator[Named]:
+        yield from self._entries()
+        yield from self._coordinates_of_centres()
+
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+        return self._vectors
+
+    @cached_property
+    def _setting(self) -> Setting:
+        return Setting(self.setting.equations.symbols)
+
+    @cached_property
+    def _bodies(self) -> list[dict[str, Any]]:
+        """What `fb.quantities` tells of each body, in the order of their numbers."""
+        values = QuantityValues(self._setting, "base" if self.based else "explicit")
+        return [values.of_body(i) for i in self._setting.order]
+
+    @cached_property
+    def _vectors(self) -> dict[str, Table]:
+        """Vectors of bodies, in the axes in which `fb.quantities` gives them."""
+        tree = self.setting.equations.symbols.tree
+        if tree.follows:
+            return {}
+        chain = not branches(tree) and self.setting.system is None
+        dim = self.setting.symbols.model.dim
+        found = {"gravity": self._constants("the gravitational acceleration", tree.gravity)}
+        found["z"] = self._constants("the world's z axis", (0.0, 0.0, 1.0))
+        for n in range(1, len(tree.bodies) + 1):
+            for record in BODY_QUANTITIES:
+                whole = len(tree.bodies[tree.body_of[n - 1]].masses) < 2
+                is_told = chain or record.of_motion
+                if (
+                    is_told
+                    and record.exists(n, len(tree.bodies), dim)
+                    and (whole or not record.of_centre)
+                ):
+                    table = self._table_of(record, n, dim)
+                    found |= dict.fromkeys(
+                        (name for name in record.spelt(n) if name not in found), table
+                    )
+        return found
+
+    def _constants(self, words: str, vector: Sequence[Any]) -> Table:
+        element = self.setting.equations.symbols.element
+        values = [self.element(lambda x=x: element(x)) for x in vector]
+        return [
+            [AskedQuantity("of body", (), value, axis=axis, words=words)]
+            for axis, value in zip("xyz", values, strict=False)
+        ]
+
+    def _table_of(self, record: BodyQuantity, n: int, dim: int) -> Table:
+        """The entries of one quantity of body n."""
+        known, words = record.known.format(**numbers(n)), record.title.format(n=n)
+
+        def entry(*at: int, axis: str = "") -> AskedQuantity:
+            index = (n,) if axis or not at else tuple(k + 1 for k in at)
+            own, thoughts = self._part(n, known, *at), []
+            if record.reaction:
+                text = record.reaction.format(**numbers(n))
+                thoughts.append((text, lambda: own() * -1))
+            if axis and record.own_axes and dim == 3:
+                thoughts.append((_WORLD.format(n), self._in_world(n, known, at[0])))
+            return AskedQuantity("of body", index, own, False, "", axis, words, tuple(thoughts))
+
+        if record.turns:
+            return [[entry(i, j) for j in range(3)] for i in range(3)]
+        axes = record.axes(dim)
+        return [[entry(k, axis=axis)] for k, axis in enumerate(axes)] if axes else [[entry()]]
+
+    def _entries(self) -> Iterator[Named]:
+        for name, table in self._vectors.items():
+            for row in table:
+                for entry in row:
+                    if entry.axis or len(table) == 1:
+                        yield (name + entry.axis,), entry
+
+    def _coordinates_of_centres(self) -> Iterator[Named]:
+        """x_c2, ẋ_c2, ẍ_c2: r_c2, v_c2 and a_c2 by components. In space the last two have those
+        along the body, which are no rates of coordinates."""
+        of_rates = "rva" if self.setting.symbols.model.dim == 2 else "r"
+        for n in range(1, len(self._bodies) + 1):
+            for dots, letter in enumerate(of_rates):
+                for (entry,) in self._vectors.get(f"{letter}c{n}", ()):
+                    names = (spellings(entry.axis, f"{place}{n}", dots) for place in "cG")
+                    yield tuple(itertools.chain.from_iterable(names)), entry
+
+    def _in_world(self, n: int, name: str, row: int) -> Callable[[], Trig]:
+        """A component in the world's axes of what is given in the body's."""
+
+        def value() -> Trig:
+            R = self._setting.world[self._setting.order[n - 1]][0]
+            s = self.setting.equations.symbols
+            terms = (x * y for x, y in zip(R[row], self._bodies[n - 1][name], strict=True))
+            return self.setting.element(s.element(sum(terms, s.zero())))
+
+        return value
+
+    def _part(self, n: int, name: str, *at: int) -> Callable[[], Trig]:
+        def value() -> Trig:
+            found = self._bodies[n - 1][name]
+            for k in at:
+                found = found[k]
+            return self.setting.element(self.setting.equations.symbols.element(found))
+
+        return value

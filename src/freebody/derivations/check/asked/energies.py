@@ -1,0 +1,49 @@
+"""Energies: of the whole robot and of each body."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from freebody.derivations.check.asked.group import Named, QuantityGroup
+from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.methods.energies import Energies
+from freebody.derivations.methods.setting import Setting
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
+
+
+class EnergyQuantities(QuantityGroup):
+    """T, V, L, T_i, V_i."""
+
+    def single(self) -> Iterator[Named]:
+        eq = self.setting.equations
+        bodies = len(eq.symbols.model.bodies)
+        for family in ("T", "V"):
+            yield self.letters[family], AskedQuantity(family, (), self.entry(family))
+            for i in range(1, bodies + 1):
+                letters = (*self.letters[family], *["k"] * (family == "T"))
+                names = tuple(f"{x}{i}" for x in letters)
+                yield names, AskedQuantity(f"{family}i", (i,), self._of_body(family, i - 1))
+        sum_of_both = ("L = T − V, not T + V.", lambda: self.setting.element(eq.T + eq.V))
+        yield (
+            self.letters["L"],
+            AskedQuantity(
+                "L", (), lambda: self.setting.element(eq.T - eq.V), thoughts=(sum_of_both,)
+            ),
+        )
+
+    def _of_body(self, family: str, body: int) -> Callable[[], Trig]:
+        """An energy of a body with all that is fixed to it."""
+
+        def value() -> Trig:
+            s = self._setting
+            energies, i = Energies(s, s.motion), s.tree.body_of[body]
+            return self.setting.element(
+                energies.kinetic(i) if family == "T" else energies.potential(i)
+            )
+
+        return value
+
+    @cached_property
+    def _setting(self) -> Setting:
+        return Setting(self.setting.equations.symbols)

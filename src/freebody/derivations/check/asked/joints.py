@@ -1,0 +1,127 @@
+"""Torques, mass matrix, velocity terms and gravity: the equations of motion by their pieces."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Callable, Iterator, Mapping
+from fractions import Fraction
+
+from freebody.derivations.check.asked.group import Named, QuantityGroup
+from freebody.derivations.check.asked.quantity import AskedQuantity, Table
+from freebody.derivations.check.right_equations import RightEquations
+from freebody.derivations.check.vocabulary import spellings
+from freebody.derivations.expressions import expression as ex
+from freebody.derivations.expressions.evaluate import arithmetic, evaluate
+from freebody.derivations.expressions.expression import Expression
+from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.scalars.trig import Trig
+
+
+class JointQuantities(QuantityGroup):
+    """τ_i, M_ij, C_ij, c_i, g_i, whole vectors and matrices, and q."""
+
+    def single(self) -> Iterator[Named]:
+        alone = self.count == 1
+        for i in self.numbers:
+            yield (
+                self._torque_names(i),
+                AskedQuantity("tau", (i,), self.entry("tau", i), i in self.passive, f"joint {i}"),
+            )
+            for family in ("c", "g", "bias"):
+                letters = self.letters[family]
+                names = [f"{x}{i}" for x in letters] + ([*letters] if alone else [])
+                yield (
+                    tuple(names),
+                    AskedQuantity(family, (i,), self.entry(family, i), False, f"joint {i}"),
+                )
+            for j in self.numbers:
+                for family in ("M", "C"):
+                    names = [f"{x}{i}{j}" for x in self.letters[family]] + (
+                        ["M", "H", "m", "D"] if alone and family == "M" else []
+                    )
+                    yield tuple(names), AskedQuantity(family, (i, j), self.entry(family, i, j))
+        yield from self._christoffel()
+
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+        asked = {(target.family, target.index): target for target in single.values()}
+        n = self.numbers
+        found: dict[str, Table] = {}
+        for family in ("tau", "g", "bias", "c"):
+            column = [[asked[family, (i,)]] for i in n if self.letters[family]]
+            found |= dict.fromkeys(self.letters[family], column) if column else {}
+        if self.letters["c"]:
+            found["V"] = found[self.letters["c"][0]]  # the potential energy is no vector
+        for family in ("C", "M"):
+            for letter in filter(str.isupper, self.letters[family]):
+                found[letter] = [[asked[family, (i, j)] for j in n] for i in n]
+        coordinates = self.setting.symbols.coordinates
+        for dots, ending in enumerate(("", RATE, SECOND) if self.count > 1 else ()):
+            column = [[self._coordinate(x + ending)] for x in coordinates]
+            for letter in ("q", "theta", "Theta"):
+                found |= dict.fromkeys(spellings(letter, "", dots), column)
+        return found
+
+    def _torque_names(self, i: int) -> tuple[str, ...]:
+        """τ_i; without number where it is the only one; F of a slide; u where there is one joint,
+        or some are passive."""
+        driven = [k for k in self.numbers if k not in self.passive]
+        own = self.setting.symbols.coordinates[i - 1]
+        letters = [
+            *self.letters["tau"],
+            *["F", "f"] * (own[0] in "dxyz"),
+            *["u"] * (self.setting.system is None and (bool(self.passive) or self.count == 1)),
+        ]
+        numbers = (str(i), "") if driven == [i] else (str(i),)
+        along = (f"F{own}", f"f{own}") if own in ("x", "y", "z") else ()
+        return (*(letter + number for number in numbers for letter in letters), *along)
+
+    def _christoffel(self) -> Iterator[Named]:
+        """Spong's c_ijk, of which C_kj is the sum over i of c_ijk q̇_i, and Γ_ijk of Murray, Li and
+        Sastry, of which C_ij is the sum over k of Γ_ijk q̇_k: Γ_kji = c_ijk."""
+        for i, j, k in itertools.product(self.numbers, repeat=3):
+            value = self._symbol_of_christoffel(i - 1, j - 1, k - 1)
+            target = AskedQuantity("christoffel", (k, j, i), value)
+            yield (f"c{i}{j}{k}", f"Gamma{k}{j}{i}"), target
+
+    def _symbol_of_christoffel(self, i: int, j: int, k: int) -> Callable[[], Trig]:
+        def value() -> Trig:
+            M, ring = self.setting.all_of("M"), self.setting.ring
+            q = self.setting.symbols.coordinates
+            m = {x: self.setting.element(M[x[0]][x[1]]) for x in ((k, j), (k, i), (i, j))}
+            half = ring.polynomial([({}, Fraction(1, 2))])
+            slopes = m[k, j].derivative(q[i]) + m[k, i].derivative(q[j]) - m[i, j].derivative(q[k])
+            return slopes * half
+
+        return value
+
+    def _coordinate(self, name: str) -> AskedQuantity:
+        """An entry of q, q̇ or q̈."""
+        return AskedQuantity("q", (), lambda: self.setting.ring[name])
+
+
+class VelocityCoefficients(QuantityGroup):
+    """h of (3.25), where other lines are written with it."""
+
+    def single(self) -> Iterator[Named]:
+        if not self.setting.equations.is_short:
+            return
+        for group in self.setting.equations.groups("named"):
+            for equation in group:
+                symbol = equation.lhs
+                if isinstance(symbol, ex.Symbol) and re.fullmatch(r"h[\d_]*", symbol.name):
+                    name = symbol.name.replace("_", "")
+                    yield (
+                        (name,),
+                        AskedQuantity("h", (), lambda x=equation.rhs: polynomial(self.setting, x)),
+                    )
+
+
+def polynomial(setting: RightEquations, node: Expression) -> Trig:
+    """A printed expression as polynomial."""
+    rules = {
+        **arithmetic(lambda number: setting.zero + number),
+        ex.Symbol: lambda node, at: setting.ring[node.name],
+        ex.Function: lambda node, at: getattr(at(node.argument), node.name)(),
+    }
+    return evaluate(node, rules)

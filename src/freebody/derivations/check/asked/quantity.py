@@ -1,0 +1,62 @@
+"""One quantity that can be asked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from freebody.scalars.trig import Trig
+
+
+@dataclass(frozen=True)
+class AskedQuantity:
+    """One quantity: its family ("tau", "M", …), indices from 1, and how to compute the right
+    value."""
+
+    family: str
+    index: tuple[int, ...]
+    compute: Callable[[], Trig]
+    idle: bool = False
+    """Whether nothing drives the joint: the torque is 0, and that is its equation of motion."""
+    joint: str = ""
+    """The joint that it belongs to, in words."""
+    axis: str = ""
+    """Of a body's vector: x, y or z."""
+    words: str = ""
+    """What it is, where its family alone does not tell."""
+    thoughts: tuple[tuple[str, Callable[[], Trig]], ...] = ()
+    """What it is often mistaken for: a sentence that says so, and its value."""
+
+    @property
+    def title(self) -> str:
+        """What it is, in words."""
+        return self.words or _TITLES[self.family].format(*self.index, joint=self.joint)
+
+
+Table = list[list[AskedQuantity]]
+"""A vector (one column) or a matrix of quantities."""
+
+_TITLES = {
+    "tau": "the drive's torque or force at {joint}",
+    "0": "which nothing drives",
+    "M": "entry {}, {} of the mass matrix",
+    "C": "entry {}, {} of the Coriolis matrix of Christoffel symbols",
+    "christoffel": "the Christoffel symbol of the mass matrix of row {}, column {} and rate {}",
+    "c": "the velocity term of {joint}",
+    "bias": "the velocity and gravity terms of {joint}",
+    "g": "the gravity term of {joint}",
+    "J": "entry {}, {} of the tip's Jacobian",
+    "T": "the kinetic energy",
+    "V": "the potential energy",
+    "L": "the Lagrangian",
+    "Ti": "the kinetic energy of body {}",
+    "Vi": "the potential energy of body {}",
+    "h": "the velocity coefficient",
+    "tip": "a coordinate of the tip",
+    "tip_d": "a velocity of the tip",
+    "tip_dd": "an acceleration of the tip",
+    "det": "the determinant of the tip's Jacobian",
+    "derivative": "a derivative of the robot's quantities",
+    "q": "one of the coordinates and their rates",
+    "identity": "an equation between the robot's quantities",
+}
