@@ -17,6 +17,8 @@ from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
 from freebody.motion.motion import motion_of
 from freebody.report import replay as replays
 from freebody.report.checks import checks
+from freebody.report.driven_runs import land
+from freebody.report.error_growth import BOUND, amplification, exponentials, pieces
 from freebody.report.tip import chosen_tip
 from freebody.scalars.time_derivatives import Jet, parts
 from freebody.spatial import space
@@ -58,7 +60,7 @@ def test_all_checks_pass_on_every_bundled_model(name: str):
         return
     assert study.replay is not None
     assert study.replay.misses.max() < 1e-6
-    assert (study.replay.factors <= replays.BOUND).all()
+    assert (study.replay.factors <= BOUND).all()
     assert study.replay.edges[0] == 0.0
     assert study.replay.edges[-1] == 5.0
 
@@ -126,26 +128,26 @@ def test_the_replay_finds_a_wrong_torque():
         inverse=fb.kernel(model.bind(m2=model.parameters["m2"] * (1 + 1e-4)), "inverse_dynamics"),
     )
     edges = np.array([0.0, 1.0, 2.0, 3.0])
-    assert replays._land(whole, motion, edges[:-1], edges[1:], allowed, "DOP853").max() < 1e-9
-    assert replays._land(heavier, motion, edges[:-1], edges[1:], allowed, "DOP853").max() > 1e-6
+    assert land(whole, motion, edges[:-1], edges[1:], allowed, "DOP853").max() < 1e-9
+    assert land(heavier, motion, edges[:-1], edges[1:], allowed, "DOP853").max() > 1e-6
 
 
 def test_pieces_are_as_long_as_the_bound_lets_them():
     times = np.linspace(0, 10, 101)
     growth = np.exp(2.0 * 0.1)  # e-fold in half a second
     steps = np.broadcast_to(np.diag([growth, 1 / growth]), (100, 2, 2))
-    edges, factors = replays.pieces(times, steps)
-    length = np.log(replays.BOUND) / 2.0
+    edges, factors = pieces(times, steps)
+    length = np.log(BOUND) / 2.0
     assert np.diff(edges)[:-1] == pytest.approx(np.full(len(edges) - 2, np.floor(length * 10) / 10))
-    assert (factors <= replays.BOUND).all()
-    assert replays.amplification(steps) == pytest.approx(20.0 / np.log(10))
+    assert (factors <= BOUND).all()
+    assert amplification(steps) == pytest.approx(20.0 / np.log(10))
 
 
 def test_exponentials():
     A = np.random.default_rng(0).normal(size=(5, 6, 6))
     A[:, 2, 2] -= 1e4  # friction
-    np.testing.assert_allclose(replays.exponentials(A), expm(A), atol=1e-9)
-    assert (replays.exponentials(np.zeros((1, 3, 3))) == np.eye(3)).all()
+    np.testing.assert_allclose(exponentials(A), expm(A), atol=1e-9)
+    assert (exponentials(np.zeros((1, 3, 3))) == np.eye(3)).all()
 
 
 def test_an_inverted_pendulum_drifts_as_it_must():

@@ -8,42 +8,25 @@ the first of them.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from itertools import pairwise
-from typing import Any, NoReturn
+from typing import NoReturn
 
 import numpy as np
-from scipy.integrate import solve_ivp
-from scipy.sparse import block_diag
 
 from freebody.arrays import Array
 from freebody.errors import SingularError
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
-from freebody.motion.ranges import Ranges, position_columns, ranges
+from freebody.motion.ranges import Ranges, ranges
 from freebody.motion.simulation.first_order_system import System, decay_rate, suited_method, system
+from freebody.report.driven_runs import ASTRAY, land, open_loop
+from freebody.report.error_growth import BOUND, amplification, pieces, scaling, transitions
 from freebody.report.results import Replay
 from freebody.trees.dynamics import mass_matrix
 from freebody.trees.position_rates import Index
-from freebody.trees.states import difference
 
-BOUND = 1e4
-"""Amplification that a piece may have at most."""
-TOLERANCE = {"DOP853": 1e-12, "BDF": 1e-11, "Radau": 1e-8}
-"""Relative error per step of the integrators, absolute a hundredth of it; what is stiff also damps
-its errors."""
-
-_GRID = 400
-_HALVINGS = 14
 _MOST_PIECES = 400
-_MOST_SAMPLES = (
-    401  # of the motion, within the pieces that are run: each may cost three hundred evaluations
-)
-_EVALUATIONS = (
-    30_000  # of the open-loop run, which might otherwise follow a tumbling robot for minutes
-)
-_MOST_EVALUATIONS = 150_000  # of the pieces together
+_MOST_SAMPLES = 401
+"""Of the motion, within the pieces that are run: each may cost three hundred evaluations."""
 _MANY_JUMPS = 30
 
 
@@ -55,16 +38,16 @@ def replayed(model: Model, motion: Motion) -> Replay:
     """
     whole, allowed = system(model), ranges(model)
     method = _method(model, whole, motion)
-    times, steps = _transitions(whole, motion, scaling(model, allowed))
+    times, steps = transitions(whole, motion, scaling(model, allowed))
     edges, factors = pieces(times, steps)
     if len(factors) > _MOST_PIECES:
         _refuse(model, motion, edges)
     misses, run = np.full(len(factors), np.nan), _followed(motion, edges)
-    misses[run] = _land(whole, motion, edges[run], edges[run + 1], allowed, method)
+    misses[run] = land(whole, motion, edges[run], edges[run + 1], allowed, method)
     if method == "BDF" and np.isinf(misses).any():
         method = "Radau"  # dearer, but gets through where Newton's iteration in BDF does not
-        misses[run] = _land(whole, motion, edges[run], edges[run + 1], allowed, method)
-    drift_time, drift, ended = _open_loop(whole, motion, allowed, method)
+        misses[run] = land(whole, motion, edges[run], edges[run + 1], allowed, method)
+    drift_time, drift, ended = open_loop(whole, motion, allowed, method)
     growth = amplification(steps)
     return Replay(
         edges,
@@ -87,121 +70,11 @@ def _refuse(model: Model, motion: Motion, edges: Array) -> NoReturn:
     condition = float(np.linalg.cond(mass_matrix(model, motion.at(edges[k])[0])))
     raise SingularError(
         f"Near t = {edges[k]:.3g} s the linearised dynamics amplify errors so fast, with a mass "
-        f"matrix of condition "
-        f"{condition:.1g}, that following the torques would take {len(edges) - 1} pieces."
+        f"matrix of condition {condition:.1g}, that following the torques would take "
+        f"{len(edges) - 1} pieces."
     )
 
 
-@dataclass(frozen=True)
-class _Reference:
-    """The torque that the motion needs at any time, and the system under it."""
-
-    system: System
-    motion: Motion
-
-    def torque(self, t: Array, around: Array | None = None) -> Array:
-        return self.system.torque(t, *self.motion.at(t, around))
-
-    def state(self, t: Array) -> Array:
-        q, qd, _ = self.motion.at(t)
-        return np.concatenate([q, qd], axis=-1)
-
-
-def scaling(model: Model, allowed: Ranges) -> Array:
-    """What each entry of (q, q̇) is measured in (nq + nv,): the range, and the range per second;
-    quaternions 1."""
-    position = np.ones(model.nq)
-    iq, iv = position_columns(model)
-    position[iq] = allowed.width[iv]
-    return np.concatenate([position, allowed.width])
-
-
-# ---------------------------------------------------------------- how errors grow
-def _transitions(whole: System, motion: Motion, scale: Array) -> tuple[Array, Array]:
-    """Grid times (k + 1,) and the scaled state-transition matrices (k, n, n) of its steps along the
-    motion.
-
-    Each is the exponential of the linearised dynamics at the step's middle. Steps are halved until
-    none alone amplifies by more than a tenth of the bound: near poses where the mass matrix is all
-    but singular they become very short.
-    """
-    times = np.linspace(motion.t[0], motion.t[-1], _GRID + 1)
-    steps = _steps(whole, motion, scale, times[:-1], times[1:])
-    for _ in range(_HALVINGS):
-        wild = np.flatnonzero(
-            ~(np.abs(steps).sum(axis=-1).max(axis=-1) <= 0.1 * BOUND)
-        )  # infinite ones, too
-        if not len(wild):
-            break
-        middles = 0.5 * (times[wild] + times[wild + 1])
-        second = _steps(whole, motion, scale, middles, times[wild + 1])
-        steps[wild] = _steps(whole, motion, scale, times[wild], middles)
-        times, steps = (
-            np.insert(times, wild + 1, middles),
-            np.insert(steps, wild + 1, second, axis=0),
-        )
-    return times, steps
-
-
-def _steps(whole: System, motion: Motion, scale: Array, start: Array, end: Array) -> Array:
-    """exp(A (end - start)), A at the middle (k, n, n), in units of `scale`."""
-    reference, middle = _Reference(whole, motion), 0.5 * (start + end)
-    A = whole.jacobian(middle, reference.state(middle), reference.torque(middle))
-    with np.errstate(over="ignore", invalid="ignore"):
-        return exponentials(A * (scale / scale[:, None]) * (end - start)[:, None, None])
-
-
-def exponentials(A: Array) -> Array:
-    """exp(A) of matrices (k, n, n): Taylor's series of A / 2^s, squared s times.
-
-    scipy's expm wakes BLAS threads for each small matrix; on a busy machine that takes seconds.
-    """
-    size = float(np.abs(A).sum(axis=-1).max(initial=0.0))
-    halvings = max(0, int(np.ceil(np.log2(max(size, 1e-300)))) + 2)
-    scaled = A / 2.0**halvings
-    total = term = np.broadcast_to(np.eye(A.shape[-1]), A.shape)
-    for k in range(1, 13):
-        term = term @ scaled / k
-        total = total + term
-    for _ in range(halvings):
-        total = total @ total
-    return total
-
-
-def pieces(times: Array, steps: Array) -> tuple[Array, Array]:
-    """(edges, factors): the longest pieces of the grid whose products of steps have norm at most
-    `BOUND`.
-
-    A factor is the largest norm on the way through the piece, at least 1.
-    """
-    edges, factors = [0], []
-    product, largest = np.eye(steps.shape[-1]), 1.0
-    for k, step in enumerate(steps):
-        longer = step @ product
-        size = float(np.linalg.norm(longer, 2))
-        if size > BOUND and edges[-1] < k:
-            edges.append(k)
-            factors.append(largest)
-            longer, largest = step, 1.0
-            size = float(np.linalg.norm(step, 2))
-        product, largest = longer, max(largest, size)
-    return times[[*edges, len(steps)]], np.array([*factors, largest])
-
-
-def amplification(steps: Array) -> float:
-    """log10 of the norm of the product of all steps, or of its largest part from the start,
-    whichever is larger."""
-    product, exponent, largest = np.eye(steps.shape[-1]), 0.0, 0.0
-    for step in steps:
-        product = step @ product
-        size = float(np.linalg.norm(product, 2))
-        exponent += np.log10(size)
-        product /= size
-        largest = max(largest, exponent)
-    return largest
-
-
-# ---------------------------------------------------------------- driving the model
 def _followed(motion: Motion, edges: Array) -> Index:
     """Which pieces are run: all, or so many of a long log, evenly spread, that they hold
     `_MOST_SAMPLES` samples.
@@ -211,158 +84,6 @@ def _followed(motion: Motion, edges: Array) -> Index:
     pieces = len(edges) - 1
     count = max(1, int(_MOST_SAMPLES * pieces / len(motion.t)))
     return np.unique(np.linspace(0, pieces - 1, min(count, pieces)).round().astype(int))
-
-
-def _land(
-    whole: System, motion: Motion, start: Array, end: Array, allowed: Ranges, method: str
-) -> Array:
-    """(pieces,) distance from the reference at each piece's end over the joint range; all run side
-    by side."""
-    reference = _Reference(whole, motion)
-    length = end - start
-    count, n = len(length), whole.size
-
-    cuts = _cuts(motion.jumps, start, length)
-    inside = 0.0, 1.0  # of the stretch between cuts
-
-    def torque_at(s: float) -> Array:
-        return reference.torque(start + s * length, start + np.clip(s, *inside) * length)
-
-    def rate(s: float, y: Array) -> Array:
-        t = start + s * length
-        states = y.reshape(count, n)
-        return (whole.rate(t, states, torque_at(s)) * length[:, None]).ravel()
-
-    def slope(s: float, y: Array) -> Any:
-        t = start + s * length
-        torque = torque_at(s)
-        A = whole.jacobian(t, y.reshape(count, n), torque) * length[:, None, None]
-        return block_diag(A, format="csc") if count > 1 else A[0]
-
-    options: dict[str, Any] = {"jac": slope} if method != "DOP853" else {}
-    y, counted = reference.state(start).ravel(), _limited(rate, _MOST_EVALUATIONS)
-    for s0, s1 in pairwise(cuts):
-        inside = _inside(s0, s1)
-        if len(cuts) > 2:
-            options["first_step"] = s1 - s0
-        try:
-            found = solve_ivp(counted, (s0, s1), y, method=method, **_tolerances(method), **options)
-        except _Spent:
-            return np.full(count, np.inf)
-        if not found.success:
-            return np.full(count, np.inf)
-        y = found.y[:, -1]
-    reached = whole.normalised(y.reshape(count, n))
-    off = difference(whole.model, motion.at(end)[0], whole.split(reached)[0])
-    return np.abs(off / allowed.width).max(axis=-1)
-
-
-def _cuts(jumps: Array, start: Array, length: Array) -> list[float]:
-    """Fractions of the pieces, from 0 to 1, at which the accelerations of one of them jump: no step
-    of an integrator goes across."""
-    inside = (jumps[:, None] - start) / length
-    cuts = np.unique(inside[(inside > _SAME) & (inside < 1.0 - _SAME)])
-    apart = np.diff(cuts, prepend=0.0) > _SAME
-    return [0.0, *cuts[apart].tolist(), 1.0]
-
-
-def _inside(start: float, end: float) -> tuple[float, float]:
-    """Its ends from within: there a jump is not yet, or is over."""
-    return start + _BESIDE * (end - start), end - _BESIDE * (end - start)
-
-
-_SAME = 1e-9  # of a piece
-_BESIDE = 1e-6  # of a stretch between jumps
-_ASTRAY = "astray"
-
-
-class _Spent(Exception):
-    """A run has used its evaluations."""
-
-
-def _limited(rate: Callable[[float, Array], Array], most: int) -> Callable[[float, Array], Array]:
-    """`rate`, which raises `_Spent` when it has been called more than `most` times."""
-    calls = 0
-
-    def counted(t: float, y: Array) -> Array:
-        nonlocal calls
-        calls += 1
-        if calls > most:
-            raise _Spent
-        return rate(t, y)
-
-    return counted
-
-
-def _open_loop(
-    whole: System, motion: Motion, allowed: Ranges, method: str
-) -> tuple[Array, Array, str]:
-    """(times, distance from the reference (k, nv), why it ended early) of one run over the whole
-    motion.
-
-    It ends where a joint has gone astray by its whole range, or when its evaluations are spent.
-    """
-    reference, model = _Reference(whole, motion), whole.model
-    inside = 0.0, 0.0  # of the stretch that is run
-
-    def torque_at(t: float) -> Array:
-        return reference.torque(np.asarray(t), np.asarray(np.clip(t, *inside)))
-
-    def rate(t: float, y: Array) -> Array:
-        return whole.rate(np.asarray(t), y, torque_at(t))
-
-    def slope(t: float, y: Array) -> Array:
-        return whole.jacobian(np.asarray(t), y, torque_at(t))
-
-    def astray(t: float, y: Array) -> float:
-        q = whole.split(whole.normalised(y))[0]
-        off = difference(model, motion.at(t)[0], q)
-        return 1.0 - float(np.abs(off / allowed.width).max())
-
-    astray.terminal = True
-    stepper: dict[str, Any] = {"jac": slope} if method != "DOP853" else {}
-    counted, ended = _limited(rate, _EVALUATIONS), ""
-    times, states = [motion.t[0]], [reference.state(motion.t[0])]
-    y = states[0]
-    for start, end in pairwise(_stretches(motion)):
-        inside = _inside(start, end)
-        seen = motion.t[(motion.t > start) & (motion.t < end)]
-        if len(motion.jumps):
-            stepper["first_step"] = end - start
-        try:
-            found = solve_ivp(
-                counted,
-                (start, end),
-                y,
-                method=method,
-                t_eval=np.append(seen, end),
-                **_tolerances(method),
-                events=astray,
-                **stepper,
-            )
-        except _Spent:
-            ended = "it needs too many steps"
-            break
-        times += list(found.t)
-        states += list(np.asarray(found.y).T)  # a list where not one of the times was reached
-        if found.status != 0:
-            ended = _ASTRAY if found.status == 1 else "the integrator found no further step"
-            break
-        y = states[-1]
-    t = np.array(times)
-    q = whole.split(whole.normalised(np.stack(states)))[0]
-    return t, np.abs(difference(model, motion.at(t)[0], q)), ended
-
-
-def _stretches(motion: Motion) -> Array:
-    """Times between which the open-loop run goes at once: accelerations jump at them, or what was
-    reached before evaluations ran out is kept."""
-    edges = np.unique(np.concatenate([motion.t[::20], motion.t[-1:], motion.jumps]))
-    return edges[np.append(np.diff(edges) > _SAME * motion.duration, True)]
-
-
-def _tolerances(method: str) -> dict[str, float]:
-    return {"rtol": TOLERANCE[method], "atol": TOLERANCE[method] / 100}
 
 
 def _method(model: Model, whole: System, motion: Motion) -> str:
@@ -401,7 +122,7 @@ def _drifted(
     share = drift / allowed.width
     k, j = np.unravel_index(int(np.argmax(share)), share.shape)
     found = f"drifts by up to {drift[k, j]:.2g} {'rad' if allowed.turns[j] else 'm'}"
-    if ended == _ASTRAY:
+    if ended == ASTRAY:
         first = model.velocity_names[int(np.argmax(share[-1]))]
         found = f"departs from the motion after t = {t[-1]:.3g} s, first {first} by its whole range"
     elif ended:

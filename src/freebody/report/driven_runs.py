@@ -1,0 +1,189 @@
+"""Runs of a model that is driven by the torques of a motion, in pieces or open loop."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.sparse import block_diag
+
+from freebody.arrays import Array
+from freebody.motion.motion import Motion
+from freebody.motion.ranges import Ranges
+from freebody.motion.simulation.first_order_system import System
+from freebody.trees.states import difference
+
+TOLERANCE = {"DOP853": 1e-12, "BDF": 1e-11, "Radau": 1e-8}
+"""Relative error per step of the integrators, absolute a hundredth of it; what is stiff also damps
+its errors."""
+ASTRAY = "astray"
+"""Why a run ended in which a joint left the motion by its whole range."""
+
+_EVALUATIONS = 30_000
+"""Of the open-loop run, which might otherwise follow a tumbling robot for minutes."""
+_MOST_EVALUATIONS = 150_000
+"""Of the pieces together."""
+_SAME = 1e-9  # of a piece
+_BESIDE = 1e-6  # of a stretch between jumps
+
+Slope = Callable[[float, Array], Any]
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The torque that the motion needs at any time, and the system under it."""
+
+    system: System
+    motion: Motion
+
+    def torque(self, t: Array, around: Array | None = None) -> Array:
+        """The torque at times t; `around`: times on the side of a jump on which t is meant."""
+        return self.system.torque(t, *self.motion.at(t, around))
+
+    def state(self, t: Array) -> Array:
+        """(q, q̇) at times t."""
+        q, qd, _ = self.motion.at(t)
+        return np.concatenate([q, qd], axis=-1)
+
+
+def land(
+    whole: System, motion: Motion, start: Array, end: Array, allowed: Ranges, method: str
+) -> Array:
+    """(pieces,) distance from the reference at each piece's end over the joint range; all run side
+    by side; infinite where the run was broken off."""
+    reference = Reference(whole, motion)
+    length = end - start
+    count, n = len(length), whole.size
+    cuts = _cuts(motion.jumps, start, length)
+    inside = 0.0, 1.0  # of the stretch between cuts
+
+    def torque_at(s: float) -> Array:
+        return reference.torque(start + s * length, start + np.clip(s, *inside) * length)
+
+    def rate(s: float, y: Array) -> Array:
+        t = start + s * length
+        states = y.reshape(count, n)
+        return (whole.rate(t, states, torque_at(s)) * length[:, None]).ravel()
+
+    def slope(s: float, y: Array) -> Any:
+        t = start + s * length
+        A = whole.jacobian(t, y.reshape(count, n), torque_at(s)) * length[:, None, None]
+        return block_diag(A, format="csc") if count > 1 else A[0]
+
+    y, counted = reference.state(start).ravel(), _limited(rate, _MOST_EVALUATIONS)
+    for stretch in pairwise(cuts):
+        inside = _inside(*stretch)
+        try:
+            found = _run(counted, slope, stretch, y, method, among_jumps=len(cuts) > 2)
+        except _Spent:
+            return np.full(count, np.inf)
+        if not found.success:
+            return np.full(count, np.inf)
+        y = found.y[:, -1]
+    reached = whole.normalised(y.reshape(count, n))
+    off = difference(whole.model, motion.at(end)[0], whole.split(reached)[0])
+    return np.abs(off / allowed.width).max(axis=-1)
+
+
+def open_loop(
+    whole: System, motion: Motion, allowed: Ranges, method: str
+) -> tuple[Array, Array, str]:
+    """(times, distance from the reference (k, nv), why it ended early) of one run over the whole
+    motion.
+
+    It ends where a joint has gone astray by its whole range, or when its evaluations are spent.
+    """
+    reference, model = Reference(whole, motion), whole.model
+    inside = 0.0, 0.0  # of the stretch that is run
+
+    def torque_at(t: float) -> Array:
+        return reference.torque(np.asarray(t), np.asarray(np.clip(t, *inside)))
+
+    def rate(t: float, y: Array) -> Array:
+        return whole.rate(np.asarray(t), y, torque_at(t))
+
+    def slope(t: float, y: Array) -> Array:
+        return whole.jacobian(np.asarray(t), y, torque_at(t))
+
+    def astray(t: float, y: Array) -> float:
+        q = whole.split(whole.normalised(y))[0]
+        off = difference(model, motion.at(t)[0], q)
+        return 1.0 - float(np.abs(off / allowed.width).max())
+
+    astray.terminal = True
+    counted, ended = _limited(rate, _EVALUATIONS), ""
+    times, states = [motion.t[0]], [reference.state(motion.t[0])]
+    for start, end in pairwise(_stretches(motion)):
+        inside = _inside(start, end)
+        seen = motion.t[(motion.t > start) & (motion.t < end)]
+        wanted = {"t_eval": np.append(seen, end), "events": astray}
+        jumps = len(motion.jumps) > 0
+        try:
+            found = _run(counted, slope, (start, end), states[-1], method, jumps, **wanted)
+        except _Spent:
+            ended = "it needs too many steps"
+            break
+        times += list(found.t)
+        states += list(np.asarray(found.y).T)  # a list where not one of the times was reached
+        if found.status != 0:
+            ended = ASTRAY if found.status == 1 else "the integrator found no further step"
+            break
+    t = np.array(times)
+    q = whole.split(whole.normalised(np.stack(states)))[0]
+    return t, np.abs(difference(model, motion.at(t)[0], q)), ended
+
+
+def _run(
+    rate: Slope, slope: Slope, stretch: tuple[float, float], y: Array, method: str,
+    among_jumps: bool, **more: Any,
+) -> Any:  # fmt: skip
+    """A stretch by one of the integrators of `TOLERANCE`; among jumps it is tried in one step."""
+    if method != "DOP853":
+        more["jac"] = slope
+    if among_jumps:
+        more["first_step"] = stretch[1] - stretch[0]
+    small = TOLERANCE[method]
+    return solve_ivp(rate, stretch, y, method=method, rtol=small, atol=small / 100, **more)
+
+
+def _cuts(jumps: Array, start: Array, length: Array) -> list[float]:
+    """Fractions of the pieces, from 0 to 1, at which the accelerations of one of them jump: no step
+    of an integrator goes across."""
+    inside = (jumps[:, None] - start) / length
+    cuts = np.unique(inside[(inside > _SAME) & (inside < 1.0 - _SAME)])
+    apart = np.diff(cuts, prepend=0.0) > _SAME
+    return [0.0, *cuts[apart].tolist(), 1.0]
+
+
+def _inside(start: float, end: float) -> tuple[float, float]:
+    """Its ends from within: there a jump is not yet, or is over."""
+    return start + _BESIDE * (end - start), end - _BESIDE * (end - start)
+
+
+class _Spent(Exception):
+    """A run has used its evaluations."""
+
+
+def _limited(rate: Callable[[float, Array], Array], most: int) -> Callable[[float, Array], Array]:
+    """`rate`, which raises `_Spent` when it has been called more than `most` times."""
+    calls = 0
+
+    def counted(t: float, y: Array) -> Array:
+        nonlocal calls
+        calls += 1
+        if calls > most:
+            raise _Spent
+        return rate(t, y)
+
+    return counted
+
+
+def _stretches(motion: Motion) -> Array:
+    """Times between which the open-loop run goes at once: accelerations jump at them, or what was
+    reached before evaluations ran out is kept."""
+    edges = np.unique(np.concatenate([motion.t[::20], motion.t[-1:], motion.jumps]))
+    return edges[np.append(np.diff(edges) > _SAME * motion.duration, True)]
