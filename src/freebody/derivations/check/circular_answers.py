@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from freebody.derivations.check.answer_tree import Named
 from freebody.derivations.check.asked.quantity import AskedQuantity
@@ -52,12 +52,17 @@ def refuse_circles(source: Source, claims: Sequence[Claim]) -> None:
                 continue
             through = [label[target] for target in way if target != claim.target]
             by = f" by way of {', '.join(through)}" if through else ""
-            source.fail(
-                f"{claim.label} is defined by itself{by}: the equation holds for any value, so "
-                f"there is nothing to check",
-                use.span,
-                "Write it in the model's symbols.",
-            )
+            refuse_itself(source, claim.label, use.span, by)
+
+
+def refuse_itself(source: Source, label: str, span: Span, by: str = "") -> NoReturn:
+    """Refuse what is given by itself."""
+    source.fail(
+        f"{label} is defined by itself{by}: the equation holds for any value, so there is nothing "
+        f"to check",
+        span,
+        "Write it in the model's symbols.",
+    )
 
 
 def _way(

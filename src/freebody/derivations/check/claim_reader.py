@@ -13,7 +13,11 @@ from freebody.derivations.check.answer_text import AnswerText
 from freebody.derivations.check.answer_tree import Named, Wave
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked_quantities import AMBIGUOUS, Targets
-from freebody.derivations.check.circular_answers import GivenQuantity, uses
+from freebody.derivations.check.circular_answers import (
+    GivenQuantity,
+    refuse_itself,
+    uses,
+)
 from freebody.derivations.check.exact_polynomials import PolynomialReader
 from freebody.derivations.check.reading import AnswerParser
 from freebody.derivations.check.tables_in_formulas import Shape, worked_out
@@ -149,6 +153,8 @@ class ClaimReader:
             )
         node = self.parse(line[1])
         given = tuple(use.target for use in uses(node, self.targets.single, self.vocabulary))
+        if self.targets.single.get(name) in given:
+            refuse_itself(self.source, self.source[first[0].span], node.span)
         self.vocabulary.define(name, self.value(node), given)
         return [line]
 

@@ -8,20 +8,19 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NoReturn
 
+from freebody.derivations.check import own_names
 from freebody.derivations.check.answer_lines import DocumentReader, Line
-from freebody.derivations.check.answer_text import AnswerError, AnswerText
+from freebody.derivations.check.answer_text import AnswerError
 from freebody.derivations.check.answer_tree import Named
 from freebody.derivations.check.asked_quantities import Targets, letters_of
-from freebody.derivations.check.circular_answers import refuse_circles, uses
+from freebody.derivations.check.circular_answers import refuse_circles
 from freebody.derivations.check.claim_reader import Claim, ClaimReader
 from freebody.derivations.check.documents.answer_document import AnswerDocument, FormulaPiece
-from freebody.derivations.check.exact_polynomials import PolynomialReader
-from freebody.derivations.check.reading import AnswerParser
-from freebody.derivations.check.right_equations import FAMILIES, RightEquations
+from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.verdict import UnreadEquation
-from freebody.derivations.check.vocabulary import Vocabulary, spellings
+from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.grammar import words
-from freebody.derivations.grammar.lexer import Token, tokens
+from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.source import Source
 from freebody.derivations.notations.notation import BookNotation
 from freebody.errors import FreebodyError, listed
@@ -53,9 +52,8 @@ def statements(
     vocabulary = Vocabulary(setting, targets.names, targets.alone)
     for name, value in setting.given.items():
         vocabulary.define(name, value)
-    _write_as(vocabulary, targets, notation)
-    for name, meaning in names.items():
-        _rename(vocabulary, targets, name, meaning)
+    own_names.of_notation(vocabulary, targets, notation)
+    own_names.of_user(vocabulary, targets, names)
     reading = DocumentReader(document, vocabulary, targets.names)
     source = reading.source
     symbols = frozenset(vocabulary.symbols)
@@ -183,69 +181,6 @@ def _unused(source: Source, own: Sequence[Line], lines: Sequence[Line]) -> tuple
         if line[0][0].text not in used:
             unused.append(source[line[0][0].span])
     return tuple(dict.fromkeys(unused))
-
-
-# ---------------------------------------------------------------- names
-def _write_as(vocabulary: Vocabulary, targets: Targets, notation: BookNotation) -> None:
-    """The names of a notation, all at once, as one may stand for what another is called here; none
-    where the model has such names itself."""
-    own = set(notation.names) - set(notation.names.values())
-    numbered = (re.sub(r"\d+$", "", name) for name in vocabulary.setting.symbols.model.parameters)
-    if own & set(numbered):
-        return
-    here = Vocabulary(vocabulary.setting, targets.names, targets.alone)
-    for name, meaning in notation.names.items():
-        _rename(vocabulary, targets, name, meaning, here)
-
-
-def _rename(
-    vocabulary: Vocabulary,
-    targets: Targets,
-    name: str,
-    meaning: str,
-    here: Vocabulary | None = None,
-) -> None:
-    """A name of the user's own, for a symbol (and its rates), for a family of them, for an
-    expression, or a letter for the cosines and sines of all angles. here: what the meaning is
-    written with, if not with the names so far."""
-    here = vocabulary if here is None else here
-    plain = _plain(name)
-    target = _plain(meaning) if re.fullmatch(r"[\w\\{}']+", meaning) else ""
-    if target in (*FAMILIES, "theta", "d", "q") and target not in here.symbols:
-        for k in range(1, vocabulary.setting.joints + 1):
-            if f"{target}{k}" in here.symbols:
-                _rename(vocabulary, targets, f"{plain}{k}", f"{target}{k}", here)
-        return
-    if target in ("sin", "cos"):
-        vocabulary.also_wave(plain, target)
-        return
-    source = AnswerText.of(meaning)
-    parser = AnswerParser(
-        source, tokens(source, here)[:-1], here, lambda n: targets.single[n].compute()
-    )
-    node = parser.side()
-    value = PolynomialReader(source, vocabulary.setting.ring).read(node)
-    given = tuple(use.target for use in uses(node, targets.single, vocabulary))
-    vocabulary.define(plain, value, given)
-    letter, digits = re.sub(r"\d+$", "", plain), re.findall(r"\d*$", plain)[0]
-    rate = value
-    for dots in (1, 2):
-        rate = rate.along(vocabulary.setting.symbols.rates)
-        if rate.is_zero:
-            return
-        for spelling in spellings(letter, digits, dots):
-            vocabulary.define(spelling, rate, given)
-
-
-def _plain(name: str) -> str:
-    """The plain spelling of a name."""
-    source = AnswerText.of(name.strip())
-    if not source.text or not (source.text[0] in words.STARTS or source.text[0] == "\\"):
-        raise AnswerError(f"names: {name!r} is not a name")
-    word = words.spell(source, 0)
-    if word.end != len(source.text):
-        raise AnswerError(f"names: {name!r} is no single name")
-    return word.plain
 
 
 def _new_names(source: Source, pieces: Sequence[FormulaPiece], vocabulary: Vocabulary) -> list[str]:

@@ -66,6 +66,19 @@ _TRANSPOSE = re.compile(
     rf"{_S}\{{T\}}){_S}\}})"
 )
 """J^T."""
+_DETACHED = re.compile(
+    r"(?:\((?P<inside>[^\W\d_]_?\d?)\s?\)|(?P<letter>(?<![\w\\])[^\W\d_]))\s"
+    r"(?P<dots>[\u0307\u0308])(?P<below>(?:_\{?)?\d{1,2}\}?)?"
+)
+"""θ ̈_1 and (θ_1 ) ̈, as Word writes θ̈_1 on one line."""
+_WORD_BRACKETS = re.compile(r"〖([^〖〗]{1,200})〗")
+_DEGREES = re.compile(rf"\^{_S}(?:\{{{_S}\\circ{_S}\}}|\\circ(?![A-Za-z]))|\\degree(?![A-Za-z])")
+_EMPTY = re.compile(r"\{\s{0,9}\}")
+_ENTRY = re.compile(
+    r"(?<![\w\\}])(?P<name>\\?[A-Za-z]+|[Α-ω])(?:"
+    r"\[\s?([1-9])\s?(?:,\s?([1-9])\s?)?\]|\(([1-9])\s?,\s?([1-9])\)|_([1-9]),([1-9])(?=\s?=))"
+)
+"""H[1,2], tau[1], M(1,2), M_1,2, counted from 1."""
 
 
 def respelt(text: str) -> str:
@@ -98,8 +111,24 @@ def _plain_rate(match: re.Match[str]) -> str:
     return f"{'d' * (1 + (match['twice'] is not None))}{match['name']}"
 
 
+def _attached(match: re.Match[str]) -> str:
+    """A dot on the letter that it belongs to."""
+    name = match["letter"] or match["inside"]
+    return f"{name[0]}{match['dots']}{name[1:]}{match['below'] or ''}"
+
+
+def _in_brackets(match: re.Match[str]) -> str:
+    """What Word's brackets hold together; around a function they say nothing."""
+    return match[1] if match[1].strip() in ("sin", "cos", "tan") else f"({match[1]})"
+
+
 _SPELLINGS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
     (_TRANSPOSE, lambda match: TRANSPOSED),
+    (_DETACHED, _attached),
+    (_WORD_BRACKETS, _in_brackets),
+    (_DEGREES, lambda match: "°"),
+    (_EMPTY, lambda match: ""),
+    (_ENTRY, lambda match: match["name"] + "".join(filter(None, match.groups()[1:]))),
     (_OF_TIME, lambda match: match[1]),
     (_RATE, _dotted),
     (_RATE_OF, _dotted),

@@ -6,6 +6,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterable, Iterator
+from copy import copy
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NoReturn
 
@@ -68,6 +69,13 @@ class Vocabulary:
         if self._known is None:
             self._known = frozenset([*self.symbols, *self.waves, *self.quantities, "t", "pi"])
         return self._known
+
+    def copy(self) -> Vocabulary:
+        """The same names, apart from what is defined later."""
+        kept = copy(self)
+        for name in ("symbols", "waves", "functions", "uses"):
+            setattr(kept, name, dict(getattr(self, name)))
+        return kept
 
     def define(self, plain: str, value: Trig, uses: tuple[AskedQuantity, ...] = ()) -> None:
         """A name of the user's own, and the quantities that it is given by; it goes before all

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from dataclasses import dataclass
 from typing import ClassVar, NoReturn, Self
@@ -57,7 +58,7 @@ class Source:
             raise cls.error(
                 f"the {cls.what} has {len(text)} characters; at most {cls.longest} are read"
             )
-        return cls(unicodedata.normalize("NFD", text))
+        return cls(decomposed(text))
 
     @property
     def shown(self) -> str:
@@ -101,6 +102,16 @@ class Source:
         size = max(1, _width(self.shown[span[0] : min(span[1], end)]))
         pad = " " * (_width(self.shown[first : span[0]]) + 4)
         return f"    {unicodedata.normalize('NFC', shown)}\n{pad}{'^' * min(size, _SHOWN)}"
+
+
+def decomposed(text: str) -> str:
+    """A text with accents decomposed and the letters of mathematical fonts, 𝜃 of Word, as plain
+    ones; both are a character each."""
+    plain = _MATHEMATICAL.sub(lambda letter: unicodedata.normalize("NFKC", letter[0]), text)
+    return unicodedata.normalize("NFD", plain)
+
+
+_MATHEMATICAL = re.compile("[\U0001d400-\U0001d7ff\u210e]")
 
 
 def _width(text: str) -> int:

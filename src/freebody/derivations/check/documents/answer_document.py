@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from freebody.derivations.check.answer_text import AnswerError
-from freebody.derivations.grammar.source import Span
+from freebody.derivations.grammar.source import Span, decomposed
 
 LARGEST = 400_000
 """Characters of a document; of its formulas fewer are read, see `AnswerText.longest`."""
@@ -62,19 +61,35 @@ class DocumentForm:
 
 
 def plain_characters(text: str) -> str:
-    """A text with accents decomposed, the line ends of any system as one character and blanks for
-    the numbers of equations; raises AnswerError where it is too long."""
+    """A text with accents decomposed, mathematical letters plain, the line ends of any system as
+    one character, = for all signs of definition, and blanks for the numbers of equations and of
+    questions; raises AnswerError where it is too long."""
     if len(text) > LARGEST:
         raise AnswerError(f"the answer has {len(text)} characters; at most {LARGEST} are read")
-    plain = unicodedata.normalize("NFD", text.replace("\r\n", "\n").replace("\r", "\n"))
-    return _NUMBER.sub(lambda number: " " * len(number[0]), plain)
+    plain = decomposed(text.replace("\r\n", "\n").replace("\r", "\n"))
+    plain = _DEFINED.sub(lambda sign: "=".rjust(len(sign[0])), plain)
+    for number in (_NUMBER, _LABEL):
+        plain = number.sub(lambda match: " " * len(match[0]), plain)
+    return plain
 
 
+_DEFINED = re.compile(
+    r":=|[≡≔≜]|\\(?:equiv|coloneqq|triangleq|doteq)(?![A-Za-z])"
+    r"|(?:[≈≃≅]|\\(?:approx|simeq|cong)(?![A-Za-z]))(?=\s?[-−]?\s?[0-9.])"
+)
+"""Signs of definition, and of an approximation by a number, which is read to its digits."""
 _NUMBER = re.compile(
     r"(?:\\q?quad|\\hfill|\t|(?<=[ ]) )[ ]?\((?:\d{1,3}[.-]\d{1,3}[a-z]?|[A-Z]\.\d{1,3})\)"
     r"(?=[ ]?(?:\\\\|\$|\\\]|\n|$))"
 )
 """Of an equation, at the end of its line and apart from it: (3.2), (A.4)."""
+_LABEL = re.compile(
+    r"^[ \t]{0,12}(?:\(?(?:[a-z]|[ivx]{1,4}|\d{1,2}[a-z]?)\)|(?:\d{1,2}\.|[*•‣])(?=[ \t])"
+    r"|[^\W\d_]{1,12}\.?[ \t]?\(?\d{1,3}(?:\.\d{1,3})?[a-z]?\)?[ \t]?:)"
+    r"(?=[ \t]{1,4}(?:[^\W\d_]|\\[a-zA-Z])[^\s=+*/()]{0,30}(?:\([^()=\n]{0,30}\))?[ \t]?=)",
+    re.MULTILINE,
+)
+"""Of a question or an equation in front of it: 1) H22 = …, (a), ii), Eq. (3):, and bullets."""
 
 
 @dataclass

@@ -25,6 +25,8 @@ _WITH_COLUMNS = ("alignat", "IEEEeqnarray")
 _COLUMNS = re.compile(r"\s{0,9}\{[^{}]{0,40}\}")
 """What stands behind the begin of some displays: how many columns, or how they are set."""
 _COMMENT = re.compile(r"(?<!\\)(?:\\\\)*(%[^\n]*)")
+_CONTINUED = re.compile(r"\n(?=[^\n=]*[^\s=][^\n=]*(?:\n|$))")
+"""The end of a line that goes on in one without an equals sign."""
 _DOCUMENT, _END = r"\begin{document}", r"\end{document}"
 
 _GROUP = r"\{[^{}]{0,200}\}"
@@ -64,8 +66,9 @@ def read(text: str) -> AnswerDocument:
     found = formulas(said)
     if not found:
         document = plain.read(text)
+        lines = _CONTINUED.sub(" ", str(whole))
         return AnswerDocument(
-            written, str(whole), document.pieces, document.prose, told=True, strict=True
+            written, lines, document.pieces, document.prose, told=True, strict=True
         )
     whole.only(found)
     pieces = clean(whole, found)

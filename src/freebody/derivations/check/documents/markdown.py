@@ -16,14 +16,21 @@ from freebody.derivations.check.documents.answer_document import (
 from freebody.derivations.grammar.source import Span
 
 _FENCE = re.compile(r"^[ ]{0,3}(```+|~~~+)[ ]*(\w*)[^\n]*$", re.MULTILINE)
-_HEADING = re.compile(r"^[ \t]*#{1,6}[ \t][^\n]*", re.MULTILINE)
+_HEADING = re.compile(
+    r"^[ \t]*#{1,6}[ \t]+(?!(?:[^=:\n]{1,40}:[ \t]*)?(?:\$|[^\s=]{1,20}[ \t]?=))[^\n]*",
+    re.MULTILINE,
+)
+"""Of words; one that is an equation states it."""
 _MARKS = re.compile(
-    rf"{_HEADING.pattern}|^[ \t]*(?:>[ \t]?|[-*+][ \t]+(?:\[[ xX]\][ \t])?|\d{{1,3}}[.)][ \t]+|\|)"
+    rf"{_HEADING.pattern}|^[ \t]*(?:#{{1,6}}[ \t]|\|[ \t:|-]+$)"
+    r"|^[ \t]*(?:>[ \t]?|[-*+][ \t]+(?:\[[ xX]\][ \t])?|\d{1,3}[.)][ \t]+|\|)"
     r"|(?<!\S)\*\*(?=\S)|(?<=\S)\*\*(?!\S)|(?<=\s)_(?=\w)|\||`",
     re.MULTILINE,
 )
 """Marks of headings, lists, quotations, tables and emphasis; a heading with its words. A power
 lc2**2 is no emphasis."""
+_ROW = re.compile(r"[ \t]*\|")
+"""The begin of a table's row, whose cells are separate."""
 
 
 def read(text: str) -> AnswerDocument:
@@ -89,7 +96,8 @@ def _lines(
     for a, b in formulas:
         rest.put(a - start, b - start)
     for match in _MARKS.finditer(str(rest)):
-        whole.put(start + match.start(), start + match.end())
+        cell = match[0] == "|" and _ROW.match(text, text.rfind("\n", 0, start + match.start()) + 1)
+        whole.put(start + match.start(), start + match.end(), ";" if cell else "")
     paragraph: list[Span] = []
     k = 0
     for line in [*plain.lines(text, *span), (span[1], span[1])]:

@@ -12,9 +12,12 @@ from freebody.derivations.check.documents.answer_document import (
     FormulaPiece,
     plain_characters,
 )
+from freebody.derivations.check.formula_spellings import FILL
 from freebody.derivations.grammar.source import Span
 
-_ASSIGNED = re.compile(r"[ \t]{0,12}([A-Za-z_]\w{0,60})[ \t]*(?::[^=\n]{0,40})?([-+*/]{0,2}=)(?!=)")
+_ASSIGNED = re.compile(
+    r"[ \t]{0,12}([A-Za-z_]\w{0,60}\x1f*)[ \t]*(?::[^=\n]{0,40})?([-+*/]{0,2}=)(?!=)"
+)
 _DECLARED = re.compile(
     r"\b(?:symbols|Symbol|dynamicsymbols|Function|var|lambdify|import|ReferenceFrame|Point)\b"
 )
@@ -25,7 +28,9 @@ _WRAPPERS = re.compile(
     r"(?<![\w.])(?:simplify|trigsimp|expand|factor|expand_trig|together|cancel|nsimplify)(?=\s*\()"
 )
 _RATIONAL = re.compile(r"(?<![\w.])(?:Rational|S)\(\s*(\d{1,9})\s*(?:,\s*(\d{1,9})\s*)?\)")
-_RATE = re.compile(r"(?<![\w.])([A-Za-z]\w{0,30})\.diff\(\s*t\s*(?:,\s*([12])\s*|,\s*t\s*)?\)")
+_RATE = re.compile(r"(?<![\w.])([A-Za-z]\w{0,30})\x1f*\.diff\(\s*t\s*(?:,\s*([12])\s*|,\s*t\s*)?\)")
+_ENTRY = re.compile(r"(?<![\w.\])])([A-Za-z]+)\[\s?([0-7])\s?(?:(?:,|\]\[)\s?([0-7])\s?)?\]")
+"""M[0, 1], tau[0], counted from 0: M12, tau1."""
 _SAME = (
     r"(?:\w+\.)?(?:simplify|trigsimp|expand|factor|expand_trig)\({0}\)"
     r"|{0}\.(?:simplify|expand|doit|trigsimp)\(\)"
@@ -39,6 +44,11 @@ def clean(whole: Blanks, said: Blanks, span: Span) -> list[FormulaPiece]:
     `said` all is left that states something."""
     pieces = []
     kept: list[Span] = []
+    for match in _ENTRY.finditer("".join(whole.characters[slice(*span)])):
+        name = match[1] + "".join(str(int(k) + 1) for k in match.groups()[1:] if k)
+        for text in (whole, said):
+            start, end = span[0] + match.start(), span[0] + match.end()
+            text.put(start, end, name.ljust(end - start, FILL))
     code = "".join(whole.characters[slice(*span)])
     stated: list[Span] = []
     for a, b in _statements(code):
@@ -47,7 +57,7 @@ def clean(whole: Blanks, said: Blanks, span: Span) -> list[FormulaPiece]:
         if not text.strip() or _DECLARED.search(text):
             continue
         behind = "".join(text[assigned.end() :].split()) if assigned else ""
-        if assigned and re.fullmatch(_SAME.format(assigned[1]), behind):
+        if assigned and re.fullmatch(_SAME.format(assigned[1].rstrip(FILL)), behind):
             continue  # tau = simplify(tau)
         stated.append((start, end))
         if assigned is None:

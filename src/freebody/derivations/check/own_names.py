@@ -1,0 +1,98 @@
+"""Names of the user's own, or of a notation, and what they stand for."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from freebody.derivations.check.answer_text import AnswerError, AnswerText
+from freebody.derivations.check.asked_quantities import Targets
+from freebody.derivations.check.circular_answers import uses
+from freebody.derivations.check.exact_polynomials import PolynomialReader
+from freebody.derivations.check.reading import AnswerParser
+from freebody.derivations.check.right_equations import FAMILIES
+from freebody.derivations.check.vocabulary import FUNCTIONS, Vocabulary, spellings
+from freebody.derivations.grammar import words
+from freebody.derivations.grammar.lexer import tokens
+from freebody.derivations.notations.notation import BookNotation
+from freebody.scalars.trig import Trig
+
+
+def of_notation(vocabulary: Vocabulary, targets: Targets, notation: BookNotation) -> None:
+    """The names of a notation, all at once, as one may stand for what another is called here; none
+    where the model has such names itself."""
+    own = set(notation.names) - set(notation.names.values())
+    numbered = (re.sub(r"\d+$", "", name) for name in vocabulary.setting.symbols.model.parameters)
+    if own & set(numbered):
+        return
+    here = Vocabulary(vocabulary.setting, targets.names, targets.alone)
+    for name, meaning in notation.names.items():
+        _rename(vocabulary, targets, name, meaning, here)
+
+
+def of_user(vocabulary: Vocabulary, targets: Targets, names: Mapping[str, str]) -> None:
+    """The user's names, all at once too; one may stand for what others do."""
+    here, waiting = vocabulary.copy(), dict(names)
+    while waiting:
+        problem = None
+        for name, meaning in list(waiting.items()):
+            try:
+                if not _rename(vocabulary, targets, name, meaning, here):
+                    raise AnswerError(f"names: {name!r}: no {meaning!r} with a number is known")
+                del waiting[name]
+            except AnswerError as error:
+                problem = problem or error
+        if problem is not None and len(waiting) == len(names):
+            raise problem
+        here, names = vocabulary.copy(), dict(waiting)
+
+
+def _rename(
+    vocabulary: Vocabulary, targets: Targets, name: str, meaning: str, here: Vocabulary
+) -> bool:
+    """A name of the user's own, for a symbol (and its rates), for a family of them, for an
+    expression, or a letter for the cosines and sines of all angles; whether there is such a thing.
+    here: what the meaning is written with."""
+    plain = _plain(name)
+    if plain in (*FUNCTIONS, "pi", "t"):
+        raise AnswerError(f"names: {name!r} has its own meaning and can be no other name")
+    target = _plain(meaning) if re.fullmatch(r"[\w\\{}']+", meaning) else ""
+    if target in (*FAMILIES, "theta", "d", "q") and target not in here.symbols:
+        numbers = [k for k in range(1, here.setting.joints + 1) if f"{target}{k}" in here.symbols]
+        for k in numbers:
+            _rename(vocabulary, targets, f"{plain}{k}", f"{target}{k}", here)
+        return bool(numbers)
+    if target in ("sin", "cos"):
+        if re.search(r"\d", plain):
+            raise AnswerError(f"names: {name!r} is to be a letter for {target}, without numbers")
+        vocabulary.also_wave(plain, target)
+        return True
+    source = AnswerText.of(meaning)
+
+    def quantity(name: str) -> Trig | None:
+        return targets.single[name].compute() if name in targets.single else None
+
+    node = AnswerParser(source, tokens(source, here)[:-1], here, quantity).side()
+    value = PolynomialReader(source, vocabulary.setting.ring).read(node)
+    given = tuple(use.target for use in uses(node, targets.single, vocabulary))
+    vocabulary.define(plain, value, given)
+    letter, digits = re.sub(r"\d+$", "", plain), re.findall(r"\d*$", plain)[0]
+    rate = value
+    for dots in (1, 2):
+        rate = rate.along(vocabulary.setting.symbols.rates)
+        if rate.is_zero:
+            break
+        for spelling in spellings(letter, digits, dots):
+            vocabulary.define(spelling, rate, given)
+    return True
+
+
+def _plain(name: str) -> str:
+    """The plain spelling of a name."""
+    source = AnswerText.of(name.strip())
+    if not source.text or not (source.text[0] in words.STARTS or source.text[0] == "\\"):
+        raise AnswerError(f"names: {name!r} is not a name")
+    word = words.spell(source, 0)
+    if word.end != len(source.text):
+        raise AnswerError(f"names: {name!r} is no single name")
+    return word.plain
