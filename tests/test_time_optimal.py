@@ -290,6 +290,20 @@ def test_a_wrench_and_a_payload_count():
     assert (np.abs(torque) / arm().limits.effort).max() < 1.001
 
 
+def test_springs_and_rotors_count():
+    model = arm().with_drive("joint1", stiffness=40.0, rest=0.8, rotor=2.0)
+    q, qd, qdd = fine(fb.time_optimal(model, WAY, points=201))
+    torque = np.abs(fb.inverse_dynamics(model, q, qd, qdd)) / model.limits.effort
+    used = np.maximum(torque, np.abs(qd) / 2.0)
+    assert torque.max() < 1.001
+    assert np.mean(used.max(axis=-1) > 0.99) > 0.9
+
+
+def test_speeds_alone_may_be_limited():
+    motion = fb.time_optimal(fb.load("2R"), [[0.0, 0.0], [1.0, 0.5]], velocity=[2.0, 1.5])
+    assert motion.duration == pytest.approx(0.5, rel=1e-4)
+
+
 def test_many_paths_are_what_each_is_alone():
     rng = np.random.default_rng(2)
     ways = rng.uniform(-1.2, 1.2, (19, 5, 2))

@@ -182,13 +182,13 @@ def forward(x: Scalar, high: Vector, slope: Vector, most: Scalar) -> Scalar:
 
 def halfway(
     first: Vector, second: Vector, x: Scalar, y: Scalar, h: Scalar
-) -> tuple[list[Scalar], list[Scalar]]:
+) -> tuple[tuple[Scalar, ...], tuple[Scalar, ...]]:
     """(q̇, q̈) halfway in an interval; first, second: q' and q'' there."""
     middle, u = 0.5 * (x + y), (y - x) / h
     speed = sqrt(middle)
-    return [a * speed for a in first], [
+    return tuple(a * speed for a in first), tuple(
         b * middle + a * u for a, b in zip(first, second, strict=True)
-    ]
+    )
 
 
 def excess(

@@ -12,20 +12,18 @@ torques bulge: what they exceed a limit by, halfway, is taken off that limit.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.lazy import cached_property
-from freebody.model.model import Model
 from freebody.motion.friction import drive_arrays
 from freebody.motion.optimal.path_samples import PathSamples, sampled
-from freebody.motion.optimal.speed_profile import PathRows, excess, halfway, speed_share, top_speed
+from freebody.motion.optimal.robot_limits import Reached, RobotLimits
+from freebody.motion.optimal.speed_profile import PathRows, speed_share
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.ranges import Flags
-from freebody.trees.dynamics import inverse_dynamics
 
 _INSTANT = 1e-6
 """s: no path takes less time; what would be quicker has no limit."""
@@ -35,40 +33,6 @@ _CUSHION = 5e-5
 """Of a limit: by how much more than what it was exceeded by it is made stricter."""
 _SLIGHTLY = 0.01
 """Of a squared speed: what is given away at once rather than by computing the motion again."""
-
-
-@dataclass(frozen=True, eq=False)
-class RobotLimits:
-    """A robot with its largest rates, accelerations and torques (nv,), infinite where there is
-    none, under constant wrenches on frames."""
-
-    model: Model
-    velocity: Array
-    acceleration: Array
-    torque: Array
-    wrenches: Mapping[str, Array]
-
-    @cached_property
-    def size(self) -> Array:
-        """(m,) the limit of each row: finite torques, then finite accelerations."""
-        return np.concatenate([x[np.isfinite(x)] for x in (self.torque, self.acceleration)])
-
-    def dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
-        """Torques (..., nv), friction and wrenches included."""
-        rows = [x.reshape(-1, x.shape[-1]) for x in (q, qd, qdd)]  # one axis is quickest
-        loads = dict(self.wrenches) or None
-        return inverse_dynamics(self.model, *rows, wrenches=loads).reshape(qd.shape)
-
-    def row(self, torque: Array, acceleration: Array) -> Array:
-        """(..., m) of torques and accelerations (..., nv) those that have a limit."""
-        if self._torques_alone:
-            return torque
-        pick, other = np.isfinite(self.torque), np.isfinite(self.acceleration)
-        return np.concatenate([torque[..., pick], acceleration[..., other]], axis=-1)
-
-    @cached_property
-    def _torques_alone(self) -> bool:
-        return bool(np.isfinite(self.torque).all() and not np.isfinite(self.acceleration).any())
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,16 +82,9 @@ class PathProblem:
         share = np.abs(self.viscous) * error[..., None] / self.limits.size
         return share.max(axis=(0, 2), initial=0.0)
 
-    def excess(self, x: Array) -> tuple[Array, Array]:
-        """((N, P, m) by how much a motion with x (N + 1, P) exceeds limits within the intervals:
-        above the upper one, or negative below the lower one; (N, P) the largest as a fraction)."""
-        qd, qdd = halfway(self.between.first, self.between.second, x, self.rows.h)
-        values = self.limits.row(self.limits.dynamics(self.between.q, qd, qdd), qdd)
-        return excess(self.with_friction(x), x, values, self.limits.size)
-
-    def top_speed(self, x: Array) -> Array:
-        """(N, P) the largest speed in each interval as a fraction of its limit, squared."""
-        return top_speed(self.at.first, self.between.first, self.limits.velocity, x)
+    def reached(self, x: Array) -> Reached:
+        """By motions with x (N + 1, P)."""
+        return self.limits.reached(self.with_friction(x), x, self.at, self.between)
 
     def tightened(self, x: Array, by: Array, speed: Array, paths: Flags) -> PathProblem:
         """With limits that are stricter by what a motion with x (N + 1, P) exceeds them by, of
@@ -182,37 +139,20 @@ def path_problem(
     """The limits along paths at a grid s (N + 1, P)."""
     found = sampled(curves, np.concatenate([s, 0.5 * (s[:-1] + s[1:])]))
     at, between = (found.part(part) for part in _parts(len(s)))
-    still = np.zeros_like(at.first)
     viscous, coulomb, _ = drive_arrays(limits.model)
-    rest = limits.dynamics(at.q, still, still)
-    unit = _unit(at.first)
-    first, second = at.first * unit, at.second * unit**2
-    with_rates = limits.dynamics(at.q, first, second) - rest
-    if viscous.any() or coulomb.any():
-        with_rates -= viscous * first + coulomb * np.sign(first)
-    a = limits.row((limits.dynamics(at.q, still, first) - rest) / unit, at.first)
-    b = limits.row(with_rates / unit**2, at.second)
-    held, size = limits.row(rest, still), limits.size
-    kept = (1.0 - RESERVE) * size
-    lo, hi = -kept - held, kept - held
+    a, b, lo, hi = limits.rows(at, 1.0 - RESERVE)
     ends = [(lo[:-1], hi[:-1]), (lo[1:], hi[1:])]
     if coulomb.any():
         signs = np.stack([np.sign(x) for x in (at.first[:-1], between.first, at.first[1:])])
         signs[0, 0] = signs[2, -1] = 0.0  # at rest, where no friction helps to brake
-        drag = [limits.row(coulomb * f(signs, axis=0), still[:-1]) for f in (np.min, np.max)]
+        drag = [limits.friction(coulomb * f(signs, axis=0)) for f in (np.min, np.max)]
         ends = [(lo - drag[0], hi - drag[1]) for lo, hi in ends]
     (lo, hi), (lo_end, hi_end) = ends
     h = 2.0 * np.diff(s, axis=0)
     speed = _speed_limits(limits, found, len(s))
     rows = PathRows(h, speed, a, b, (lo, lo_end), (hi, hi_end))
-    drag = limits.row(viscous * at.first, still) if viscous.any() else None
+    drag = limits.friction(viscous * at.first) if viscous.any() else None
     return PathProblem(limits, at, between, rows, drag)
-
-
-def _unit(first: Array) -> Array:
-    """(P, 1) ṡ, a power of 2, with which the fastest joint of a path moves at about 1: so inertia
-    is not lost beside gravity where s is in thousands of millions, or a path short."""
-    return np.ldexp(1.0, -np.frexp(np.abs(first).max(axis=(0, 2)))[1])[:, None]
 
 
 def _speed_limits(limits: RobotLimits, samples: PathSamples, count: int) -> Array:

@@ -75,7 +75,7 @@ def quickest_profile(rows: PathRows) -> SpeedProfile:
 def _polygons(kernel: Kernel, rows: PathRows) -> tuple[Array, ...]:
     """What `path_timing.polygon` finds in each interval; where its search has not ended, it goes on
     from there."""
-    given = _both_ends(rows)
+    given = both_ends(rows)
     ends = np.empty((*rows.h.shape, 4))
     for k, x in enumerate((0.0, rows.most[:-1], rows.most[1:], rows.h)):
         ends[..., k] = x
@@ -92,61 +92,20 @@ def _polygons(kernel: Kernel, rows: PathRows) -> tuple[Array, ...]:
     return (*lines, corners)
 
 
-def _both_ends(rows: PathRows) -> tuple[Array, ...]:
-    """(N, P, m) each, as `_row_arguments` names them."""
+def both_ends(rows: PathRows) -> tuple[Array, ...]:
+    """(N, P, m) each, as `row_arguments` names them."""
     return (
         rows.a[:-1], rows.b[:-1], rows.lo[0], rows.hi[0],
         rows.a[1:], rows.b[1:], rows.lo[1], rows.hi[1],
     )  # fmt: skip
 
 
-_ENDS = tuple(Argument(name, ()) for name in ("x", "y", "h"))
+ENDS = tuple(Argument(name, ()) for name in ("x", "y", "h"))
 
 
-def _row_arguments(m: int) -> list[Argument]:
+def row_arguments(m: int) -> list[Argument]:
     names = ("a", "b", "lo", "hi")
     return [Argument(f"{name}{end}", (m,)) for end in ("", "_end") for name in names]
-
-
-def halfway(first: Array, second: Array, x: Array, h: Array) -> tuple[Array, Array]:
-    """(q̇, q̈) (N, P, n) halfway in each interval of motions with x (N + 1, P); first, second: q' and
-    q'' there. h: (N, P) twice the intervals' lengths."""
-    n = first.shape[-1]
-    ends = (a.ravel() for a in (x[:-1], x[1:], h))
-    found = _halfway(n)(first.reshape(-1, n), second.reshape(-1, n), *ends)
-    qd, qdd = (a.reshape(first.shape) for a in found)
-    return qd, qdd
-
-
-@lru_cache(maxsize=8)
-def _halfway(n: int) -> Kernel:
-    """`path_timing.halfway` of n coordinates."""
-    inputs = [Argument("first", (n,)), Argument("second", (n,)), *_ENDS]
-    outputs = [Argument("qd", (n,)), Argument("qdd", (n,))]
-    return compile_program(trace("path_halfway", path_timing.halfway, inputs, outputs))
-
-
-def excess(rows: PathRows, x: Array, middle: Array, size: Array) -> tuple[Array, Array]:
-    """((N, P, m) by how much the rows of a motion with x (N + 1, P) are above their limit `size`
-    (m,) within the intervals, or negative below -size; (N, P) the largest as a fraction of its
-    limit). middle: their values halfway."""
-    flat = (a.reshape(rows.h.size, a.shape[-1]) for a in (*_both_ends(rows), middle))
-    ends = (a.ravel() for a in (x[:-1], x[1:], rows.h))
-    by, share = _excess(len(size))(*flat, size, *ends)
-    return by.reshape(middle.shape), share.reshape(rows.h.shape)
-
-
-@lru_cache(maxsize=8)
-def _excess(m: int) -> Kernel:
-    """`path_timing.excess` of m rows."""
-
-    def excess(*given: Scalar) -> tuple[Scalar, ...]:
-        start, end = path_timing.RowsAtEnd(*given[:4]), path_timing.RowsAtEnd(*given[4:8])
-        return path_timing.excess(start, end, *given[8:])
-
-    inputs = [*_row_arguments(m), Argument("middle", (m,)), Argument("size", (m,)), *_ENDS]
-    outputs = [Argument("excess", (m,)), Argument("share", ())]
-    return compile_program(trace("path_excess", excess, inputs, outputs))
 
 
 def speed_share(first: Array, velocity: Array) -> Array:
@@ -166,28 +125,6 @@ def _speed_share(n: int) -> Kernel:
 
     inputs = [Argument(name, (n,)) for name in ("first", "velocity")]
     return compile_program(trace("path_speed_share", share, inputs, [Argument("share", ())]))
-
-
-def top_speed(first: Array, middle: Array, velocity: Array, x: Array) -> Array:
-    """(N, P) the largest speed in each interval as a fraction of its limit (n,), squared; first,
-    middle: q' at the grid (N + 1, P, n) and halfway (N, P, n), x: (N + 1, P)."""
-    n = len(velocity)
-    flat = [a.reshape(-1, n) for a in (first[:-1], middle, first[1:])]
-    finite = np.minimum(velocity, path_timing.FAR)
-    ends = (x[:-1].ravel(), x[1:].ravel())
-    return _top_speed(n)(*flat, finite, *ends).reshape(middle.shape[:2])
-
-
-@lru_cache(maxsize=8)
-def _top_speed(n: int) -> Kernel:
-    """`path_timing.top_speed` of n coordinates."""
-
-    def speed(*given: Scalar) -> tuple[Scalar]:
-        return (path_timing.top_speed(*given),)
-
-    rates = [Argument(name, (n,)) for name in ("start", "middle", "finish", "velocity")]
-    inputs = [*rates, Argument("x", ()), Argument("y", ())]
-    return compile_program(trace("path_speed", speed, inputs, [Argument("top", ())]))
 
 
 def timed_pieces(derivatives: Sequence[Array], x: Array, h: Array) -> tuple[list[Array], Array]:
@@ -264,7 +201,7 @@ def _kernels(m: int) -> _Kernels:
         compiled(
             "path_polygon",
             polygon,
-            [*_row_arguments(m), Argument("ends", (4,))],
+            [*row_arguments(m), Argument("ends", (4,))],
             [over_y, over_x, corners],
         ),
         compiled(

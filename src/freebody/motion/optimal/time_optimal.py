@@ -22,7 +22,8 @@ from freebody.motion.optimal.geometric_path import (
     path_curve,
     refuse_out_of_range,
 )
-from freebody.motion.optimal.path_limits import PathProblem, RobotLimits, path_problem
+from freebody.motion.optimal.path_limits import PathProblem, path_problem
+from freebody.motion.optimal.robot_limits import RobotLimits
 from freebody.motion.optimal.speed_profile import quickest_profile
 from freebody.motion.optimal.unreachable import refuse_unreachable, without_motion
 from freebody.motion.piecewise import PiecewisePolynomial
@@ -226,8 +227,7 @@ def _solved(problem: PathProblem, labels: list[str]) -> _Quickest:
     settled = np.zeros(len(labels), dtype=bool)
     left = np.arange(len(labels))
     for _ in range(_ROUNDS):
-        excess, share = problem.excess(profile.x)
-        speed = problem.top_speed(profile.x)
+        excess, share, speed = problem.reached(profile.x)
         now = _Quickest(profile.x, share.max(axis=0), speed.max(axis=0))
         turning = problem.tangent_error(profile.x, before) > _TANGENT
         gains = (now.worst < found.worst[left]) & (turning <= ~settled[left])

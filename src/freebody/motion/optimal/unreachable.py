@@ -10,7 +10,8 @@ from scipy.optimize import linprog
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, MissingArgumentError, listed
 from freebody.model.model import Model
-from freebody.motion.optimal.path_limits import PathProblem, RobotLimits, unlimited
+from freebody.motion.optimal.path_limits import PathProblem, unlimited
+from freebody.motion.optimal.robot_limits import RobotLimits
 from freebody.motion.optimal.speed_profile import SpeedProfile
 from freebody.motion.ranges import Flags, angular
 from freebody.outputs.numbers import compared

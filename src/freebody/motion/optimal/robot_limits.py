@@ -1,0 +1,189 @@
+"""What a robot's speeds, accelerations and torques may be, and what these are along paths: each by
+one kernel of the robot's structure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from freebody.algorithms import path_timing
+from freebody.algorithms.path_dynamics import torques_along
+from freebody.algorithms.regrouped_parameters import lightened
+from freebody.algorithms.rnea import External, rnea
+from freebody.arrays import Array
+from freebody.kernels.formulas import Option
+from freebody.kernels.formulas.choices import external
+from freebody.kernels.structural import Bound, Over, fetch_own
+from freebody.lazy import cached_property
+from freebody.model.model import Model
+from freebody.model.tree import Tree
+from freebody.motion.optimal.path_samples import PathSamples
+from freebody.motion.optimal.speed_profile import ENDS, PathRows, both_ends, row_arguments
+from freebody.program import Argument, Program, trace
+from freebody.spatial import Vector
+from freebody.trees.dynamics import inverse_dynamics
+
+
+class Reached(NamedTuple):
+    """What a motion does within the intervals: by how much its rows exceed their limits, above the
+    upper one, or negative below the lower one (N, P, m); the largest as a fraction of its limit
+    (N, P); and the largest speed as a fraction of its limit, squared (N, P)."""
+
+    by: Array
+    share: Array
+    speed: Array
+
+
+@dataclass(frozen=True, eq=False)
+class RobotLimits:
+    """A robot with its largest rates, accelerations and torques (nv,), infinite where there is
+    none, under constant wrenches on frames."""
+
+    model: Model
+    velocity: Array
+    acceleration: Array
+    torque: Array
+    wrenches: Mapping[str, Array]
+
+    @cached_property
+    def size(self) -> Array:
+        """(m,) the limit of each row: finite torques, then finite accelerations."""
+        return np.concatenate([self.torque, self.acceleration])[list(self._limited)]
+
+    @cached_property
+    def _limited(self) -> tuple[int, ...]:
+        """Of the torques, then the accelerations, those with a limit."""
+        found = np.isfinite([self.torque, self.acceleration])
+        return tuple(np.flatnonzero(found).tolist())
+
+    def row(self, torque: Array, acceleration: Array) -> Array:
+        """(..., m) of torques and accelerations (..., nv) those that have a limit."""
+        return np.concatenate([torque, acceleration], axis=-1)[..., list(self._limited)]
+
+    def friction(self, torque: Array) -> Array:
+        """(..., m) of torques (..., nv) of friction what they add to the rows."""
+        return self.row(torque, np.zeros_like(torque))
+
+    def dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
+        """Torques (..., nv), friction and wrenches included."""
+        rows = [x.reshape(-1, x.shape[-1]) for x in (q, qd, qdd)]  # one axis is quickest
+        loads = dict(self.wrenches) or None
+        return inverse_dynamics(self.model, *rows, wrenches=loads).reshape(qd.shape)
+
+    def rows(self, at: PathSamples, kept: float) -> Iterator[Array]:
+        """a, b, lo, hi (T, P, m) of lo <= a s̈ + b ṡ² <= hi at points of paths, without friction,
+        for motions that keep that part of the limits."""
+        found = self._kernel("rows")(*_flat(at.orders[:3]), kept * self.size, *self._loads)
+        return (x.reshape(*at.s.shape, len(self.size)) for x in found)
+
+    def reached(self, rows: PathRows, x: Array, at: PathSamples, between: PathSamples) -> Reached:
+        """By motions with x (N + 1, P); at, between: the grid, and halfway in its intervals."""
+        along = *between.orders[:3], at.first[:-1], at.first[1:], *both_ends(rows)
+        ends = (a.ravel() for a in (x[:-1], x[1:], rows.h))
+        finite = np.minimum(self.velocity, path_timing.FAR)
+        by, share, speed = self._kernel("reached")(
+            *_flat(along), *ends, self.size, finite, *self._loads
+        )
+        shape = rows.h.shape
+        return Reached(
+            by.reshape(*shape, len(self.size)), share.reshape(shape), speed.reshape(shape)
+        )
+
+    @property
+    def _loads(self) -> tuple[Array, ...]:
+        return tuple(self.wrenches.values())
+
+    def _kernel(self, name: str) -> Bound:
+        """A kernel of `_KERNELS` for the robot's structure and the rows that are limited."""
+        option, limited = Option(wrench_frames=tuple(self.wrenches)), self._limited
+        place = f"path {name}", limited, option
+        found = self.model.compiled.get(place)
+        if found is None:
+            key = f"path {name}", str(limited)
+            made = partial(_made, name, self.model, option, limited)
+            found = self.model.compiled[place] = fetch_own(self.model, key, option, made)
+        return found
+
+
+def _flat(arrays: Iterable[Array]) -> Iterator[Array]:
+    """With one axis before the last, which is quickest."""
+    return (x.reshape(x.shape[0] * x.shape[1], x.shape[2]) for x in arrays)
+
+
+def _made(
+    name: str, model: Model, option: Option, limited: tuple[int, ...], p: Argument, over: Over
+) -> Program:
+    """The program of a kernel of `_KERNELS`."""
+    evaluate, arguments = _KERNELS[name]
+    inputs, outputs = arguments(model, len(limited))
+    size = len(model.tree.space.zero) + len(model.tree.space.zero_angular)
+    loads = [Argument(f"w{k}", (size,), uniform=True) for k in range(len(option.wrench_frames))]
+
+    def whole(*scalars: Any) -> tuple[Any, ...]:
+        tree, q = lightened(over(scalars[-1])), scalars[0]
+        on_bodies = external(tree, option, q, scalars[len(inputs) : -1])
+        return evaluate(tree, on_bodies, limited, *scalars[: len(inputs)])
+
+    return trace(f"path_{name}", whole, (*inputs, *loads, p), outputs)
+
+
+def _path(model: Model) -> list[Argument]:
+    return [Argument("q", (model.nq,)), *_rates(model, "first", "second")]
+
+
+def _rates(model: Model, *names: str) -> list[Argument]:
+    return [Argument(name, (model.nv,)) for name in names]
+
+
+def _rows_arguments(model: Model, m: int) -> tuple[list[Argument], list[Argument]]:
+    outputs = [Argument(name, (m,)) for name in ("a", "b", "lo", "hi")]
+    return [*_path(model), Argument("kept", (m,), uniform=True)], outputs
+
+
+def _rows(
+    tree: Tree,
+    loads: Sequence[External],
+    limited: Sequence[int],
+    q: Vector,
+    first: Vector,
+    second: Vector,
+    kept: Vector,
+) -> tuple[Any, ...]:
+    """Of one point: a, b, lo, hi."""
+    a, b, rest = torques_along(tree, q, first, second, loads)
+    every = ((*a, *first), (*b, *second), (*rest, *(0.0 for _ in first)))
+    a, b, rest = (tuple(values[k] for k in limited) for values in every)
+    lo, hi = ([way * x - y for x, y in zip(kept, rest, strict=True)] for way in (-1.0, 1.0))
+    return a, b, lo, hi
+
+
+def _reached_arguments(model: Model, m: int) -> tuple[list[Argument], list[Argument]]:
+    given = [*_path(model), *_rates(model, "start", "end"), *row_arguments(m), *ENDS]
+    sizes = Argument("size", (m,), uniform=True), Argument("velocity", (model.nv,), uniform=True)
+    outputs = [Argument("excess", (m,)), Argument("share", ()), Argument("top", ())]
+    return [*given, *sizes], outputs
+
+
+def _reached(
+    tree: Tree,
+    loads: Sequence[External],
+    limited: Sequence[int],
+    q: Vector,
+    first: Vector,
+    second: Vector,
+    *given: Any,
+) -> tuple[Any, ...]:
+    """Of one interval: by how much, the largest share, the largest speed."""
+    start, end, *rows, x, y, h, size, velocity = given
+    qd, qdd = path_timing.halfway(first, second, x, y, h)
+    every = (*rnea(tree, q, qd, qdd, loads).tau, *qdd)
+    limits = path_timing.RowsAtEnd(*rows[:4]), path_timing.RowsAtEnd(*rows[4:])
+    by, share = path_timing.excess(*limits, [every[k] for k in limited], size, x, y, h)
+    return by, share, path_timing.top_speed(start, first, end, velocity, x, y)
+
+
+_KERNELS = {"rows": (_rows, _rows_arguments), "reached": (_reached, _reached_arguments)}
