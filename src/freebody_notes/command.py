@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -21,15 +20,6 @@ EXAMPLE = "Example: freebody notes eq-3.22"
 COLOURS = {"holds": "green", "misprint": "red", "inconsistent": "magenta", "incomplete": "yellow"}
 
 
-class VerdictChoice(StrEnum):
-    """The verdict on an item."""
-
-    holds = "holds"
-    misprint = "misprint"
-    inconsistent = "inconsistent"
-    incomplete = "incomplete"
-
-
 def notes(
     item: Annotated[
         str | None,
@@ -39,7 +29,8 @@ def notes(
     ] = None,
     chapter: Annotated[int | None, typer.Option(min=1, max=6, help="Only this chapter.")] = None,
     verdict: Annotated[
-        VerdictChoice | None, typer.Option(help="Only items with this verdict.")
+        Literal["holds", "misprint", "inconsistent", "incomplete"] | None,
+        typer.Option(help="Only items with this verdict."),
     ] = None,
     errata: Annotated[
         bool, typer.Option("--errata", help="Print the list of errata, as Markdown.")
@@ -148,11 +139,11 @@ def _errata(out: Path | None) -> None:
     terminal.out().print(f"written: {write(out, text)}", markup=False)
 
 
-def _table(chapter: int | None, verdict: VerdictChoice | None) -> None:
+def _table(chapter: int | None, verdict: str | None) -> None:
     from freebody_notes.contents import items
 
     found = _run([x for x in items() if chapter is None or x.chapter == chapter])
-    shown = [f for f in found if verdict is None or f.verdict == verdict.value]
+    shown = [f for f in found if verdict is None or f.verdict == verdict]
     for number in dict.fromkeys(f.item.chapter for f in shown):
         _chapter(number, [f for f in shown if f.item.chapter == number])
     _summary(found)

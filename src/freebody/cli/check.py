@@ -17,8 +17,9 @@ _LARGEST = 80_000
 """Bytes of standard input; far more than an answer may have characters."""
 
 
+@options.reading("convention")
 def check(
-    robot: options.Robot,
+    robot: options.GivenRobot,
     answer: Annotated[
         str,
         typer.Argument(
@@ -61,7 +62,6 @@ def check(
             "latex, notebook or python.",
         ),
     ] = None,
-    convention: options.Convention = None,
 ) -> None:
     """Compare your own equations (tau1, H12, c1, G1, J11, T, V, …) with the robot's, and name the
     mistakes.
@@ -74,7 +74,7 @@ def check(
 
     own = _answer(answer)
     meanings = dict(map(_renaming, names or []))
-    model = options.load(robot, convention=convention)
+    model = robot.load()
     try:
         with terminal.progress("comparing"):
             verdict = verdict_on(

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from enum import StrEnum
 from inspect import Parameter, Signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 from typer.core import TyperCommand
@@ -24,21 +23,10 @@ _CHOSEN = "freebody.derive"
 """Where the parser's context keeps the methods' options that were given."""
 
 
-class FormChoice(StrEnum):
-    """How a derivation is written."""
-
-    text = "text"
-    markdown = "markdown"
-    latex = "latex"
-    html = "html"
-
-
-_ENDINGS = {
-    ".md": FormChoice.markdown,
-    ".tex": FormChoice.latex,
-    ".html": FormChoice.html,
-    ".htm": FormChoice.html,
-}
+_Form = Literal["text", "markdown", "latex", "html"]
+_ENDINGS: dict[str, _Form] = {
+    ".md": "markdown", ".tex": "latex", ".html": "html", ".htm": "html",
+}  # fmt: skip
 """The form that the ending of a file's name asks for; of other names it is text."""
 
 
@@ -97,9 +85,10 @@ def _parameter(method: Method, option: MethodOption) -> Parameter:
     )
 
 
+@options.reading("convention")
 def derive(
     context: typer.Context,
-    robot: options.Robot,
+    robot: options.GivenRobot,
     method: Annotated[
         str | None,
         typer.Option(
@@ -115,7 +104,7 @@ def derive(
         ),
     ] = None,
     form: Annotated[
-        FormChoice | None,
+        _Form | None,
         typer.Option(
             help="Text for a terminal, or a document. Default: by the suffix of FILE, else text."
         ),
@@ -132,23 +121,22 @@ def derive(
         ),
     ] = None,
     labels: Annotated[
-        options.LabelChoice | None,
+        options.Labels | None,
         typer.Option(help="Labels in the drawings of a page. Default: names."),
     ] = None,
-    convention: options.Convention = None,
 ) -> None:
     """Derive a robot's equations of motion step by step. Exit status 1 if two methods disagree."""
     from freebody.derivations.derive import compare as compared
     from freebody.derivations.derive import default_method, method_named
     from freebody.figures.illustrate import derive as derivation_of
 
-    model = options.load(robot, convention=convention)
+    model = robot.load()
     record = method_named(method) if method else default_method(model)
     with terminal.progress(f"deriving by {record.name}"):
         first = derivation_of(model, record.name, load=load, **context.meta.get(_CHOSEN, {}))
         other = derivation_of(model, compare, load=load) if compare is not None else None
         comparison = compared(first, other) if other is not None else None
-        form = form or _ENDINGS.get(out.suffix.lower() if out else "", FormChoice.text)
+        form = form or _ENDINGS.get(out.suffix.lower() if out else "", "text")
         text = _text(first, form, out, labels)
     if out is None:
         terminal.out().print(text, markup=False, soft_wrap=True)
@@ -161,19 +149,19 @@ def derive(
 
 
 def _text(
-    derivation: Derivation, form: FormChoice, out: Path | None, labels: options.LabelChoice | None
+    derivation: Derivation, form: _Form, out: Path | None, labels: options.Labels | None
 ) -> str:
     """The derivation in one form; Markdown refers to drawings in files beside it."""
     from freebody.figures.illustrate import write_drawings
 
-    shown = (labels or options.LabelChoice.names).value
-    if form is FormChoice.html:
+    shown = labels or "names"
+    if form == "html":
         return derivation.html(shown)
-    if form is FormChoice.markdown and out:
+    if form == "markdown" and out:
         return derivation.markdown(write_drawings(derivation, out, shown))
     if labels is not None:
         raise FreebodyError(
             "--labels applies to drawings, and this format has none: write a page, for example "
             "--out arm.html."
         )
-    return getattr(derivation, form.value)()
+    return getattr(derivation, form)()

@@ -2,22 +2,14 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
 from freebody.cli import options, terminal
 
 EXAMPLE = "Example: freebody export ur5e inverse_dynamics mass_matrix --language c --out controller"
-
-
-class NumberChoice(StrEnum):
-    """Types of number."""
-
-    float64 = "float64"
-    float32 = "float32"
 
 
 _Quantities = Annotated[
@@ -43,7 +35,8 @@ _Name = Annotated[
     typer.Option(metavar="WORD", help="Name of the function. Default: from the quantities."),
 ]
 _NumberType = Annotated[
-    NumberChoice, typer.Option(help="Number type (float32 only for c, rust, julia and cuda).")
+    Literal["float64", "float32"],
+    typer.Option(help="Number type (float32 only for c, rust, julia and cuda)."),
 ]
 _Frame = Annotated[
     str | None, typer.Option(help="Frame of kinematic quantities. Default: the tip.")
@@ -80,22 +73,20 @@ _Rows = Annotated[
 ]
 
 
+@options.reading("tip", "base", "convention")
 def export(
-    robot: options.Robot,
+    robot: options.GivenRobot,
     quantities: _Quantities,
     language: _Language = "c",
     out: _Out = None,
     name: _Name = None,
-    dtype: _NumberType = NumberChoice.float64,
+    dtype: _NumberType = "float64",
     frame: _Frame = None,
     reference: _Reference = "world",
     wrench: _Wrenches = None,
     inputs: _Inputs = None,
     by: _By = None,
     row: _Rows = None,
-    tip: options.Tip = None,
-    base: options.Base = None,
-    convention: options.Convention = None,
 ) -> None:
     """Write what freebody computes for a robot as source text that needs nothing else, with a
     self-test.
@@ -105,15 +96,15 @@ def export(
     with terminal.progress("reading") as progress:
         from freebody.kernels.exports import export as write
 
-        model = options.load(robot, tip, base, convention=convention)
+        model = robot.load()
         progress(f"writing {language}", 0.3)
         paths = write(
             model,
             quantities,
-            out or Path(f"export-{Path(robot).stem}"),
+            out or Path(f"export-{Path(robot.name).stem}"),
             language,
             name=name,
-            dtype=dtype.value,
+            dtype=dtype,
             frame=frame,
             reference=reference,
             wrench_frames=wrench or (),

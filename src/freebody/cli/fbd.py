@@ -18,8 +18,9 @@ if TYPE_CHECKING:
 EXAMPLE = 'Example: freebody fbd 2R --q "0.5, 60 deg" --body link2 --out link2.svg'
 
 
+@options.reading("tip", "base", "convention")
 def fbd(
-    robot: options.Robot,
+    robot: options.GivenRobot,
     q: Annotated[
         str | None,
         typer.Option(
@@ -46,7 +47,7 @@ def fbd(
         ),
     ] = None,
     labels: Annotated[
-        options.LabelChoice | None,
+        options.Labels | None,
         typer.Option(
             help="Labels beside the arrows. Default: both; names where parameters have no value."
         ),
@@ -54,12 +55,9 @@ def fbd(
     out: Annotated[
         Path | None, typer.Option(metavar="FILE.svg", help="The drawing. Default: ROBOT-fbd.svg.")
     ] = None,
-    tip: options.Tip = None,
-    base: options.Base = None,
-    convention: options.Convention = None,
 ) -> None:
     """Draw the free-body diagram of each body, all forces and moments to scale, and list them."""
-    model = options.load(robot, tip, base, convention=convention)
+    model = robot.load()
     with terminal.progress("free bodies"):
         from freebody.figures.free_body import free_body_diagram
         from freebody.loops.assembly import assemble
@@ -71,7 +69,7 @@ def fbd(
         positions = None if q is None else options.values("--q", q)
         if model.loops and positions is not None:
             positions = assemble(model, positions).tolist()
-        chosen = {"labels": labels and labels.value, "show": show or ()}
+        chosen = {"labels": labels, "show": show or ()}
         figure = free_body_diagram(model, positions, body, **given, **chosen)
         path = figure.save(out or Path(f"{stem(model.name)}-fbd.svg"))
     if q is None or model.loops:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import wraps
+from inspect import Parameter, signature
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -14,43 +17,6 @@ from freebody.errors import FreebodyError, shown
 
 if TYPE_CHECKING:
     from freebody.model.model import Model
-
-
-class BaseChoice(StrEnum):
-    """Whether the root link is held."""
-
-    fixed = "fixed"
-    free = "free"
-
-
-class MimicChoice(StrEnum):
-    """What mimic joints do."""
-
-    follow = "follow"
-    free = "free"
-
-
-class PhysicalChoice(StrEnum):
-    """What becomes of inertias that no body has."""
-
-    warn = "warn"
-    refuse = "refuse"
-    ignore = "ignore"
-
-
-class ConventionChoice(StrEnum):
-    """Of a Denavit-Hartenberg table."""
-
-    standard = "standard"
-    modified = "modified"
-
-
-class LabelChoice(StrEnum):
-    """What stands beside arrows, angles and lengths."""
-
-    names = "names"
-    values = "values"
-    both = "both"
 
 
 Robot = Annotated[
@@ -64,17 +30,8 @@ Tip = Annotated[
     str | None,
     typer.Option(help="The frame that is the tip. Default: the end behind the most joints."),
 ]
-Base = Annotated[
-    BaseChoice | None,
-    typer.Option(help="Fix the root link, or let it float. Default: as in the file."),
-]
-Mimic = Annotated[
-    MimicChoice,
-    typer.Option(help="Whether mimic joints follow the joint they mimic, or move freely."),
-]
-Physical = Annotated[
-    PhysicalChoice, typer.Option(help="What to do about a physically impossible inertia.")
-]
+Labels = Literal["names", "values", "both"]
+"""What stands beside arrows, angles and lengths."""
 
 
 def number(text: str | float) -> float:
@@ -103,52 +60,101 @@ def values(what: str, text: str) -> list[float]:
     return found
 
 
-Snap = Annotated[
-    float,
-    typer.Option(
-        metavar="RAD",
-        parser=number,
-        help="Angles of a URDF this close (rad) to a multiple of a right angle are read as that "
-        "multiple.",
+_READING: dict[str, tuple[Any, Any]] = {
+    "tip": (Tip, None),
+    "base": (
+        Annotated[
+            Literal["fixed", "free"] | None,
+            typer.Option(help="Fix the root link, or let it float. Default: as in the file."),
+        ],
+        None,
     ),
-]
-Estimate = Annotated[
-    float | None,
-    typer.Option(
-        "--estimate-inertia",
-        metavar="KG",
-        parser=number,
-        help="The robot's whole mass: inertias of a URDF are estimated from its shapes instead of "
-        "read.",
+    "mimic": (
+        Annotated[
+            Literal["follow", "free"],
+            typer.Option(help="Whether mimic joints follow the joint they mimic, or move freely."),
+        ],
+        "follow",
     ),
-]
-Convention = Annotated[
-    ConventionChoice | None,
-    typer.Option(help="The convention of a DH table that does not state it."),
-]
+    "physical": (
+        Annotated[
+            Literal["warn", "refuse", "ignore"],
+            typer.Option(help="What to do about a physically impossible inertia."),
+        ],
+        "warn",
+    ),
+    "snap_angles": (
+        Annotated[
+            float,
+            typer.Option(
+                metavar="RAD",
+                parser=number,
+                help="Angles of a URDF this close (rad) to a multiple of a right angle are read as "
+                "that multiple.",
+            ),
+        ],
+        3e-9,
+    ),
+    "convention": (
+        Annotated[
+            Literal["standard", "modified"] | None,
+            typer.Option(help="The convention of a DH table that does not state it."),
+        ],
+        None,
+    ),
+    "estimate_inertia": (
+        Annotated[
+            float | None,
+            typer.Option(
+                "--estimate-inertia",
+                metavar="KG",
+                parser=number,
+                help="The robot's whole mass: inertias of a URDF are estimated from its shapes "
+                "instead of read.",
+            ),
+        ],
+        None,
+    ),
+}
+"""Options of how a robot is read, by the argument of `fb.load`, with their defaults."""
+FILE = ("base", "mimic", "physical", "snap_angles", "convention")
+"""Those of most commands."""
 
 
-def load(
-    robot: str,
-    tip: str | None = None,
-    base: BaseChoice | None = None,
-    mimic: MimicChoice = MimicChoice.follow,
-    physical: PhysicalChoice = PhysicalChoice.warn,
-    snap_angles: float = 3e-9,
-    convention: ConventionChoice | None = None,
-    estimate_inertia: float | None = None,
-) -> Model:
-    """The model; warnings become yellow lines."""
-    from freebody.formats.loading import load as load_model
+@dataclass(frozen=True)
+class GivenRobot:
+    """A robot as the command line names it, and how it is to be read."""
 
-    with terminal.warnings_as_lines():
-        return load_model(
-            robot,
-            tip=tip,
-            base=base.value if base else None,
-            mimic=mimic.value,
-            physical=physical.value,
-            snap_angles=snap_angles,
-            convention=convention.value if convention else None,
-            estimate_inertia=estimate_inertia,
-        )
+    name: str
+    how: dict[str, Any]
+
+    def load(self) -> Model:
+        """The model; warnings become yellow lines."""
+        from freebody.formats.loading import load
+
+        with terminal.warnings_as_lines():
+            return load(self.name, **self.how)
+
+
+def reading(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """A command with these options behind its own; its function finds them, with the name of the
+    robot, in its argument `robot: GivenRobot`."""
+
+    def decorated(command: Callable[..., None]) -> Callable[..., None]:
+        own = signature(command, eval_str=True)
+        options = [
+            Parameter(name, Parameter.KEYWORD_ONLY, annotation=kind, default=default)
+            for name, (kind, default) in _READING.items()
+            if name in names
+        ]
+
+        @wraps(command)
+        def run(robot: str, **given: Any) -> None:
+            how = {name: given.pop(name) for name in names}
+            command(robot=GivenRobot(robot, how), **given)
+
+        parameters = {**own.parameters, "robot": own.parameters["robot"].replace(annotation=Robot)}
+        vars(run)["__signature__"] = own.replace(parameters=[*parameters.values(), *options])
+        return run
+
+    return decorated

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from freebody.cli import options, terminal
-from freebody.cli.options import MimicChoice, PhysicalChoice
 from freebody.errors import FreebodyError, MissingArgumentError, listed
 from freebody.outputs.display import TextTable
 
@@ -23,22 +21,16 @@ _ROUNDING = 1e-12
 EXAMPLE = 'Example: freebody plan 2R "0, 0; 1.2, 30 deg; 0.5, -0.4" --acceleration 2'
 
 
-class PlannerChoice(StrEnum):
-    """How waypoints are passed."""
-
-    spline = "spline"
-    quintic = "quintic"
-    trapezoid = "trapezoid"
-    s_curve = "s-curve"
-    time_optimal = "time-optimal"
+Planner = Literal["spline", "quintic", "trapezoid", "s-curve", "time-optimal"]
 
 
 def _limit(what: str) -> Any:
     return typer.Option(metavar="VALUE", parser=options.number, help=what)
 
 
+@options.reading(*options.FILE)
 def plan(
-    robot: options.Robot,
+    robot: options.GivenRobot,
     waypoints: Annotated[
         str,
         typer.Argument(
@@ -50,12 +42,12 @@ def plan(
         Path, typer.Option(metavar="FILE", help="File for the motion, for study --motion.")
     ] = Path("motion.csv"),
     by: Annotated[
-        PlannerChoice,
+        Planner,
         typer.Option(
             help="spline and time-optimal do not stop at waypoints, the others do; time-optimal "
             "holds the robot's limits of torque too."
         ),
-    ] = PlannerChoice.spline,
+    ] = "spline",
     velocity: Annotated[
         float | None, _limit("Limit of each joint, rad/s or m/s, beside the robot's own.")
     ] = None,
@@ -68,11 +60,6 @@ def plan(
         float | None,
         _limit("Seconds between rows. Default: 400 even steps, and where polynomials meet."),
     ] = None,
-    base: options.Base = None,
-    mimic: options.Mimic = MimicChoice.follow,
-    physical: options.Physical = PhysicalChoice.warn,
-    snap_angles: options.Snap = 3e-9,
-    convention: options.Convention = None,
 ) -> None:
     """Plan a motion through waypoints, as fast as the limits allow or at given times, and write it.
 
@@ -82,14 +69,14 @@ def plan(
     from freebody.motion.files.waypoint_files import write_motion
     from freebody.motion.planners import PLANNERS
 
-    model = options.load(robot, None, base, mimic, physical, snap_angles, convention)
-    planner = PLANNERS[by.value]
+    model = robot.load()
+    planner = PLANNERS[by]
     given = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk, "torque": torque}
     limits = {name: value for name, value in given.items() if value is not None}
     for name in limits:
         if name not in planner.limits:
             raise FreebodyError(
-                f"--{name} has no meaning for {by.value}; it takes "
+                f"--{name} has no meaning for {by}; it takes "
                 f"{listed(f'--{x}' for x in planner.limits)}."
             )
     q, times = _read(model, waypoints)

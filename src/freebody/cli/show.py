@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from freebody.cli import options, terminal
-from freebody.cli.options import MimicChoice, PhysicalChoice
 from freebody.model import joint_table
 from freebody.model.description import DOUBTFUL
 from freebody.model.parameters import Parameter
@@ -24,15 +23,9 @@ _DEEPEST = 24
 """Levels that the tree indents by; what is deeper says what it is on."""
 
 
+@options.reading("tip", *options.FILE, "estimate_inertia")
 def show(
-    robot: options.Robot,
-    tip: options.Tip = None,
-    base: options.Base = None,
-    mimic: options.Mimic = MimicChoice.follow,
-    physical: options.Physical = PhysicalChoice.warn,
-    snap_angles: options.Snap = 3e-9,
-    convention: options.Convention = None,
-    estimate_inertia: options.Estimate = None,
+    robot: options.GivenRobot,
     graph: Annotated[
         str | None,
         typer.Option(
@@ -46,9 +39,7 @@ def show(
     read."""
     from rich.text import Text
 
-    model = options.load(
-        robot, tip, base, mimic, physical, snap_angles, convention, estimate_inertia
-    )
+    model = robot.load()
     out = terminal.out()
     if graph is not None:
         from freebody.cli.graph import programs

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from freebody.cli import INTERRUPTED, options, terminal
-from freebody.cli.options import MimicChoice, PhysicalChoice
 from freebody.errors import FreebodyError
 from freebody.outputs.display import TextTable
 
@@ -24,15 +22,9 @@ _ROWS = 400
 _MOST = 1_000_000
 
 
-class FrictionChoice(StrEnum):
-    """How Coulomb friction acts about rest."""
-
-    smooth = "smooth"
-    dry = "dry"
-
-
+@options.reading(*options.FILE)
 def simulate(
-    robot: options.Robot,
+    robot: options.GivenRobot,
     q: Annotated[
         str | None,
         typer.Option(
@@ -74,9 +66,9 @@ def simulate(
         typer.Option(metavar="VALUES", help="Of pd: N m s/rad or N s/m. Default: 20 times that."),
     ] = None,
     friction: Annotated[
-        FrictionChoice,
+        Literal["smooth", "dry"],
         typer.Option(help="Coulomb friction about rest: smooth creeps, dry sticks."),
-    ] = FrictionChoice.smooth,
+    ] = "smooth",
     restitution: Annotated[
         float | None,
         typer.Option(
@@ -98,11 +90,6 @@ def simulate(
     out: Annotated[
         Path, typer.Option(metavar="FILE", help="File for the motion, for study --motion.")
     ] = Path("motion.csv"),
-    base: options.Base = None,
-    mimic: options.Mimic = MimicChoice.follow,
-    physical: options.Physical = PhysicalChoice.warn,
-    snap_angles: options.Snap = 3e-9,
-    convention: options.Convention = None,
 ) -> None:
     """Simulate the motion that torques cause, and write it.
 
@@ -112,7 +99,7 @@ def simulate(
     from freebody.motion.simulation.interrupted import SimulationInterrupted
     from freebody.motion.simulation.simulate import simulate as run
 
-    model = options.load(robot, None, base, mimic, physical, snap_angles, convention)
+    model = robot.load()
     start, rates = _start(model, q, qd)
     times, law, given = _torque(model, torque, start, rates, (time, every), (goal, kp, kd))
     interrupted = False
@@ -125,7 +112,7 @@ def simulate(
                 times,
                 law,
                 method=method,
-                friction=friction.value,
+                friction=friction,
                 restitution=restitution,
                 torque_inputs=given,
                 progress=tell,

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from freebody.cli import options, terminal
-from freebody.cli.options import MimicChoice, PhysicalChoice
 from freebody.errors import FreebodyError, OutputError
 from freebody.formats.number_text import number
 from freebody.outputs.folder import prepare
@@ -28,8 +27,9 @@ _STYLES = {
 EXAMPLE = "Example: freebody study ur5e --out study-ur5e"
 
 
+@options.reading(*options.FILE, "estimate_inertia")
 def study(
-    robot: options.Robot,
+    robot: options.GivenRobot,
     motion: Annotated[
         Path | None,
         typer.Option(
@@ -52,12 +52,6 @@ def study(
         ),
     ] = None,
     tip: options.Tip = None,
-    base: options.Base = None,
-    mimic: options.Mimic = MimicChoice.follow,
-    physical: options.Physical = PhysicalChoice.warn,
-    snap_angles: options.Snap = 3e-9,
-    convention: options.Convention = None,
-    estimate_inertia: options.Estimate = None,
 ) -> None:
     """Study a robot along a motion: torques, powers, reactions, energies and checks, as a report
     and as data.
@@ -65,14 +59,12 @@ def study(
     Exit status 0: feasible, or not judged because limits are not given. 1: a limit is exceeded,
     masses are missing or doubtful, or a self-check failed. 2: something cannot be read or written.
     """
-    directory = out or Path(f"study-{Path(robot).stem}")
+    directory = out or Path(f"study-{Path(robot.name).stem}")
     with terminal.progress("reading") as progress:
         from freebody.report.study import study as study_of
 
         cutoff = _cutoff(smooth)
-        model = options.load(
-            robot, None, base, mimic, physical, snap_angles, convention, estimate_inertia
-        )
+        model = robot.load()
         prepare(directory)
         found = study_of(
             model,

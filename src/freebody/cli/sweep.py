@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from freebody.cli import options, terminal
-from freebody.cli.options import MimicChoice, PhysicalChoice
 from freebody.errors import FreebodyError, shown
 from freebody.outputs.display import TextTable
 
@@ -25,8 +24,9 @@ _SHOWN = 40
 """Rows that are printed."""
 
 
+@options.reading(*options.FILE)
 def sweep(
-    robot: options.Robot,
+    robot: options.GivenRobot,
     function: Annotated[
         str, typer.Argument(help="Name of a formula, such as inverse_dynamics or jacobian.")
     ],
@@ -80,11 +80,6 @@ def sweep(
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="CSV file for the whole table.")
     ] = None,
-    base: options.Base = None,
-    mimic: options.Mimic = MimicChoice.follow,
-    physical: options.Physical = PhysicalChoice.warn,
-    snap_angles: options.Snap = 3e-9,
-    convention: options.Convention = None,
 ) -> None:
     """Evaluate a formula for many robots along a motion, or at random states, and print what it
     reduces to.
@@ -95,7 +90,7 @@ def sweep(
     from freebody.outputs.files import write
     from freebody.sweeps.sweep import sweep as sweep_of
 
-    model = options.load(robot, None, base, mimic, physical, snap_angles, convention)
+    model = robot.load()
     axes = _axes(over or [], samples, method, seed)
     axes[_free("state", axes)] = _states(model, function, motion, states, seed)
     names = [name.strip() for name in reduce.split(",")]
