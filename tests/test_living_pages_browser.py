@@ -13,6 +13,9 @@ import pytest
 import freebody as fb
 from freebody.derivations.living.line_values import line_values
 from freebody.derivations.living.living import is_diagnosed
+from freebody_notes.contents import chapters, items
+from freebody_notes.page import pages
+from freebody_notes.run import run_all
 from support.browser import browser
 from support.symbolic import METHODS
 
@@ -37,6 +40,9 @@ NUMBERS = """return [...document.querySelectorAll('[data-of]')].map(row =>
   [row.dataset.of, Number(row.querySelector('output').title)])"""
 VALUES = """return [...document.querySelectorAll('.value')].map(row =>
   [row.dataset.name || row.textContent, row.querySelector('output').title])"""
+MOVE = """const [name, value] = arguments;
+const slider = document.querySelector(`[data-input=${name}]`);
+slider.value = value; slider.dispatchEvent(new Event('input'));"""
 ARROWS = """return [...document.querySelectorAll('#bodies g:not(.legend) line.reaction')].map(e =>
   ['x1', 'y1', 'x2', 'y2'].map(name => Number(e.getAttribute(name))))"""
 ANSWER = """const [line, text] = arguments;
@@ -54,9 +60,12 @@ def driver(tmp_path_factory):
 
 
 def opened(driver, folder: Path, derivation: fb.Derivation) -> None:
-    text = derivation.html()
+    visited(driver, folder / "derivation.html", derivation.html())
+
+
+def visited(driver, page: Path, text: str) -> None:
+    """The page, which is not large, asks for nothing and has no error."""
     assert len(text.encode()) < LARGEST
-    page = folder / "derivation.html"
     page.write_text(text, encoding="utf-8")
     driver.get_log("performance")
     driver.get(page.as_uri())
@@ -94,6 +103,35 @@ def test_the_numbers_are_those_of_the_kernels(driver, tmp_path, letters):
                 np.testing.assert_allclose(found, [tau[k]], rtol=1e-9, atol=1e-11)
             for found in shown[f"f{k}{k + 1}"]:
                 np.testing.assert_allclose(found, forces[k][:2], rtol=1e-9, atol=1e-11)
+
+
+@pytest.fixture(scope="module")
+def notes():
+    """Pages of the notes, with few items."""
+    return list(pages(run_all(items()[:3]), "notes.html").values())[1:]
+
+
+@pytest.mark.parametrize("chapter", chapters())
+def test_each_chapter_of_the_notes_has_an_arm_that_moves(driver, tmp_path, notes, chapter):
+    visited(driver, tmp_path / "notes.html", notes[chapter - 1])
+    before = values(driver)
+    assert len(before) > 3
+    name = list(filter(None, driver.execute_script(NAMES)))[int(chapter > 1)]
+    driver.execute_script(MOVE, name, 1.1)
+    assert values(driver) != before
+    driver.find_element("id", "fold").send_keys(" ")  # all steps were folded
+    assert driver.find_element("id", "fold").text == "Fold all steps"
+    driver.find_element("id", "predict").send_keys(" ")
+    assert driver.find_elements("css selector", ".answer")
+    if chapter == 3:
+        at = dict(driver.execute_script(NUMBERS))
+        model = fb.planar("RR")
+        arm = model.bind(**{x: at.get(x, 1.0) for x in model.parameters})
+        q, qd, qdd = ([at[f"theta{k}{dots}"] for k in (1, 2)] for dots in ("", "_d", "_dd"))
+        tau = fb.inverse_dynamics(arm, q, qd, qdd)
+        for k in (1, 2):
+            for found in values(driver)[f"tau{k}"]:
+                np.testing.assert_allclose(found, [tau[k - 1]], rtol=1e-9)
 
 
 def test_under_a_load_at_rest_too(driver, tmp_path):
@@ -210,9 +248,6 @@ CLOSED = [
     ("four_bar", "newton-euler"), ("five_bar", "newton-euler"),
     ("slider_crank", "newton-euler"), ("five_bar_rods", "lagrange-first-kind"),
 ]  # fmt: skip
-MOVE = """const [name, value] = arguments;
-const slider = document.querySelector(`[data-input=${name}]`);
-slider.value = value; slider.dispatchEvent(new Event('input'));"""
 OPEN = "return document.getElementById('open').textContent"
 
 

@@ -37,7 +37,11 @@ def notes(
     ] = False,
     html: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Write all items as a web page that needs no network."),
+        typer.Option(
+            metavar="FILE",
+            help="Write all items as web pages that need no network: the contents to FILE, "
+            "each chapter beside it.",
+        ),
     ] = None,
     out: Annotated[
         Path | None,
@@ -122,10 +126,12 @@ def _figure(item: Item, out: Path) -> None:
 
 def _page(path: Path) -> None:
     from freebody_notes.contents import items
-    from freebody_notes.page import page
+    from freebody_notes.page import pages
 
-    text = page(_run(items()))
-    terminal.out().print(f"written: {write(path, text)}", markup=False)
+    made = pages(_run(items()), path.name)
+    written = [write(path.with_name(name), text) for name, text in made.items()]
+    told = f"written: {written[0]}, with {written[1].name} to {written[-1].name} beside it"
+    terminal.out().print(told, markup=False)
 
 
 def _errata(out: Path | None) -> None:

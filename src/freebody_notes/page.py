@@ -1,12 +1,15 @@
-"""The notes as one HTML page: every item with its verdict, figures drawn, solutions folded; nothing
-is fetched."""
+"""The notes as HTML pages, the contents with the errata and one for each chapter: every item with
+its verdict, figures drawn, an arm to be moved, solutions folded; nothing is fetched."""
 
 from __future__ import annotations
 
 import html
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from pathlib import PurePath
+from typing import Any
+from urllib.parse import quote
 
 import jinja2
 from markupsafe import Markup
@@ -14,18 +17,21 @@ from markupsafe import Markup
 import freebody
 from freebody.derivations.derivation import Step
 from freebody.derivations.expressions.nodes import Equation, Words
+from freebody.derivations.render import documents
 from freebody.derivations.render import page as formulas
-from freebody.derivations.render.mathml import mathml
+from freebody.derivations.render.living_parts import STYLE
+from freebody.derivations.render.mathml import lean, mathml
 from freebody.derivations.render.prose import web_prose
 from freebody.figures import colours
 from freebody.outputs.page import math_style, policy
+from freebody.outputs.text import legal
 from freebody_notes.contents import Chapter, chapters
 from freebody_notes.contents import item as found_item
 from freebody_notes.errata import entries
 from freebody_notes.exercises import exercises, solution
 from freebody_notes.figures.catalogue import notes_figure
 from freebody_notes.item import SOURCE, VERDICTS, ExecutedItem, Item
-from freebody_notes.steps import Place, place_of
+from freebody_notes.steps import Place, live_derivation, place_of
 from freebody_notes.text import shown
 
 WORDS = {
@@ -68,36 +74,85 @@ class Card:
         return WORDS[self.finding.verdict]
 
 
-def page(findings: Sequence[ExecutedItem]) -> str:
-    """The whole page."""
-    cards = _cards(findings)
+def pages(findings: Sequence[ExecutedItem], contents: str) -> dict[str, str]:
+    """The text of each page by its file's name, first that of the contents; contents: its name,
+    which those of the chapters are made of."""
+    names = [contents, *(_numbered(contents, number) for number in chapters())]
+    told = [_chapter(number, chapter, findings) for number, chapter in chapters().items()]
     counts = {verdict: sum(f.verdict == verdict for f in findings) for verdict in VERDICTS}
-    return (
-        _templates()
-        .get_template("notes.html")
-        .render(
-            policy=Markup(policy()),
-            source=SOURCE,
-            version=freebody.__version__,
-            chapters=[_chapter(number, chapter, cards) for number, chapter in chapters().items()],
-            errata=entries(findings),
-            badges=WORDS,
-            counts=counts,
-            words=COUNTED,
-            total=len(findings),
-            only_words=sum(f.item.is_text for f in findings),
-            seconds=sum(f.seconds for f in findings),
-            exercises=[(exercise, solution(exercise)) for exercise in exercises()],
-            colours=(colours.page_colours(dark=False), colours.page_colours(dark=True)),
-            math_style=Markup(math_style() + formulas.STYLE),
-            figure_style=Markup(colours.style("@media screen and (prefers-color-scheme:dark)")),
-        )
+    shared = {
+        "files": list(map(quote, names)),
+        "chapters": told,
+        "version": freebody.__version__,
+        "seconds": sum(f.seconds for f in findings),
+        "colours": (colours.page_colours(dark=False), colours.page_colours(dark=True)),
+        "math_style": Markup(math_style() + formulas.STYLE),
+        "figure_style": Markup(colours.style("@media screen and (prefers-color-scheme:dark)")),
+    }
+    front = _page(
+        "notes.html",
+        shared,
+        source=SOURCE,
+        errata=entries(findings),
+        badges=WORDS,
+        counts=counts,
+        words=COUNTED,
+        total=len(findings),
+        only_words=sum(f.item.is_text for f in findings),
+    )
+    return {contents: front} | {
+        name: _of_chapter(chapter, findings, shared)
+        for name, chapter in zip(names[1:], told, strict=True)
+    }
+
+
+def _numbered(contents: str, number: int) -> str:
+    path = PurePath(contents)
+    return f"{path.stem}-{number}{path.suffix}"
+
+
+def _page(template: str, shared: Mapping[str, Any], script: str = "", **more: Any) -> str:
+    title = "Dynamics of robotic manipulators: the lecture notes, executed"
+    given = {"title": title, "chapter": None, "live_style": ""} | dict(shared) | more
+    head = Markup(policy([script] if script else []))
+    text = _templates().get_template(template).render(policy=head, script=Markup(script), **given)
+    return lean(text)
+
+
+def _of_chapter(
+    chapter: Mapping[str, Any], findings: Sequence[ExecutedItem], shared: Mapping[str, Any]
+) -> str:
+    """A chapter's page, with the derivation of its own whose numbers follow sliders."""
+    number = chapter["number"]
+    call, derivation = live_derivation(number)
+    assert derivation.enliven is not None
+    living = derivation.enliven(derivation)
+    assert living is not None
+    body = documents.tried(living)
+    steps = "".join(
+        body.step(step, f"{k} ").replace('<details open="">', "<details>")
+        for k, step in enumerate(derivation.steps, 1)
+    )
+    return _page(
+        "chapter.html",
+        shared,
+        legal(living.script),
+        title=f"{number} {chapter['title']}",
+        chapter=chapter,
+        sections=_sections(number, findings),
+        exercises=[(x, solution(x)) for x in exercises() if x.chapter == number],
+        live={
+            "call": call,
+            "title": derivation.title,
+            "panel": Markup(living.panel),
+            "steps": Markup(steps),
+        },
+        live_style=Markup(STYLE),
     )
 
 
-def _chapter(number: int, chapter: Chapter, cards: Sequence[Card]) -> dict:
-    own = [c for c in cards if c.item.chapter == number]
-    sections = dict.fromkeys(c.item.section for c in own)
+def _chapter(number: int, chapter: Chapter, findings: Sequence[ExecutedItem]) -> dict[str, Any]:
+    own = [f for f in findings if f.item.chapter == number]
     return {
         "number": number,
         "title": chapter.title,
@@ -105,16 +160,20 @@ def _chapter(number: int, chapter: Chapter, cards: Sequence[Card]) -> dict:
         "used": chapter.used,
         "tasks": chapter.tasks,
         "count": len(own),
-        "wrong": sum(c.finding.verdict != "holds" for c in own),
-        "sections": [
-            (section, chapter.sections[section], [c for c in own if c.item.section == section])
-            for section in sections
-        ],
+        "wrong": sum(f.verdict != "holds" for f in own),
     }
 
 
+def _sections(number: int, findings: Sequence[ExecutedItem]) -> list[tuple[str, str, list[Card]]]:
+    """Number, title and cards of each section of a chapter."""
+    cards = _cards([f for f in findings if f.item.chapter == number])
+    titles = chapters()[number].sections
+    sections = dict.fromkeys(card.item.section for card in cards)
+    return [(x, titles[x], [c for c in cards if c.item.section == x]) for x in sections]
+
+
 def _cards(findings: Sequence[ExecutedItem]) -> list[Card]:
-    """The items ready for the page, on which each step of a derivation stands once."""
+    """Items ready for their page, on which each step of a derivation stands once."""
     first: dict[Step, Item] = {}
     made = []
     for finding in findings:

@@ -21,6 +21,7 @@ class Place:
 
 FIRST_KIND = 'fb.derive(fb.load("five_bar_rods"), "lagrange-first-kind")'
 _CALLS = {
+    1: ('fb.derive(fb.load("pendulum"), "newton-euler")',),
     2: ('fb.derive(fb.planar("RR"), "statics")', FIRST_KIND),
     3: ('fb.derive(fb.planar("RR"), "newton-euler")',),
     4: ('fb.derive(fb.planar("RR"), "recursive")',),
@@ -41,6 +42,12 @@ ROWS = (
 @cache
 def _derivation(call: str) -> Derivation:
     return eval(call, {"fb": fb, "rows": ROWS})  # the calls are those above
+
+
+def live_derivation(chapter: int) -> tuple[str, Derivation]:
+    """The first derivation of a chapter, and the call that makes it."""
+    call = _CALLS[chapter][0]
+    return call, _derivation(call)
 
 
 def place_of(item: Item) -> Place | None:

@@ -61,8 +61,8 @@ def hostile_study(tmp_path_factory: pytest.TempPathFactory) -> fb.Study:
 def pages(arm: fb.Study) -> dict[str, str]:
     from freebody.report.html import page as study_page
     from freebody_notes.contents import items
-    from freebody_notes.page import page as notes_page
+    from freebody_notes.page import pages as notes_pages
     from freebody_notes.run import run_all
 
-    made = {"study": study_page(arm), "notes": notes_page(run_all(items()[:3]))}
+    made = {"study": study_page(arm), **notes_pages(run_all(items()[:3]), "notes.html")}
     return made | {m: fb.derive(arm.model, m).html() for m in ("kinematics", "statics")}

@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from freebody.derivations.closed_chains.first_kind import MULTIPLIER
-from freebody.derivations.derivation import Comparison, Derivation
+from freebody.derivations.derivation import Comparison, Derivation, Step
+from freebody.derivations.expressions.nodes import Equation, Words, nodes
 from freebody.derivations.methods import METHODS
 from freebody.derivations.methods.free_bodies import velocity_names
 from freebody.derivations.methods.method import Method
@@ -53,13 +55,28 @@ def undrawn_derivation(
         record.name,
         worked.title or record.title,
         setting.equations,
-        worked.steps,
+        _with_lengths(worked.steps),
         worked.tau,
         given,
         glossary,
         worked.system,
         record.reference,
     )
+
+
+def _with_lengths(steps: tuple[Step, ...]) -> tuple[Step, ...]:
+    """The steps; the first that tells only how long a line is says where the line can be had."""
+    first = next((step for step in steps if any(map(_is_told_by_length, step.equations))), None)
+    reason = (
+        " Where only a number of terms stands, the line is too long to read; in Python the "
+        "derivation holds the torques exactly, as .tau, and M, Φ_q and c of a closed chain, as "
+        ".system."
+    )
+    return tuple(replace(x, reason=x.reason + reason) if x is first else x for x in steps)
+
+
+def _is_told_by_length(line: Equation) -> bool:
+    return any(isinstance(x, Words) and x.text.endswith(("terms", "terms)")) for x in nodes(line))
 
 
 def method_named(name: str) -> Method:

@@ -186,11 +186,14 @@ find("again").addEventListener("click", () => {
   });
   follow();
 });
-find("fold").addEventListener("click", (event) => {
-  const steps = [...document.querySelectorAll("section > details")], open = !steps.some((step) => step.open);
+const steps = [...find("try").parentElement.querySelectorAll("section > details")];
+const folding = () => { find("fold").textContent = steps.some((step) => step.open) ? "Fold all steps" : "Unfold all steps"; };
+find("fold").addEventListener("click", () => {
+  const open = !steps.some((step) => step.open);
   for (const step of steps) step.open = open;
-  event.target.textContent = open ? "Fold all steps" : "Unfold all steps";
+  folding();
 });
+folding();
 find("predict").addEventListener("change", (event) => predict(event.target.checked));
 find("try").hidden = false;
 follow();

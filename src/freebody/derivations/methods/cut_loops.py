@@ -28,6 +28,8 @@ LONG = 90
 """Numbers and symbols up to which a matrix is written out."""
 _ENTRIES = 16
 """Entries up to which it is."""
+LONGEST = 500
+"""Numbers and symbols up to which all right sides of one system are written out."""
 
 
 @dataclass(frozen=True)
@@ -170,7 +172,10 @@ class Loops:
         """Φ_q q̈ = c."""
         rate = ex.Symbol("Phi_q_d", "Φ", ("q",), dots=1)
         rule = eq(ex.mul(self.phi_q, dotted("q", 2)), ex.neg(ex.mul(rate, dotted("q", 1))), "c")
-        lines = [eq(entry("c", k), self.s.show(x)) for k, x in enumerate(self.equations.c, 1)]
+        shown = list(map(self.s.show, self.equations.c))
+        if sum(map(ex.size, shown)) > LONGEST:
+            shown = [ex.words(f"({len(x)} terms)") for x in self.equations.c]
+        lines = [eq(entry("c", k), x) for k, x in enumerate(shown, 1)]
         reason = (
             "Differentiating once more gives the constraints on the accelerations; c holds the "
             "products of rates."

@@ -14,7 +14,7 @@ from freebody.derivations.render import page, term_sources
 from freebody.derivations.render.equation_numbers import cited
 from freebody.derivations.render.literal import declared, literal
 from freebody.derivations.render.living_parts import STYLE, LivingParts
-from freebody.derivations.render.mathml import mathml
+from freebody.derivations.render.mathml import lean, mathml
 from freebody.derivations.render.prose import (
     Medium,
     markdown_prose,
@@ -256,6 +256,15 @@ body = _Document(
 """The steps as HTML, without a page around them."""
 
 
+def tried(living: LivingParts) -> _Document:
+    """The steps as HTML, with the living parts."""
+    return replace(
+        body,
+        opening=living.panel,
+        equations=lambda step: body.equations(step) + living.below.get(step, ""),
+    )
+
+
 def html(
     derivation: Derivation,
     figures: Figures | None = None,
@@ -266,11 +275,7 @@ def html(
     tried."""
     title, inside, scripts = web_prose(_title(derivation)), body, []
     if living is not None:
-        inside = replace(
-            body,
-            opening=living.panel,
-            equations=lambda step: body.equations(step) + living.below.get(step, ""),
-        )
+        inside = tried(living)
         scripts, style = [legal(living.script)], style + STYLE
     kind = ' class="living"' if living else ""
     run = "".join(f"<script>{text}</script>" for text in scripts)
@@ -279,7 +284,7 @@ def html(
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         '<meta name="color-scheme" content="light dark"><link rel="icon" href="data:,">'
         f"<title>{title}</title><style>{math_style()}{style}{_STYLE}{page.STYLE}{term_sources.STYLE}</style></head>\n"
-        f"<body><main{kind}>\n{inside(derivation, figures)}\n</main>{run}</body></html>\n"
+        f"<body><main{kind}>\n{lean(inside(derivation, figures))}\n</main>{run}</body></html>\n"
     )
 
 

@@ -12,15 +12,23 @@ from freebody.derivations.render.typesetter import Notation, Typesetter, is_call
 
 NAMESPACE = 'xmlns="http://www.w3.org/1998/Math/MathML"'
 _OPEN, _CLOSE = '<mo stretchy="false">(</mo>', '<mo stretchy="false">)</mo>'
-_THIN, _APPLY, _TIMES = '<mspace width="0.17em"/>', "<mo>&#x2061;</mo>", "<mo>&#x2062;</mo>"
+_THIN, _APPLY, _TIMES = '<mspace width=".17em"/>', "<mo>\u2061</mo>", "<mo>\u2062</mo>"
 _DOTS = ("", "˙", "¨")
-_TAGS = re.compile(r"<[^>]*>|&[^;]*;|[˙¨]|\ue000[a-z]*\ue001|\ue002")
+_TAGS = re.compile(r"<[^>]*>|&[^;]*;|[˙¨\u2061\u2062]|\ue000[a-z]*\ue001|\ue002")
 _LOW = re.compile(
     "<msub(?:sup)?>(?:<mi[^>]*>[^<]*</mi>|<mover.*?</mover>)"
     "(<mrow>.*?</mrow>|<mn>[^<]*</mn>|<mi>[^<]*</mi>)"
 )
 _MARKS = re.compile("\ue000([a-z]*)\ue001|\ue002")
 """Where a term with a source begins and ends, until it is known where lines end."""
+_BOLD = ' style="font-weight:bold;font-style:normal"'
+STYLE = "mi[mathvariant=bold]{font-weight:bold;font-style:normal}"
+"""A page whose formulas are `lean` needs it."""
+
+
+def lean(page: str) -> str:
+    """The text of a page without what each of its formulas would need to stand alone."""
+    return page.replace(f" {NAMESPACE}", "").replace(_BOLD, "")
 
 
 def mathml(node: Expression, display: bool = True) -> str:
@@ -48,8 +56,16 @@ def _in_elements(lines: list[str]) -> list[str]:
                 continue
             source = mark[1] or ""
             text += _opened(source) if source else "</mrow>"
-        made.append(text + "</mrow>" * bool(source))
+        made.append(_SIGN.sub(_short, text) + "</mrow>" * bool(source))
     return made
+
+
+_SIGN = re.compile('(^|<mrow class="[^"]*">)?<mo form="infix">')
+
+
+def _short(sign: re.Match[str]) -> str:
+    """A sign where a line begins is told that it stands between terms; others need not be."""
+    return "<mo>" if sign[1] is None else sign[0]
 
 
 def _opened(source: str) -> str:
@@ -66,7 +82,7 @@ def _ratio(value: Fraction) -> str:
 
 
 def _symbol(node: Symbol, high: str) -> str:
-    bold = ' mathvariant="bold" style="font-weight:bold;font-style:normal"' * node.bold
+    bold = f' mathvariant="bold"{_BOLD}' * node.bold
     upright = ' mathvariant="normal"' if len(node.letter) > 1 and not bold else bold
     letter = f"<mi{upright}>{escape(node.letter)}</mi>"
     if node.dots:
@@ -120,8 +136,8 @@ MATHML = Typesetter(
         group="<mrow>{}</mrow>",
         line="<mrow>{}</mrow>",
         width=_width,
-        applied=f"<mrow>{{}}{_APPLY}{_THIN}{{}}</mrow>",
-        bracketed=f"<mrow>{{}}{_APPLY}{_OPEN}{{}}{_CLOSE}</mrow>",
+        applied='{}<mo rspace=".17em">\u2061</mo>{}',
+        bracketed=f"{{}}{_APPLY}{_OPEN}{{}}{_CLOSE}",
         norm="<mrow><mo>|</mo>{}<mo>|</mo></mrow>",
         fraction="<mfrac><mrow>{}</mrow><mrow>{}</mrow></mfrac>",
         operand="<mrow><mo>(</mo>{}<mo>)</mo></mrow>",

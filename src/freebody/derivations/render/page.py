@@ -15,6 +15,7 @@ from freebody.derivations.expressions.nodes import (
     Symbol,
     Vector,
 )
+from freebody.derivations.render import mathml
 from freebody.derivations.render.latex import LATEX, width_of
 from freebody.derivations.render.mathml import MATHML, NAMESPACE
 from freebody.derivations.render.rows import Row, left_side, rows
@@ -23,7 +24,9 @@ from freebody.derivations.render.typesetter import Typesetter
 
 _RIGHT = "text-align:right;text-align:-webkit-right;padding-right:0"
 _LEFT = "text-align:left;text-align:-webkit-left;padding-left:0.25em"
-STYLE = f".aligned>mtr>mtd:first-child{{{_RIGHT}}}.aligned>mtr>mtd:last-child{{{_LEFT}}}"
+STYLE = (
+    f"{mathml.STYLE}.aligned>mtr>mtd:first-child{{{_RIGHT}}}.aligned>mtr>mtd:last-child{{{_LEFT}}}"
+)
 """A page with equations of `html` needs it: their rows say nothing of how they are aligned."""
 
 Groups = Sequence[Sequence[Equation]]

@@ -1,0 +1,26 @@
+"""Pages of derivations are small enough to be sent and opened anywhere; those of the notes are
+weighed in test_notes_page.py."""
+
+from __future__ import annotations
+
+import pytest
+
+import freebody as fb
+
+LARGEST = 600_000  # bytes
+LONG = {"3RRR", "bricard", "double_four_bar", "five_bar", "five_bar_rods", "four_bar", "stewart"}
+REFUSED = {"panda"}
+"""A finger follows the other: there is no derivation."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.long] * (name in LONG))
+        for name in fb.models()
+        if name not in REFUSED
+    ],
+)
+@pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
+def test_the_page_of_every_bundled_robot_is_small(name):
+    assert 50_000 < len(fb.derive(fb.load(name)).html().encode()) < LARGEST
