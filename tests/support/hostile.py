@@ -64,5 +64,6 @@ def pages(arm: fb.Study) -> dict[str, str]:
     from freebody_notes.page import pages as notes_pages
     from freebody_notes.run import run_all
 
-    made = {"study": study_page(arm), **notes_pages(run_all(items()[:3]), "notes.html")}
+    notes, chapter, *_ = notes_pages(run_all(items()[:3]), "notes.html").values()
+    made = {"study": study_page(arm), "notes": notes, "chapter": chapter}
     return made | {m: fb.derive(arm.model, m).html() for m in ("kinematics", "statics")}
