@@ -204,7 +204,7 @@ def test_sympys_own_latex_of_functions_of_time_is_read():
     "text",
     [
         "A = foo1\n\nH22 = m2 lc2^2 + I2 + A",
-        "A = l1/l2\n\nH22 = m2 lc2^2 + I2 + A",
+        "A = l1^l2\n\nH22 = m2 lc2^2 + I2 + A",
         "A = B\n\nB = foo3\n\nH22 = A + m2 lc2^2 + I2",
         "A = B\n\nB = A\n\nH22 = A + m2 lc2^2 + I2",
     ],

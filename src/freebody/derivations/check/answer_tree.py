@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+from freebody.derivations.check.quotients import Value
 from freebody.derivations.expressions.nodes import Expression
-from freebody.scalars.trig import Trig
 
 Angle = tuple[tuple[str, int], ...]
 """A sum of angles: names and whole factors."""
@@ -16,7 +16,7 @@ class Named(Expression):
     """A name and what it stands for."""
 
     name: str
-    value: Trig
+    value: Value
     is_derivative: bool = False
     """Whether it is a derivative, named as it is written."""
     is_generator: bool = False

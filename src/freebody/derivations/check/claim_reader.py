@@ -11,7 +11,7 @@ from freebody.derivations.check import undriven_joints
 from freebody.derivations.check.answer_lines import Line
 from freebody.derivations.check.answer_text import AnswerText
 from freebody.derivations.check.answer_tree import Named, Wave
-from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity
 from freebody.derivations.check.asked_quantities import AMBIGUOUS, Targets
 from freebody.derivations.check.circular_answers import (
     GivenQuantity,
@@ -19,15 +19,18 @@ from freebody.derivations.check.circular_answers import (
     uses,
 )
 from freebody.derivations.check.exact_polynomials import PolynomialReader
-from freebody.derivations.check.reading import AnswerParser
+from freebody.derivations.check.quotients import Value, difference, pair
+from freebody.derivations.check.reading import AnswerParser, inverse_behind
 from freebody.derivations.check.tables_in_formulas import Shape, worked_out
 from freebody.derivations.check.units import is_of_another_kind
 from freebody.derivations.check.vocabulary import Vocabulary, spellings
+from freebody.derivations.closed_chains.linear import Ratio
 from freebody.derivations.expressions.evaluate import NoValue
 from freebody.derivations.expressions.nodes import Expression, Matrix, Negative, Number, Sum, nodes
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.parser import around
 from freebody.derivations.grammar.source import Span
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.scalars.trig import Trig
 
 _LONGEST_LABEL = 60
@@ -44,10 +47,12 @@ class Claim:
     label: str
     target: AskedQuantity
     node: Expression
-    value: Trig
+    value: Value
     source: AnswerText
     uses: tuple[GivenQuantity, ...] = ()
     """Quantities that it is given by."""
+    whole: Expression | None = None
+    """Of an equation between two sides their difference."""
 
 
 class ClaimReader:
@@ -105,20 +110,24 @@ class ClaimReader:
         """A tree as polynomial."""
         return PolynomialReader(self.source, self.setting.ring).read(node)
 
-    def _quantity(self, name: str) -> Trig | None:
+    def quotient(self, node: Expression) -> Value:
+        """A tree as polynomial, or as quotient of two."""
+        return PolynomialReader(self.source, self.setting.ring).quotient(node)
+
+    def _quantity(self, name: str) -> Value | None:
         if name in self.replaced:
             return self.replaced[name]
         if name not in self.targets.single:
             return None
         return self._value_of(self.targets.single[name])
 
-    def _value_of(self, target: AskedQuantity) -> Trig:
+    def _value_of(self, target: AskedQuantity) -> Value:
         return self.setting.zero if target.idle else target.compute()
 
     def _claim(self, label: str, target: AskedQuantity, node: Expression) -> Claim:
         """What a tree says of a quantity."""
         used = tuple(uses(node, self.targets.single, self.vocabulary))
-        return Claim(label, target, node, self.value(node), self.source, used)
+        return Claim(label, target, node, self.quotient(node), self.source, used)
 
     def letters_given_as_vectors(self, lines: Sequence[Line]) -> frozenset[str]:
         """First letters of names of vectors that a line gives by its entries."""
@@ -135,6 +144,8 @@ class ClaimReader:
         value is noted."""
         first = line[0]
         name = first[0].text if len(first) == 1 and first[0].kind == "name" else ""
+        if self._is_solved(line):
+            return []
         if name in self.vocabulary.waves and self._is_wave(name, line):
             return [line]
         if not name or (
@@ -155,8 +166,49 @@ class ClaimReader:
         given = tuple(use.target for use in uses(node, self.targets.single, self.vocabulary))
         if self.targets.single.get(name) in given:
             refuse_itself(self.source, self.source[first[0].span], node.span)
-        self.vocabulary.define(name, self.value(node), given)
+        self.vocabulary.define(name, self.quotient(node), given)
         return [line]
+
+    def _is_solved(self, line: Line) -> bool:
+        """Whether a line tells a coordinate, a rate, an acceleration, or the sine or cosine of an
+        angle by the robot's quantities: θ̈1 = (τ1 - …)/H11, cos θ2 = (x² + …)/(2 l1 l2)."""
+        first = line[0][0]
+        if len(line) != 2 or len(line[0]) != 1 or self._is_matrix(line[1]):
+            return False
+        names = {token.text for token in line[1] if token.kind == "name"}
+        by_quantities = any(
+            x in self.targets.names and x not in self.vocabulary.symbols for x in names
+        )
+        if first.text in self.vocabulary.waves:
+            tip = (x for x in names if x in self.targets.single)
+            return any(self.targets.single[x].family == "tip" for x in tip)
+        if first.text in self.targets.single:
+            return False
+        moving = self._moving(self.vocabulary.symbols.get(first.text))
+        return bool(moving) and (by_quantities or (moving.endswith(SECOND) and bool(names)))
+
+    def _moving(self, value: Value | None) -> str:
+        """The coordinate, rate or acceleration that a value is, or nothing."""
+        terms = list(value.terms()) if isinstance(value, Trig) else []
+        name = "".join(terms[0][0]) if len(terms) == 1 else ""
+        known = {x + d for x in self.setting.symbols.coordinates for d in ("", RATE, SECOND)}
+        return name if name in known and terms[0] == ({name: 1}, 1) else ""
+
+    def _solved_for(self, line: Line) -> Claim:
+        """What a line says of a coordinate or of what belongs to it, by the robot's quantities."""
+        first, node = line[0][0], self.parse(line[1])
+        value = self.quotient(self.parse(line[0]))
+        name = self._moving(value)
+        for part in nodes(node):
+            if not isinstance(part, Named) or part.name in self.targets.single:
+                continue
+            if name and any(name in p for x in pair(part.value) for p, _ in x.terms()):
+                self.source.fail(
+                    f"{self.source[first.span]} stands on both sides: solve for it", part.span
+                )
+        words = "solved for it by the robot's quantities"
+        target = AskedQuantity("solved", (), lambda: value, words=words)
+        return self._claim(self.source[first.span], target, node)
 
     def _is_wave(self, name: str, line: Line) -> bool:
         """Whether a line says of s12 or c12 only what it stands for anyway."""
@@ -164,7 +216,7 @@ class ClaimReader:
         if isinstance(node, Matrix):
             return False
         meant = Wave(*self.vocabulary.waves[name], span=line[0][0].span)
-        return (self.value(node) - self.value(meant)).is_zero
+        return difference(self.quotient(node), self.value(meant)).is_zero
 
     def _is_free(self, name: str) -> bool:
         """Whether a name stands for nothing of the model: for nothing, or for what only other
@@ -178,17 +230,27 @@ class ClaimReader:
         the user's own: one number for a matrix or vector, or what other lines use and has other
         units."""
         letter = re.sub(r"\d+$", "", name)
-        if not (letter in AMBIGUOUS or name in self.targets.soft) or self._is_matrix(line[1]):
+        soft = letter in AMBIGUOUS or name in self.targets.soft
+        if not (soft or letter in _NO_QUOTIENTS) or self._is_matrix(line[1]):
             return False
         target = self.targets.single.get(name)
         if target is None:
             return name in AMBIGUOUS
+        if isinstance(self._given(line[1]), Ratio):
+            return True
+        if not soft:
+            return False
         if not self._is_used(name, line, lines):
             return False
         node = self.parse(line[1])
         return not isinstance(node, Matrix) and is_of_another_kind(
-            self.setting, self.value(node), target.compute()
+            self.setting, self.value(node), target.polynomial()
         )
+
+    def _given(self, side: Sequence[Token]) -> Value | None:
+        """The value of a side that is no vector or matrix."""
+        node = self.parse(side)
+        return None if isinstance(node, Matrix) else self.quotient(node)
 
     def _is_own_scalar(self, name: str, line: Line) -> bool:
         """Whether a name of a body's vector is given to one number."""
@@ -218,6 +280,8 @@ class ClaimReader:
     def claims(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
         """What one equation states, after others."""
         self.of_bodies = any(self._tells_of_bodies(token) for side in line for token in side)
+        if self._is_solved(line):
+            return [self._solved_for(line)]
         subjects = [self._subject(side) for side in line]
         named = [subject for subject in subjects if subject is not None]
         if not named or len(line) < 2:
@@ -257,7 +321,8 @@ class ClaimReader:
         """Whether it is a whole vector or matrix of the equations of motion, in which g is too."""
         if not isinstance(subject, Token) or subject.text in self.targets.single:
             return False
-        return self.targets.tables[subject.text][0][0].family not in _BODY_FAMILIES
+        family = self.targets.tables[subject.text][0][0].family
+        return family != "q" and family not in _BODY_FAMILIES
 
     def _shape_of(self, subject: Token | Named | Matrix) -> Shape | None:
         """The shape of a vector or matrix that cannot be one number."""
@@ -274,6 +339,9 @@ class ClaimReader:
         if len(side) == 1 and side[0].kind == "name" and side[0].text in self.targets.names:
             return side[0]
         first = side[0]
+        name = first.text + INVERSE
+        if name in self.targets.tables and inverse_behind(side[1:]) == len(side) - 1 > 0:
+            return replace(first, text=name, end=side[-1].end)
         if first.kind != "partial" and not self._is_matrix(side):
             return None
         node = self.parse(side)
@@ -402,7 +470,7 @@ class ClaimReader:
             return None
         loops = [x for x in self.targets.single.values() if x.family == "Phi"]
         signs = [(x, sign) for x in dict.fromkeys(loops) for sign in (1, -1)]
-        target, sign = min(signs, key=lambda row: len(value * row[1] - row[0].compute()))
+        target, sign = min(signs, key=lambda row: len(value * row[1] - row[0].polynomial()))
         if sign < 0:
             node = Negative(node, span=node.span)
         return self._claim(f"The loop equation {self.source[node.span]}", target, node)
@@ -439,13 +507,14 @@ class ClaimReader:
         """One entry: the side that says more is compared with the other."""
         if isinstance(right, Number):
             left, right = right, left
-        value = self.value(left)
+        value = self.quotient(left)
         target = AskedQuantity("identity", (), lambda: value)
         used = uses(left, self.targets.single, self.vocabulary)
         known = any(isinstance(x, Named) for side in (left, right) for x in nodes(side))
         if not known and not list(used):
             self.source.fail("this says nothing about the robot", right.span)
-        return Claim(label, target, right, self.value(right), self.source)
+        whole = Sum((left, Negative(right, span=right.span)), span=around(left, right))
+        return Claim(label, target, right, self.quotient(right), self.source, whole=whole)
 
     def _unpowered(self, line: Line, before: Sequence[Claim]) -> Claim:
         """An equation without torque: that of a joint which nothing drives."""
@@ -484,6 +553,8 @@ def _entries_of(node: Expression) -> list[Expression]:
     return [x for row in node.rows for x in row] if isinstance(node, Matrix) else [node]
 
 
+_NO_QUOTIENTS = ("K", "gamma")
+"""Letters of quantities that are no quotients, which name ratios in other lines."""
 _OF_BODIES = {"g": "gravity", "J": "JP"}
 """What names stand for in equations of bodies."""
 _BODY_FAMILIES = frozenset(("of body", "tip", "tip_d", "tip_dd", "T", "V", "L", "Ti", "Vi", "J_d"))

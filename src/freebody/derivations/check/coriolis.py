@@ -51,7 +51,7 @@ def _rows(setting: RightEquations, claims: Sequence[Claim]) -> dict[int, list[Tr
     n = len(setting.symbols.coordinates)
     given: dict[tuple[int, ...], list[Trig]] = {}
     for claim in claims:
-        if claim.target.family == "C":
+        if claim.target.family == "C" and isinstance(claim.value, Trig):
             given.setdefault(claim.target.index, []).append(claim.value)
     single = {index: values[0] for index, values in given.items() if len(values) == 1}
     return {

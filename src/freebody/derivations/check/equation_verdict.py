@@ -6,24 +6,22 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from freebody.derivations.check import coriolis, numeric_example, undriven_joints
-from freebody.derivations.check.answer_text import AnswerText
+from freebody.derivations.check import (
+    coriolis,
+    numeric_example,
+    quotient_verdict,
+    undriven_joints,
+)
 from freebody.derivations.check.answer_tree import Named
 from freebody.derivations.check.asked_quantities import Targets
 from freebody.derivations.check.claim_reader import Claim
-from freebody.derivations.check.differences import (
-    Difference,
-    differences,
-    is_too_long,
-    printed,
-    terms,
-)
+from freebody.derivations.check.explanation import Explanation, first
 from freebody.derivations.check.finite_field import Point, random_point
 from freebody.derivations.check.finite_field_tree import Workspace
-from freebody.derivations.check.misconceptions import Misconceptions, related
+from freebody.derivations.check.free_motion import FreeMotion
+from freebody.derivations.check.misconceptions import Misconceptions
 from freebody.derivations.check.misreadings import misread
-from freebody.derivations.check.reading import AnswerParser
-from freebody.derivations.check.repairs import Repair, Repairs
+from freebody.derivations.check.quotients import difference
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.rounded_numbers import MEASURED, Rounded
 from freebody.derivations.check.units import misfit, unit_text
@@ -32,15 +30,8 @@ from freebody.derivations.check.verdict_sentences import Wording, quoted
 from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.expressions.nodes import nodes
 from freebody.derivations.expressions.printed_names import sym
-from freebody.derivations.grammar.lexer import tokens
-from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-
-MOST_FINDINGS = 6
-_MISSING, _REVERSE = 1.9, 0.3
-"""Cost of a missing term, and what an explanation costs that does not point into the answer
-itself."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +49,11 @@ class Judge:
         return random_point(self.setting.ring)
 
     @cached_property
+    def free_motion(self) -> FreeMotion | None:
+        """What follows for joints that nothing drives."""
+        return FreeMotion.of_passive_joints(self.setting)
+
+    @cached_property
     def vocabulary(self) -> Vocabulary:
         """Names for reading printed equations."""
         return Vocabulary(self.setting)
@@ -66,8 +62,13 @@ class Judge:
         """The verdict on one claim, with its mistakes named or only with an example."""
         right = claim.target.compute()
         title = claim.target.title
-        if claim.value == right:
+        if difference(claim.value, right).is_zero:
             return EquationVerdict(claim.label, title, True, note=self._zeros(claim))
+        special = quotient_verdict.verdict(self, claim, right, explain)
+        if special is not None:
+            return special
+        assert isinstance(claim.value, Trig)
+        assert isinstance(right, Trig)
         if claim.target.family in ("V", "L", "Vi") and self._is_constant(claim.value - right):
             note = (
                 f"It differs by the constant {self.setting.form(claim.value - right)}: the zero "
@@ -75,13 +76,13 @@ class Judge:
             )
             return EquationVerdict(claim.label, title, True, note=note)
         return (
-            self._other_ways(claim, right)
-            or self._in_numbers(claim, right)
-            or self._wrong(claim, right, explain)
+            self._other_ways(claim, claim.value, right)
+            or self._in_numbers(claim, claim.value, right)
+            or self._wrong(claim, claim.value, right, explain)
         )
 
-    def _wrong(self, claim: Claim, right: Trig, explain: bool) -> EquationVerdict:
-        findings, causes = self._explained(claim, right) if explain else ([], [])
+    def _wrong(self, claim: Claim, yours: Trig, right: Trig, explain: bool) -> EquationVerdict:
+        findings, causes = self._explained(claim, yours, right) if explain else ([], [])
         hint = coriolis.advice(self.setting, claim, self.claims)
         causes = [*causes, *[hint] * bool(hint), *self._unsymmetric(claim)]
         return self._with_example(claim, right, findings, causes)
@@ -108,12 +109,12 @@ class Judge:
             claim.label, claim.target.title, False, tuple(findings), tuple(causes), shown, text
         )
 
-    def _other_ways(self, claim: Claim, right: Trig) -> EquationVerdict | None:
+    def _other_ways(self, claim: Claim, yours: Trig, right: Trig) -> EquationVerdict | None:
         """The verdict on what is right though it is not the same: torques of passive joints, other
         matrices C."""
         note = self.coriolis.get(claim.target.index, "") if claim.target.family == "C" else ""
         if claim.target.idle and (
-            claim.value.is_zero or undriven_joints.is_same(self.setting, claim.value, right)
+            yours.is_zero or undriven_joints.is_same(self.setting, yours, right)
         ):
             joint = claim.target.index[0]
             note = f"Joint {joint} is passive: {sym(f'tau{joint}')} = 0."
@@ -125,13 +126,13 @@ class Judge:
         return coriolis.notes(self.setting, self.claims)
 
     # ------------------------------------------------------------ numbers
-    def _in_numbers(self, claim: Claim, right: Trig) -> EquationVerdict | None:
+    def _in_numbers(self, claim: Claim, yours: Trig, right: Trig) -> EquationVerdict | None:
         """The verdict on an answer in numbers, or of a model that has measured ones; None of an
         answer in symbols."""
         model = self.setting.symbols.model
         values = {name: value for name, value in model.parameters.items() if value is not None}
         decimal = self.setting.order.decimal
-        rounded = Rounded(self.setting, claim.source, claim.node, claim.value, right, values)
+        rounded = Rounded(self.setting, claim.source, claim.node, yours, right, values)
         if not decimal and not rounded.applies:
             return self._mixed(claim, rounded) if values else None
         wrong = rounded.wrong(MEASURED) if decimal else rounded.wrong()
@@ -145,7 +146,7 @@ class Judge:
         if not rounded.is_in_numbers:
             return None
         wording = Wording(self.setting, claim.source)
-        findings = _first([wording.of_number(row) for row in wrong])
+        findings = first([wording.of_number(row) for row in wrong])
         causes = [f"In numbers, with the values of {model.name!r}, to the digits given:"]
         return self._with_example(claim, rounded.target, findings, causes)
 
@@ -175,15 +176,15 @@ class Judge:
         """Whether no coordinate or rate occurs."""
         return all(x.derivative(name).is_zero for name in self.setting.symbols.rates)
 
-    def _explained(self, claim: Claim, right: Trig) -> tuple[list[Mistake], list[str]]:
+    def _explained(self, claim: Claim, yours: Trig, right: Trig) -> tuple[list[Mistake], list[str]]:
         work = Workspace(claim.node, self.point)
         value = self.point.of(right)
         finding, doubt = misread(self.setting, self.targets, claim, work, value)
         if finding is not None:
             return [finding], []
         causes = self._thoughts(claim, right, work.value)
-        findings = _Explanation(self, claim, right, work, value).findings(bool(causes))
-        return findings, [doubt] * bool(doubt) + causes + self._units(claim.value, right)
+        findings = Explanation(self, claim, right, work, value).findings(bool(causes))
+        return findings, [doubt] * bool(doubt) + causes + self._units(yours, right)
 
     def _thoughts(self, claim: Claim, right: Trig, value: int) -> list[str]:
         """What may have been thought; thoughts are told of the model's own coordinates only."""
@@ -200,151 +201,3 @@ class Judge:
         term, unit, expected = found
         text = f"The units do not fit: {quoted(self.setting.form(term))} has {unit_text(unit)}"
         return [f"{text}, where {unit_text(expected)} is needed."]
-
-
-@dataclass(frozen=True)
-class _Explanation:
-    """The search for what is wrong with one claim."""
-
-    judge: Judge
-    claim: Claim
-    right: Trig
-    work: Workspace
-    value: int
-
-    @property
-    def setting(self) -> RightEquations:
-        return self.judge.setting
-
-    @cached_property
-    def wording(self) -> Wording:
-        return Wording(self.setting, self.claim.source)
-
-    @cached_property
-    def rows(self) -> list[Difference]:
-        """Terms that differ."""
-        return differences(self.setting, self.claim.value, self.right)
-
-    def findings(self, has_cause: bool) -> list[Mistake]:
-        """The cheapest explanation: one change, several, or all terms that differ."""
-        if is_too_long(self.claim.value) or is_too_long(self.right):
-            own = self.forward.single()
-            return [self.wording.of_repair(own, self.work) if own else self._unexplained()]
-        single = self._single()
-        if single is not None:
-            return [single]
-        several = [] if has_cause and len(self.rows) > MOST_FINDINGS else self._several()
-        if several and len(several) <= len(self.rows):
-            return several
-        return _first([self.wording.of_difference(row) for row in self.rows])
-
-    def _unexplained(self) -> Mistake:
-        return Mistake("term", "The answers have too many terms to be compared one by one.")
-
-    # ------------------------------------------------------------ one change
-    def _single(self) -> Mistake | None:
-        """The cheapest of: a change of the answer, a change of the right answer that gives it, a
-        missing term."""
-        own = self.forward.single()
-        missing = self._missing_cost()
-        best = min(own.cost if own else 99.0, missing)
-        if best > 1.0:
-            reverse = self._reverse()
-            if reverse is not None and reverse[0].cost + _REVERSE < best:
-                repair, work, wording = reverse
-                return self.wording.of_reverse(repair, work, wording)
-        if own is not None and own.cost <= missing:
-            return self.wording.of_repair(own, self.work)
-        if missing < 99.0:
-            return self._missing()
-        return None
-
-    @cached_property
-    def forward(self) -> Repairs:
-        """Changes of the answer."""
-        return Repairs(self.setting, self.work, self.value, self._related)
-
-    def _related(self, name: str) -> dict[str, Trig]:
-        """The other entries of the family of a quantity that stands in the answer, such as H11."""
-        single = self.judge.targets.single
-        others = related(self.judge.targets, single[name]) if name in single else {}
-        return {other: value for other, value in others.items() if value != self.right}
-
-    def _missing_cost(self) -> float:
-        """The cost of saying that one term is missing."""
-        if len(self.rows) == 1 and self.rows[0].yours == 0:
-            return _MISSING
-        return 99.0
-
-    def _missing(self) -> Mistake:
-        return self.wording.of_difference(self.rows[0])
-
-    def _reverse(self) -> tuple[Repair, Workspace, Wording] | None:
-        """A change of the right answer, as it prints, that gives the user's."""
-        best = None
-        for text in self._printed():
-            source = AnswerText.of(text)
-            try:
-                parser = AnswerParser(
-                    source,
-                    tokens(source, self.judge.vocabulary)[:-1],
-                    self.judge.vocabulary,
-                    _nothing,
-                )
-                work = Workspace(parser.side(), self.judge.point)
-            except FreebodyError:
-                continue
-            if work.value != self.value:  # decimals were rounded
-                continue
-            repair = Repairs(self.setting, work, self.work.value, lambda name: {}).single()
-            if repair is not None and (best is None or repair.cost < best[0].cost):
-                best = repair, work, Wording(self.setting, source)
-        return best
-
-    def _printed(self) -> list[str]:
-        """The right answer as it prints, and term by term."""
-        layout = self.setting.layout
-        flat = [
-            str(printed(layout, self.setting, *row))
-            for row in terms(self.setting, self.right).items()
-        ]
-        return [self.setting.form(self.right), " + ".join(f"({term})" for term in flat)]
-
-    # ------------------------------------------------------------ several changes
-    def _several(self) -> list[Mistake]:
-        """Two or three changes of the answer."""
-        point, insertions = self.judge.point, []
-        for row in self.rows:
-            if row.instead is None and row.yours == 0:
-                x = self._term(row)
-                insertions.append((x, point.of(x)))
-        found = self.forward.several(insertions)
-        return [self._said(repair) for repair in found]
-
-    def _term(self, row: Difference) -> Trig:
-        x = self.setting.ring.polynomial([(dict(row.key[0]), row.right)])
-        for function, argument, exponent in row.key[1]:
-            angle = sum((self.setting.ring[name] * k for name, k in argument), self.setting.zero)
-            for _ in range(exponent):
-                x = x * (angle.sin() if function == "sin" else angle.cos())
-        return x
-
-    def _said(self, repair: Repair) -> Mistake:
-        if repair.kind == "missing" and repair.node is self.work.root:
-            row = next(
-                row for row in self.rows if self.judge.point.of(self._term(row)) == repair.change
-            )
-            return self.wording.of_difference(row)
-        return self.wording.of_repair(repair, self.work)
-
-
-def _nothing(name: str) -> None:
-    """Printed answers hold no quantities by name."""
-
-
-def _first(found: list[Mistake]) -> list[Mistake]:
-    """The first of many, and how many more there are."""
-    if len(found) <= MOST_FINDINGS + 1:
-        return found
-    more = Mistake("term", f"{len(found) - MOST_FINDINGS} more terms differ.")
-    return [*found[:MOST_FINDINGS], more]

@@ -1,19 +1,20 @@
-"""The exact polynomial that a tree stands for, within limits that keep hostile input harmless."""
+"""The exact polynomial, or quotient of two, that a tree stands for, within limits that keep hostile
+input harmless."""
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import reduce
 
 from freebody.derivations.check.answer_tree import Angle, Named, Wave
+from freebody.derivations.check.quotients import Value, inverted, negative, pair, plus, times
+from freebody.derivations.closed_chains.linear import Ratio
 from freebody.derivations.expressions.evaluate import NoValue, Rules, arithmetic, evaluate
-from freebody.derivations.expressions.nodes import Expression, Matrix, Quotient
+from freebody.derivations.expressions.nodes import Expression, Matrix, Power, Quotient
 from freebody.derivations.grammar.parser import PI
 from freebody.derivations.grammar.source import Source
-from freebody.errors import FreebodyError
 from freebody.scalars.trig import Trig, TrigRing
 
 MOST_TERMS, MOST_WORK = 20_000, 2_000_000
@@ -35,10 +36,11 @@ class PolynomialReader:
         self.rules = {
             **arithmetic(
                 self.constant,
-                total=lambda terms: _checked(reduce(operator.add, terms)),
+                total=lambda terms: _checked(reduce(self._plus, terms)),
                 product=self._product,
-                power=lambda base, exponent: self._product([base] * exponent),
+                negative=negative,
             ),
+            Power: lambda node, at: self._power(node, at(node.base)),
             Quotient: lambda node, at: self._quotient(node, at(node.above), at(node.below)),
             Named: lambda node, at: node.value,
             Wave: lambda node, at: self._wave(node),
@@ -47,6 +49,17 @@ class PolynomialReader:
 
     def read(self, node: Expression) -> Trig:
         """The polynomial of a tree."""
+        found = self.quotient(node)
+        if isinstance(found, Trig):
+            return found
+        self.source.fail(
+            "a quotient that is no polynomial stands where one is expected: write numbers only "
+            "below a fraction bar",
+            node.span,
+        )
+
+    def quotient(self, node: Expression) -> Value:
+        """The polynomial of a tree, or the quotient of two."""
         try:
             return evaluate(node, self.rules)
         except NoValue as problem:
@@ -63,21 +76,24 @@ class PolynomialReader:
         x = angle.sin() if node.function == "sin" else angle.cos()
         return x if isinstance(x, Trig) else self.constant(Fraction(x))
 
-    def _product(self, factors: Iterable[Trig]) -> Trig:
-        return reduce(self._times, list(factors) or [self.constant(Fraction(1))])
+    def _plus(self, a: Value, b: Value) -> Value:
+        return plus(a, b, self._times)
 
-    def _quotient(self, node: Quotient, above: Trig, below: Trig) -> Trig:
-        if below.is_zero:
-            raise NoValue("division by zero", node.below)
-        try:
-            quotient = above / below
-        except FreebodyError:
-            raise NoValue(
-                f"division by {self.source[node.below.span]}: the answer must be a polynomial in "
-                "the symbols, with numbers only below a fraction bar",
-                node.below,
-            ) from None
-        return _checked(quotient)
+    def _product(self, factors: Iterable[Value]) -> Value:
+        found = list(factors) or [self.constant(Fraction(1))]
+        return _checked(reduce(lambda a, b: times(a, b, self._times), found))
+
+    def _power(self, node: Power, base: Value) -> Value:
+        found = self._product([base] * abs(node.exponent))
+        return found if node.exponent >= 0 else self._inverted(node.base, found)
+
+    def _quotient(self, node: Quotient, above: Value, below: Value) -> Value:
+        return self._product([above, self._inverted(node.below, below)])
+
+    def _inverted(self, node: Expression, x: Value) -> Value:
+        if x.is_zero:
+            raise NoValue("division by zero", node)
+        return inverted(x)
 
     def _times(self, a: Trig, b: Trig) -> Trig:
         self.work += len(a) * len(b)
@@ -86,7 +102,7 @@ class PolynomialReader:
         if self.work > MOST_WORK:
             raise NoValue("multiplied out, this has too many terms to compare")
         product = a * b
-        return _checked(product if isinstance(product, Trig) else self.constant(Fraction(0)))
+        return _check(product if isinstance(product, Trig) else self.constant(Fraction(0)))
 
     def angle(self, node: Expression) -> tuple[Angle, Fraction]:
         """A tree as sum of whole multiples of angles and a constant."""
@@ -119,7 +135,13 @@ def _no_matrix(node: Matrix, at: object) -> Trig:
     raise NoValue("a vector or matrix stands where one expression is expected", node)
 
 
-def _checked(x: Trig) -> Trig:
+def _checked(x: Value) -> Value:
+    for part in pair(x) if isinstance(x, Ratio) else (x,):
+        _check(part)
+    return x
+
+
+def _check(x: Trig) -> Trig:
     if len(x) > MOST_TERMS:
         raise NoValue("multiplied out, this has too many terms to compare")
     if len(x) and (

@@ -14,11 +14,13 @@ from fractions import Fraction
 from functools import reduce
 
 from freebody.derivations.check.answer_tree import Angle, Named, Wave
+from freebody.derivations.check.quotients import Value
+from freebody.derivations.closed_chains.linear import Ratio
 from freebody.derivations.expressions.evaluate import Rules, arithmetic, evaluate
 from freebody.derivations.expressions.nodes import Expression
 from freebody.lazy import cached_property
 from freebody.scalars.rational import rational_sin_cos
-from freebody.scalars.trig import Trig, TrigRing
+from freebody.scalars.trig import TrigRing
 
 PRIME = 2**61 - 1
 
@@ -30,6 +32,11 @@ def residue(value: Fraction | int) -> int:
     """A rational number in the field."""
     value = Fraction(value)
     return value.numerator * pow(value.denominator, -1, PRIME) % PRIME
+
+
+def raised(base: int, exponent: int) -> int:
+    """A power; of 0 a negative one is 0, as no answer that divides by it is right."""
+    return pow(base, exponent, PRIME) if base % PRIME or exponent >= 0 else 0
 
 
 def plus(a: Turn, b: Turn) -> Turn:
@@ -50,8 +57,10 @@ class Point:
         """Another point that differs in some names or angles."""
         return Point({**self.values, **(values or {})}, {**self.turns, **(turns or {})})
 
-    def of(self, x: Trig) -> int:
-        """The value of a polynomial."""
+    def of(self, x: Value) -> int:
+        """The value of a polynomial or a quotient of two."""
+        if isinstance(x, Ratio):
+            return self.of(x.above) * pow(self.of(x.below), -1, PRIME) % PRIME
         return sum(self.term(powers, c) for powers, c in x.terms()) % PRIME
 
     def term(self, powers: Mapping[str, int], coefficient: Fraction) -> int:
@@ -91,8 +100,8 @@ class Point:
                 residue,
                 total=sum,
                 product=lambda factors: reduce(lambda a, b: a * b % PRIME, factors),
-                quotient=lambda a, b: a * pow(b, -1, PRIME),
-                power=lambda base, exponent: pow(base, exponent, PRIME),
+                quotient=lambda a, b: a * raised(b, -1),
+                power=raised,
             ),
             Named: lambda node, at: (
                 self.values[node.name] if node.is_generator else self.of(node.value)

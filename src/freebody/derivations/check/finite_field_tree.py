@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from freebody.derivations.check.finite_field import PRIME, Point
+from freebody.derivations.check.finite_field import PRIME, Point, raised
 from freebody.derivations.expressions.nodes import (
     Expression,
     Negative,
@@ -91,9 +91,9 @@ class Workspace:
             return self.values[parent] + slope * (value - self.values[node])
         match parent:
             case Power():
-                return pow(value, parent.exponent, PRIME)
+                return raised(value, parent.exponent)
             case Quotient():
-                return self.values[parent.above] * pow(value, -1, PRIME) if value % PRIME else 0
+                return self.values[parent.above] * raised(value, -1)
         raise TypeError(type(parent).__name__)
 
     def addends(self) -> Iterator[Expression]:

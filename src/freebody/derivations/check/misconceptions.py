@@ -298,7 +298,7 @@ class Misconceptions:
         for sign, index in rows:
             name = letter + "".join(map(str, index))
             if name in self.targets.single:
-                yield sign, self.targets.single[name].compute()
+                yield sign, self.targets.single[name].polynomial()
 
 
 def related(targets: Targets, target: AskedQuantity) -> dict[str, Trig]:
@@ -315,7 +315,7 @@ def related(targets: Targets, target: AskedQuantity) -> dict[str, Trig]:
     for name, other in usual or others:
         if other.index not in seen:
             seen.add(other.index)
-            found[name] = other.compute()
+            found[name] = other.polynomial()
     return found or _of_the_same_table(targets, target)
 
 
@@ -328,7 +328,7 @@ def _of_the_same_table(targets: Targets, target: AskedQuantity) -> dict[str, Tri
         own = entries.get(target.index)
         if own is not None and own.words == target.words:
             others = (entry for index, entry in entries.items() if index != target.index)
-            return {f"{name} {x.index[0]}, {x.index[1]}": x.compute() for x in others}
+            return {f"{name} {x.index[0]}, {x.index[1]}": x.polynomial() for x in others}
     return {}
 
 

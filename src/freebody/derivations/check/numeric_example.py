@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 
+from freebody.derivations.check.quotients import Value, pair
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.verdict import Example
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.polynomials.typical_values import occurs, typical_value
 from freebody.outputs.numbers import shortest
-from freebody.scalars.trig import Trig
 
 
-def example(setting: RightEquations, yours: Trig, right: Trig) -> Example | None:
+def example(setting: RightEquations, yours: Value, right: Value) -> Example | None:
     """Values of the symbols that occur, and both results; None where no try tells them apart."""
-    used = [name for name in setting.ring.names if occurs(name, yours) or occurs(name, right)]
+    pieces = (*pair(yours), *pair(right))
+    used = [name for name in setting.ring.names if any(occurs(name, x) for x in pieces)]
     given = setting.symbols.model.parameters
     for shift in range(4):
         values = {
@@ -22,7 +23,7 @@ def example(setting: RightEquations, yours: Trig, right: Trig) -> Example | None
         }
         try:
             a, b = float(yours.evaluate(values)), float(right.evaluate(values))
-        except OverflowError:
+        except (OverflowError, ZeroDivisionError):
             return None
         if f"{a:.4g}" != f"{b:.4g}":
             return Example(values, a, b)

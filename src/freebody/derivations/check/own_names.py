@@ -70,7 +70,7 @@ def _rename(
     source = AnswerText.of(meaning)
 
     def quantity(name: str) -> Trig | None:
-        return targets.single[name].compute() if name in targets.single else None
+        return targets.single[name].polynomial() if name in targets.single else None
 
     node = AnswerParser(source, tokens(source, here)[:-1], here, quantity).side()
     value = PolynomialReader(source, vocabulary.setting.ring).read(node)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from types import MappingProxyType
 
 from freebody.derivations.check.answer_tree import Named, Wave
-from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity
 from freebody.derivations.check.circular_answers import uses
 from freebody.derivations.check.exact_polynomials import LARGEST_EXPONENT, PolynomialReader
+from freebody.derivations.check.quotients import Value
 from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.expressions.nodes import (
     Cross,
@@ -29,6 +31,17 @@ from freebody.errors import FreebodyError
 from freebody.scalars.trig import Trig
 
 
+def inverse_behind(tokens: Sequence[Token]) -> int:
+    """How many tokens are the power -1 with which they begin: ⁻¹, ^-1, ^{-1}."""
+    if tokens and tokens[0].kind == "power":
+        return int(tokens[0].value == -1)
+    texts = [token.text for token in tokens]
+    for written in (["^", "-", "1"], ["^", "{", "-", "1", "}"], ["^", "(", "-", "1", ")"]):
+        if texts[: len(written)] == written:
+            return len(written)
+    return 0
+
+
 class AnswerParser(Parser):
     """Reads one side of an equation. `quantity(name)` gives the right value of τ1, H12, … where one
     stands for it; `quantities` are what these names stand for, `tables` the vectors and
@@ -36,14 +49,13 @@ class AnswerParser(Parser):
 
     tables_anywhere = True
     largest_exponent = LARGEST_EXPONENT
-    negative_powers = "negative powers do not occur in these equations"
 
     def __init__(
         self,
         source: Source,
         tokens: Sequence[Token],
         vocabulary: Vocabulary,
-        quantity: Callable[[str], Trig | None],
+        quantity: Callable[[str], Value | None],
         quantities: Mapping[str, AskedQuantity] = MappingProxyType({}),
         tables: Callable[[str, Span], Matrix | None] = lambda name, span: None,
     ):
@@ -109,7 +121,7 @@ class AnswerParser(Parser):
     def _variable(self, token: Token) -> str:
         """The coordinate, rate or parameter of a name."""
         value = self.vocabulary.symbols.get(token.text)
-        terms = list(value.terms()) if value is not None else []
+        terms = list(value.terms()) if isinstance(value, Trig) else []
         if len(terms) == 1 and terms[0][1] == 1 and set(terms[0][0].values()) == {1}:
             (name,) = terms[0][0]
             return name
@@ -132,8 +144,13 @@ class AnswerParser(Parser):
         name = token.text
         if self.token.text == "(" and [self.ahead(k).text for k in (1, 2)] == ["t", ")"]:
             self.at += 3
-        span = self.since(token.start)
         vocabulary = self.vocabulary
+        behind = inverse_behind(self.tokens[self.at : self.at + 5])
+        inverse = self.tables(name + INVERSE, token.span) if behind else None
+        if inverse is not None:
+            self.at += behind
+            return replace(inverse, span=self.since(token.start))
+        span = self.since(token.start)
         table = self.tables(name, span)
         if name in vocabulary.symbols:
             return self._also(Named(name, vocabulary.symbols[name], span=span), table)
@@ -144,7 +161,7 @@ class AnswerParser(Parser):
         if name == "t":
             self.source.fail("the time t does not occur in these equations", token.span)
         value = self.quantity(name)
-        if isinstance(value, Trig):
+        if value is not None:
             return self._also(Named(name, value, span=span), table)
         if table is None:
             self.source.fail(f"{self.source[token.span]} has no value here", token.span)

@@ -226,7 +226,7 @@ class Repairs:
 
     def _generator(self, node: Named) -> str | None:
         """The generator that a symbol is."""
-        terms = list(node.value.terms())
+        terms = list(node.value.terms()) if isinstance(node.value, Trig) else []
         if len(terms) != 1 or terms[0][1] != 1 or sum(terms[0][0].values()) != 1:
             return None
         return next(iter(terms[0][0]))

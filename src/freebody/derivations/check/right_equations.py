@@ -10,7 +10,9 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Any
 
+from freebody.derivations.check.quotients import Value
 from freebody.derivations.closed_chains.first_kind import FirstKind
+from freebody.derivations.closed_chains.linear import Ratio
 from freebody.derivations.closed_chains.loops import LoopEquations
 from freebody.derivations.derive import multipliers
 from freebody.derivations.equations.equations import Equations, equations
@@ -184,9 +186,9 @@ class RightEquations:
             return self.zero
         return self.ring[name] if name in self.ring.index else None
 
-    def form(self, x: Trig) -> str:
-        """A polynomial as one prints it."""
-        return str(self.layout.form(x))
+    def form(self, x: Value) -> str:
+        """A polynomial, or a quotient of two, as one prints it."""
+        return str(x.form(self.layout) if isinstance(x, Ratio) else self.layout.form(x))
 
 
 def _combined(factors: Sequence[int], values: Sequence[Any]) -> Any:

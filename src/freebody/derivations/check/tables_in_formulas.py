@@ -182,7 +182,7 @@ class _Tables:
         if not isinstance(a, Matrix) or not isinstance(b, Matrix):
             table, factor = (a, b) if isinstance(a, Matrix) else (b, a)
             assert isinstance(table, Matrix)
-            return _each(table, lambda x: Product((self._new(factor), x), span=node.span))
+            return _each(table, lambda x: Product((self._new(factor), x), span=x.span))
         (n, m), (k, p) = _shape(a), _shape(b)
         if m != k and (k, m) == (1, p):  # a vector written as a row
             b, k, p = _flipped(b), p, 1
@@ -197,9 +197,14 @@ class _Tables:
         return rows[0][0] if (n, p) == (1, 1) else Matrix(rows, span=node.span)
 
     def _fitting(self, a: Expression, b: Expression) -> tuple[Expression, Expression]:
-        """A name that may also be a matrix, in front of a vector, is one."""
+        """A name that may also be a matrix, in front of a vector, is one; and one that may be a
+        vector, behind a matrix that has as many columns."""
         if isinstance(b, Matrix) and a in self.others and _shape(self.others[a])[1] != 1:
             return self.others[a], b
+        if isinstance(a, Matrix) and b in self.others:
+            table = self.others[b]
+            if _shape(a)[1] == len(table.rows) > 1 == _shape(table)[1]:
+                return a, table
         return a, b
 
     def _inner(self, a: Sequence[Expression], b: Sequence[Expression], span: Span) -> Expression:

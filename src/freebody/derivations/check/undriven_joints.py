@@ -16,12 +16,14 @@ def equation(targets: Targets, x: Trig, taken: Collection[tuple[int, ...]]) -> A
     """The passive joint's equation that x = 0 states, or else should: of those that no other line
     has given the one with which it has most in common."""
     own = [targets.single[f"tau{i}"] for i in targets.passive]
-    right = next((target for target in own if is_same(targets.setting, x, target.compute())), None)
+    right = next(
+        (target for target in own if is_same(targets.setting, x, target.polynomial())), None
+    )
     if right is not None:
         return AskedQuantity("0", right.index, lambda: x)
     left = [target for target in own if target.index not in taken] or own
-    target = max(left, key=lambda target: len(_votes(targets.setting, x, target.compute())))
-    return AskedQuantity("0", target.index, lambda: _alike(targets.setting, x, target.compute()))
+    target = max(left, key=lambda target: len(_votes(targets.setting, x, target.polynomial())))
+    return AskedQuantity("0", target.index, lambda: _alike(targets.setting, x, target.polynomial()))
 
 
 def is_same(setting: RightEquations, x: Trig, y: Trig) -> bool:

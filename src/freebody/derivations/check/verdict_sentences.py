@@ -14,9 +14,10 @@ from freebody.derivations.check.repairs import Repair
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.verdict import Mistake
 from freebody.derivations.expressions import expression as ex
-from freebody.derivations.expressions.nodes import Expression, Number, Power, Product, Sum
+from freebody.derivations.expressions.nodes import Expression, Number, Power, Product, Sum, nodes
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar.source import Source
+from freebody.scalars.trig import Trig
 
 _LONG = 70
 _OF_REPAIR = {
@@ -61,7 +62,7 @@ class Wording:
     def of_repair(self, repair: Repair, work: Workspace) -> Mistake:
         """What is wrong at one place of the answer."""
         written = self.written(repair.node.span)
-        should = self.node(repair.new)
+        should = self._opposite(repair) or self.node(repair.new)
         if repair.node is work.root and isinstance(repair.node, Sum):
             written = "The whole answer"
         message = _OF_REPAIR.get(repair.kind, _OTHER_REPAIR).format(
@@ -77,6 +78,15 @@ class Wording:
         return Mistake(
             repair.kind, message, self.source[repair.node.span], should, line, column, context
         )
+
+    def _opposite(self, repair: Repair) -> str:
+        """A piece with the other sign as it is written, where it holds quantities by name; their
+        values would fill lines."""
+        named = (x for x in nodes(repair.node) if isinstance(x, Named) and not self._name(x))
+        if repair.kind != "sign" or not any(named):
+            return ""
+        text = self.source[repair.node.span]
+        return text[1:].strip() if text[:1] in "-−" else f"−{text}"
 
     def _around(self, addend: Expression, repair: Repair, work: Workspace, word: str) -> str:
         """The term that what is changed stands in, where it is another one and not the whole."""
@@ -125,7 +135,7 @@ class Wording:
 
     def _name(self, node: Expression) -> str:
         """The generator that a node is."""
-        if isinstance(node, Named):
+        if isinstance(node, Named) and isinstance(node.value, Trig):
             names = [next(iter(p), "") for p, _ in node.value.terms()]
             return names[0] if len(names) == 1 else ""
         return ""
@@ -205,7 +215,7 @@ class Wording:
         return self._form(node)
 
     def _form(self, node: Expression) -> str:
-        return self.setting.form(PolynomialReader(self.source, self.setting.ring).read(node))
+        return self.setting.form(PolynomialReader(self.source, self.setting.ring).quotient(node))
 
 
 def quoted(text: str) -> str:

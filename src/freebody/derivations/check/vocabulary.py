@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NoReturn
 
 from freebody.derivations.check.answer_tree import Angle
+from freebody.derivations.check.quotients import Value
 from freebody.derivations.check.right_equations import FAMILIES, RightEquations
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.source import Source, Span
@@ -48,7 +49,7 @@ class Vocabulary:
     """Names of what can be asked: tau1, H12, …"""
     alone: frozenset[str] = frozenset()
     """Those of them that are no part of a longer word."""
-    symbols: dict[str, Trig] = field(default_factory=dict)
+    symbols: dict[str, Value] = field(default_factory=dict)
     waves: dict[str, tuple[str, Angle]] = field(default_factory=dict)
     """c12, s12: the function and the angle."""
     functions: dict[str, str] = field(default_factory=lambda: dict(FUNCTIONS))
@@ -77,7 +78,7 @@ class Vocabulary:
             setattr(kept, name, dict(getattr(self, name)))
         return kept
 
-    def define(self, plain: str, value: Trig, uses: tuple[AskedQuantity, ...] = ()) -> None:
+    def define(self, plain: str, value: Value, uses: tuple[AskedQuantity, ...] = ()) -> None:
         """A name of the user's own, and the quantities that it is given by; it goes before all
         others."""
         self.symbols[plain], self.uses[plain] = value, uses

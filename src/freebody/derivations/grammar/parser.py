@@ -195,7 +195,11 @@ class Parser(ABC):
                 factors = [self.quotient(above, below)]
             elif not self.implied_products:
                 return product_of(factors)
-            elif token.kind in _STARTS or (token.kind == "number" and "." in token.text):
+            elif (
+                token.kind in _STARTS
+                or (token.kind == "number" and "." in token.text)
+                or (token.kind == "begin" and self.tables_anywhere)
+            ):
                 factors.append(self.factor())
             elif token.kind == "number":
                 self._number_behind(token)

@@ -8,13 +8,15 @@ from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 
 from freebody.derivations.check.asked.group import Named, QuantityGroup
-from freebody.derivations.check.asked.quantity import AskedQuantity, Table
+from freebody.derivations.check.asked.inverses import MOST_ROWS, inverse
+from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity, Table
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.vocabulary import spellings
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.evaluate import arithmetic, evaluate
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 
@@ -42,6 +44,22 @@ class JointQuantities(QuantityGroup):
                     )
                     yield tuple(names), AskedQuantity(family, (i, j), self.entry(family, i, j))
         yield from self._christoffel()
+        for row in self._inverse:
+            for x in row:
+                i, j = x.index
+                yield tuple(f"{name}{i}{j}" for name in self._inverse_names), x
+
+    @cached_property
+    def _inverse(self) -> Table:
+        """The entries of M⁻¹ of a robot of few joints."""
+        if not 1 < self.count <= MOST_ROWS:
+            return []
+        rows = [[self.entry("M", i, j) for j in self.numbers] for i in self.numbers]
+        return inverse(self.setting, rows, "the mass matrix")
+
+    @property
+    def _inverse_names(self) -> list[str]:
+        return [x + INVERSE for x in self.letters["M"] if x.isupper()]
 
     def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
         asked = {(target.family, target.index): target for target in single.values()}
@@ -55,9 +73,11 @@ class JointQuantities(QuantityGroup):
         for family in ("C", "M"):
             for letter in filter(str.isupper, self.letters[family]):
                 found[letter] = [[asked[family, (i, j)] for j in n] for i in n]
+        if self._inverse:
+            found |= dict.fromkeys(self._inverse_names, self._inverse)
         coordinates = self.setting.symbols.coordinates
         for dots, ending in enumerate(("", RATE, SECOND) if self.count > 1 else ()):
-            column = [[self._coordinate(x + ending)] for x in coordinates]
+            column = [[self._coordinate(x + ending, k)] for k, x in enumerate(coordinates, 1)]
             for letter in ("q", "theta", "Theta"):
                 found |= dict.fromkeys(spellings(letter, "", dots), column)
         return found
@@ -95,9 +115,9 @@ class JointQuantities(QuantityGroup):
 
         return value
 
-    def _coordinate(self, name: str) -> AskedQuantity:
+    def _coordinate(self, name: str, k: int) -> AskedQuantity:
         """An entry of q, q̇ or q̈."""
-        return AskedQuantity("q", (), lambda: self.setting.ring[name])
+        return AskedQuantity("q", (k,), lambda: self.setting.ring[name])
 
 
 class VelocityCoefficients(QuantityGroup):

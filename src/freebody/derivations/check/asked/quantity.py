@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from freebody.derivations.check.quotients import Value
 from freebody.scalars.trig import Trig
 
 
@@ -15,7 +16,7 @@ class AskedQuantity:
 
     family: str
     index: tuple[int, ...]
-    compute: Callable[[], Trig]
+    compute: Callable[[], Value]
     idle: bool = False
     """Whether nothing drives the joint: the torque is 0, and that is its equation of motion."""
     joint: str = ""
@@ -24,14 +25,23 @@ class AskedQuantity:
     """Of a body's vector: x, y or z."""
     words: str = ""
     """What it is, where its family alone does not tell."""
-    thoughts: tuple[tuple[str, Callable[[], Trig]], ...] = ()
+    thoughts: tuple[tuple[str, Callable[[], Value]], ...] = ()
     """What it is often mistaken for: a sentence that says so, and its value."""
+
+    def polynomial(self) -> Trig:
+        """The right value of what is none of the quotients."""
+        value = self.compute()
+        assert isinstance(value, Trig)
+        return value
 
     @property
     def title(self) -> str:
         """What it is, in words."""
         return self.words or _TITLES[self.family].format(*self.index, joint=self.joint)
 
+
+INVERSE = "inv"
+"""What the name of a matrix ends with where its inverse is meant."""
 
 Table = list[list[AskedQuantity]]
 """A vector (one column) or a matrix of quantities."""
@@ -58,5 +68,7 @@ _TITLES = {
     "det": "the determinant of the tip's Jacobian",
     "derivative": "a derivative of the robot's quantities",
     "q": "one of the coordinates and their rates",
+    "solved": "solved for it",
+    "inverse": "entry {}, {} of the inverse of {joint}",
     "identity": "an equation between the robot's quantities",
 }

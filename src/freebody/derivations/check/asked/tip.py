@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 from freebody.derivations.check.asked.group import Named, QuantityGroup
-from freebody.derivations.check.asked.quantity import AskedQuantity, Table
+from freebody.derivations.check.asked.inverses import MOST_ROWS, inverse
+from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity, Table
 from freebody.derivations.check.vocabulary import spellings
 from freebody.derivations.equations.kinematics import Kinematics
 from freebody.derivations.polynomials.determinant import determinant
 from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
 
 _TIP = {"x": ("x", "xP", "xp", "xE", "xtip", "px"), "y": ("y", "yP", "yp", "yE", "ytip", "py")}
 _TIP["z"] = ("z", "zP", "zp", "zE", "ztip", "pz")
@@ -27,7 +29,27 @@ class TipQuantities(QuantityGroup):
             return {}
         J = [[single[f"J{i}{j}"] for j in self.numbers] for i in self._rows]
         position = J[: self.setting.symbols.model.dim]
-        return {"J": J, **self._tip_vectors(self._tip), "JP": position}
+        found = {"J": J, **self._tip_vectors(self._tip), "JP": position}
+        names = (f"{name}{INVERSE}" for name in ("J", "JP"))
+        return found | (dict.fromkeys(names, self._inverse) if self._inverse else {})
+
+    @cached_property
+    def _inverse(self) -> Table:
+        """The entries of J⁻¹ where a few of J's rows make it square."""
+        rows = self._square(self._tip) if self._tip is not None else None
+        if rows is None or len(rows) > MOST_ROWS:
+            return []
+        return inverse(
+            self.setting,
+            [[self._entry(i + 1, j) for j in self.numbers] for i in rows],
+            "the tip's Jacobian",
+        )
+
+    def _entry(self, i: int, j: int) -> Callable[[], Trig]:
+        """An entry of J."""
+        assert self._tip is not None
+        J = self._tip.J
+        return self.element(lambda: self.setting.forces(J[i - 1])[j - 1])
 
     @cached_property
     def _tip(self) -> Kinematics | None:
@@ -47,7 +69,7 @@ class TipQuantities(QuantityGroup):
             for k in range(dim):
                 value = self.element(lambda k=k, x=vector: getattr(tip, x)[k])
                 column.append([AskedQuantity("tip", (), value, axis="xyz"[k], words=words)])
-            for letter in ("r", "rP"):
+            for letter in ("r", "rP", *["x", "X"] * (dots > 0)):
                 found |= dict.fromkeys(spellings(letter, "", dots), column)
         rows = []
         for i in range(dim):
@@ -67,10 +89,13 @@ class TipQuantities(QuantityGroup):
     def _of_tip(self, tip: Kinematics) -> Iterator[Named]:
         for i in self._rows:
             for j in self.numbers:
-                entry = self.element(lambda i=i, j=j: self.setting.forces(tip.J[i - 1])[j - 1])
-                yield (f"J{i}{j}",), AskedQuantity("J", (i, j), entry)
+                yield (f"J{i}{j}",), AskedQuantity("J", (i, j), self._entry(i, j))
+        for row in self._inverse:
+            for x in row:
+                yield (f"J{INVERSE}{x.index[0]}{x.index[1]}",), x
         for k in range(self.setting.symbols.model.dim):
-            names = _TIP["xyz"[k]]
+            own = self.setting.symbols.coordinates
+            names = tuple(name for name in _TIP["xyz"[k]] if name not in own)  # x of a cart
             yield names, AskedQuantity("tip", (), self.element(lambda k=k: tip.position[k]))
             for dots, family, vector in ((1, "tip_d", "velocity"), (2, "tip_dd", "acceleration")):
                 dotted = tuple(s for name in names[:2] for s in spellings(name, "", dots))
