@@ -370,6 +370,7 @@ def test_without_compiled_code_the_same_comes_out(monkeypatch: pytest.MonkeyPatc
     def one_by_one(kernel, states, *sequences):
         recurrences._one_by_one(kernel, states, sequences)
 
+    monkeypatch.setattr(recurrences, "_FEW", 0)
     monkeypatch.setattr(recurrences, "_stepper", lambda kernel: lambda *x: one_by_one(kernel, *x))
     assert fb.time_optimal(arm(), WAY, points=41) == quick
 

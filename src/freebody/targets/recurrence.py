@@ -1,7 +1,7 @@
 """A kernel applied again and again: what comes out of one step goes into the next.
 
 The kernel's first input and its only output are the state; its other inputs have a value for each
-step. Steps follow one another, the samples of a batch are computed side by side.
+step, none is uniform. Steps follow one another, the samples of a batch are computed side by side.
 """
 
 from __future__ import annotations
@@ -11,10 +11,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.targets.kernel import Kernel, compile_program
-from freebody.targets.target import target_named
+from freebody.targets.kernel import Kernel
 from freebody.targets.threads import cpus, run_split
 
+_FEW = 3
+"""Samples that are as soon done one by one, by code for a single one."""
 _FEWEST = 16
 """Samples that a further thread is woken for, at least: whole vectors."""
 
@@ -29,6 +30,9 @@ def recurrence(kernel: Kernel, first: Array, *sequences: Array) -> Array:
     states = np.empty((count + 1, *first.shape))
     states[0] = first
     if not (count and batch):
+        return states
+    if kernel.loop is not None and batch <= _FEW:
+        _alone(kernel, [states, *sequences])
         return states
     step = _stepper(kernel)
     worth = 2 * kernel.samples_of_a_thread / count
@@ -46,16 +50,14 @@ def recurrence(kernel: Kernel, first: Array, *sequences: Array) -> Array:
     return states
 
 
-def narrowest(kernel: Kernel) -> Kernel:
-    """The kernel of the same program with the narrowest vectors that its target has: a step of few
-    samples, which waits for the one before, is sooner done."""
-    widths = target_named(kernel.target).widths[kernel.dtype.name]
-    return compile_program(
-        kernel.program,
-        target=kernel.target,
-        width=min(widths, default=None),
-        dtype=kernel.dtype.name,
-    )
+def _alone(kernel: Kernel, arrays: Sequence[Array]) -> None:
+    """Sample by sample: states, then sequences, whose entries are to lie in one piece each."""
+    from freebody.targets.llvm.scan import scan
+
+    scanned = scan(kernel)
+    whole = [x if x[0, 0].flags.c_contiguous else np.ascontiguousarray(x) for x in arrays]
+    for k in range(arrays[0].shape[1]):
+        scanned(*(x[:, k] for x in whole))
 
 
 def _stepper(kernel: Kernel) -> Callable[..., None]:

@@ -19,10 +19,9 @@ from freebody.elementary import Scalar
 from freebody.motion.ranges import Flags
 from freebody.program import Argument, trace
 from freebody.targets import Kernel, compile_program, result_memory
-from freebody.targets.recurrence import narrowest, recurrence
+from freebody.targets.recurrence import recurrence
 
 _SEARCHES = 40  # calls of some steps each: far more than there are lines
-_FEW = 2  # paths side by side whose passes are sooner done in narrow vectors
 _CLOSE = 1e-9  # of the largest x: steps, and gaps between what is wanted and allowed, of no account
 
 
@@ -62,11 +61,9 @@ class SpeedProfile(NamedTuple):
 
 def quickest_profile(rows: PathRows) -> SpeedProfile:
     """The largest speeds from rest to rest."""
-    m, paths = rows.a.shape[-1], rows.h.shape[1]
-    kernels = _kernels(m)
-    backward, forward = _narrow_passes(m) if paths <= _FEW else kernels[1:]
-    over_y, over_x, corners = _polygons(kernels.polygon, rows)
-    rest = np.zeros((paths, 2))
+    polygon, backward, forward = _kernels(rows.a.shape[-1])
+    over_y, over_x, corners = _polygons(polygon, rows)
+    rest = np.zeros((rows.h.shape[1], 2))
     reachable = recurrence(backward, rest, over_y[::-1], corners[::-1])[::-1]
     x = recurrence(forward, rest[:, :1], over_x, reachable[1:, :, 1])[..., 0]
     return SpeedProfile(x, reachable)
@@ -156,13 +153,6 @@ def _timing(n: int, degree: int) -> Kernel:
     powers = [Argument(f"c{k}", (n,)) for k in range(2 * degree + 1)]
     inputs = [*derivatives, Argument("speed", ()), Argument("half", ())]
     return compile_program(trace("path_timed", timed, inputs, powers))
-
-
-@lru_cache(maxsize=8)
-def _narrow_passes(m: int) -> tuple[Kernel, Kernel]:
-    """The kernels of the passes of few paths."""
-    kernels = _kernels(m)
-    return narrowest(kernels.backward), narrowest(kernels.forward)
 
 
 class _Kernels(NamedTuple):

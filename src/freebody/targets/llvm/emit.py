@@ -92,6 +92,14 @@ def _once(program: Program, layout: SegmentedProgram, machine: Machine) -> list[
     return [*made, f"define internal void @once(ptr %values) #0 {{\n{calls}  ret void\n}}\n"]
 
 
+def emit_single(program: Program, machine: Machine) -> tuple[list[str], str, SegmentedProgram]:
+    """The functions that compute a program without uniform inputs for a single lane, on a tile:
+    their names in order, their text, and what lies where."""
+    layout, lanes = segment(program), Lanes(machine.real, 1)
+    pieces, made = _pieces("single.", program, layout, lanes, machine.fma)
+    return pieces, "\n".join([*made, attributes(lanes)]), layout
+
+
 def _pieces(
     before: str, program: Program, layout: SegmentedProgram, lanes: Lanes, fma: bool
 ) -> tuple[list[str], list[str]]:

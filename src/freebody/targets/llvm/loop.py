@@ -46,7 +46,7 @@ def gufunc_loop(
         transfers(program, every, layout, machine.lanes),
         _loop(program, machine, layout, tiles, shared),
         one_by_one(program) if shared else "",
-        _FLAGS[machine.x86]["declare"],
+        FLAGS[machine.x86]["declare"],
         "declare ptr @malloc(i64)\ndeclare void @free(ptr)\n",
     ]
     return "\n".join(parts)
@@ -56,7 +56,7 @@ _LARGEST_ON_STACK = 2**16
 
 # NumPy turns floating-point flags into warnings; NaN in, NaN out is no reason to warn, and surplus
 # lanes set them too
-_FLAGS = {
+FLAGS = {
     True: {
         "save": "  %flags = alloca i32, align 4\n  call void @llvm.x86.sse.stmxcsr(ptr %flags)",
         "restore": "  call void @llvm.x86.sse.ldmxcsr(ptr %flags)",
@@ -98,7 +98,7 @@ def _loop(
         "(ptr %args, ptr %dims, ptr %steps, ptr %data) #0 {",
         "entry:",
         "  %n = load i64, ptr %dims, align 8",
-        _FLAGS[machine.x86]["save"],
+        FLAGS[machine.x86]["save"],
         *get,
         *access(arguments, lanes),
     ]
@@ -107,7 +107,7 @@ def _loop(
     lines += [
         *rounds(program, lanes, slots, tiles, checks),
         *give_back,
-        _FLAGS[machine.x86]["restore"],
+        FLAGS[machine.x86]["restore"],
         "  ret void",
         "}",
         *(f"@shape{k} = internal constant {integers(x.shape)}" for k, x in enumerate(arguments)),

@@ -1,0 +1,153 @@
+"""The steps of a recurrence of one sample by code of its own, number by number: a kernel's loop
+takes longer to begin a step than to compute it."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from math import nan
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from freebody.program.passes import optimise
+from freebody.program.program import Program
+from freebody.targets.kernel import Kernel
+from freebody.targets.llvm import cache as disk
+from freebody.targets.llvm.cpu import compiler_version
+from freebody.targets.llvm.emit import emit_single
+from freebody.targets.llvm.lanes import REALS, Real
+from freebody.targets.llvm.loader import load
+from freebody.targets.llvm.loop import FLAGS
+from freebody.targets.llvm.machine import Machine, at_level, object_code
+from freebody.targets.llvm.shared_functions import declared_once, definitions
+
+Scan = Callable[..., None]
+
+_CHUNKS = (8, 4, 2, 1)
+"""Numbers that are moved at once."""
+
+_scans: WeakKeyDictionary[Kernel, Scan] = WeakKeyDictionary()
+
+
+def scan(kernel: Kernel) -> Scan:
+    """A function of (states (T + 1, …), *sequences (T, …)), whose entries lie in one piece each: it
+    fills in all states after the first, as the kernel's loop would, which has no uniform input. The
+    GIL is released."""
+    found = _scans.get(kernel)
+    if found is None:
+        found = _scans[kernel] = _compiled(kernel)
+    return found
+
+
+def _compiled(kernel: Kernel) -> Scan:
+    here, program = at_level(kernel.target.partition(":")[2] or None), kernel.program
+    machine = here.machine(1, REALS[kernel.dtype.name])
+    key = disk.key("scan", program.digest, here, machine, compiler_version())
+    code = disk.load(key)
+    if code is None:
+        code = object_code(_text(optimise(program), machine), here=here)
+        disk.store(key, code)
+    loaded, addresses = load([code], ("scan",), {})
+    function = _PROTOTYPE(addresses["scan"])
+
+    def scanned(states: np.ndarray, *sequences: np.ndarray, _: Any = loaded) -> None:
+        arrays = (states, *sequences)
+        numbers = ctypes.c_int64 * len(arrays)
+        places, moves = ([x.ctypes.data for x in arrays], [x.strides[0] for x in arrays])
+        function(numbers(*places), numbers(*moves), len(states) - 1)
+
+    return scanned
+
+
+_PROTOTYPE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)
+
+
+def _text(program: Program, machine: Machine) -> str:
+    """`void @scan(ptr addresses, ptr moves, i64 times)`: of the states and the sequences."""
+    pieces, text, layout = emit_single(program, machine)
+    real, flags, begin, step = machine.real, FLAGS[machine.x86], [], []
+    for k in range(len(program.inputs)):
+        begin += [
+            f"  %start{k}.p = getelementptr ptr, ptr %addresses, i64 {k}",
+            f"  %start{k} = load ptr, ptr %start{k}.p, align 8",
+            f"  %move{k}.p = getelementptr i64, ptr %moves, i64 {k}",
+            f"  %move{k} = load i64, ptr %move{k}.p, align 8",
+        ]
+        step.append(f"  %at{k} = phi ptr [ %start{k}, %entry ], [ %next{k}, %step ]")
+    for k in range(program.inputs[0].size):
+        begin += [
+            f"  %first{k}.p = getelementptr {real.name}, ptr %start0, i64 {k}",
+            f"  %first{k} = load {real.name}, ptr %first{k}.p, align {real.size}",
+        ]
+        step.append(f"  %state{k} = phi {real.name} [ %first{k}, %entry ], [ %x{k}, %step ]")
+    step += [
+        f"  %next{k} = getelementptr i8, ptr %at{k}, i64 %move{k}"
+        for k in range(len(program.inputs))
+    ]
+    doubt = _inputs(step, program, real)
+    step += [f"  call void {piece}(ptr %tile, ptr null)" for piece in pieces]
+    for k, node in enumerate(program.results):
+        step += [
+            f"  %from{k} = getelementptr {real.name}, ptr %tile, i64 {layout.results[node]}",
+            f"  %found{k} = load {real.name}, ptr %from{k}, align {real.size}",
+            f"  %x{k} = select i1 {doubt}, {real.name} {real.constant(nan)}, {real.name} %found{k}",
+            f"  %to{k} = getelementptr {real.name}, ptr %next0, i64 {k}",
+            f"  store {real.name} %x{k}, ptr %to{k}, align {real.size}",
+        ]
+    lines = [
+        text,
+        definitions(text, machine),
+        flags["declare"],
+        "define void @scan(ptr %addresses, ptr %moves, i64 %times) #1 {\nentry:",
+        f"  %tile = alloca [{layout.slots} x {real.name}], align 64",
+        flags["save"],
+        *begin,
+        "  br label %step\nstep:",
+        "  %left = phi i64 [ %times, %entry ], [ %left.next, %step ]",
+        *step,
+        "  %left.next = sub i64 %left, 1",
+        "  %more = icmp sgt i64 %left.next, 0",
+        "  br i1 %more, label %step, label %end\nend:",
+        flags["restore"],
+        "  ret void\n}\n",
+    ]
+    return declared_once("\n".join(lines))
+
+
+def _inputs(lines: list[str], program: Program, real: Real) -> str:
+    """To the tile: the state number by number, all others by vectors, the last of which may overlap
+    the one before it. Whether some number is not finite: 0 times it is NaN."""
+    seen: dict[int, str] = {}
+    place = 0
+    for k, argument in enumerate(program.inputs):
+        width = max(w for w in _CHUNKS if w <= argument.size) if k else 1
+        v, last = f"<{width} x {real.name}>", argument.size - width
+        for start in [*range(0, last, width), last]:
+            name = f"%in{k}.{start}"
+            if k:
+                lines += [
+                    f"  {name}.p = getelementptr {real.name}, ptr %at{k}, i64 {start}",
+                    f"  {name} = load {v}, ptr {name}.p, align {real.size}",
+                ]
+            else:
+                lines.append(f"  {name} = bitcast {real.name} %state{start} to {v}")
+            lines += [
+                f"  {name}.q = getelementptr {real.name}, ptr %tile, i64 {place + start}",
+                f"  store {v} {name}, ptr {name}.q, align {real.size}",
+                f"  {name}.m = fmul contract {v} {name}, zeroinitializer",
+                f"  {name}.s = fadd contract {v} {name}.m, {seen.get(width, 'zeroinitializer')}",
+            ]
+            seen[width] = f"{name}.s"
+        place += argument.size
+    doubt = "false"
+    for width, total in seen.items():
+        lines += [
+            f"  %nan{width} = fcmp uno <{width} x {real.name}> {total}, zeroinitializer",
+            f"  %bits{width} = bitcast <{width} x i1> %nan{width} to i{width}",
+            f"  %some{width} = icmp ne i{width} %bits{width}, 0",
+            f"  %doubt{width} = or i1 {doubt}, %some{width}",
+        ]
+        doubt = f"%doubt{width}"
+    return doubt
