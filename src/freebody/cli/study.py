@@ -10,6 +10,7 @@ import typer
 from freebody.cli import options, terminal
 from freebody.errors import FreebodyError, OutputError
 from freebody.formats.number_text import number
+from freebody.outputs.display import counted
 from freebody.outputs.folder import prepare
 from freebody.outputs.numbers import compared
 
@@ -113,10 +114,9 @@ def _print(found: Study, directory: Path, failure: FreebodyError | None) -> None
     out.print(
         found.verdict.text, style=_STYLES[found.verdict.outcome, found.verdict.good], markup=False
     )
-    count = found.model.nv
     replay = found.replay.text if found.replay else found.replay_skipped
     above = (
-        f"{found.model.name}: {count} coordinate{'' if count == 1 else 's'}. Motion: "
+        f"{found.model.name}: {counted(found.model.nv, 'coordinate')}. Motion: "
         f"{found.motion.source}.",
         found.tip_reason,
     )

@@ -161,7 +161,7 @@ def _body(model: Model, tree: Tree, world: list, places: dict, i: int) -> BodyPl
     first = tree.bodies[_first(tree, i)]
     carrier_R, carrier = _pose(world, first.parent, first.R, first.p)
     one_axis = body.kind.needs_axis and len(node.axis) == model.dim
-    mass, centre = _centre(node.masses, model.dim)
+    mass, centre = mass_and_centre(node.masses, model.dim)
     ends = [
         End(child.joint.name, k, _pose(world, at, np.eye(model.dim), hung.p)[1])
         for k, child in enumerate(model.bodies)
@@ -192,7 +192,7 @@ def _leaves(model: Model, tree: Tree, places: dict, at: int) -> list[End]:
     return ends
 
 
-def _centre(masses: tuple[Mass, ...], dim: int) -> tuple[float, Array]:
+def mass_and_centre(masses: tuple[Mass, ...], dim: int) -> tuple[float, Array]:
     """Mass and centre of mass of a body, in its axes."""
     total = float(sum(mass.m for mass in masses))
     if not total:

@@ -19,6 +19,7 @@ from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import ranges
 from freebody.motion.simulation.simulate import simulate
+from freebody.outputs.display import counted
 from freebody.report.results import Check, Replay
 from freebody.report.variables import PARTS
 from freebody.trees import dynamics
@@ -87,12 +88,8 @@ def _parts(data: xr.Dataset) -> Check:
 
 
 def _energy(data: xr.Dataset) -> Check:
-    total = data["kinetic_energy"].values + data["potential_energy"].values
-    turned_over = max(
-        np.ptp(total),
-        np.ptp(data["kinetic_energy"].values),
-        np.ptp(data["potential_energy"].values),
-    )
+    kinetic, potential = data["kinetic_energy"].values, data["potential_energy"].values
+    turned_over = max(map(np.ptp, (kinetic, potential, kinetic + potential)))
     return check(
         "energy balance",
         relative(data["energy_residual"].values, np.array([turned_over])),
@@ -123,35 +120,24 @@ def _bodies(model: Model, motion: Motion, data: xr.Dataset) -> list[Check]:
 def _closed(model: Model, motion: Motion) -> list[Check]:
     """How well the motion keeps the loops closed, and whether the torques of a stretch of it
     simulate back to it."""
-    gap = gaps(model, scaled_residual(model, motion.q)).max()
-    start, end = (
-        motion.t[0] + _STRETCH[0] * motion.duration,
-        motion.t[0] + _STRETCH[1] * motion.duration,
-    )
+    gap = gaps(model, scaled_residual(model, motion.q)).max() / length(model)
+    start, end = (motion.t[0] + part * motion.duration for part in _STRETCH)
     q, qd, _ = motion.at(start)
     q = assemble(model, q)
-    back = simulate(
-        model,
-        q,
-        loop_velocity(model, q, qd),
-        [start, end],
-        lambda t, *_: closed.torques(model, *motion.at(t)),
-    )
+
+    def torque(t: float, *_: Array) -> Array:
+        return closed.torques(model, *motion.at(t))
+
+    back = simulate(model, q, loop_velocity(model, q, qd), [start, end], torque)
     miss = difference(model, motion.at(end)[0], back["q"].values[-1]) / ranges(model).width
+    closure = "Largest gap of a loop along the motion, relative to the robot's length."
+    course = (
+        f"Where the torques drive the model from t = {start:.3g} s to {end:.3g} s: deviation from "
+        f"the motion, relative to the joint range."
+    )
     return [
-        check(
-            "loops",
-            gap / length(model),
-            1e-9,
-            "Largest gap of a loop along the motion, relative to the robot's length.",
-        ),
-        check(
-            "simulation",
-            np.abs(miss).max(),
-            1e-6,
-            f"Where the torques drive the model from t = {start:.3g} s to {end:.3g} s: deviation "
-            f"from the motion, relative to the joint range.",
-        ),
+        check("loops", gap, 1e-9, closure),
+        check("simulation", np.abs(miss).max(), 1e-6, course),
     ]
 
 
@@ -159,34 +145,27 @@ def _along_axes(model: Model, data: xr.Dataset) -> list[Check]:
     """S·w of joints of one coordinate with rotor, friction and spring, against tau."""
     tau = data["tau"].values
     along = data["tau_friction"].values + data["tau_springs"].values + data["tau_rotors"].values
-    counted = np.ones(model.nv, dtype=bool)
+    single = np.ones(model.nv, dtype=bool)
     force, moment = data["reaction_force_child"].values, data["reaction_moment_child"].values
-    for k, (body, at, i) in enumerate(
-        zip(model.bodies, model.coordinates, model.tree.body_of, strict=True)
-    ):
+    bodies = zip(model.bodies, model.coordinates, model.tree.body_of, strict=True)
+    for k, (body, at, i) in enumerate(bodies):
         columns = model.tree.bodies[i].columns
         if (
             len(columns) != body.kind.nv
-        ):  # a chain of several primitives: its first ones have reactions of their own
-            counted[list(at.v)] = False
+        ):  # a chain: its first primitives have reactions of their own
+            single[list(at.v)] = False
             continue
         for (w, v), coordinate in zip(columns, at.v, strict=True):
             share = moment[:, k] @ np.array(w) + force[:, k] @ np.array(v)
             along[:, coordinate] = along[:, coordinate] + at.ratio * share
-    if not counted.any():
+    if not single.any():
         return []
     text = (
         "Reactions along the axes, with friction, springs and rotors, compared with the "
         "torques, relative to the largest torque."
     )
-    return [
-        check(
-            "reactions along the axes",
-            relative((along - tau)[:, counted], tau[:, counted]),
-            1e-10,
-            text,
-        )
-    ]
+    off = relative((along - tau)[:, single], tau[:, single])
+    return [check("reactions along the axes", off, 1e-10, text)]
 
 
 def _forward(model: Model, motion: Motion, data: xr.Dataset) -> Check | None:
@@ -204,17 +183,14 @@ def _forward(model: Model, motion: Motion, data: xr.Dataset) -> Check | None:
         relative(back - motion.qdd, np.array([max(scale, np.abs(motion.qdd).max())])),
         max(1e-10, 1e3 * np.finfo(float).eps * condition),
         f"Accelerations computed from the torques compared with those of the motion; the allowed "
-        f"value depends on cond M = "
-        f"{condition:.3g}.",
+        f"value depends on cond M = {condition:.3g}.",
     )
 
 
 def _replayed(replay: Replay) -> Check:
     run = replay.misses[~np.isnan(replay.misses)]
-    return check(
-        "replay",
-        run.max(),
-        1e-6,
-        f"Where the torques drive the model in {len(run)} piece{'' if len(run) == 1 else 's'}: "
-        f"deviation from the reference, relative to the joint range.",
+    text = (
+        f"Where the torques drive the model in {counted(len(run), 'piece')}: deviation from the "
+        f"reference, relative to the joint range."
     )
+    return check("replay", run.max(), 1e-6, text)

@@ -135,15 +135,8 @@ def _summary(summary: xr.Dataset, dim: str) -> _Table:
     names = [str(name) for name in summary.data_vars if summary[name].dims == (dim,)]
     extra = ["unit", "effort_unit"] if dim == "coordinate" else []
     header = [dim, *extra, *(f"{name} ({summary[name].attrs['units']})" for name in names)]
-    labels = summary[dim].values
-    return header, [
-        [
-            str(label),
-            *(str(summary[e].values[k]) for e in extra),
-            *(summary[name].values[k] for name in names),
-        ]
-        for k, label in enumerate(labels)
-    ]
+    words = [map(str, summary[name].values) for name in (dim, *extra)]
+    return header, zip(*words, *(summary[name].values for name in names), strict=True)
 
 
 def _checks(study: Study) -> _Table:

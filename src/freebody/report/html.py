@@ -21,17 +21,17 @@ from freebody.loops.mobility import mobility
 from freebody.model.description import DOUBTFUL, ESTIMATED
 from freebody.motion.ranges import ranges
 from freebody.outputs import files
+from freebody.outputs.numbers import significant
 from freebody.outputs.page import math_style, policy
 from freebody.outputs.text import legal
 from freebody.report import equations
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
 from freebody.report.summary import energy_text
+from freebody.report.tables import typeset
 
 if TYPE_CHECKING:
     from freebody.report.study import Study
-from freebody.outputs.numbers import significant
-from freebody.report.tables import typeset
 
 
 def write(study: Study, path: Path) -> Path:
@@ -62,9 +62,10 @@ def page(study: Study) -> str:
             checks=tables.checks(study),
             equations=equations.shown(study.model),
             plots={plots.__name__: list(plots(study)) for plots in figures.PLOTS},
-            free_bodies=list(
-                zip(diagrams, (tables.loads(study, body) for body in loads), strict=True)
-            ),
+            free_bodies=[
+                (diagram, tables.loads(study, body))
+                for diagram, body in zip(diagrams, loads, strict=True)
+            ],
             versions=_versions(),
             colours=(colours.page_colours(dark=False), colours.page_colours(dark=True)),
             math_style=Markup(math_style()),
@@ -117,12 +118,11 @@ def _notices(study: Study) -> dict[str, list[str]]:
     read = study.model.notices
     short = {str(n): str(replace(n, file=Path(n.file).name if n.file else None)) for n in read}
     doubtful = [str(n) for n in read if n.kind in ("physical", "drive", DOUBTFUL, ESTIMATED)]
+    found = study.notices
     return {
-        "findings": [text for text in study.notices if text not in short],
-        "doubtful": [short[text] for text in study.notices if text in doubtful],
-        "reading": [
-            short[text] for text in study.notices if text in short and text not in doubtful
-        ],
+        "findings": [text for text in found if text not in short],
+        "doubtful": [short[text] for text in found if text in doubtful],
+        "reading": [short[text] for text in found if text in short and text not in doubtful],
     }
 
 
@@ -130,15 +130,11 @@ def _source(study: Study) -> tuple[str, str]:
     """Where the robot comes from, and the whole path of its file."""
     source = study.model.source
     name = Path(source).name
-    return (
-        (name, source)
-        if Path(source).suffix in SUFFIXES and name != source
-        else (source or "no source given", "")
-    )
+    if Path(source).suffix in SUFFIXES and name != source:
+        return name, source
+    return source or "no source given", ""
 
 
 def _versions() -> dict[str, str]:
-    packages = ("numpy", "scipy", "xarray", "llvmlite")
-    return {"freebody": freebody.__version__, "Python": platform.python_version()} | {
-        p: version(p) for p in packages
-    }
+    packages = {p: version(p) for p in ("numpy", "scipy", "xarray", "llvmlite")}
+    return {"freebody": freebody.__version__, "Python": platform.python_version(), **packages}

@@ -40,21 +40,14 @@ def robot(study: Study) -> CaptionedDrawing:
     """The robot at the worst instant, with poses before and after."""
     model = study.model.replace(tip=study.tip)
     q = study.motion.q
-    count = len(study.motion.t)
-    others = (
-        {0, count // 4, count // 2, 3 * count // 4}
-        if len(model.bodies) <= 12
-        else {count // 4, 3 * count // 4}
-    )
-    ghosts = [q[k] for k in sorted(others - {study.worst.index})]
-    path = study.data["tip_position"].values
-    step = max(1, count // 240)
-    svg = picture(robot_drawing(model, q[study.worst.index], ghosts, path[::step]), 640, 540).text(
-        css=False
-    )
+    count, worst = len(study.motion.t), study.worst
+    others = {count * k // 4 for k in (range(4) if len(model.bodies) <= 12 else (1, 3))}
+    ghosts = [q[k] for k in sorted(others - {worst.index})]
+    path = study.data["tip_position"].values[:: max(1, count // 240)]
+    drawing = picture(robot_drawing(model, q[worst.index], ghosts, path), 640, 540)
     return CaptionedDrawing(
-        svg,
-        f"At the worst instant, t = {study.worst.time:.3g} s; paler, other poses of the motion. "
+        drawing.text(css=False),
+        f"At the worst instant, t = {worst.time:.3g} s; paler, other poses of the motion. "
         f"Orange: the path of {study.tip}.",
     )
 
@@ -63,20 +56,15 @@ def free_bodies(study: Study) -> tuple[list[CaptionedDrawing], tuple[BodyLoads, 
     """The diagram of each body at the worst instant, and the loads they show."""
     k, m = study.worst.index, study.motion
     seen = snapshot(study.model, m.q[k], m.qd[k], m.qdd[k])
-    drawings = diagrams(seen, seen.loads)
-    return [
-        CaptionedDrawing(picture(d, PANEL, TALLEST).text(css=False)) for d in drawings
-    ], seen.loads
+    drawn = (picture(d, PANEL, TALLEST).text(css=False) for d in diagrams(seen, seen.loads))
+    return list(map(CaptionedDrawing, drawn)), seen.loads
 
 
 def motion(study: Study) -> Iterator[CaptionedDrawing]:
     """Positions, rates, accelerations."""
-    for variable, what, suffix in (
-        ("q", "Position", ""),
-        ("qd", "Speed", "/s"),
-        ("qdd", "Acceleration", "/s²"),
-    ):
-        yield from _overlays(study, variable, what, suffix)
+    yield from _overlays(study, "q", "Position", "")
+    yield from _overlays(study, "qd", "Speed", "/s")
+    yield from _overlays(study, "qdd", "Acceleration", "/s²")
 
 
 def torques(study: Study) -> Iterator[CaptionedDrawing]:
@@ -93,11 +81,8 @@ def torques(study: Study) -> Iterator[CaptionedDrawing]:
 
 def parts(study: Study) -> dict[str, str]:
     """Variables of the torque and its parts that are there at all, and what they are called."""
-    return {
-        name: words
-        for name, words in {"tau": "total", **PARTS}.items()
-        if name == "tau" or np.abs(study.data[name].values).max() > 0
-    }
+    there = {x: words for x, words in PARTS.items() if np.abs(study.data[x].values).max() > 0}
+    return {"tau": "total", **there}
 
 
 def powers(study: Study) -> Iterator[CaptionedDrawing]:
@@ -212,11 +197,9 @@ def _units(
     study: Study, array: xr.DataArray, dim: str, unit_name: str
 ) -> Iterator[tuple[str, str]]:
     """(name, unit) along a dimension; entries of quaternions have none."""
-    known = dict(
-        zip(study.model.velocity_names, (str(u) for u in study.data[unit_name].values), strict=True)
-    )
-    for name in (str(n) for n in array[dim].values):
-        yield name, known.get(name, "1" if ".quat_" in name else "m")
+    known = dict(zip(study.model.velocity_names, study.data[unit_name].values, strict=True))
+    for name in map(str, array[dim].values):
+        yield name, str(known.get(name, "1" if ".quat_" in name else "m"))
 
 
 def _groups(names: Sequence[str]) -> Iterator[Sequence[tuple[str, str]]]:

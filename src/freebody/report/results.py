@@ -85,15 +85,10 @@ class MotionVerdict(Tabled):
         return f"Verdict: {self.text}"
 
     def _table(self) -> TextTable:
-        rows = [
-            (
-                x.quantity,
-                x.coordinate,
-                *(f"{text} {x.unit}" for text in x.in_print()),
-                percent(x.fraction),
-            )
-            for x in self.uses
-        ]
+        rows = []
+        for x in self.uses:
+            value, limit = (f"{text} {x.unit}" for text in x.in_print())
+            rows.append((x.quantity, x.coordinate, value, limit, percent(x.fraction)))
         notes = [f"Not given: {x}." for x in self.missing] + list(self.masses)
         return TextTable(("quantity", "joint", "value", "limit", "share"), rows, notes)
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from freebody.figures.skeleton import mass_and_centre
 from freebody.motion.ranges import ranges
 from freebody.report.variables import dataset
 
@@ -20,14 +21,17 @@ def facts(study: Study) -> xr.Dataset:
     """Of bodies mass, centre and weight; of coordinates limits (infinite without) and the worst
     pose, NaN where gravity loads nothing; value and bar of each check."""
     model = study.model
-    masses, centres = _inertias(study)
+    bodies = [model.tree.bodies[at] for at in model.tree.body_of]
+    masses, centres = zip(
+        *(mass_and_centre(body.masses, model.dim) for body in bodies), strict=True
+    )
     allowed = ranges(model)
     worst = {pose.coordinate: pose for pose in study.static}
     found = [worst.get(name) for name in model.velocity_names]
     values = {
         "body_mass": masses,
         "body_com_local": centres,
-        "body_weight": masses[:, None] * model.gravity,
+        "body_weight": np.outer(masses, model.gravity),
         "lower_limit": allowed.lower,
         "upper_limit": allowed.upper,
         "velocity_limit": allowed.velocity,
@@ -43,17 +47,3 @@ def facts(study: Study) -> xr.Dataset:
     named = {name: list(study.data[name].values) for name in axes}
     named["check"] = [c.name for c in study.checks]
     return dataset(values, named, estimated=", estimated" if model.is_estimated else "")
-
-
-def _inertias(study: Study) -> tuple[np.ndarray, np.ndarray]:
-    """Masses (bodies,) and centres of mass (bodies, dim), in the bodies' axes."""
-    model = study.model
-    masses, centres = np.zeros(len(model.bodies)), np.zeros((len(model.bodies), model.dim))
-    for k, at in enumerate(model.tree.body_of):
-        parts = model.tree.bodies[at].masses
-        masses[k] = sum(float(part.m) for part in parts)
-        if masses[k]:
-            centres[k] = (
-                sum(float(part.m) * np.asarray(part.c, dtype=float) for part in parts) / masses[k]
-            )
-    return masses, centres

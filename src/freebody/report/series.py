@@ -8,6 +8,7 @@ import numpy as np
 
 from freebody.algorithms.kinematics import joint_poses, world_poses
 from freebody.arrays import Array
+from freebody.figures.skeleton import mass_and_centre
 from freebody.loops.dynamics import drive_torques
 from freebody.model.model import Model
 from freebody.model.tree import Tree
@@ -17,7 +18,7 @@ from freebody.motion.ranges import angular
 from freebody.report import energy, jacobians
 from freebody.report.bearings import bearing_loads
 from freebody.report.variables import dataset
-from freebody.spatial import add, scale, times
+from freebody.spatial import add, times
 from freebody.trees import dynamics, kinematics
 
 if TYPE_CHECKING:
@@ -59,9 +60,8 @@ def coordinates(model: Model, t: Array | None = None) -> dict[str, Any]:
         "unit": ("coordinate", np.where(turns, "rad", "m")),
         "effort_unit": ("coordinate", np.where(turns, "N m", "N")),
     }
-    return (
-        named if t is None else {"time": ("time", t, {"units": "s", "long_name": "time"}), **named}
-    )
+    times = {"time": ("time", t, {"units": "s", "long_name": "time"})}
+    return named if t is None else {**times, **named}
 
 
 def torque_parts(model: Model, motion: Motion) -> xr.Dataset:
@@ -122,14 +122,9 @@ def _bodies(model: Model, motion: Motion) -> Values:
     origins, centres = [], []
     for i in tree.body_of:
         R, p = world[i]
-        masses = tree.bodies[i].masses
-        total = sum(mass.m for mass in masses)
-        c = p
-        if total:
-            moment = add(*(scale(mass.m, mass.c) for mass in masses))
-            c = add(p, times(R, scale(1.0 / total, moment)))
+        _, centre = mass_and_centre(tree.bodies[i].masses, model.dim)
         origins.append(_columns(p, len(motion.t)))
-        centres.append(_columns(c, len(motion.t)))
+        centres.append(_columns(add(p, times(R, tuple(centre))), len(motion.t)))
     return {"body_origin": np.stack(origins, axis=1), "body_com": np.stack(centres, axis=1)}
 
 

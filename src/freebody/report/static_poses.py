@@ -28,18 +28,11 @@ def worst_poses(model: Model) -> tuple[StaticPose, ...]:
     torques = np.diagonal(dynamics.gravity_torque(model, best))
     allowed, turns = ranges(model), angular(model)
     floor = 1e-9 * max(float(np.abs(torques).max(initial=0.0)), 1e-12)
+    shares = np.where(np.isfinite(allowed.effort), np.abs(torques) / allowed.effort, np.nan)
     return tuple(
-        StaticPose(
-            name,
-            best[k],
-            float(torques[k]),
-            "N m" if turns[k] else "N",
-            float(abs(torques[k]) / allowed.effort[k])
-            if np.isfinite(allowed.effort[k])
-            else float("nan"),
-        )
-        for k, name in enumerate(model.velocity_names)
-        if abs(torques[k]) > floor
+        StaticPose(name, best[k], float(torque), "N m" if turns[k] else "N", float(shares[k]))
+        for k, (name, torque) in enumerate(zip(model.velocity_names, torques, strict=True))
+        if abs(torque) > floor
     )
 
 

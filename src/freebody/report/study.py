@@ -37,9 +37,8 @@ from freebody.values import ByValue
 if TYPE_CHECKING:
     import xarray as xr
 
-_SLOWEST = (
-    0.05  # pace; a default motion that must be slower yet hardly moves, and is studied as it is
-)
+_SLOWEST = 0.05
+"""Pace; a default motion that must be slower yet hardly moves, and is studied as it is."""
 _CLEARANCE = 0.95  # of the pace at which a limit is reached
 
 
@@ -174,12 +173,8 @@ def study(
         replay, skipped = _replay(model, sampled)
     with clock.part("checks", 0.9):
         checked = checks(model, followed, data, replay)
-    warned = (
-        *measured,
-        *followed.notices,
-        *_driven(model),
-        *limit_notices(model, found, judged.uses),
-    )
+    beyond = limit_notices(model, found, judged.uses)
+    warned = (*measured, *followed.notices, *_driven(model), *beyond)
     clock.say("done", 1.0)
     return Study(
         model=model,
@@ -206,12 +201,10 @@ def _driven(model: Model) -> tuple[str, ...]:
     free = [b.joint.name for b in model.bodies if b.kind.nv > 1 and not b.joint.passive]
     if not free:
         return ()
-    one = len(free) == 1
+    joint, has, its = ("Joint", "has", "its") if len(free) == 1 else ("Joints", "have", "their")
     return (
-        f"Joint{'' if one else 's'} {listed(map(repr, free))} {'has' if one else 'have'} no motor "
-        "of "
-        f"{'its' if one else 'their'} own: {'its' if one else 'their'} torques and forces in this "
-        f"study are what something else has to exert to produce the motion.",
+        f"{joint} {listed(map(repr, free))} {has} no motor of {its} own: {its} torques and forces "
+        f"in this study are what something else has to exert to produce the motion.",
     )
 
 
@@ -249,11 +242,8 @@ def _unhurried(model: Model, motion: Motion) -> Motion:
 def _replay(model: Model, motion: Motion) -> tuple[Replay | None, str]:
     """(the replay, empty), or (None, why there is none)."""
     if model.loops:
-        return (
-            None,
-            "There is no replay of a closed chain; one of the checks simulates a section of the "
-            "motion.",
-        )
+        why = "There is no replay of a closed chain; one of the checks simulates a section of the"
+        return None, f"{why} motion."
     try:
         return replayed(model, motion), ""
     except SingularError as problem:

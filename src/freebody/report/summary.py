@@ -100,25 +100,17 @@ def parted(t: Array, power: Array) -> tuple[Array, Array]:
 
 def energy_text(found: xr.Dataset, duration: float) -> str:
     """Work, braking and peak of all drives together, in a sentence, from `Study.summary`."""
-    done, braked, net, shared, peak = (
-        float(found[name])
-        for name in (
-            "total_work_done",
-            "total_work_braked",
-            "total_net_work",
-            "shared_work_done",
-            "total_peak_power",
-        )
+    done, braked, net = (
+        float(found[f"total_{x}"]) for x in ("work_done", "work_braked", "net_work")
     )
+    shared, peak = float(found["shared_work_done"]), float(found["total_peak_power"])
     if done == 0:
         return "The drives do no work."
     kept = 0.0 if abs(net) < _CANCELLED * done else net
     return (
         f"In {duration:.3g} s the drives do {done:.4g} J of work and absorb {braked:.4g} J in "
-        f"braking "
-        f"({100 * braked / done:.0f} %): net {kept:.4g} J. A supply shared by all drives delivers "
-        f"{shared:.4g} J. "
-        f"Peak power of all drives together: {peak:.4g} W."
+        f"braking ({100 * braked / done:.0f} %): net {kept:.4g} J. A supply shared by all drives "
+        f"delivers {shared:.4g} J. Peak power of all drives together: {peak:.4g} W."
     )
 
 
@@ -155,10 +147,8 @@ def _excursion(model: Model, motion: Motion, allowed: Ranges) -> tuple[Array, Ar
     lowest[iv], highest[iv] = motion.peaks.position.low[iq], motion.peaks.position.high[iq]
     half = 0.5 * (allowed.upper - allowed.lower)
     bounded = np.isfinite(half)
-    used = np.maximum(highest - allowed.middle, allowed.middle - lowest) / np.where(
-        bounded, half, 1.0
-    )
-    return lowest, highest, np.where(bounded, used, np.nan)
+    farthest = np.maximum(highest - allowed.middle, allowed.middle - lowest)
+    return lowest, highest, np.where(bounded, farthest / np.where(bounded, half, 1.0), np.nan)
 
 
 def _reactions(data: xr.Dataset, t: Array) -> dict[str, Any]:
@@ -190,13 +180,10 @@ def worst(model: Model, data: xr.Dataset) -> Worst:
     k, j = (int(i) for i in np.unravel_index(np.argmax(load), load.shape))
     name, value, unit = model.velocity_names[j], float(tau[k, j]), str(units[j])
     share = abs(value) / float(allowed.effort[j]) if limited[j] else float("nan")
+    why = "the largest of the motion; the model gives no effort limits"
     if limited[j]:
-        why = (
-            f"{percent(share)} of its effort limit, the largest share of any drive during the "
-            "motion"
-        )
-    else:
-        why = "the largest of the motion; the model gives no effort limits"
+        why = f"{percent(share)} of its effort limit, the largest share of any drive"
+        why += " during the motion"
     text = f"At t = {t[k]:.3g} s {name} needs {value:.4g} {unit}: {why}."
     if any(notice.kind == DOUBTFUL for notice in model.notices):
         text = f"With the masses of the file, which are in doubt: at{text[2:]}"
@@ -209,17 +196,12 @@ def drive_table(model: Model, found: xr.Dataset) -> TextTable:
     for name in model.driven_names:
         of = found.sel(coordinate=name)
         unit, effort, share = str(of.unit.values), str(of.effort_unit.values), of.effort_fraction
-        rows.append(
-            (
-                name,
-                f"{of.peak_torque:.4g} {effort}",
-                f"{of.peak_torque_time:.3g} s",
-                f"{of.rms_torque:.4g} {effort}",
-                f"{of.peak_speed:.4g} {unit}/s",
-                f"{of.peak_power:.4g} W",
-                "" if np.isnan(share) else percent(float(share)),
-            )
-        )
+        numbers = (
+            f"{of.peak_torque:.4g} {effort}", f"{of.peak_torque_time:.3g} s",
+            f"{of.rms_torque:.4g} {effort}", f"{of.peak_speed:.4g} {unit}/s",
+            f"{of.peak_power:.4g} W", "" if np.isnan(share) else percent(float(share)),
+        )  # fmt: skip
+        rows.append((name, *numbers))
     peaks = ("peak torque", "at", "RMS torque", "peak speed", "peak power")
     return TextTable(("joint", *peaks, "of effort limit"), rows)
 

@@ -49,9 +49,8 @@ def pace(motion: Motion, data: xr.Dataset, velocity: Array, effort: Array) -> Pa
     none."""
     fast = motion.peaks.velocity.size
     with np.errstate(divide="ignore"):
-        quickest = float(
-            np.min(np.where(fast > 0, velocity * (1 + CLOSE) / fast, np.inf), initial=np.inf)
-        )
+        each = np.where(fast > 0, velocity * (1 + CLOSE) / fast, np.inf)
+    quickest = float(each.min(initial=np.inf))
     a, b, c = parts(data)
     limited = np.isfinite(effort)
     bound = np.where(limited, effort * (1 + CLOSE), 0.0)
@@ -67,11 +66,8 @@ def parts(data: xr.Dataset) -> tuple[Array, Array, Array]:
     and not."""
     get = {name: data[f"tau_{name}"].values for name in _PARTS}
     square = get["inertial"] + get["coriolis"] + get["rotors"]
-    return (
-        square,
-        get["viscous"],
-        get["gravity"] + get["springs"] + get["friction"] - get["viscous"],
-    )
+    constant = get["gravity"] + get["springs"] + get["friction"] - get["viscous"]
+    return square, get["viscous"], constant
 
 
 _PARTS = ("inertial", "coriolis", "rotors", "viscous", "friction", "gravity", "springs")

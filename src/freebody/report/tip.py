@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from freebody.model.model import Model
+from freebody.outputs.display import counted
 
 
 def chosen_tip(model: Model, tip: str | None) -> tuple[str, str]:
@@ -20,8 +21,7 @@ def chosen_tip(model: Model, tip: str | None) -> tuple[str, str]:
     depths = {leaf: len(bodies_before(model, leaf)) for leaf in leaves}
     best = max(leaves, key=lambda leaf: depths[leaf])
     equals = [leaf for leaf in leaves if depths[leaf] == depths[best]]
-    n = depths[best]
-    joints = f"{n} movable joint{'' if n == 1 else 's'}"
+    joints = counted(depths[best], "movable joint")
     if len(equals) > 1:
         why = (
             f"the first in the file of the {len(equals)} ends behind {joints} ({', '.join(equals)})"

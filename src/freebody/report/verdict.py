@@ -9,7 +9,7 @@ effort times speed.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,11 +25,8 @@ from freebody.report.time_scaling import Pace, pace, parts
 if TYPE_CHECKING:
     import xarray as xr
 
-    from freebody.model.bodies import Body
-
-_UNDRIVEN = (
-    1e-2  # of what acts at a passive joint: what differentiating a file's digits leaves there
-)
+_UNDRIVEN = 1e-2
+"""Of what acts at a passive joint: what differentiating a file's digits leaves there."""
 _NAMES = 4  # in a list of joints
 _TIGHT = 1.001  # a pace below it is called "as fast as it goes"
 
@@ -92,42 +89,22 @@ def _uses(model: Model, motion: Motion, allowed: Ranges, found: xr.Dataset) -> I
     iq, iv = position_columns(model)
     column = dict(zip(iv.tolist(), iq.tolist(), strict=True))
     for k, name in enumerate(model.velocity_names):
-        of = {
-            key: float(found[key].values[k])
-            for key in found.data_vars
-            if found[key].dims == ("coordinate",)
-        }
         unit, effort_unit = str(found["unit"].values[k]), str(found["effort_unit"].values[k])
         what = "torque" if effort_unit == "N m" else "force"
-        if k in column:
-            yield from _position(motion, allowed, k, column[k], name, unit, of["position_fraction"])
         top, most = float(allowed.velocity[k]), float(allowed.effort[k])
-        if np.isfinite(top):
-            fraction, when = of["velocity_fraction"], of["peak_speed_time"]
-            yield LimitUse("speed", name, of["peak_speed"], top, fraction, when, f"{unit}/s")
-        if name not in driven or not np.isfinite(most):
-            continue
-        yield LimitUse(
-            what,
-            name,
-            of["peak_torque"],
-            most,
-            of["effort_fraction"],
-            of["peak_torque_time"],
-            effort_unit,
-        )
-        yield LimitUse(
-            f"RMS {what}",
-            name,
-            of["rms_torque"],
-            most,
-            of["rms_fraction"],
-            float("nan"),
-            effort_unit,
-        )
-        if np.isfinite(top):
-            fraction, when = of["power_fraction"], of["peak_power_time"]
-            yield LimitUse("power", name, of["peak_power"], most * top, fraction, when, "W")
+        if k in column:
+            share = float(found["position_fraction"].values[k])
+            yield from _position(motion, allowed, k, column[k], name, unit, share)
+        for quantity, limit, used, value, time, of in (
+            ("speed", top, "velocity", "peak_speed", "peak_speed_time", f"{unit}/s"),
+            (what, most, "effort", "peak_torque", "peak_torque_time", effort_unit),
+            (f"RMS {what}", most, "rms", "rms_torque", None, effort_unit),
+            ("power", most * top, "power", "peak_power", "peak_power_time", "W"),
+        ):
+            if np.isfinite(limit) and (quantity == "speed" or name in driven):
+                size, share = (float(found[x].values[k]) for x in (value, f"{used}_fraction"))
+                when = float(found[time].values[k]) if time else float("nan")
+                yield LimitUse(quantity, name, size, limit, share, when, of)
 
 
 def _position(
@@ -161,17 +138,16 @@ def _missing(model: Model, allowed: Ranges) -> tuple[str, ...]:
         if body.joint.mimic is None and body.kind.nv == 1
     ]
     driven = [(body, k) for body, k in single if not body.joint.passive]
-    absent: dict[
-        tuple[str, ...], list[str]
-    ] = {}  # names of joints, and all that is not given of them
-    for what, names in (
-        ("an effort limit", _named(driven, lambda b, k: not np.isfinite(allowed.effort[k]))),
-        ("a speed limit", _named(driven, lambda b, k: not np.isfinite(allowed.velocity[k]))),
-        (
-            "a position range",
-            _named(driven, lambda b, k: b.kind.ranged and _unbounded(allowed, k)),
-        ),
+    bounded = np.isfinite(allowed.lower) & np.isfinite(allowed.upper)
+    absent: dict[tuple[str, ...], list[str]] = {}
+    """All that is not given, by the names of joints."""
+    for what, given in (
+        ("an effort limit", np.isfinite(allowed.effort)),
+        ("a speed limit", np.isfinite(allowed.velocity)),
+        ("a position range", bounded),
     ):
+        asked = (pair for pair in driven if given is not bounded or pair[0].kind.ranged)
+        names = tuple(body.joint.name for body, k in asked if not given[k])
         absent.setdefault(names, []).append(what)
     found = [
         f"{listed(parts)} of {listed(names, _NAMES)}" for names, parts in absent.items() if names
@@ -183,16 +159,6 @@ def _missing(model: Model, allowed: Ranges) -> tuple[str, ...]:
         have = "has no motor of its" if len(several) == 1 else "have no motors of their"
         found.append(f"what moves {listed(several, _NAMES)}, which {have} own")
     return tuple(found)
-
-
-def _named(
-    joints: Sequence[tuple[Body, int]], absent: Callable[[Body, int], bool]
-) -> tuple[str, ...]:
-    return tuple(body.joint.name for body, k in joints if absent(body, k))
-
-
-def _unbounded(allowed: Ranges, k: int) -> bool:
-    return not (np.isfinite(allowed.lower[k]) and np.isfinite(allowed.upper[k]))
 
 
 def _undriven(model: Model, data: xr.Dataset) -> tuple[str, ...]:
