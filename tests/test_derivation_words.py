@@ -66,3 +66,83 @@ def test_a_joint_without_motor_is_spoken_of_in_every_method(method: str):
     if method != "statics":
         assert "Joint 1 has no motor. An equation with 0 on the left is a condition" in said
     assert "condition on the motion" not in fb.derive(fb.load("2R"), method).text()
+
+
+def given(name: str, method: str | None = None) -> str:
+    return fb.derive(fb.load(name), method).given
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("2R", "the motor torques are sought."),
+        ("RP", "the motor torque and force are sought."),
+        ("cart_pole", "the motor force is sought; joint 2 has no motor"),
+        ("four_bar", "Given the motor torque, the accelerations and the forces in the loop are"),
+        ("gantry_crane", "joints 3 and 4 have no motor, and the motion must satisfy their"),
+    ],
+)
+def test_motors_are_counted_by_what_they_give(name, said):
+    assert said in given(name)
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("2R", "each measured from the previous link, at the ground from the x axis."),
+        ("RP", "The angle is positive anticlockwise, measured from the x axis."),
+        ("cart_pole", "the drawing and the vectors show from which line."),
+        ("reaction_wheel", "the drawing and the vectors show from which line."),
+    ],
+)
+def test_angles_are_said_to_begin_where_they_do(name, said):
+    assert said in given(name)
+
+
+def test_many_joints_are_told_together():
+    said = given("stewart")
+    assert "begin at the ground (1 to 6, 7 to 9, 10 to 12, " in said
+    assert "replaced by joints 1 to 6; between them are bodies 1 to 5, without mass" in said
+    assert "Joint i joins body i to body i-1. Joints 1, 2 and 4 are revolute" in given("scara")
+
+
+def test_masses_that_are_numbers_are_listed_and_have_a_unit():
+    gyro = fb.load("gyro")
+    for method in ("newton-euler", "lagrange", "recursive", "kane"):
+        assert "m₂ = 1\n" in fb.derive(gyro, method).text()
+    assert "Numbers without a unit are in SI units." in given("gyro")
+    assert "SI units" not in given("2R")
+    assert not re.search(r"m₂ = |I₂ = ", fb.derive(fb.load("2R"), "lagrange").text())
+
+
+def test_the_table_leaves_out_what_no_equation_has():
+    table = [str(x) for row in fb.derive(fb.load("2R"), "statics").glossary for x in row.symbols]
+    assert "lc₁" in table
+    assert "I₁" not in table
+    assert "z" in [
+        str(x) for r in fb.derive(fb.load("2R"), "recursive").glossary for x in r.symbols
+    ]
+    words = {str(x): row.words for row in fb.derive(fb.load("cart_pole"), "statics").glossary
+             for x in row.symbols}  # fmt: skip
+    assert words["l₂"].endswith("body 2; also distance from joint 2 to the tip")
+    words = {str(x): r.words for r in fb.derive(fb.load("stanford")).glossary for x in r.symbols}
+    assert words["d₁"] == "distance from joint 1 to joint 2"
+
+
+def test_terms_of_drives_are_told():
+    text = " ".join(fb.derive(fb.load("puma560", physical="ignore")).text().split())
+    assert "The other terms are those of the joint's rotor and friction." in text
+    ball = " ".join(fb.derive(fb.load("ball_and_beam")).text().split())
+    assert ball.count("The other terms are those of the joint's rotor.") == 1
+
+
+def test_an_inverse_is_in_lowest_terms():
+    text = fb.derive(fb.load("cart_pole"), "kinematics").text()
+    assert "K = [1, −cos θ₂/(sin θ₂); 0, 1/(l₂ sin θ₂)]" in text
+    assert "det J = −(d₂ + l₂)\n" in fb.derive(fb.load("RP"), "kinematics").text().replace(" │", "")
+
+
+def test_a_component_of_the_tip_is_not_said_to_be_its_motion():
+    told = "only ẋ is counted of the tip"
+    assert told in " ".join(fb.derive(fb.load("four_bar"), "kinematics").text().split())
+    assert "counted" not in fb.derive(fb.load("five_bar"), "kinematics").text()

@@ -103,7 +103,7 @@ def test_nothing_is_passed_on_along_a_joint_without_a_motor(name, lines):
     derivation = fb.derive(fb.load(name), "newton-euler")
     text = derivation.text()
     assert all(f"      {line}\n" in text for line in lines)
-    told = "Nothing is passed on along the coordinate of a joint without a motor."
+    told = "What vanishes by the equation of a joint without a motor is left out."
     assert told in " ".join(text.split())
 
 

@@ -332,7 +332,7 @@ def test_derivations_of_joints_of_several_coordinates(kind: str):
     derived = [fb.derive(model, method) for method in ("newton-euler", "recursive", "lagrange")]
     for one in derived:
         assert compare(derived[0], one)
-        assert f"The {kind} joint j is replaced by joint 2" in one.given
+        assert f"The {kind} joint j is replaced by joints 2" in one.given
         assert "m₂" not in str(one)
     found = fb.equations(model, numbers=True)
     close(found.evaluate(found.tau, q, qd, qdd), torques, 1e-9)

@@ -407,3 +407,8 @@ def test_kinematics_draws_the_motion_of_the_tip():
     assert figures["tip velocity"].named("ṙ_P")
     assert figures["tip acceleration"].named("r̈_P")
     assert not any("c" in e.name for e in figures["tip velocity"].arrows)
+
+
+def test_a_body_without_mass_is_not_said_to_have_its_weight_elsewhere():
+    assert not drawn("gyro", "newton-euler")["free-body 1"].notes
+    assert drawn("gyro", "recursive")["free-body 2"].notes

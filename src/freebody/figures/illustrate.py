@@ -87,7 +87,7 @@ def illustrations(derivation: Derivation, labels: str = "names") -> dict[str, Dr
         drawing = _drawn(seen, name, scales)
         if drawing is not None:
             loaded = name.startswith(("free-body", "carried"))
-            if loaded and not weights and np.any(seen.model.gravity):
+            if loaded and not weights and _is_heavy(seen, name):
                 drawing.notes = ["No weights: gravity is in the accelerations"]
             if labels != "names" and step is None:
                 drawing.notes += _state(seen)
@@ -120,7 +120,14 @@ def _spoken(derivation: Derivation) -> set[str]:
 
 def _has_weights(step: Step) -> bool:
     """Whether weights are among a step's forces; not where the accelerations contain gravity."""
-    return any(symbol == vec("g") for line in step.equations for symbol in nodes(line))
+    used = (x for line in step.equations for x in nodes(line) if isinstance(x, Symbol) and x.bold)
+    return any(x.name.rstrip("0123456789") == "g" for x in used)
+
+
+def _is_heavy(seen: Snapshot, name: str) -> bool:
+    """Whether the body of a drawing `free-body N`, or what it carries, has a weight."""
+    alone = name.startswith("free-body") and not seen.pose.bodies[int(name.split()[1]) - 1].mass
+    return bool(np.any(seen.model.gravity)) and not alone
 
 
 _QUANTITIES = ("position", "velocity", "acceleration", "dimension", "angle", "z")

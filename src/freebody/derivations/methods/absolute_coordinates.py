@@ -23,6 +23,7 @@ from freebody.derivations.methods.energies import HALF
 from freebody.derivations.methods.method import Worked
 from freebody.derivations.methods.reactions import drive_part
 from freebody.derivations.methods.setting import LONGEST, Setting
+from freebody.derivations.methods.step_reasons import Efforts
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.errors import FreebodyError, listed
 from freebody.scalars.trig import Trig
@@ -40,10 +41,7 @@ def work_out(s: Setting) -> Worked:
     steps += [work.efforts(), *map(work.body, work.bodies), work.meaning(), work.seconds()]
     back = BackToJoints(s, work.given, work.loops)
     steps += [work.together(), back.step(), back.result()]
-    sought = (
-        "Given the motor torques and forces, the accelerations and the forces in all joints are "
-        "sought."
-    )
+    sought = f"{Efforts.of(s).given} accelerations and the forces in all joints are sought."
     title = "Lagrange's equations of the first kind in absolute coordinates"
     return Worked(tuple(steps), tuple(back.tau), work.symbols(), title, sought)
 

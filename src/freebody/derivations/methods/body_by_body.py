@@ -105,7 +105,7 @@ class FreeBodies:
         )
         return Step(
             f"Eliminate the reactions at joint {n}",
-            step_reasons.eliminated(s, i, self.left_over(i)),
+            step_reasons.eliminated(s, i, self.left_over(i)) + step_reasons.drive(s, i),
             tuple(lines),
             numbers,
         )
@@ -128,12 +128,16 @@ class FreeBodies:
         s, n = self.s, self.s.numbers[i]
         lines = []
         if reactions:
-            force, moment = self.reactions.borne[i]
+            (force, moment), pin = self.reactions.borne[i], s.is_pin(i)
             lines.append(eq(s.force_name(s.tree.bodies[i].parent, i), s.column(force)))
-            if not s.is_pin(i):
+            if not pin:
                 lines.append(eq(s.joint_moment(i), s.angular(moment)))
         lines.append(eq(s.motor(i), s.show(self.tau[i])))
         reason = step_reasons.substituted(s, i, reactions)
         if reactions:
+            given = self.reactions.f[i] if pin else (*self.reactions.f[i], *self.reactions.n[i])
+            left = force if pin else (*force, *moment)
+            if any(not s.symbols.element(a - b).is_zero for a, b in zip(given, left, strict=True)):
+                reason += " What vanishes by the equation of a joint without a motor is left out."
             reason += step_reasons.gyroscopic(s, i, self.reactions.n[i])
         return Step(f"Substitute the motion: joint {n}", reason, tuple(lines))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from freebody.derivations.derivation import Step
+from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import eq
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import added_rates, coriolis
@@ -10,10 +11,12 @@ from freebody.derivations.methods.step_reasons import added_rates, coriolis
 
 def motion(s: Setting) -> list[Step]:
     """Angular velocities, velocities and accelerations of the centres of mass."""
+    own = "" if s.planar else ", given in each body's own axes"
     w = [eq(s.angular_name("omega", i), s.angular(s.motion.w[i])) for i in s.order]
     wd = [eq(s.angular_name("omega", i, "_d"), s.angular(s.motion.wd[i])) for i in s.order]
     v = [eq(s.name("vc", i), s.column(s.centre_velocity(i))) for i in s.weighted]
     vd = [eq(s.name("vc", i, "_d"), s.column(s.centre_acceleration(i))) for i in s.weighted]
+    still = all(s.column(s.centre_velocity(i)) == ex.ZERO for i in s.weighted)
     return [
         Step(
             "Angular velocities and accelerations",
@@ -23,17 +26,16 @@ def motion(s: Setting) -> list[Step]:
         ),
         Step(
             "Velocities of the centres of mass",
-            "They are the time derivatives of the centres' positions."
-            if s.planar
-            else "They are the time derivatives of the centres' positions, "
-            "given in each body's own axes.",
+            "Joints turn the bodies about their centres of mass, which do not move."
+            if still
+            else f"They are the time derivatives of the centres' positions{own}.",
             tuple(v),
             {"R": ("3.8",), "RR": ("3.18", "3.19")}.get(s.cited, () if s.planar else ("6.19",)),
             figure="velocities",
         ),
         Step(
             "Accelerations of the centres of mass",
-            _second(s),
+            "They do not move." if still else _second(s),
             tuple(vd),
             {"R": ("3.9",)}.get(s.cited, () if s.planar else ("6.22",)),
             figure="accelerations",
@@ -53,9 +55,9 @@ def _second(s: Setting) -> str:
         return "A second time derivative."
     if s.planar:
         return (
-            "A second time derivative: terms with an acceleration point along the motion, terms "
-            "with a squared "
-            "velocity point towards the pivots."
+            "A second time derivative: what turns contributes, for each length, a part with its "
+            "angular acceleration at right angles to the length (tangential), and one with the "
+            "square of its angular velocity along it, towards the joint (centripetal)."
         )
     return (
         "A second time derivative: terms with accelerations, and products of velocities, "

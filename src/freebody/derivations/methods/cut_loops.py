@@ -49,6 +49,11 @@ class Loops:
         return FirstKind(self.equations, self.s.equations)
 
     # ------------------------------------------------------------ words
+    @property
+    def named(self) -> str:
+        """the loop, or the loops."""
+        return "the loop" if len(self.s.tree.loops) == 1 else "the loops"
+
     def ends(self, loop: TreeLoop) -> tuple[int, int]:
         """The bodies of the tree that carry its frames; -1 is the ground."""
         a, b = (self.s.tree.frames[frame][0] for frame in loop.frames)
@@ -88,10 +93,9 @@ class Loops:
         """Dependent coordinates."""
         s = self.s
         held = "; ".join(self.holds(loop) for loop in s.tree.loops)
-        cuts = "loop" if len(s.tree.loops) == 1 else "loops"
         reason = (
-            f"With the {cuts} cut, the bodies form a tree, whose joint variables determine every "
-            f"pose; they are not independent, because the loops must stay closed: {held}."
+            f"With {self.named} cut, the bodies form a tree, whose joint variables determine every "
+            f"pose; they are not independent, because {self.named} must stay closed: {held}."
         )
         motors = [s.motor(i) for i in s.order]
         if any(x == ex.ZERO for x in motors):

@@ -9,6 +9,7 @@ from freebody.derivations.derivation import Step
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, eq
 from freebody.derivations.expressions.printed_names import vec
+from freebody.derivations.methods.geometry import measured
 from freebody.derivations.methods.setting import Setting
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
@@ -96,6 +97,7 @@ def kinetic_step(s: Setting, energies: Energies) -> Step:
         inertia = s.inertia_name(i)
         spin = ex.mul(inertia, ex.power(w, 2)) if s.planar else ex.dot(w, ex.mul(inertia, w))
         turning = ex.ZERO if s.is_point(i) else ex.mul(HALF, spin)
+        lines += measured(s, i, True)
         rule = ex.add(ex.mul(HALF, s.mass_name(i), ex.power(v, 2)), turning)
         lines.append(s.with_value(f"T{s.numbers[i]}", rule, energies.kinetic(i)))
     if energies.has_rotors:
@@ -136,10 +138,10 @@ def potential_step(s: Setting, energies: Energies) -> Step:
     numbers = (
         ("5.4", *({"RR": ("5.12", "5.14", "5.18", "5.20")}.get(s.cited, ()))) if s.weighs else ()
     )
-    words += ". (The notes' (5.14) is misprinted; (5.20) is right)" if "5.14" in numbers else ""
+    words += ". (The notes' (5.14) is misprinted; (5.20) is right.)" if "5.14" in numbers else "."
     return Step(
         "Potential energies",
-        f"{words}.",
+        words,
         tuple(lines),
         (*numbers, *(["5.5"] if energies.has_springs else [])),
     )

@@ -10,7 +10,7 @@ from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods.geometry import moment_of
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.methods.step_reasons import motorless
+from freebody.derivations.methods.step_reasons import Efforts, motorless
 
 
 class Equilibrium:
@@ -94,14 +94,14 @@ class Equilibrium:
         s = self.s
         lines = tuple(eq(s.motor(i), s.show(tau[i])) for i in s.order)
         numbers = ("2.47", "2.48") if s.cited == "RR" else ()
-        reason = "Substituting the vectors gives the torques that hold the arm at rest."
+        reason = f"Substituting the vectors gives {Efforts.of(s).holding} the arm at rest."
         if not all(map(s.driven, s.order)):
             reason += (
                 f"{motorless(s)} The arm can be held only where the equation with 0 on the left "
                 f"is satisfied."
             )
         return Step(
-            "The torques" if all(map(s.turns, s.order)) else "Torques and forces",
+            Efforts.of(s).words.removeprefix("motor ").capitalize() or "The conditions",
             reason,
             lines,
             numbers,

@@ -19,6 +19,7 @@ from freebody.derivations.methods.cut_loops import LONG, Loops, block_system
 from freebody.derivations.methods.energies import HALF, Energies
 from freebody.derivations.methods.method import Method, MethodOption, Worked
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.step_reasons import Efforts
 from freebody.derivations.methods.virtual_work import virtual_work
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.scalars.trig import Trig
@@ -41,8 +42,7 @@ def work_out(setting: Setting, coordinates: str) -> Worked:
         steps += work.equation(i)
     steps += [loops.wrenches(), loops.seconds(), *work.together(), *work.reduced()]
     sought = (
-        "Given the motor torques and forces, the accelerations and the forces in the loops are "
-        "sought."
+        f"{Efforts.of(setting).given} accelerations and the forces in {loops.named} are sought."
     )
     return Worked(
         tuple(steps),
@@ -59,7 +59,7 @@ def _symbols(s: Setting, energies: Energies) -> Iterator[Meaning]:
     yield Meaning((sym("lam_k"),), "its multiplier: the loop's constraint force", "")
     yield glossary.joint_forces()
     yield Meaning(
-        (sym("u"), sym("N")), "independent coordinates; the rates of all in terms of theirs", ""
+        (sym("u"), sym("N")), "independent coordinates; matrix that gives all rates from theirs", ""
     )
 
 
@@ -68,8 +68,8 @@ def _open_chain(setting: Setting) -> Worked:
     second = lagrange.work_out(setting)
     reason = (
         "No loop is closed: there are no equations Φ(q) = 0 between the joint variables, no "
-        "multipliers, and "
-        "Lagrange's equations of the first kind are those of the second."
+        "multipliers, and Lagrange's equations of the first kind are those of the second. The n "
+        "coordinates, less m = 0 equations, are the f degrees of freedom."
     )
     step = Step(
         "No loops, no multipliers",
@@ -233,7 +233,8 @@ class _FirstKindSteps:
             lines.append(eq(sym("Delta"), self.loops.equations.form(self._common)))
         reason = (
             f"The velocity constraints are solved for the rates of all coordinates but {names}: "
-            f"the columns of N are the motions that the loops allow. This fails where the "
+            f"the columns of N are the motions that the loops allow, K its entries that depend on "
+            f"the position. This fails where the "
             f"denominator vanishes; there "
             f"{names} "
             f"{'does' if len(chosen) == 1 else 'do'} not determine the motion."

@@ -17,7 +17,8 @@ def geometry(setting: Setting, rotations: bool = False, inertias: bool = True) -
     for i in setting.order:
         lines += _vectors(setting, i)
         if not setting.planar:
-            lines += _in_space(setting, i, rotations, inertias)
+            lines += _in_space(setting, i, rotations)
+        lines += measured(setting, i, inertias)
     reach = (
         "s_i points from joint i to the next joint (or the tip), "
         "s_ci from joint i to the centre of mass of body i"
@@ -49,7 +50,24 @@ def _vectors(s: Setting, i: int) -> list[Equation]:
     return lines
 
 
-def _in_space(s: Setting, i: int, rotations: bool, inertias: bool) -> list[Equation]:
+def measured(s: Setting, i: int, inertia: bool) -> list[Equation]:
+    """The mass of body i and, if asked for, its inertia, where these are numbers; in space the
+    matrix of the inertia anyway."""
+    if i not in s.weighted:
+        return []
+    rows = [(s.mass_name(i), s.show(s.mass(i)))]
+    if inertia and not s.is_point(i):
+        value = s.show(s.inertia(i)) if s.planar else _matrix(s, s.inertia(i))
+        rows.append((s.inertia_name(i), value))
+    names = set(s.symbols.ring.names)
+    return [
+        eq(name, value)
+        for name, value in rows
+        if isinstance(value, ex.Matrix) or name.name not in names
+    ]
+
+
+def _in_space(s: Setting, i: int, rotations: bool) -> list[Equation]:
     lines = []
     if rotations:
         R = s.motion.joints[i][0]
@@ -58,8 +76,6 @@ def _in_space(s: Setting, i: int, rotations: bool, inertias: bool) -> list[Equat
     elif s.weighs:
         field = ex.mul(rotation_name(s, -1, i), vec("g"))
         lines.append(eq(field, s.column(s.gravity(i))))
-    if inertias and not s.is_point(i):
-        lines.append(eq(s.inertia_name(i), _matrix(s, s.inertia(i))))
     return lines
 
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Symbol, nodes
+from freebody.derivations.expressions.nodes import Words
 from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import joints_that
@@ -17,7 +19,7 @@ from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.render.literal import literal
 from freebody.model.joints import JointWords
 from freebody.model.parameters import Parameter, each_parameter
-from freebody.model.placement import AxisRotation, Placement
+from freebody.model.placement import AxisRotation, Placement, Shift
 
 METER, KILOGRAM, NEWTON, MOMENT = "m", "kg", "N", "N m"
 INERTIA, SPEED, ACCELERATION, JOULE = "kg m²", "m/s", "m/s²", "J"
@@ -28,11 +30,24 @@ def glossary(
 ) -> tuple[Meaning, ...]:
     """Coordinates and motors, parameters, then what the method introduces and what else stands in
     its steps; forces: whether there are any."""
+    steps = list(steps)
     rows = [*_coordinates(s, forces), *_parameters(s, not forces), *introduced]
-    rows += _further(s, rows, steps)
+    rows = [*_occurring(s, rows, steps), *_further(s, rows, steps)]
     if s.load:
         rows.append(Meaning((vec("f"),), "force on the tip, by the surroundings", NEWTON))
     return tuple(rows)
+
+
+def _occurring(s: Setting, rows: Iterable[Meaning], steps: Iterable[Step]) -> Iterator[Meaning]:
+    """Rows less the parameters that no equation has, where all equations are written out."""
+    seen = [x for step in steps for line in step.equations for x in nodes(line)]
+    used = {x.name for x in seen if isinstance(x, Symbol)} | set(s.symbols.coordinates)
+    unused = set(s.symbols.model.parameters) - used
+    told = any(isinstance(x, Words) for x in seen)
+    for row in rows:
+        left = tuple(x for x in row.symbols if told or getattr(x, "name", "") not in unused)
+        if left:
+            yield replace(row, symbols=left)
 
 
 def _coordinates(s: Setting, motors: bool) -> Iterator[Meaning]:
@@ -64,11 +79,14 @@ def _coordinates(s: Setting, motors: bool) -> Iterator[Meaning]:
 def _parameters(s: Setting, moved: bool) -> Iterator[Meaning]:
     """Those that occur; of motion alone the lengths from joint to joint and to the tip."""
     used = set(s.symbols.ring.names)
-    alike: dict[tuple[str, str], list[str]] = {}
+    found: dict[tuple[str, str], dict[str, None]] = {}
     for parameter, words, unit in _in_model(s, moved):
         if parameter.name in used:
-            used.remove(parameter.name)
-            alike.setdefault((words, unit), []).append(parameter.name)
+            found.setdefault((parameter.name, unit), {})[words] = None
+    alike: dict[tuple[str, str], list[str]] = {}
+    for (name, unit), told in found.items():
+        words = "; also ".join(filter(None, told)) or "part of where a joint or a centre of mass is"
+        alike.setdefault((words, unit), []).append(name)
     for (words, unit), names in alike.items():
         words = (
             words
@@ -145,9 +163,11 @@ def _of_body(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:
         for parameter in each_parameter(part.inertia.mass):
             yield parameter, f"mass of body {n}", KILOGRAM
         centre = f"distance from joint {n} to the centre of mass of body {n}"
-        yield from _placed(part.placement, centre.removeprefix("distance "))
-        for parameter in each_parameter(part.inertia.com):
-            yield parameter, centre, METER
+        bare = all(isinstance(x, float) and x == 0.0 for x in part.inertia.com)
+        yield from _placed(part.placement, centre.removeprefix("distance ") if bare else "")
+        for x in part.inertia.com:
+            for parameter in each_parameter(x):
+                yield parameter, centre if x is parameter else "", METER
         for parameter in each_parameter(part.inertia.tensor):
             kind = "moment of inertia" if s.planar else "entry of the inertia"
             yield parameter, f"{kind} of body {n} about its centre of mass", INERTIA
@@ -159,9 +179,11 @@ def _of_body(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:
 def _placed(placement: Placement, words: str) -> Iterator[tuple[Parameter, str, str]]:
     """Lengths and angles of a constant pose."""
     for step in placement.steps:
-        kind, unit = ("angle", "rad") if isinstance(step, AxisRotation) else ("distance", METER)
-        for parameter in each_parameter(step):
-            yield parameter, f"{kind} {words}", unit
+        turn = isinstance(step, AxisRotation)
+        for x in step.by if isinstance(step, Shift) else (step.angle,) if turn else ():
+            told = f"{'angle' if turn else 'distance'} {words}" if words else ""
+            for parameter in each_parameter(x):
+                yield parameter, told if x is parameter else "", "rad" if turn else METER
 
 
 _DRIVE = {
@@ -176,10 +198,18 @@ _DRIVE = {
 
 # ---------------------------------------------------------------- rows that several methods
 # introduce
+def reach() -> Meaning:
+    """The vector along a body."""
+    return Meaning((sym("s_i", True),), "vector from joint i to the next joint or the tip", METER)
+
+
 def vectors(s: Setting) -> Iterator[Meaning]:
     """The vectors along the bodies, and the directions of the joints."""
-    yield Meaning((sym("s_i", True),), "joint i to the next joint, or to the tip", METER)
-    yield Meaning((sym("s_ci", True),), "joint i to the centre of mass of body i", METER)
+    if s.load or any(map(s.tree.children, s.order)):
+        yield reach()
+    yield Meaning(
+        (sym("s_ci", True),), "vector from joint i to the centre of mass of body i", METER
+    )
     if not s.planar:
         turning = joints_that(s, turn=True)
         if turning:
@@ -197,7 +227,8 @@ def moving(s: Setting) -> Iterator[Meaning]:
 
 def inertia_forces(s: Setting) -> Iterator[Meaning]:
     """What forces and moments on a body add up to."""
-    yield Meaning((sym("f_ci", True),), "mass times acceleration of body i", NEWTON)
+    what = "mass of body i times the acceleration of its centre"
+    yield Meaning((sym("f_ci", True),), what, NEWTON)
     yield Meaning(
         (sym("n_ci", not s.planar),), "rate of body i's angular momentum about its centre", MOMENT
     )

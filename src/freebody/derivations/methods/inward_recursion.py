@@ -8,6 +8,7 @@ from freebody.derivations.derivation import Step
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, Symbol
 from freebody.derivations.expressions.printed_names import vec
+from freebody.derivations.methods import step_reasons
 from freebody.derivations.methods.geometry import rotation_name
 from freebody.derivations.methods.reactions import drive_part
 from freebody.derivations.methods.setting import Setting
@@ -49,6 +50,7 @@ class Inward:
             if self._is_first(i)
             else ""
         )
+        letters = step_reasons.drive(s, i) + letters
         if s.driven(i):
             return f"{needed} come through joint {n}; the motor gives {part}.{letters}"
         return f"{needed} come through joint {n}, which has no motor to give {part}.{letters}"

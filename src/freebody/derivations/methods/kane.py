@@ -280,7 +280,7 @@ def _symbols(s: Setting) -> Iterator[Meaning]:
     star = ex.Symbol("F_r_star", "F", ("r",), high="*")
     yield Meaning((sym("F_r"), star), "generalized active and inertia force of joint r", unit)
     if s.load:
-        yield Meaning((vec("r_P"),), "the tip, from the base's origin", glossary.METER)
+        yield Meaning((vec("r_P"),), "position of the tip, from the base's origin", glossary.METER)
 
 
 METHOD = Method(

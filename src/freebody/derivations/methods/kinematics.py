@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise
 
+from freebody.derivations.closed_chains.linear import ratio
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.equations.kinematics import Kinematics
 from freebody.derivations.equations.singularities import jacobian_determinant
@@ -13,7 +14,7 @@ from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods import loop_kinematics
-from freebody.derivations.methods.glossary import METER
+from freebody.derivations.methods.glossary import METER, reach
 from freebody.derivations.methods.inverse_position import inverse_position
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
@@ -41,9 +42,9 @@ def work_out(setting: Setting) -> Worked:
 
 
 def _symbols(s: Setting) -> Iterator[Meaning]:
-    yield Meaning((sym("r_P", True),), "the tip, from the base's origin", METER)
+    yield Meaning((sym("r_P", True),), "position of the tip, from the base's origin", METER)
     if s.planar:
-        yield Meaning((sym("s_i", True),), "joint i to the next joint, or to the tip", METER)
+        yield reach()
         if len(s.order) > 2:
             yield Meaning((sym("phi"),), "angle of the last body from the x axis", "rad")
     yield Meaning((sym("J"),), "Jacobian of the tip", "m or 1")
@@ -72,9 +73,12 @@ class _Tip:
     def position(self) -> Step:
         """Sum of the vectors along the arm."""
         s, position = self.s, self.s.column(tuple(self.closed.position))
-        what, lines = "poses of", [eq(vec("r_P"), position)]
+        told, lines = (
+            "The frames of the bodies, followed one after the other,",
+            [eq(vec("r_P"), position)],
+        )
         if s.planar:
-            what, chain = "vectors along", self._chain()
+            told, chain = "The vectors along the bodies, added one after the other,", self._chain()
             first = s.column(s.world[self._path()[0]][1])
             start = [vec("r_1")] if first != ex.ZERO else []
             total = ex.add(*start, *(name for name, _ in chain))
@@ -83,7 +87,7 @@ class _Tip:
             lines += [self._angle()] if self.turning else []
         return Step(
             "Position of the tip",
-            f"The {what} the bodies, added one after the other, lead from the base to the tip P.",
+            f"{told} lead from the base to the tip P.",
             tuple(lines),
             self.cited("2.10", "2.11", "2.12", "2.13"),
             figure="tip",
@@ -116,10 +120,15 @@ class _Tip:
         lines = [eq(vec("r_P_d"), ex.d_dt(vec("r_P")), value)]
         if self.turning:
             lines.append(eq(ex.d_dt("phi"), s.show_moved(velocity[2])))
+        reason = (
+            "The tip stays where it is, whatever the joints do."
+            if value == ex.ZERO
+            else "Differentiating with respect to time; a sine's derivative is the cosine times "
+            "the rate of its angle."
+        )
         return Step(
             "Velocity of the tip",
-            "Differentiating with respect to time; a sine's derivative is the cosine times the "
-            "rate of its angle.",
+            reason,
             tuple(lines),
             self.cited("2.16", "2.17"),
             figure="tip velocity",
@@ -150,16 +159,16 @@ class _Tip:
         if len(self.rows) != len(s.order):
             return []
         found = jacobian_determinant(self.closed, self.rows)
-        expanded = s.show(found.polynomial)
-        name = ex.Function("det", sym("J"))
-        lines = [ex.chain(name, expanded, found.expression)]
+        expanded, name = s.show(found.polynomial), ex.Function("det", sym("J"))
+        product = found.expression
+        shorter = ex.size(product) < ex.size(expanded)
+        lines = [ex.chain(name, expanded, product) if shorter else eq(name, product)]
         for condition in found.conditions:
             lines += condition.solutions or (condition.equation,)
-        where = (
-            "It is zero where one of the following holds"
-            if found.conditions
-            else "It is never zero"
-        )
+        one = len(lines) == 2
+        where = f"It is zero where {'the other line' if one else 'one of the other lines'} holds"
+        if not found.conditions:
+            where = "It is never zero"
         if found.polynomial.is_zero:
             where = "It is zero everywhere: the joints cannot move the tip in all directions"
         reason = f"Where the determinant vanishes the arm loses a direction of motion. {where}."
@@ -222,20 +231,14 @@ class _Tip:
         if len(self.rows) != 2:
             return []
         s = self.s
-        (a, b), (c, d) = [
-            [s.show_moved(self.closed.J[r][k]) for k in self._columns()] for r in self.rows
-        ]
-        determinant = jacobian_determinant(self.closed, self.rows).expression
-        if determinant == ex.ZERO:
+        (a, b), (c, d) = [[self.closed.J[r][k] for k in self._columns()] for r in self.rows]
+        determinant = a * d - b * c
+        if determinant.is_zero:
             return []
-        adjugate = [[d, ex.neg_each(b)], [ex.neg_each(c), a]]
-        if isinstance(determinant, ex.Negative):
-            determinant, adjugate = (
-                determinant.operand,
-                [[ex.neg_each(x) for x in row] for row in adjugate],
-            )
-        rows = [[x if x == ex.ZERO else ex.div(x, determinant) for x in row] for row in adjugate]
-        return [eq(ex.Symbol("J_inverse", "J", high="-1"), ex.matrix(rows))]
+        adjugate = [[d, -b], [-c, a]]
+        rows = [[ratio(x, determinant).form(s.layout) for x in row] for row in adjugate]
+        name = ex.Symbol("J_inverse", "K")  # so that an entry K₁₁ is not read as 1/J₁₁
+        return [eq(ex.power("J", -1), name), eq(name, ex.matrix(rows))]
 
 
 METHOD = Method(

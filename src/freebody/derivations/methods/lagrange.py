@@ -44,9 +44,7 @@ def work_out(setting: Setting) -> Worked:
 
 def symbols(s: Setting, energies: Energies) -> Iterator[Meaning]:
     """What the energies bring in."""
-    yield Meaning(
-        (sym("r_ci", True),), "centre of mass of body i, from the base's origin", glossary.METER
-    )
+    yield Meaning((sym("r_ci", True),), "position of the centre of mass of body i", glossary.METER)
     yield from glossary.moving(s)
     yield Meaning(
         (sym("T_i"), sym("V_i")), "kinetic and potential energy of body i", glossary.JOULE

@@ -71,9 +71,11 @@ class LoopForces:
             if rods
             else ""
         )
+        one = len(self.s.tree.loops) == 1
         reason = (
-            f"The loops are cut: {held}. Each is replaced by the force of one body on the other "
-            f"and its opposite; its components are the unknowns.{along}{more}"
+            f"{'The loop is' if one else 'The loops are'} cut: {held}. "
+            f"{'It' if one else 'Each'} is replaced by the force of one body on the other and its "
+            f"opposite; its components are the unknowns.{along}{more}"
         )
         return Step("Cut the loops: their forces are the unknowns", reason, tuple(lines))
 
@@ -147,7 +149,7 @@ class LoopForces:
 
     def geometry(self) -> Step:
         """The vectors, those to the loops' frames included."""
-        step = geometry(self.s, inertias=False)
+        step = geometry(self.s, inertias=not self.s.at_rest)
         lines: list[Equation] = list(step.equations)
         for i in self.s.order:
             for _, frame in self._ends(i):

@@ -28,6 +28,7 @@ from freebody.derivations.methods.loop_forces import (
 )
 from freebody.derivations.methods.method import Worked
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.step_reasons import Efforts
 from freebody.errors import FreebodyError, listed
 
 
@@ -51,10 +52,10 @@ def work_out(s: Setting, route: str) -> Worked:
     steps += [loops.closed(), loops.rates(), loops.seconds()]
     steps += [work.substituted(i, True) if s.is_held(i) else work.freed(i) for i in inward]
     steps += [*work.unknowns(), closed_form(s, work.through_loops())]
-    sought = (
-        "Given a motion that keeps the loops closed, the motor torques and forces, the forces in "
-        "the loops and those in the joints are sought."
-    )
+    efforts = Efforts.of(s)
+    unknown = [f"the {efforts.words}"] if efforts.count else []
+    unknown += [f"the forces in {loops.named}", "those in the joints"]
+    sought = f"Given a motion that keeps {loops.named} closed, {listed(unknown)} are sought."
     torques = tuple(tau[i] for i in s.order)
     return Worked(tuple(steps), torques, _symbols(s), sought=sought, system=work.system)
 

@@ -17,7 +17,7 @@ from freebody.derivations.methods.cut_loops import LONG, Loops
 from freebody.derivations.methods.method import Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import RATE
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, listed
 
 SOUGHT = (
     "Sought: how the tip P moves with the joints, and the joints' motion for a given one of "
@@ -113,9 +113,21 @@ class _TipAndDrives:
             "First type, det J_b = 0: the drives can move while the tip does not, and the tip "
             "loses a direction of motion, as at the boundary of the workspace. Second type, det "
             "J_a = 0: the tip can move although the drives are locked; near such a position the "
-            "forces in the robot grow without bound."
+            f"forces in the robot grow without bound.{self._partly()}"
         )
         return Step("Singular positions", reason, tuple(lines))
+
+    def _partly(self) -> str:
+        """What holds where fewer components of the tip's motion are counted than it has."""
+        rows = self.io.rows
+        if len(rows) >= self.s.tree.space.dim:
+            return ""
+        counted = listed([str(_component(row)) for row in rows])
+        return (
+            f" With {len(rows)} degree{'s' * (len(rows) > 1)} of freedom only {counted} is counted "
+            "of the tip: in a position of the first type it may still move at right angles to "
+            "that."
+        )
 
     def _where(self, found: Determinant, low: str) -> list[Equation]:
         shown = found.expression

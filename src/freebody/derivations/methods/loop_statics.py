@@ -19,6 +19,7 @@ from freebody.derivations.methods.loop_forces import FEW, LoopForces, LoopReacti
 from freebody.derivations.methods.method import Worked
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.step_reasons import Efforts
 from freebody.errors import listed
 from freebody.lazy import cached_property
 
@@ -33,8 +34,7 @@ def work_out(setting: Setting) -> Worked:
     steps += [*work.passive(), work.torques(), work.reactions_step()]
     torques = tuple(work.reactions.motor(i) for i in setting.order)
     sought = (
-        "Sought: the motor torques and forces that hold the robot at rest, and the forces in the "
-        "loops."
+        f"Sought: {Efforts.of(setting).holding} the robot at rest, and the forces in {loops.named}."
     )
     return Worked(tuple(steps), torques, _symbols(setting), sought=sought, system=work.system)
 

@@ -7,10 +7,11 @@ from freebody.derivations.derivation import Meaning
 from freebody.derivations.methods.glossary import glossary
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.step_reasons import Efforts
 from freebody.derivations.render.literal import literal
 from freebody.errors import listed
 from freebody.model.gravity import axis_of
-from freebody.model.parameters import Parameter
+from freebody.model.parameters import Parameter, each_parameter
 from freebody.model.single_joints import is_taken_apart
 
 
@@ -26,6 +27,7 @@ def overview(s: Setting, method: Method, worked: Worked) -> tuple[str, tuple[Mea
         *gravity,
         *(() if worked.robot else axes),
         *_load(s),
+        *_numbers(s),
         worked.sought or _sought(s),
     ]
     return " ".join(told), worked.table or glossary(s, worked.symbols, forces, worked.steps)
@@ -36,19 +38,89 @@ def _about(s: Setting) -> list[str]:
     return [literal(about)] if about else []
 
 
+FEW = 3
+"""Joints up to which each is described by itself."""
+
+
 def _arm(s: Setting) -> str:
     count = len(s.order)
     robot = "closed chain" if s.tree.loops else "arm"
     kind = f"A planar {robot}" if s.planar else f"A{'n' * (robot == 'arm')} {robot} in space"
     bodies = "one moving body" if count == 1 else f"{count} moving bodies"
+    if count > FEW:
+        return f"{kind} with {bodies}; the ground is body 0. {_rows(s)} {_kinds(s)}"
     return (
         f"{kind} with {bodies}: {'; '.join(_joint(s, i) for i in s.order)}. The ground is body 0."
     )
 
 
+def _rows(s: Setting) -> str:
+    """Which bodies the joints join, by rows of bodies one after the other."""
+    rows: dict[int, list[list[int]]] = {}
+    row: list[int] = []
+    for i in s.order:
+        n, parent = s.numbers[i], s.numbers[s.tree.bodies[i].parent]
+        if parent != n - 1 or not row:
+            row = []
+            rows.setdefault(parent, []).append(row)
+        row.append(n)
+    if list(rows) == [0] and len(rows[0]) == 1:
+        return "Joint i joins body i to body i-1."
+    starts = [
+        f"at {_body(parent)} ({listed([_span(row) for row in found])})"
+        for parent, found in rows.items()
+    ]
+    return (
+        f"The bodies form rows, which begin {listed(starts)}; joint i joins body i to the one "
+        f"before it in its row."
+    )
+
+
+def _kinds(s: Setting) -> str:
+    """What the joints are, and which have no motor."""
+    by_words: dict[tuple[str, str], list[int]] = {}
+    for i in s.order:
+        by_words.setdefault((s.words(i).joint, s.words(i).coordinate), []).append(i)
+    told = []
+    for (joint, coordinate), joints in by_words.items():
+        numbers, many = [s.numbers[i] for i in joints], len(joints) > 1
+        letters = {_coordinate(s, i).partition("_")[0] for i in joints}
+        own = [_coordinate(s, i) for i in joints]
+        if many and all("_" in x for x in own) and len(letters) == 1:
+            own = [f"{letters.pop()}_i"]
+        told.append(
+            f"{_joints(numbers)} {'are' if many else 'is'} {joint} ({coordinate}{'s' * many} "
+            f"{', '.join(own)})"
+        )
+    passive = [s.numbers[i] for i in s.order if not s.driven(i)]
+    if passive:
+        told.append(f"{_joints(passive)} {'are' if len(passive) > 1 else 'is'} passive")
+    sentence = "; ".join(told)
+    return f"{sentence[0].upper()}{sentence[1:]}."
+
+
+def _joints(numbers: list[int]) -> str:
+    """joints 1 to 3 and 5."""
+    rows: list[list[int]] = []
+    for n in numbers:
+        if rows and rows[-1][-1] == n - 1:
+            rows[-1].append(n)
+        else:
+            rows.append([n])
+    spans = [x for row in rows for x in ([_span(row)] if len(row) > 2 else map(str, row))]
+    return f"joint{'s' * (len(numbers) > 1)} {listed(spans)}"
+
+
+def _span(row: list[int]) -> str:
+    return str(row[0]) if len(row) == 1 else f"{row[0]} to {row[-1]}"
+
+
+def _body(n: int) -> str:
+    return "the ground" if n == 0 else f"body {n}"
+
+
 def _joint(s: Setting, i: int) -> str:
-    n, parent = s.numbers[i], s.numbers[s.tree.bodies[i].parent]
-    below = "the ground" if parent == 0 else f"body {parent}"
+    n, below = s.numbers[i], _body(s.numbers[s.tree.bodies[i].parent])
     how = f"{s.words(i).joint}, {s.words(i).coordinate}"
     passive = "" if s.driven(i) else ", passive"
     return f"joint {n} ({how} {_coordinate(s, i)}{passive}) joins body {n} to {below}"
@@ -68,12 +140,11 @@ def _composed(s: Setting) -> list[str]:
         taken_apart = is_taken_apart(body, s.symbols.euler)
         first, n = n + 1, n + (body.kind.nv if taken_apart else 1)
         if taken_apart:
-            joints = listed([f"joint {k}" for k in range(first, n + 1)])
-            links = [f"body {k}" for k in range(first, n)]
+            one, links = n == first + 1, _joints(list(range(first, n))).removeprefix("joint")
             told.append(
                 f"The {body.kind.name} joint {literal(body.joint.name)} is replaced by "
-                f"{joints}; between them {'is' if len(links) == 1 else 'are'} {listed(links)}, "
-                "without mass."
+                f"{_joints(list(range(first, n + 1)))}; between them "
+                f"{'is body' if one else 'are bodies'}{links.removeprefix('s')}, without mass."
             )
         if taken_apart and body.joint.passive and body.kind.frees(s.symbols.model.dim):
             borne = f": body {n} is borne by the loops alone" if s.tree.loops else ""
@@ -118,14 +189,43 @@ def _gravity(s: Setting) -> list[str]:
 
 def _axes(s: Setting) -> list[str]:
     if s.planar:
-        if len(s.order) == 1 or not any(map(s.turns, s.order[1:])):
-            return []
-        return ["Angles are positive anticlockwise, each measured from the previous link."]
+        return _angles(s)
     return [
         "Each body has a frame of its own, fixed to it; its vectors are given by their components "
         "in that frame "
         "(the notes mark them with a prime)."
     ]
+
+
+def _angles(s: Setting) -> list[str]:
+    """Where the angles of a planar robot begin."""
+    turning = [i for i in s.order if s.turns(i)]
+    if not turning:
+        return []
+    subject = "The angle is" if len(turning) == 1 else "Angles are"
+    if not all(_begins_along(s, i) for i in turning):
+        where = "; the drawing and the vectors show from which line"
+    elif all(s.tree.bodies[i].parent < 0 for i in turning):
+        where = ", measured from the x axis"
+    else:
+        where = ", each measured from the previous link, at the ground from the x axis"
+    return [f"{subject} positive anticlockwise{where}."]
+
+
+def _begins_along(s: Setting, i: int) -> bool:
+    """Whether body i lies along the link before, or the x axis, where its angle is 0."""
+    tree = s.tree
+    turned = tree.bodies[i].R[0] != (1.0, 0.0)
+    along = [tree.bodies[k].p for k in tree.children(i)]
+    along += [part.c for part in tree.bodies[i].masses]
+    return not turned and all(s.symbols.element(p[1]).is_zero for p in along)
+
+
+def _numbers(s: Setting) -> list[str]:
+    """The units of numbers, where masses have values in place of names."""
+    parts = (part for body in s.symbols.model.bodies for part in body.inertias)
+    valued = any(not list(each_parameter(part.inertia.mass)) for part in parts)
+    return ["Numbers without a unit are in SI units."] if valued else []
 
 
 def _load(s: Setting) -> list[str]:
@@ -137,14 +237,13 @@ def _load(s: Setting) -> list[str]:
     )
 
 
-def motors(s: Setting) -> str:
-    """Torques and forces of the motors: torques, or a force."""
-    words = "torques" if all(map(s.turns, s.order)) else "torques and forces"
-    if len(s.order) == 1:
-        return "torque" if words == "torques" else "force"
-    return words
-
-
 def _sought(s: Setting) -> str:
-    verb = "is" if len(s.order) == 1 else "are"
-    return f"Given a motion of the joints, the motor {motors(s)} {verb} sought."
+    efforts, free = Efforts.of(s), [s.numbers[i] for i in s.order if not s.driven(i)]
+    condition = (
+        f"{_joints(free)} {'has' if len(free) == 1 else 'have'} no motor, and the motion must "
+        f"satisfy {'its equation' if len(free) == 1 else 'their equations'}"
+    )
+    if not efforts.count:
+        return f"The equations of motion are sought: {condition}."
+    told = f"Given a motion of the joints, the {efforts.words} {efforts.verb} sought"
+    return f"{told}; {condition}." if free else f"{told}."

@@ -73,6 +73,8 @@ def symbols(s: Setting) -> Iterator[Meaning]:
     yield from glossary.vectors(s)
     yield from glossary.moving(s)
     yield Meaning((sym("v_i", True),), "velocity of the point of body i at joint i", glossary.SPEED)
+    if s.planar:
+        yield Meaning((vec("z"),), "unit vector at right angles to the plane", "")
     yield from glossary.inertia_forces(s)
     yield glossary.joint_forces()
     yield from glossary.joint_moments(s)

@@ -10,9 +10,9 @@ from freebody.derivations.methods import glossary, loop_statics
 from freebody.derivations.methods.equilibrium import Equilibrium
 from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.method import Method, Worked
-from freebody.derivations.methods.overview import motors
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.step_reasons import Efforts
 
 
 def work_out(setting: Setting) -> Worked:
@@ -29,8 +29,7 @@ def work_out(setting: Setting) -> Worked:
     if setting.load:
         steps.append(work.transpose())
     torques = tuple(tau[i] for i in setting.order)
-    one = len(setting.order) == 1
-    sought = f"Sought: the motor {motors(setting)} that hold{'s' if one else ''} the arm at rest."
+    sought = f"Sought: {Efforts.of(setting).holding} the arm at rest."
     return Worked(tuple(steps), torques, _symbols(setting), sought=sought)
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import RATE
@@ -40,6 +42,37 @@ def _at_constant_rates(s: Setting, x: Scalar) -> Trig:
     terms = s.symbols.element(x).terms()
     kept = ((m, c) for m, c in terms if sum(e for name, e in m.items() if name in rates) == 2)
     return s.symbols.ring.polynomial(kept)
+
+
+@dataclass(frozen=True)
+class Efforts:
+    """What the motors give, in words: `motor torques and force`."""
+
+    words: str
+    count: int
+
+    @classmethod
+    def of(cls, s: Setting) -> Efforts:
+        """Those of all joints with a motor."""
+        found = Counter(s.words(i).effort for i in s.order if s.driven(i))
+        named = [f"{effort}{'s' * (n > 1)}" for effort, n in found.items()]
+        return cls(f"motor {listed(named)}" if named else "", found.total())
+
+    @property
+    def verb(self) -> str:
+        """is, or are."""
+        return "is" if self.count == 1 else "are"
+
+    @property
+    def given(self) -> str:
+        """How a sentence begins that tells what is sought, these being given."""
+        return f"Given the {self.words}, the" if self.count else "The"
+
+    @property
+    def holding(self) -> str:
+        """the motor torques that hold; of a robot without motors what else keeps it at rest."""
+        one = "s" * (self.count == 1)
+        return f"the {self.words} that hold{one}" if self.count else "the conditions that keep"
 
 
 def free_body(s: Setting, i: int, more: Iterable[str] = ()) -> str:
@@ -99,7 +132,8 @@ def added_rates(s: Setting) -> str:
     turning, others = joints_that(s, turn=True), joints_that(s, turn=False)
     if not turning:
         return f"No joint turns a body; a {others} joint adds nothing"
-    added = f"A {turning} joint adds its rate to the angular velocity of the previous body"
+    axis = "" if s.planar else ", about its axis,"
+    added = f"A {turning} joint adds its rate{axis} to the angular velocity of the previous body"
     return f"{added}; a {others} joint adds nothing" if others else added
 
 
@@ -160,7 +194,18 @@ def substituted(s: Setting, i: int, reactions: bool) -> str:
         if reactions
         else ""
     )
-    told = f"With the vectors substituted: {carried}{motor}, sorted by accelerations and rates."
-    if reactions and not all(map(s.driven, s.order)):
-        told += " Nothing is passed on along the coordinate of a joint without a motor."
-    return told
+    return f"With the vectors substituted: {carried}{motor}, sorted by accelerations and rates."
+
+
+def drive(s: Setting, i: int) -> str:
+    """What else the motor of joint i works against, as a sentence with a blank in front; or
+    nothing."""
+    own = s.tree.bodies[i].drive
+    if own is None:
+        return ""
+    parts = [] if s.at_rest else [("rotor", (own.rotor,)), ("friction", (own.viscous, own.coulomb))]
+    parts.append(("spring", (own.stiffness,)))
+    found = [
+        name for name, values in parts if any(not s.symbols.element(x).is_zero for x in values)
+    ]
+    return f" The other terms are those of the joint's {listed(found)}." if found else ""

@@ -78,7 +78,7 @@ def all_lengths(drawing: Drawing, seen: Snapshot, body: BodyPlace, least: float 
     if body.mass > 0 and not same:
         aside = 12.0 * _clear_side(seen, body)
         _dimension(drawing, body.origin, body.com, name, aside, max(least * seen.size, SAME))
-    lengths(drawing, seen, (body,), aside=27.0, least=least)
+    lengths(drawing, seen, (body,), aside=46.0, least=least)
 
 
 def _dimension(
