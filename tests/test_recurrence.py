@@ -9,6 +9,8 @@ import pytest
 from freebody.elementary import minimum, sin
 from freebody.program import Argument, trace
 from freebody.targets import compile_program
+from freebody.targets.in_turn import Placed, in_turn
+from freebody.targets.llvm import repeat
 from freebody.targets.recurrence import recurrence
 
 STEPS = 7
@@ -62,3 +64,27 @@ def test_no_steps_are_none():
     state, rows, low = given(2)
     found = recurrence(compile_program(PROGRAM), state, rows[:0], low[:0])
     assert np.array_equal(found, state[None])
+
+
+@pytest.mark.parametrize("target", ["cpu", "numpy"])
+@pytest.mark.parametrize("samples", [1, 21])
+def test_states_may_stay_where_they_are_or_go_elsewhere(target: str, samples: int, monkeypatch):
+    """Of five steps the results of two are kept; a row for all steps, numbers for all samples."""
+    # as where two threads compile it at once: each must keep its own
+    monkeypatch.setattr(repeat, "_repeat", repeat._repeat.__wrapped__)
+    kernel = compile_program(PROGRAM, target=target)
+    state, rows, low = given(samples)
+    kept = np.full((samples, 4, 3, 2), np.nan)[:, :, 1].swapaxes(0, 1)
+    now, expected = state.copy(), [state]
+    where = [-1, 2, -1, 0, -1, -1]
+    places = [
+        Placed((now[None], kept), np.array([k >= 0 for k in some]) * 1, np.maximum(some, 0))
+        for some in (where[:-1], where[1:])
+    ]
+    in_turn(kernel, (places[0], rows[0], low[:5, :1], places[1]), 5, samples)
+    for k in range(5):
+        expected.append(kernel(expected[-1], rows[0], low[k, 0]))
+    np.testing.assert_array_equal(kept[2], expected[1])
+    np.testing.assert_array_equal(kept[0], expected[3])
+    np.testing.assert_array_equal(now, expected[5])
+    assert np.isnan(kept[[1, 3]]).all()

@@ -17,6 +17,7 @@ from freebody.model.build import build_model
 from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.gravity import gravity_of
 from freebody.model.placement import Placement, Shift
+from freebody.motion.simulation import compiled_steps, side_by_side, stepped
 from support import generate
 
 T = np.linspace(0.0, 0.1, 6)
@@ -91,6 +92,43 @@ def test_a_result_does_not_depend_on_what_is_beside_it_or_on_threads():
         whole = run(slice(None), threads=1, **more)
         np.testing.assert_array_equal(run(slice(None), threads=3, **more), whole)
         np.testing.assert_array_equal(run(slice(5, 18), **more), whole[5:18])
+
+
+def test_results_do_not_depend_on_how_many_steps_a_call_takes(monkeypatch: pytest.MonkeyPatch):
+    """Nor on blocks and threads. Internals are set: no argument chooses them."""
+    lanes, t = 300, np.linspace(0, 0.02, 8)
+    q, qd, tau = fb.random_state(ARM, 1, (lanes,))
+    tables = np.random.default_rng(0).normal(size=(lanes, len(t), 2))
+    given = {"torque_inputs": {"goal": q[::-1], "gain": 5.0}, "breakpoints": [0.0041]}
+    cases = {
+        "tables": (tables, {}),
+        "a table": (tables[0], {}),
+        "constant": (tau[:, None], {}),
+        "compiled": (LAW, given),
+        "sampled": (lambda t, q, qd: -5.0 * q, {"sample_time": 0.06 / 7}),
+    }
+
+    def run() -> dict[str, np.ndarray]:
+        found = {}
+        for name, (torque, more) in cases.items():
+            for options in ({"every": 3}, {"step": 7e-4, "every": 2}, {"step": 7e-4}):
+                result = fb.simulate(ARM, q, qd, t, torque, method="rk4", **options, **more)
+                both = [result.q.values, result.qd.values]
+                found[f"{name} {options}"] = np.concatenate(both, axis=-1)
+        return found
+
+    whole = run()
+    settings = (
+        (compiled_steps, "_MOST", 3),
+        (stepped, "STAYING", 32),
+        (stepped, "_FEW_STEPS", 10**9),  # every step called from Python
+    )
+    for module, name, value in settings:
+        with monkeypatch.context() as patch:
+            patch.setattr(module, name, value)
+            patch.setattr(side_by_side, "_FEWEST", 16)
+            for case, found in run().items():
+                np.testing.assert_array_equal(found, whole[case], err_msg=f"{name} {case}")
 
 
 def test_batches_broadcast_and_a_family_has_its_own_dimension():

@@ -19,6 +19,7 @@ import freebody as fb
 from freebody.cli.app import run
 from freebody.motion.optimal.path_samples import sampled
 from freebody.motion.piecewise import PiecewisePolynomial
+from freebody.targets import in_turn
 from freebody.targets import recurrence as recurrences
 from support.extras import extra
 
@@ -367,11 +368,11 @@ def test_a_finer_path_is_as_quick_as_its_spline():
 def test_without_compiled_code_the_same_comes_out(monkeypatch: pytest.MonkeyPatch):
     quick = fb.time_optimal(arm(), WAY, points=41)
 
-    def one_by_one(kernel, states, *sequences):
-        recurrences._one_by_one(kernel, states, sequences)
+    def one_by_one(kernel, arguments, steps, samples):
+        in_turn._one_by_one(kernel, arguments, steps)
 
     monkeypatch.setattr(recurrences, "_FEW", 0)
-    monkeypatch.setattr(recurrences, "_stepper", lambda kernel: lambda *x: one_by_one(kernel, *x))
+    monkeypatch.setattr(recurrences, "in_turn", one_by_one)
     assert fb.time_optimal(arm(), WAY, points=41) == quick
 
 

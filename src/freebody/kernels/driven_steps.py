@@ -67,10 +67,11 @@ def driven_step(
 ) -> Bound:
     """A kernel (q, qd, h, width, t, …) -> (q1, qd1): a step of h from time t on.
 
-    Then follow, without a law, the torques at the start and the end of the step, else the law's
-    inputs besides `STATE` in its order; then, where the step `holds` coordinates, torques that push
-    besides (nv,) and which coordinates are held (nv,), 1 or 0; then the wrenches. width: of Coulomb
-    friction. With the model's numbers as last input, as in `structural.fetch`.
+    Then follow, without a law, two torques (nv,) and which parts of the way from the one to the
+    other the step begins and ends at (2,), else the law's inputs besides `STATE` in its order;
+    then, where the step `holds` coordinates, torques that push besides (nv,) and which coordinates
+    are held (nv,), 1 or 0; then the wrenches. width: of Coulomb friction. With the model's numbers
+    as last input, as in `structural.fetch`.
     """
     record = STEP_METHODS[method]
     option, given, taken = _taken(model, record.formula, wrench_frames, law, holds)
@@ -118,7 +119,7 @@ def _taken(
     """The option of a formula, how many inputs say what the torque is, and all inputs but the
     model's numbers."""
     _, option = chosen_option(model, formula, wrench_frames=wrench_frames, function="simulate")
-    line = (Argument("start", (model.nv,)), Argument("end", (model.nv,)))
+    line = (Argument("first", (model.nv,)), Argument("last", (model.nv,)), Argument("parts", (2,)))
     given = tuple(x for x in law.inputs if x.name not in STATE) if law else line
     size = 6 if model.dim == 3 else 3
     taken = (
@@ -159,11 +160,12 @@ def _fetched(
     return fetch_own(model, key, option, made)
 
 
-def _line(start: Vector, end: Vector) -> Torque:
+def _line(first: Vector, last: Vector, parts: Vector) -> Torque:
+    begin, end = parts
+
     def at(part: float, q: Vector, qd: Vector) -> Vector:
-        if part in (0.0, 1.0):
-            return end if part else start
-        return add(start, scale(part, sub(end, start)))
+        way = begin + part * (end - begin) if 0.0 < part < 1.0 else parts[int(part)]
+        return add(first, scale(way, sub(last, first)))
 
     return at
 

@@ -6,11 +6,12 @@ step, none is uniform. Steps follow one another, the samples of a batch are comp
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.targets.in_turn import in_turn
 from freebody.targets.kernel import Kernel
 from freebody.targets.threads import cpus, run_split
 
@@ -34,16 +35,19 @@ def recurrence(kernel: Kernel, first: Array, *sequences: Array) -> Array:
     if kernel.loop is not None and batch <= _FEW:
         _alone(kernel, [states, *sequences])
         return states
-    step = _stepper(kernel)
     worth = 2 * kernel.samples_of_a_thread / count
     threads = max(1, min(cpus(), int(batch / max(_FEWEST, worth))))
+
+    def steps(own: Array, *given: Array) -> None:
+        in_turn(kernel, (own[:-1], *given, own[1:]), count, own.shape[1])
+
     if threads == 1:
-        step(states, *sequences)
+        steps(states, *sequences)
         return states
     by_sample = [np.moveaxis(x, 1, 0) for x in (states, *sequences)]
 
     def part(*arrays: np.ndarray, out: tuple[np.ndarray, ...]) -> None:
-        step(*(np.moveaxis(x, 0, 1) for x in (*out, *arrays)))
+        steps(*(np.moveaxis(x, 0, 1) for x in (*out, *arrays)))
 
     cores = [x.ndim - 1 for x in by_sample]
     run_split(part, by_sample[1:], by_sample[:1], [*cores[1:], cores[0]], (batch,), threads)
@@ -58,19 +62,3 @@ def _alone(kernel: Kernel, arrays: Sequence[Array]) -> None:
     whole = [x if x[0, 0].flags.c_contiguous else np.ascontiguousarray(x) for x in arrays]
     for k in range(arrays[0].shape[1]):
         scanned(*(x[:, k] for x in whole))
-
-
-def _stepper(kernel: Kernel) -> Callable[..., None]:
-    """A function of (states, *sequences) that fills in all states after the first."""
-    if kernel.loop is None:
-        return lambda states, *sequences: _one_by_one(kernel, states, sequences)
-    from freebody.targets.llvm.repeat import repeated
-
-    loop = kernel.loop
-    return lambda states, *sequences: repeated(loop, states, sequences)
-
-
-def _one_by_one(kernel: Kernel, states: Array, sequences: Sequence[Array]) -> None:
-    """Without compiled code."""
-    for k, values in enumerate(zip(*sequences, strict=True)):
-        states[k + 1] = kernel(states[k], *values)

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.motion.simulation.motion_lanes import MotionLanes, Some, some_of
 from freebody.program import Program
+from freebody.targets.in_turn import Placed
 
 
 class LaneTorque(Protocol):
@@ -18,12 +20,16 @@ class LaneTorque(Protocol):
 
     @property
     def law(self) -> Program | None:
-        """What is compiled into the step; None where it takes the torques at both its ends."""
+        """What is compiled into the step; None where it takes a line from one torque to another."""
         ...
 
     def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
         """What the step kernel takes of some lanes for a step from one time to another, floats or
         one for each lane, between which no edge lies."""
+        ...
+
+    def in_turn(self, lanes: slice, start: Array, end: Array) -> tuple[Array | Placed, ...]:
+        """The same for steps that follow one another, from times to others (k,)."""
         ...
 
 
@@ -37,26 +43,43 @@ class TableTorque:
     law: None = None
 
     def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
-        """The torques at both times."""
+        """Rows between which the times are, and where between them."""
         rows = some_of(self.rows, 2, lanes)
         if self.rows.shape[-2] == 1:
-            return rows[..., 0, :], rows[..., 0, :]
-        middle = 0.5 * (start + end)
-        k = np.clip(np.searchsorted(self.t, middle, side="right") - 1, 0, len(self.t) - 2)
+            return steady(rows[..., 0, :])
+        k, parts = self._between(start, end)
         if np.ndim(k) and rows.ndim == 3:
             every = np.arange(len(rows))
-            first, last = rows[every, k], rows[every, k + 1]
-        else:
-            first, last = rows[..., k, :], rows[..., k + 1, :]
-        begun, slope = self.t[k], (last - first) / (self.t[k + 1] - self.t[k])[..., None]
-        near, far = (first + np.asarray(x - begun)[..., None] * slope for x in (start, end))
-        return near, far
+            return rows[every, k], rows[every, k + 1], parts
+        return rows[..., k, :], rows[..., k + 1, :], parts
+
+    def in_turn(self, lanes: slice, start: Array, end: Array) -> tuple[Array | Placed, ...]:
+        """The same."""
+        if self.rows.shape[-2] == 1:
+            return self.inputs(lanes, 0.0, 0.0)
+        k, parts = self._between(start, end)
+        rows, first = some_of(self.rows, 2, lanes), np.zeros_like(k)
+        by_time = (rows[:, None] if rows.ndim == 2 else rows.swapaxes(0, 1),)
+        return Placed(by_time, first, k), Placed(by_time, first, k + 1), parts[:, None]
+
+    def _between(self, start: Array | float, end: Array | float) -> tuple[NDArray[np.intp], Array]:
+        """The row before each of some steps, and which parts of the way to the next they begin and
+        end at (..., 2)."""
+        middle = 0.5 * (start + end)
+        k = np.clip(np.searchsorted(self.t, middle, side="right") - 1, 0, len(self.t) - 2)
+        begun, whole = self.t[k], self.t[k + 1] - self.t[k]
+        return k, np.stack([(start - begun) / whole, (end - begun) / whole], axis=-1)
 
     def given(self, t: Array) -> Array:
         """(lanes, nv) or (nv,) at a time of the table."""
         if self.rows.shape[-2] == 1:
             return self.rows[..., 0, :]
         return self.rows[..., int(np.searchsorted(self.t, t)), :]
+
+
+def steady(tau: Array) -> tuple[Array, Array, Array]:
+    """A torque that does not change, as the step kernel takes it."""
+    return tau, tau, np.zeros(2)
 
 
 @dataclass(eq=False)
@@ -67,8 +90,10 @@ class HeldTorque:
     law: None = None
 
     def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
-        """It twice."""
-        return self.tau[lanes], self.tau[lanes]
+        """It, held."""
+        return steady(self.tau[lanes])
+
+    in_turn = inputs
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,3 +115,5 @@ class LawTorque:
     def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
         """The law's own inputs."""
         return tuple(some_of(x, core, lanes) for x, core in zip(self.more, self.cores, strict=True))
+
+    in_turn = inputs

@@ -4,15 +4,16 @@ itself so that its error stays small."""
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from math import ceil
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.motion.simulation.contact_events import ContactEvents
+from freebody.motion.simulation.course import Track
 from freebody.motion.simulation.motion_lanes import Some
 from freebody.motion.simulation.steppers import State, Stepper
 
@@ -22,14 +23,50 @@ _WATCHED = 50  # steps between two looks at the shortest
 _SAFETY, _LEAST, _MOST = 0.9, 0.2, 4.0  # of a step: how much the next may differ
 
 
-Advance = Callable[[slice, State, float, float], State]
-"""Moves lanes from one edge, at a time, to the next: the states there; NaN where a motion cannot go
-on."""
+class Advance(Protocol):
+    """Moves rows on. block: how many had best be moved side by side."""
+
+    block: int
+
+    def __call__(self, track: Track, block: slice, first: int, last: int) -> Iterator[float]:
+        """From one edge to another: the states there, and those of the result on the way; NaN where
+        a motion cannot go on. Stops at times between them."""
+        ...
+
+
+@dataclass(eq=False)
+class SpanBySpan:
+    """By Python from edge to edge. through: of rows, their states, and two times -> the states at
+    the second one."""
+
+    through: Callable[[slice, State, float, float], State]
+    stop: threading.Event
+    block: int = 8192
+    """So that a step lasts long: threads wait for each other between two steps, for Python."""
+
+    def __call__(self, track: Track, block: slice, first: int, last: int) -> Iterator[float]:
+        """See `Advance`."""
+        way, (q, qd) = track.course, track.state
+        state = q[block], qd[block]
+        for k in range(first, last):
+            state = self.through(block, state, float(way.begins[k]), float(way.ends[k]))
+            if self.stop.is_set():
+                return
+            track.record(block, k + 1, state)
+            yield float(way.edges[k + 1])
+        q[block], qd[block] = state
+
+
+def step_counts(lengths: Array, step: float | None) -> NDArray[np.intp]:
+    """How many equal steps of at most `step` (s; None: one) intervals take."""
+    if step is None:
+        return np.ones(lengths.shape, dtype=np.intp)
+    return np.maximum(1, np.ceil(lengths / step - _ROUND).astype(np.intp))
 
 
 @dataclass(eq=False)
 class FixedSteps:
-    """Equal steps of at most `step` (s); None: one."""
+    """Equal steps of at most `step` (s; None: one), between which Python has to do."""
 
     stepper: Stepper
     step: float | None
@@ -37,19 +74,16 @@ class FixedSteps:
     events: ContactEvents | None = None
 
     def __call__(self, lanes: slice, state: State, start: float, end: float) -> State:
-        """See `Advance`."""
+        """See `SpanBySpan`."""
         if self.events is not None:
             state = self.events.begin(lanes, state, start)
-        count = 1 if self.step is None else max(1, ceil((end - start) / self.step - _ROUND))
+        count = int(step_counts(np.asarray(end - start), self.step))
         h = (end - start) / count
-        outs: list[State | None] = [None, None]
-        if count > 2:  # written to in turn
-            outs = [(np.empty_like(state[0]), np.empty_like(state[1])) for _ in range(2)]
         for k in range(count):
             if self.stop.is_set():
                 break
             before, now = state, start + k * h
-            state = self.stepper.step(lanes, before, now, h, out=outs[k % 2])
+            state = self.stepper.step(lanes, before, now, h)
             if self.events is not None:
                 state = self.events.through(lanes, before, state, now, h, self.stepper.step)
         return state
@@ -78,7 +112,7 @@ class ControlledSteps:
     order: int = 4
 
     def __call__(self, lanes: slice, state: State, start: float, end: float) -> State:
-        """See `Advance`."""
+        """See `SpanBySpan`."""
         if self.events is not None:
             state = self.events.begin(lanes, state, start)
         q, qd = (x.copy() for x in state)

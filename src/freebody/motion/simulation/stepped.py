@@ -12,16 +12,30 @@ from freebody.errors import FreebodyError, warn
 from freebody.kernels.driven_steps import STEP_METHODS, driven_rates, driven_step
 from freebody.kernels.structural import Bound
 from freebody.loops.equations import require_closed
+from freebody.motion.simulation.compiled_steps import STAYING, CompiledSteps
 from freebody.motion.simulation.compiled_torque import CompiledTorque
 from freebody.motion.simulation.contact_events import ContactEvents
+from freebody.motion.simulation.course import Course, Track, course
 from freebody.motion.simulation.first_order_system import Drive, System, constant_loads, system
 from freebody.motion.simulation.integration import step_tolerance
-from freebody.motion.simulation.lane_torques import HeldTorque, LaneTorque, LawTorque, TableTorque
+from freebody.motion.simulation.lane_torques import (
+    HeldTorque,
+    LaneTorque,
+    LawTorque,
+    TableTorque,
+    steady,
+)
 from freebody.motion.simulation.motion_lanes import some_of
 from freebody.motion.simulation.short_steps import ShortSteps, lane_drive, lane_system
-from freebody.motion.simulation.side_by_side import Course, Walk, course
+from freebody.motion.simulation.side_by_side import Walk
 from freebody.motion.simulation.simulation import Simulated, Simulation
-from freebody.motion.simulation.step_sizes import Advance, ControlledSteps, FixedSteps
+from freebody.motion.simulation.step_sizes import (
+    Advance,
+    ControlledSteps,
+    FixedSteps,
+    SpanBySpan,
+    step_counts,
+)
 from freebody.motion.simulation.steppers import (
     FunctionRates,
     FunctionStepper,
@@ -34,6 +48,7 @@ from freebody.motion.simulation.torques import batched, instants
 from freebody.trees.position_rates import layout
 
 _LOOKED_AT = 3  # motions whose stiffness is looked at
+_FEW_STEPS = 8  # between two calls of a controller, to which Python may as well see itself
 _NONE = np.zeros(0)
 _REMEDY = "compile the torque with fb.compile, or give sample_time="
 
@@ -58,7 +73,7 @@ def stepped(asked: Simulation, method: str, result: Simulated) -> None:
         _warn_unstable(asked, fixed, way, drive)
     stop = threading.Event()
     watch = ShortSteps(asked, drive)
-    advance = _advance(asked, method, stepper, events, watch, stop)
+    advance = _advance(asked, method, way, stepper, events, watch, stop)
     result.used["method"] = fixed if method != "auto" else f"{fixed}, steps chosen by their error"
     if method != "auto":
         result.used["step"] = _longest(asked, way)
@@ -66,14 +81,12 @@ def stepped(asked: Simulation, method: str, result: Simulated) -> None:
         result.tau = np.full(result.qd.shape, np.nan)
     else:
         result.given = lambda now, q, qd: drive(np.asarray(now), q, qd)
-    q, qd = (x.reshape(stepper.rows, -1) for x in (q, qd))
+    state = q.reshape(stepper.rows, -1), qd.reshape(stepper.rows, -1)
     controller = drive if isinstance(torque, HeldTorque) else None
     Walk(
-        way,
+        Track(way, state, result),
         advance,
         lanes,
-        (q, qd),
-        result,
         controller,
         torque,
         asked.threads,
@@ -157,7 +170,7 @@ def _holding(asked: Simulation, whole: System, holding: tuple[Array, Array]) -> 
     kernel = _lane_kernel(asked, driven_rates(asked.model, tuple(asked.wrenches), None))
 
     def forward(q: Array, qd: Array, tau: Array, *loads: Array) -> Array:
-        given = (tau, tau, *(x[0] for x in holding))
+        given = (*steady(tau), *(x[0] for x in holding))
         return kernel(0, (q, qd), 0.0, 0.0, given)[0]
 
     return replace(whole, forward=forward)
@@ -166,28 +179,32 @@ def _holding(asked: Simulation, whole: System, holding: tuple[Array, Array]) -> 
 def _advance(
     asked: Simulation,
     method: str,
+    way: Course,
     stepper: Stepper,
     events: ContactEvents | None,
     watch: ShortSteps,
     stop: threading.Event,
 ) -> Advance:
     if method != "auto":
-        return FixedSteps(stepper, asked.step, stop, events)
+        each = step_counts(way.ends - way.begins, asked.step).sum() / max(1, len(way.calls))
+        if isinstance(stepper, KernelStepper) and events is None and each > _FEW_STEPS:
+            block = SpanBySpan.block if way.calls else STAYING
+            return CompiledSteps(stepper, asked.step, stop, block)
+        return SpanBySpan(FixedSteps(stepper, asked.step, stop, events), stop)
     flat = layout(asked.model).flat and not asked.model.loops
     first = np.full(stepper.rows, asked.duration / 100)
     tolerance = step_tolerance("rk4", asked.tolerance)
     own = None if stepper.rows < asked.lanes.count or asked.model.loops else watch.look
-    return ControlledSteps(
+    steps = ControlledSteps(
         stepper, tolerance, asked.max_step, asked.duration, flat, first, stop, events, own
     )
+    return SpanBySpan(steps, stop)
 
 
 def _longest(asked: Simulation, way: Course) -> float:
     """The longest of equal steps (s)."""
     gaps = np.diff(way.edges)
-    if asked.step is None:
-        return float(gaps.max())
-    return float((gaps / np.maximum(1.0, np.ceil(gaps / asked.step - 1e-9))).max())
+    return float((gaps / step_counts(gaps, asked.step)).max())
 
 
 def _warn_unstable(asked: Simulation, method: str, way: Course, drive: Drive) -> None:

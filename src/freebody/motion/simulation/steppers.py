@@ -3,7 +3,7 @@ is a Python function."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,13 +12,16 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.kernels.structural import Bound
 from freebody.motion.simulation.first_order_system import Drive, System
-from freebody.motion.simulation.lane_torques import LaneTorque
+from freebody.motion.simulation.lane_torques import LaneTorque, steady
 from freebody.motion.simulation.motion_lanes import MotionLanes, Some, some_of
 from freebody.targets import Kernel
+from freebody.targets.in_turn import Placed, in_turn
 from freebody.trees.position_rates import position_rate
 
 State = tuple[Array, Array]
 """q (lanes, nq), q̇ (lanes, nv)."""
+
+_SLICE = 400  # of what a thread is woken for: some 20 ms
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,8 +29,8 @@ class LaneKernel:
     """What a kernel of `driven_steps` runs, with the arrays of a batch: wrenches (lanes, six) or
     (six,), the model's numbers (lanes, k) or (k,)."""
 
-    run: Callable[..., tuple[Array, ...]]
-    width: float
+    kernel: Kernel
+    width: Array
     wrenches: Sequence[Array]
     numbers: Array
 
@@ -39,9 +42,14 @@ class LaneKernel:
         (numbers,) = kernel.numbers
         loads, numbers = [lanes.each(w, 1) for w in wrenches], lanes.each(numbers, 1)
         assert isinstance(kernel.kernel, Kernel)
-        # what comes is checked, and blocks are short: a call as plain as there is
         own = kernel.kernel if numbers.ndim == 1 else kernel.kernel.per_sample
-        return LaneKernel(own.ufunc, width, loads, numbers)
+        return LaneKernel(own, np.asarray(width), loads, numbers)
+
+    @property
+    def at_once(self) -> int:
+        """Steps, each of one lane, of which a call may take so many that an interrupt need not wait
+        for long."""
+        return _SLICE * self.kernel.samples_of_a_thread if self.kernel.loop else 1
 
     def __call__(
         self,
@@ -50,13 +58,27 @@ class LaneKernel:
         h: Array | float,
         start: Array | float,
         given: tuple[Array, ...],
-        out: State | None = None,
     ) -> Any:
         """Of some lanes; given: the torque, and what is held."""
-        loads = [some_of(w, 1, lanes) for w in self.wrenches]
-        p = some_of(self.numbers, 1, lanes)
-        arrays = (*state, h, self.width, start, *given, *loads, p)
-        return self.run(*arrays) if out is None else self.run(*arrays, out=out)
+        # what comes is checked, and blocks are short: a call as plain as there is
+        return self.kernel.ufunc(*state, h, self.width, start, *given, *self._own(lanes))
+
+    def in_turn(
+        self,
+        lanes: slice,
+        places: Sequence[Placed],
+        start: Array,
+        h: Array,
+        given: Sequence[Array | Placed],
+    ) -> None:
+        """Steps that follow one another, h (k,) after `start` (k,); places: of q and q̇ before each,
+        and of those after it."""
+        before, after, times = places[:2], places[2:], (h[:, None], self.width, start[:, None])
+        arrays = (*before, *times, *given, *self._own(lanes), *after)
+        in_turn(self.kernel, arrays, len(h), lanes.stop - lanes.start)
+
+    def _own(self, lanes: Some) -> list[Array]:
+        return [some_of(x, 1, lanes) for x in (*self.wrenches, self.numbers)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,19 +91,17 @@ class KernelStepper:
     rows: int
     holding: tuple[Array, Array] | None = None
 
-    def step(
-        self,
-        lanes: Some,
-        state: State,
-        start: Array | float,
-        h: Array | float,
-        out: State | None = None,
-    ) -> State:
+    def step(self, lanes: Some, state: State, start: Array | float, h: Array | float) -> State:
         """The states of some lanes a step h (s) after `start`, floats or one for each lane."""
         given = self.torque.inputs(lanes, start, start + h)
         if self.holding is not None:
             given = (*given, *(x[lanes] for x in self.holding))
-        return self.kernel(lanes, state, h, start, given, out)
+        return self.kernel(lanes, state, h, start, given)
+
+    def in_turn(self, lanes: slice, places: Sequence[Placed], start: Array, h: Array) -> None:
+        """See `LaneKernel`; nothing is held."""
+        given = self.torque.in_turn(lanes, start, start + h)
+        self.kernel.in_turn(lanes, places, start, h, given)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +133,7 @@ class FunctionRates:
         """(q̈, reaction, M)."""
         pairs = zip(np.broadcast_to(t, len(state[0])), *state, strict=True)
         tau = np.stack([self.drive(*now) for now in pairs])
-        return self.kernel(lanes, state, 0.0, t, (tau, tau, push, held))
+        return self.kernel(lanes, state, 0.0, t, (*steady(tau), push, held))
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,14 +150,7 @@ class FunctionStepper:
     classical: bool
     rows: int = 1
 
-    def step(
-        self,
-        lanes: Some,
-        state: State,
-        start: Array | float,
-        h: Array | float,
-        out: State | None = None,
-    ) -> State:
+    def step(self, lanes: Some, state: State, start: Array | float, h: Array | float) -> State:
         """As of a `KernelStepper`; start and h are the same for all motions."""
         now, length = float(np.max(start)), float(np.max(h))
         y = np.concatenate([x.reshape(*self.shape, -1) for x in state], axis=-1)
