@@ -6,7 +6,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures.drawing import Drawing
-from freebody.figures.figure import Figure, to_one_scale
+from freebody.figures.figure import Figure, of_one
 from freebody.figures.layers.structure import drawn
 from freebody.figures.snapshot import snapshot
 from freebody.figures.view import View
@@ -15,7 +15,6 @@ from freebody.reach.ellipsoids import Ellipsoids, ellipsoids
 from freebody.trees.kinematics import forward_kinematics
 from freebody.trees.public_calls import Vector
 
-WIDE, TALL = 560.0, 520.0
 _SHARE = 0.3  # of the robot's size: the longest half-axis
 _SLIM = 1e-3  # of the largest singular value: forces along smaller ones do not fit on a page
 
@@ -45,8 +44,7 @@ def ellipsoid_diagram(model: Model, q: Vector | None = None, frame: str | None =
         drawing.notes.append("forces at joint torques of length 1")
     else:
         drawing.notes.append(_without_forces(found))
-    to_one_scale((drawing,), WIDE, TALL)
-    return Figure(f"{model.name}: ellipsoids at {found.frame}", (drawing,), 1, WIDE, TALL, caller)
+    return of_one(f"{model.name}: ellipsoids at {found.frame}", drawing, caller)
 
 
 def _without_forces(found: Ellipsoids) -> str:

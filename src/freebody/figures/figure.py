@@ -75,6 +75,11 @@ class Figure(Titled):
         return save(self.svg, path, self.caller)
 
 
+def of_one(title: str, drawing: Drawing, caller: str) -> Figure:
+    """A single drawing on a large sheet."""
+    return Figure(title, (drawing,), 1, 560.0, 520.0, caller)
+
+
 def sheet(pictures: Sequence[Picture], title: str, columns: int = 2, level: float = 1.0) -> Picture:
     """Pictures of one width in rows; level 1: on a common lower edge, where captions are, 0: on an
     upper one."""

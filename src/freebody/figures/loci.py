@@ -10,7 +10,7 @@ import numpy as np
 
 from freebody.errors import FreebodyError
 from freebody.figures.drawing import Drawing
-from freebody.figures.figure import Figure, to_one_scale
+from freebody.figures.figure import Figure, of_one
 from freebody.figures.layers.structure import structure
 from freebody.figures.snapshot import snapshot
 from freebody.figures.view import FLAT
@@ -18,11 +18,7 @@ from freebody.loops.singularity_loci import Locus, singularity_loci
 from freebody.model.model import Model
 from freebody.trees.kinematics import forward_kinematics
 
-WIDE, TALL = 560.0, 520.0
-_KINDS: tuple[tuple[Literal["first", "second"], str], ...] = (
-    ("first", "type 1"),
-    ("second", "type 2"),
-)
+_KINDS: dict[Literal["first", "second"], str] = {"first": "type 1", "second": "type 2"}
 _POINT = 1e-6  # m: a curve shorter than this is one place
 
 
@@ -44,7 +40,7 @@ def singularity_diagram(
             f"singularity_diagram: {model.name!r} is in space; loci are drawn in the plane only."
         )
     drawing = Drawing(FLAT, f"Singular positions of {model.name}")
-    for kind, name in _KINDS:
+    for kind, name in _KINDS.items():
         loci = singularity_loci(model, kind, frame=frame, rows=rows, hold=hold)
         _curves(drawing, model, loci, name, kind, frame)
     seen = snapshot(model)
@@ -53,8 +49,7 @@ def singularity_diagram(
         "type 1, blue: the tip cannot move in some direction, whatever the drives do",
         "type 2, red: the tip can move though the drives are locked",
     ]
-    to_one_scale((drawing,), WIDE, TALL)
-    return Figure(f"Singular positions of {model.name}", (drawing,), 1, WIDE, TALL)
+    return of_one(drawing.title, drawing, "singularity_diagram")
 
 
 def _curves(

@@ -9,7 +9,7 @@ from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError
 from freebody.figures.colours import MAP
 from freebody.figures.drawing import Cells, ColourKey, Drawing, point
-from freebody.figures.figure import Figure, to_one_scale
+from freebody.figures.figure import Figure, of_one
 from freebody.figures.layers.structure import sticks, structure
 from freebody.figures.plots import tick, ticks
 from freebody.figures.snapshot import snapshot
@@ -18,7 +18,6 @@ from freebody.model.model import Model
 from freebody.outputs.numbers import shortest
 from freebody.trees.public_calls import Vector
 
-WIDE, TALL = 560.0, 520.0
 _EVEN = 1e-6  # of a cell: so even are the steps of a grid
 _FROM_ABOVE = 45.0
 
@@ -60,8 +59,7 @@ def map_diagram(
     drawing.add(_cells(grid[0, 0] - (across + up) / 2, across, up, colours))
     drawing.key = key
     structure(drawing, seen)
-    to_one_scale((drawing,), WIDE, TALL)
-    return Figure(f"{model.name}: {drawing.title}", (drawing,), 1, WIDE, TALL, caller)
+    return of_one(f"{model.name}: {drawing.title}", drawing, caller)
 
 
 def _steps(caller: str, grid: Array) -> tuple[Array, Array]:

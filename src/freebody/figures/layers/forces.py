@@ -198,27 +198,26 @@ def _reach(drawing: Drawing, body: BodyPlace, load: Load) -> None:
 def _side_by_side(drawing: Drawing, longest: float) -> None:
     """Move forces and moments that would lie on each other on the page apart, across their common
     line."""
-    lanes: list[tuple[Array, Array, int]] = []
+    lanes: list[tuple[complex, complex, int]] = []
 
     def aside(arrow: Arrow) -> float:
-        a, b = drawing.view.project((arrow.start, arrow.end))
-        length = float(np.linalg.norm(b - a))
-        if length < SAME * longest:
+        a, b = map(drawing.view.on_page, (arrow.start, arrow.end))
+        if abs(b - a) < SAME * longest:
             return arrow.aside
-        along = (b - a) / length
-        left = np.array([-along[1], along[0]])
+        along = (b - a) / abs(b - a)
 
-        def on(c: Array, d: Array) -> bool:
-            across = max(abs(left @ (c - a)), abs(left @ (d - a)))
-            low, high = sorted((float(along @ (c - a)), float(along @ (d - a))))
-            overlap = min(high, length) - max(low, 0.0)
+        def on(c: complex, d: complex) -> bool:
+            seen = (c - a) / along, (d - a) / along
+            low, high = sorted(place.real for place in seen)
+            overlap = min(high, abs(b - a)) - max(low, 0.0)
+            across = max(abs(place.imag) for place in seen)
             return across < 0.04 * longest and overlap > 0.06 * longest
 
         taken = {lane for c, d, lane in lanes if on(c, d)}
         outwards = sorted(range(-len(lanes), len(lanes) + 1), key=abs)
         lane = next(k for k in outwards if k not in taken)
         lanes.append((a, b, lane))
-        ahead = 1.0 if tuple(along.round(6)) > (0.0, 0.0) else -1.0
+        ahead = 1.0 if (round(along.real, 6), -round(along.imag, 6)) > (0.0, 0.0) else -1.0
         return ahead * lane * _LANE + 0.0
 
     for k, element in enumerate(drawing.elements):
