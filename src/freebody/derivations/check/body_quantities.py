@@ -172,3 +172,11 @@ BODY_QUANTITIES = (
     ),
     BodyQuantity("p{n}_{k}", "the tip in body {n}", spaces=(3,), soft=True, only="last"),
 )
+
+
+def soft_names(count: int) -> frozenset[str]:
+    """Names of vectors of an arm's bodies that users often give to things of their own."""
+    soft = (record for record in BODY_QUANTITIES if record.soft)
+    return frozenset(
+        name for record in soft for n in range(1, count + 1) for name in record.spelt(n)
+    )
