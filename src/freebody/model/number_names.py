@@ -124,22 +124,12 @@ def _by_name(rows: list[ModelNumber], told: dict[str, str]) -> Catalogue:
 # ---------------------------------------------------------------- all places, in order
 def _places(model: Model, space: AnySpace) -> Iterator[tuple[ModelNumber, Path]]:
     """Each number's row, and the path at which it stands as it is."""
-    gravity = PieceEntries((), {"gravity": "gravity_size"})
-    yield (
-        ModelNumber(("gravity",), "model", gravity, "gravity", "m/s²", "size of the gravity field"),
-        ("gravity_size",),
-    )
-    along = PieceEntries(
-        ("gravity_direction",), {f"direction.{x}": k for k, x in enumerate(space.axes)}
-    )
-    for field, k in along.steps.items():
-        what = "component of the gravity field's direction, a unit vector in world axes"
-        yield (
-            ModelNumber(
-                ("gravity", *field.split(".")), "model", along, field, "1", what, "direction"
-            ),
-            (*along.path, k),
-        )
+    size = "size of the gravity field"
+    yield _entry((), "gravity_size", ("gravity",), "model", "m/s²", size)
+    along = "component of the gravity field's direction, a unit vector in world axes"
+    for k, x in enumerate(space.axes):
+        name = "gravity", "direction", x
+        yield _entry(("gravity_direction",), k, name, "model", "1", along, "direction")
     for k, part in enumerate(model.base_inertias):
         yield from _part(model, part, ("base_inertias", k), space)
     for i, body in enumerate(model.bodies):
@@ -151,20 +141,22 @@ def _places(model: Model, space: AnySpace) -> Iterator[tuple[ModelNumber, Path]]
             yield from _frame(model, frame, k, space)
     for k, loop in enumerate(model.loops):
         if loop.distance is not None:
-            path = ("loops", k)
-            editor, what = (
-                PieceEntries(path, {"distance": "distance"}),
-                f"between the frames of loop {loop.name!r}",
-            )
-            yield (
-                ModelNumber((loop.name, "distance"), "loop", editor, "distance", "m", what),
-                (*path, "distance"),
-            )
-    if model.tip is not None and not any(
-        part.link == PAYLOAD and part.load for part in _loads(model)
-    ):
+            name, what = (loop.name, "distance"), f"between the frames of loop {loop.name!r}"
+            yield _entry(("loops", k), "distance", name, "loop", "m", what)
+    loaded = any(part.link == PAYLOAD and part.load for part in _loads(model))
+    if model.tip is not None and not loaded:
         editor = NewPayloadEditor(PAYLOAD, model.tip, space)
         yield from _mass(PAYLOAD, "load", editor, (), space, f"load in frame {model.tip!r}")
+
+
+def _entry(
+    path: Path, step: str | int, name: tuple[str, ...], owner: str, unit: str, what: str,
+    sort: Sort = "other",
+) -> tuple[ModelNumber, Path]:  # fmt: skip
+    """The row of a number that is an attribute or an entry of the piece at a path."""
+    field = name[-1]
+    editor = PieceEntries(path, {field: step})
+    return ModelNumber(name, owner, editor, field, unit, what, sort), (*path, step)
 
 
 def _loads(model: Model) -> Iterator[Attached]:
@@ -188,38 +180,22 @@ def _joint(
         outer = _outer(model, joint.parent, joint.placement.steps)
         pose = PoseEditor((*path, "joint", "placement"), outer, space)
         where = "its body" if outer is None else repr(outer)
-        yield from _pose(
-            model, joint.name, "joint", pose, f"of the origin of joint {joint.name!r} in {where}"
-        )
+        what = f"of the origin of joint {joint.name!r} in {where}"
+        yield from _pose(model, joint.name, "joint", pose, what)
+    of = f"of joint {joint.name!r}"
     for k, number in enumerate(body.kind.numbers):
-        own = PieceEntries((*path, "joint", "numbers"), {number.name: k})
-        what = f"{number.what} of joint {joint.name!r}"
-        yield (
-            ModelNumber((joint.name, number.name), "joint", own, number.name, number.unit, what),
-            (*own.path, k),
-        )
+        name, what = (joint.name, number.name), f"{number.what} {of}"
+        yield _entry((*path, "joint", "numbers"), k, name, "joint", number.unit, what)
     if body.kind.nv != 1:
         return
     (turns,) = body.kind.angular
     for label, attribute, unit, what in _DRIVE[turns]:
-        editor = PieceEntries((*path, "joint", "drive"), {label: attribute})
-        row = ModelNumber(
-            (joint.name, *label.split(".")),
-            "joint",
-            editor,
-            label,
-            unit,
-            f"{what} of joint {joint.name!r}",
-            "drive",
-        )
-        yield row, (*editor.path, attribute)
+        name = joint.name, *label.split(".")
+        place = *path, "joint", "drive"
+        yield _entry(place, attribute, name, "joint", unit, f"{what} {of}", "drive")
     for attribute, unit in _LIMITS[turns].items():
-        editor = PieceEntries((*path, "joint", "limits"), {attribute: attribute})
-        what = f"{attribute} limit of joint {joint.name!r}"
-        row = ModelNumber(
-            (joint.name, "limits", attribute), "joint", editor, attribute, unit, what, "limit"
-        )
-        yield row, (*editor.path, attribute)
+        name, what = (joint.name, "limits", attribute), f"{attribute} limit {of}"
+        yield _entry((*path, "joint", "limits"), attribute, name, "joint", unit, what, "limit")
 
 
 def _drive_table(effort: str, position: str, rotor: str) -> tuple[tuple[str, str, str, str], ...]:
@@ -277,18 +253,8 @@ def _mass(
         row = ModelNumber((name, *field.split(".")), owner, editor, field, unit, text, "inertia")
         yield row, (*path, "inertia", *leaf) if path else ()
     if scales:
-        yield (
-            ModelNumber(
-                (name, "scale"),
-                owner,
-                editor,
-                "scale",
-                "1",
-                f"factor on mass and inertia of {what}",
-                "inertia",
-            ),
-            (),
-        )
+        factor = f"factor on mass and inertia of {what}"
+        yield ModelNumber((name, "scale"), owner, editor, "scale", "1", factor, "inertia"), ()
 
 
 def _frame(
@@ -310,14 +276,7 @@ def _pose(
     fields = pose.read(model)
     for field in fields:
         angle = field in ANGLES[pose.space.dim]
-        row = ModelNumber(
-            (name, "placement", field),
-            owner,
-            pose,
-            field,
-            "rad" if angle else "m",
-            f"{field} {what}",
-            "placement",
-        )
+        unit, parts = "rad" if angle else "m", (name, "placement", field)
+        row = ModelNumber(parts, owner, pose, field, unit, f"{field} {what}", "placement")
         at = () if angle else (*pose.path, "steps", start, "by", pose.space.axes.index(field))
         yield row, at
