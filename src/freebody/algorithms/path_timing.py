@@ -23,9 +23,11 @@ Vector = Sequence[Scalar]
 Sloped = tuple[Scalar, Scalar]
 """A value of a line, and its slope."""
 
-LARGEST_ROUNDS, SMALLEST_ROUNDS = 5, 1
+LARGEST_ROUNDS, SMALLEST_ROUNDS = 3, 1
 """Steps of Newton's method that one call makes; it ends after finitely many, seldom more. The
 smallest x is 0 wherever a robot can stand still."""
+_SETTLED = 1e-9
+"""Of the largest x: a step of no account."""
 
 FAR = 1e100
 """In place of an infinite bound."""
@@ -60,23 +62,22 @@ class LimitLines(NamedTuple):
 def polygon(
     start: RowsAtEnd,
     end: RowsAtEnd,
-    least: Scalar,
-    most: Scalar,
     most_next: Scalar,
     h: Scalar,
+    least: Scalar,
+    most: Scalar,
 ) -> tuple[Scalar, ...]:
     """What is allowed in one interval: (lines of x over y, (high, slope) of those of y over x,
-    corners).
+    corners, whether a search has not ended).
 
-    least, most: between which the largest and the smallest x are looked for. most_next: largest y.
-    h: twice the interval's length in s. Corners: (largest x, a y that goes with it, last step of
-    the search for it; the same of the smallest x), where the largest is below the smallest if
-    nothing is allowed.
+    most_next: largest y. h: twice the interval's length in s. least, most: between which the
+    largest and the smallest x are looked for. Corners: (largest x, a y that goes with it; the same of the
+    smallest x), where the largest is below the smallest if nothing is allowed.
     """
     scale = 1.0 / maximum(most, most_next)
-    goes_on = less(0.0, most_next)
-    over_y = [(-FAR, where(goes_on, 0.0, FAR), where(goes_on, 1.0 / _MOVING, 0.0))]
-    over_x = [(0.0, FAR, where(goes_on, _MOVING, 0.0))]
+    inside = less(0.0, most_next)
+    over_y = [(-FAR, where(inside, 0.0, FAR), where(inside, 1.0 / _MOVING, 0.0))]
+    over_x = [(0.0, FAR, where(inside, _MOVING, 0.0))]
     rows = [
         *((h * b - a, a, h * lo, h * hi) for a, b, lo, hi in zip(*start, strict=True)),
         *((-a, h * b + a, h * lo, h * hi) for a, b, lo, hi in zip(*end, strict=True)),
@@ -94,9 +95,11 @@ def polygon(
         broken = maximum(less(hi, 0.0), less(0.0, lo))
         most = where(maximum(idle * broken, less(hi, lo)), -FAR, most)  # whatever the speed
     of_x, of_y = (LimitLines(*zip(*lines, strict=True)) for lines in (over_y, over_x))
-    largest = _corner(of_y, most, most_next, 1.0)
-    smallest = _corner(of_y, least, most_next, -1.0)
-    return of_x, of_y[1:], (*largest, *smallest)
+    *largest, step = _corner(of_y, most, most_next, 1.0)
+    *smallest, other = _corner(of_y, least, most_next, -1.0)
+    step = maximum(absolute(step), absolute(other))
+    goes_on = less(_SETTLED * absolute(largest[0]), step) * less(step, FAR)
+    return of_x, of_y[1:], (*largest, *smallest), goes_on
 
 
 def _line(
@@ -145,11 +148,15 @@ def _room(lines: LimitLines, x: Scalar, most_y: Scalar) -> tuple[Scalar, Scalar,
 
 
 def _lower(a: Sloped, b: Sloped) -> Sloped:
-    return minimum(a[0], b[0]), where(less(b[0], a[0]), b[1], a[1])
+    return _either(less(b[0], a[0]), b, a)
 
 
 def _higher(a: Sloped, b: Sloped) -> Sloped:
-    return maximum(a[0], b[0]), where(less(a[0], b[0]), b[1], a[1])
+    return _either(less(a[0], b[0]), b, a)
+
+
+def _either(truth: Scalar, a: Sloped, b: Sloped) -> Sloped:
+    return where(truth, a[0], b[0]), where(truth, a[1], b[1])
 
 
 def balanced(function: Callable[[Any, Any], Any], values: Sequence[Any]) -> Any:
@@ -163,7 +170,7 @@ def balanced(function: Callable[[Any, Any], Any], values: Sequence[Any]) -> Any:
 def backward(after: Vector, lines: LimitLines, corners: Vector) -> tuple[Scalar, Scalar]:
     """(smallest, largest) x at the interval's start from which the range `after` of y can be
     reached; NaN if none."""
-    top, y_top, _, bottom, y_bottom, _ = corners
+    top, y_top, bottom, y_bottom = corners
     tolerance = _CLOSE * maximum(top, 0.0)
     y_top, y_bottom = (minimum(maximum(y, after[0]), after[1]) for y in (y_top, y_bottom))
     rows = list(zip(*lines, strict=True))

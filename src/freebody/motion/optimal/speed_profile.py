@@ -22,7 +22,7 @@ from freebody.targets import Kernel, compile_program, result_memory
 from freebody.targets.recurrence import recurrence
 
 _SEARCHES = 40  # calls of some steps each: far more than there are lines
-_CLOSE = 1e-9  # of the largest x: steps, and gaps between what is wanted and allowed, of no account
+_CLOSE = 1e-9  # of the largest x: a gap between what is wanted and allowed of no account
 
 
 class PathRows(NamedTuple):
@@ -72,21 +72,18 @@ def quickest_profile(rows: PathRows) -> SpeedProfile:
 def _polygons(kernel: Kernel, rows: PathRows) -> tuple[Array, ...]:
     """What `path_timing.polygon` finds in each interval; where its search has not ended, it goes on
     from there."""
-    given = both_ends(rows)
-    ends = np.empty((*rows.h.shape, 4))
-    for k, x in enumerate((0.0, rows.most[:-1], rows.most[1:], rows.h)):
-        ends[..., k] = x
-    flat = (x.reshape(rows.h.size, x.shape[-1]) for x in (*given, ends))  # one axis is quickest
-    *lines, corners = (x.reshape(*rows.h.shape, *x.shape[1:]) for x in kernel(*flat))
+    given = [x.reshape(rows.h.size, x.shape[-1]) for x in both_ends(rows)]  # one axis is quickest
+    most, beyond = (x.ravel() for x in (rows.most[:-1], rows.most[1:]))
+    given += [beyond, rows.h.ravel()]
+    over_y, over_x, corners, goes_on = kernel(*given, 0.0, most)
     for _ in range(_SEARCHES):
-        steps = np.maximum(np.abs(corners[..., 2]), np.abs(corners[..., 5]))
-        open_ = (steps > _CLOSE * np.abs(corners[..., 0])) & (steps < path_timing.FAR)
-        if not open_.any():
+        left = np.flatnonzero(goes_on > 0.0)
+        if not left.size:
             break
-        again = ends[open_]
-        again[:, 0], again[:, 1] = corners[open_][:, 3], corners[open_][:, 0]
-        corners[open_] = kernel(*(x[open_] for x in given), again)[-1]
-    return (*lines, corners)
+        reached = corners[left]
+        found = kernel(*(x[left] for x in given), reached[:, 2], reached[:, 0])
+        corners[left], goes_on[left] = found[2:]
+    return tuple(x.reshape(*rows.h.shape, *x.shape[1:]) for x in (over_y, over_x, corners))
 
 
 def both_ends(rows: PathRows) -> tuple[Array, ...]:
@@ -167,7 +164,7 @@ def _kernels(m: int) -> _Kernels:
 
     def polygon(*given: Scalar) -> tuple[Scalar, ...]:
         start, end = path_timing.RowsAtEnd(*given[:4]), path_timing.RowsAtEnd(*given[4:8])
-        return path_timing.polygon(start, end, *given[8])
+        return path_timing.polygon(start, end, *given[8:])
 
     def backward(after: Scalar, over: Scalar, corners: Scalar) -> tuple[Scalar]:
         return (path_timing.backward(after, path_timing.LimitLines(*over), corners),)
@@ -177,7 +174,8 @@ def _kernels(m: int) -> _Kernels:
         return ((path_timing.forward(x[0], high, slope, most),),)
 
     over_y, over_x = (Argument(f"over_{x}", (k, 2 * m + 1)) for x, k in (("y", 3), ("x", 2)))
-    corners = Argument("corners", (6,))
+    corners = Argument("corners", (4,))
+    ends = [Argument(name, ()) for name in ("most_next", "h", "least", "most")]
 
     def compiled(
         name: str,
@@ -191,8 +189,8 @@ def _kernels(m: int) -> _Kernels:
         compiled(
             "path_polygon",
             polygon,
-            [*row_arguments(m), Argument("ends", (4,))],
-            [over_y, over_x, corners],
+            [*row_arguments(m), *ends],
+            [over_y, over_x, corners, Argument("goes_on", ())],
         ),
         compiled(
             "path_backward",
