@@ -71,8 +71,8 @@ def polygon(
     corners, whether a search has not ended).
 
     most_next: largest y. h: twice the interval's length in s. least, most: between which the
-    largest and the smallest x are looked for. Corners: (largest x, a y that goes with it; the same of the
-    smallest x), where the largest is below the smallest if nothing is allowed.
+    largest and the smallest x are looked for. Corners: (largest x, a y that goes with it; the same
+    of the smallest x), where the largest is below the smallest if nothing is allowed.
     """
     scale = 1.0 / maximum(most, most_next)
     inside = less(0.0, most_next)
@@ -237,10 +237,10 @@ def _vertex(first: Scalar, half: Scalar, last: Scalar, passed: Scalar) -> Scalar
     return where(inside, first - slope * slope / (4.0 * where(inside, bend, 1.0)), half)
 
 
-def speed_share(first: Vector, velocity: Vector) -> Scalar:
-    """The largest speed where ṡ is 1 as a fraction of its limit, squared; first: q'."""
+def speed_limit(first: Vector, velocity: Vector) -> Scalar:
+    """The largest x by the limits of speed; first: q'."""
     shares = (a / most for a, most in zip(first, velocity, strict=True))
-    return balanced(maximum, [share * share for share in shares])
+    return 1.0 / balanced(maximum, [_TINY, *(share * share for share in shares)])
 
 
 def top_speed(

@@ -64,10 +64,11 @@ class Motion(Tabled, ByValue):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.pieces is not None:
-            at_breaks = np.array_equal(self.pieces.breaks, self.t)
+            breaks = self.pieces.breaks
+            at_breaks = breaks is self.t or np.array_equal(breaks, self.t)
             values = self.pieces.at_breaks if at_breaks else self.pieces(self.t)
             off = np.abs(values - self.q).max()
-            if not off <= _ON_CURVE * (1.0 + np.abs(self.q).max()):
+            if not (off <= _ON_CURVE or off <= _ON_CURVE * (1.0 + np.abs(self.q).max())):
                 raise FreebodyError(
                     f"Motion: its samples lie off its pieces by {off:.3g}; give pieces=None where "
                     f"q or t are replaced."

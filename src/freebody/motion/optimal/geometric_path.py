@@ -98,9 +98,10 @@ def refuse_out_of_range(
     """Refuse a path that leaves the range of a joint, between its waypoints and samples too."""
     iq, iv = position_columns(model)
     low, high = limits.allowed.lower[iv], limits.allowed.upper[iv]
-    q, step = samples.q[:, path, iq], np.diff(samples.s[:, path]).max()
+    q, step = samples.q[:, path], np.diff(samples.s[:, path]).max()
     beyond = 0.25 * step**2 * np.abs(samples.second[:, path]).max()  # what lies between samples
-    if (q.min(axis=0) - beyond >= low).all() and (q.max(axis=0) + beyond <= high).all():
+    least, most = q.min(axis=0)[iq] - beyond, q.max(axis=0)[iq] + beyond
+    if (least >= low).all() and (most <= high).all():
         return
     of = curve.extremes
     for way, value, limit, s in (
@@ -149,7 +150,7 @@ def motions_along(
     braking = at.first[-1] * ((x[-1] - x[-2]) / h[-1])[:, None]  # at the end, at rest
     for k, powers in enumerate(polynomials):
         t = np.zeros(len(x))
-        np.cumsum(durations[:, k], out=t[1:])
+        np.add.accumulate(durations[:, k], out=t[1:])
         qd = np.concatenate([powers[-2], np.zeros_like(braking[k : k + 1])])
         qdd = np.concatenate([2.0 * powers[-3], braking[k : k + 1]])
         for array in (t, qd, qdd):

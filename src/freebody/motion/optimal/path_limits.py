@@ -21,7 +21,7 @@ from freebody.arrays import Array
 from freebody.motion.friction import drive_arrays
 from freebody.motion.optimal.path_samples import PathSamples, sampled
 from freebody.motion.optimal.robot_limits import Reached, RobotLimits
-from freebody.motion.optimal.speed_profile import PathRows, speed_share
+from freebody.motion.optimal.speed_profile import PathRows, speed_limits
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.ranges import Flags
 
@@ -86,10 +86,10 @@ class PathProblem:
         """By motions with x (N + 1, P)."""
         return self.limits.reached(self.with_friction(x), x, self.at, self.between)
 
-    def tightened(self, x: Array, by: Array, speed: Array, paths: Flags) -> PathProblem:
-        """With limits that are stricter by what a motion with x (N + 1, P) exceeds them by, of
-        those paths: rows by (N, P, m), the squares of speeds as many times as `speed` (N, P)
-        tells."""
+    def tightened(self, x: Array, reached: Reached, paths: Flags) -> PathProblem:
+        """With limits that are stricter by what motions with x (N + 1, P) exceed them by, of those
+        paths."""
+        by, _, speed = reached
         most = 0.25 * self.limits.size  # a grid so coarse is told, not mended
         by = by + np.sign(by) * _CUSHION * self.limits.size
         rows = np.clip(np.where(paths[:, None], by, 0.0), -most, most)
@@ -163,8 +163,7 @@ def _speed_limits(limits: RobotLimits, samples: PathSamples, count: int) -> Arra
     the line through both ends is slightly above it, the line parallel to it through the middle is
     taken, which touches the curve. Where it is far above, what the motion reaches there decides.
     """
-    fastest = speed_share(samples.first, limits.velocity)
-    most = 1.0 / np.maximum(fastest, 1.0 / _from_rest(samples.s, count))
+    most = np.minimum(speed_limits(samples.first, limits.velocity), _from_rest(samples.s, count))
     points, halfway = (most[part] for part in _parts(count))
     above = np.maximum(0.5 * (points[:-1] + points[1:]) - halfway, 0.0)
     above *= above <= _SLIGHTLY * np.minimum(points[:-1], points[1:])
@@ -180,7 +179,7 @@ def _from_rest(s: Array, count: int) -> Array:
     rest, where true speeds would be lost in its rounding."""
     start, end = s[0], s[count - 1]
     way = np.maximum(np.minimum(s - start, end - s), 0.25 * (s[1] - start))
-    return 2.0 * unlimited(s[:count]) * way / (end - start)
+    return way * (2.0 * unlimited(s[:count]) / (end - start))
 
 
 def _parts(count: int) -> tuple[slice, slice]:

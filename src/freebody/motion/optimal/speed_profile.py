@@ -102,23 +102,22 @@ def row_arguments(m: int) -> list[Argument]:
     return [Argument(f"{name}{end}", (m,)) for end in ("", "_end") for name in names]
 
 
-def speed_share(first: Array, velocity: Array) -> Array:
-    """(T, P) the largest speed where ṡ is 1 as a fraction of its limit (n,), squared; first: q' (T,
-    P, n)."""
+def speed_limits(first: Array, velocity: Array) -> Array:
+    """(T, P) the largest ṡ² by limits of speed (n,); first: q' (T, P, n)."""
     n = len(velocity)
     finite = np.minimum(velocity, path_timing.FAR)
-    return _speed_share(n)(first.reshape(-1, n), finite).reshape(first.shape[:2])
+    return _speed_limit(n)(first.reshape(-1, n), finite).reshape(first.shape[:2])
 
 
 @lru_cache(maxsize=8)
-def _speed_share(n: int) -> Kernel:
-    """`path_timing.speed_share` of n coordinates."""
+def _speed_limit(n: int) -> Kernel:
+    """`path_timing.speed_limit` of n coordinates."""
 
-    def share(*given: Scalar) -> tuple[Scalar]:
-        return (path_timing.speed_share(*given),)
+    def limit(*given: Scalar) -> tuple[Scalar]:
+        return (path_timing.speed_limit(*given),)
 
     inputs = [Argument(name, (n,)) for name in ("first", "velocity")]
-    return compile_program(trace("path_speed_share", share, inputs, [Argument("share", ())]))
+    return compile_program(trace("path_speed_limit", limit, inputs, [Argument("most", ())]))
 
 
 def timed_pieces(derivatives: Sequence[Array], x: Array, h: Array) -> tuple[list[Array], Array]:

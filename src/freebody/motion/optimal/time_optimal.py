@@ -23,7 +23,7 @@ from freebody.motion.optimal.geometric_path import (
     refuse_out_of_range,
 )
 from freebody.motion.optimal.path_limits import PathProblem, path_problem
-from freebody.motion.optimal.robot_limits import RobotLimits
+from freebody.motion.optimal.robot_limits import Reached, RobotLimits
 from freebody.motion.optimal.speed_profile import quickest_profile
 from freebody.motion.optimal.unreachable import refuse_unreachable, without_motion
 from freebody.motion.piecewise import PiecewisePolynomial
@@ -222,35 +222,40 @@ def _solved(problem: PathProblem, labels: list[str]) -> _Quickest:
         profile = quickest_profile(problem.strict(before))
         stuck = without_motion(problem, profile)
     refuse_unreachable(_NAME, problem, profile, stuck, labels)
-    none = np.full(len(labels), np.inf)
-    found = _Quickest(np.zeros_like(problem.rows.most), none, none.copy())
-    settled = np.zeros(len(labels), dtype=bool)
-    left = np.arange(len(labels))
-    for _ in range(_ROUNDS):
-        excess, share, speed = problem.reached(profile.x)
-        now = _Quickest(profile.x, share.max(axis=0), speed.max(axis=0))
+    reached = problem.reached(profile.x)
+    found = now = _quickest(profile.x, reached)
+    moves, left = ~stuck, np.arange(len(labels))
+    turning = problem.tangent_error(profile.x, before) > _TANGENT
+    settled = ~turning
+    for _ in range(1, _ROUNDS):
+        beyond = (now.over > _HELD) | (now.fastest > (1.0 + _FAST) ** 2)
+        again = moves & (turning | beyond)
+        if not again.any():
+            break
+        problem = problem.tightened(profile.x, reached, again & ~turning).only(again)
+        before, left = profile.x[:, again], left[again]
+        profile = quickest_profile(problem.strict(before))
+        reached, moves = problem.reached(profile.x), profile.moves
+        now = _quickest(profile.x, reached)
         turning = problem.tangent_error(profile.x, before) > _TANGENT
         gains = (now.worst < found.worst[left]) & (turning <= ~settled[left])
-        better = profile.moves & (gains | (settled[left] < ~turning))
+        better = moves & (gains | (settled[left] < ~turning))
         settled[left[better]] = ~turning[better]
         for kept, new in zip(found, now, strict=True):
             kept[..., left[better]] = new[..., better]
-        beyond = (now.over > _HELD) | (now.fastest > (1.0 + _FAST) ** 2)
-        again = profile.moves & (turning | beyond)
-        if not again.any():
-            break
-        problem = problem.tightened(profile.x, excess, speed, again & ~turning)
-        problem, before, left = problem.only(again), profile.x[:, again], left[again]
-        profile = quickest_profile(problem.strict(before))
     return found
+
+
+def _quickest(x: Array, reached: Reached) -> _Quickest:
+    return _Quickest(x, reached.share.max(axis=0), reached.speed.max(axis=0))
 
 
 def _first_guess(problem: PathProblem, labels: list[str]) -> Array:
     """x (N + 1, P) for the tangents of viscous friction, from a coarse grid; 0 without any."""
     count = len(problem.rows.h)
     guess = np.zeros_like(problem.rows.most)
-    every = next((k for k in _COARSE if count % k == 0), 1)
-    if problem.viscous is None or every == 1:
+    every = 1 if problem.viscous is None else next((k for k in _COARSE if count % k == 0), 1)
+    if every == 1:
         return guess
     coarse = problem.coarse(every)
     x = guess[::every]
