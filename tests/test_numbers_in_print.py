@@ -174,3 +174,32 @@ def test_what_has_to_be_given_at_least_is_never_rounded_down() -> None:
     rng = np.random.default_rng(3)
     for x in np.exp(rng.uniform(-20, 20, 200)):
         assert x <= float(rounded_up(float(x), 5)) <= x * (1 + 1e-4)
+
+
+def test_what_numbers_have_in_common_stands_in_front():
+    scara = fb.derive(fb.load("scara"), "newton-euler").text()
+    assert "vc₂ = [0.425 θ̇₁ sin θ₂, 0.1875 (θ̇₁ + θ̇₂) + 0.425 θ̇₁ cos θ₂, 0]ᵀ" in scara
+    assert (
+        "rc₄ = [−0.433013 + 0.15 cos θ₄, −0.25 + 0.15 sin θ₄]ᵀ" in fb.derive(fb.load("3RRR")).text()
+    )
+    wrist = fb.derive(fb.load("stanford")).text()
+    assert "v̇c₆z = v̇₆z − (d₆ − 0.15) ω₆x² − (d₆ − 0.15) ω₆y²" in wrist
+    assert "v̇₃x = −0.4318 (θ̇₂² + ω₂y²) cos θ₃ + 0.4318 (θ̈₂ + ω₂x ω₂y) sin θ₃" in (
+        fb.derive(fb.load("puma560", physical="ignore")).text()
+    )
+
+
+@pytest.mark.parametrize("name", ["stewart", "scara", "stanford", "3RRR", "ur5e"])
+def test_no_bracket_behind_a_minus_begins_with_one(name):
+    assert "−(−" not in fb.derive(fb.load(name)).text()
+
+
+def test_a_square_is_completed_only_with_numbers_that_are_printed_whole():
+    """0.3 ω² - 2 ω ḋ is no multiple of the square of ω - 3.33333 ḋ."""
+    rows = [
+        {"m": "m1"},
+        {"a": 0.3, "alpha": math.pi / 2, "joint": "P", "m": "m2", "com": [0, 0, 0.1]},
+    ]
+    text = fb.derive(fb.dh(rows, convention="modified"), "recursive").text()
+    assert "3.33333" not in text
+    assert "(d₂+0.1)²" in text.replace(" + ", "+")

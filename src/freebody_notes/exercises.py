@@ -169,7 +169,7 @@ def bar_on_a_pin() -> str:
     text = (
         "For m = 3 kg, I_c = 0.25 kg m², r = 0.5 m, τ = 4 N m at θ = 0.7, θ̇ = 1.9 rad/s the "
         f"system (5.29) gives θ̈ = {number(found['alpha'])} rad/s² and "
-        f"λ = {number(found['lam'])}; the pin force on the bar is −λ.{same if agree else ''}"
+        f"λ = {number(found['lam'])} N; the pin force on the bar is −λ.{same if agree else ''}"
     )
     first = (
         "A free bar has the coordinates x, y of its centre and θ; "
@@ -185,7 +185,8 @@ def bar_on_a_pin() -> str:
 
 
 def sliding_joint() -> str:
-    chain = fb.dh(ROWS[1:], convention="modified", name="RP")
+    rows = [row | {"m": f"m{i}"} for i, row in enumerate(ROWS[1:], 1)]
+    chain = fb.dh(rows, convention="modified", name="RP")
     return _steps(
         fb.derive(chain, "recursive"), "A revolute joint, then a prismatic one, in modified frames."
     )

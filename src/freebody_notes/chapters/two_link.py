@@ -72,7 +72,7 @@ def unit_rods(printed: str) -> Outcome:
     eigenvalues = np.linalg.eigvalsh(np.array([[H11, H12], [H12, H22]], dtype=float))
     line = (
         "For two rods of 1 m and 1 kg, stretched, this M has the eigenvalues "
-        f"{number(eigenvalues, 4)}."
+        f"{number(eigenvalues, 4)} kg m²."
     )
     return Outcome(
         outcome.holds and bool(eigenvalues[0] > 0), (line, *outcome.lines), outcome.example

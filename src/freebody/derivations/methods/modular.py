@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from fractions import Fraction
 
 from freebody.algorithms.kinematics import BodyMotions
 from freebody.algorithms.rnea import Recursion, rnea
@@ -20,7 +21,7 @@ from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods.glossary import ACCELERATION
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import symbols
-from freebody.derivations.polynomials.textbook_form import Layout, Poly
+from freebody.derivations.polynomials.textbook_form import Layout, Poly, starts_with_minus
 from freebody.derivations.render.rows import part
 from freebody.elementary import Scalar
 from freebody.lazy import cached_property
@@ -82,11 +83,20 @@ class _NamedLayout(Layout):
 
     def _turned(self, wave: tuple, parts: dict[tuple, Poly]) -> Expression:
         order = sorted(parts, key=lambda m: (sum(e for _, e in m), self.monomial_rank(m)))
-        total = ex.add(*(self._moved(parts[m], m) for m in order))
-        return ex.mul(total, *(ex.power(self._waves[n], e) for n, e in wave))
+        sizes = {abs(c) for part in parts.values() for c in part.values()}
+        size = sizes.pop() if len(parts) > 1 and len(sizes) == 1 else Fraction(1)
+        total = ex.add(*(self._moved(parts[m], m, size) for m in order))
+        if (wave or size != 1) and starts_with_minus(total):
+            size, total = -size, ex.neg_each(total)
+        waves = (ex.power(self._waves[n], e) for n, e in wave)
+        return ex.mul(self.order.number(size), total, *waves)
 
-    def _moved(self, coefficient: Poly, moving: tuple) -> Expression:
-        return ex.mul(self._plain(coefficient), *self._monomial(moving))
+    def _moved(self, coefficient: Poly, moving: tuple, size: Fraction) -> Expression:
+        """coefficient / size · moving."""
+        front = self._plain({m: c / size for m, c in coefficient.items()})
+        if moving and starts_with_minus(front):
+            return ex.neg(ex.mul(ex.neg_each(front), *self._monomial(moving)))
+        return ex.mul(front, *self._monomial(moving))
 
 
 class ModularSetting(Setting):

@@ -13,11 +13,19 @@ from fractions import Fraction
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.polynomials.angle_sums import Monomial, Terms, Wave, raw
-from freebody.derivations.polynomials.textbook_form import Layout, Poly, function, wave_rank
+from freebody.derivations.polynomials.textbook_form import (
+    Layout,
+    Poly,
+    function,
+    starts_with_minus,
+    wave_rank,
+)
 from freebody.scalars.trig import Trig
 
 Inner = dict[tuple[Monomial, Wave], Fraction]
 """Coefficients of products of rates times a direction."""
+
+_UNITS = tuple(ex.num(sign, decimal) for sign in (1, -1) for decimal in (False, True))
 
 
 def by_lengths(layout: Layout, x: Trig) -> Expression:
@@ -71,10 +79,10 @@ def _moved(layout: Layout, lengths: Poly, inner: Inner) -> Expression:
         *(layout.scaled(poly, [function(*f) for f in wave]) for wave, poly in directions.items())
     )
     front = layout.scaled(lengths, [])
-    if isinstance(front, ex.Sum) and all(isinstance(term, ex.Negative) for term in front.terms):
+    if starts_with_minus(front):
         return ex.neg(ex.mul(ex.neg_each(front), motion))
-    if front in (ex.ONE, ex.num(-1)) and isinstance(motion, ex.Sum):
-        return motion if front == ex.ONE else ex.neg_each(motion)
+    if front in _UNITS and isinstance(motion, ex.Sum):
+        return ex.neg_each(motion) if isinstance(front, ex.Negative) else motion
     if motion == ex.ONE and isinstance(front, ex.Negative):
         return ex.neg_each(front.operand)
     return ex.mul(front, motion)

@@ -87,8 +87,8 @@ class Layout:
         coefficient = self._sum(
             {n: {k: c / content for k, c in terms.items()} for n, terms in groups.items()}
         )
-        if isinstance(coefficient, ex.Sum) and isinstance(coefficient.terms[0], ex.Negative):
-            content, coefficient = -content, ex.add(*map(ex.neg, coefficient.terms))
+        if starts_with_minus(coefficient):
+            content, coefficient = -content, ex.neg_each(coefficient)
         return ex.mul(self.order.number(content), coefficient, *self._monomial(rates))
 
     def rate_rank(self, rates: Monomial) -> tuple:
@@ -171,9 +171,9 @@ class Layout:
             )
         ]
         if self.order.decimal:
-            size = abs(first) if len(terms) == 1 else Fraction(1)
-            all_negative = all(c < 0 for c in terms.values())
-            return -size if (first < 0 if len(terms) == 1 else all_negative) else size
+            alike = all(abs(c) == abs(first) for c in terms.values())
+            is_negative = first < 0 if alike else all(c < 0 for c in terms.values())
+            return (abs(first) if alike else Fraction(1)) * (-1 if is_negative else 1)
         top = math.gcd(*(c.numerator for c in terms.values()))
         return Fraction(
             top if first > 0 else -top, math.lcm(*(c.denominator for c in terms.values()))
@@ -197,6 +197,8 @@ class Layout:
         flat: Terms = {(m, ()): c for m, c in poly.items()}
         common, content = self._common(flat), self.content(flat)
         rest = self.poly({_without(m, common): c / content for m, c in poly.items()})
+        if functions and starts_with_minus(rest):
+            content, rest = -content, ex.neg_each(rest)
         return ex.mul(self.order.number(content), *self._monomial(common), rest, *functions)
 
     # ------------------------------------------------------------ polynomials without angles
@@ -262,7 +264,10 @@ class Layout:
                 for n, d in base.items():
                     rest[self._product(front, m, n)] -= a * c * d
             left = {m: c for m, c in rest.items() if c}
-            if len(left) + 1 < len(poly):
+            printed = not self.order.decimal or all(
+                map(_is_short, [*base.values(), *left.values()])
+            )
+            if len(left) + 1 < len(poly) and printed:
                 return (top, front, a), base, left
         return None
 
@@ -303,6 +308,16 @@ class InTextbookForm:
     def evaluate(self, quantity: Any, q: Any, qd: Any = None, qdd: Any = None) -> Array:
         """Numbers of one of the above at q, qd, qdd (..., n), with the model's parameter values."""
         return self.symbols.evaluate(quantity, q, qd, qdd)
+
+
+def starts_with_minus(x: Expression) -> bool:
+    """Whether x is a sum whose first term is negative."""
+    return isinstance(x, ex.Sum) and isinstance(x.terms[0], ex.Negative)
+
+
+def _is_short(x: Fraction) -> bool:
+    """Whether a decimal is printed with all its digits."""
+    return Fraction(f"{float(x):.6g}") == x
 
 
 def _without(monomial: Monomial, divisor: Monomial) -> Monomial:
