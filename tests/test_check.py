@@ -363,7 +363,6 @@ UNREADABLE = [
     ("H12 = cos θ1²", "write cos^2(θ1)"),
     ("H12 = cos(theta1/2)", "a fraction of an angle"),
     ("H12 = lc2 2", "write lc2^2 for a power, lc2*2 for a product"),
-    ("H12 = tan(theta1)", "write them with sin and cos"),
     ("H12 = theta1dd2", "may be theta1·dd2 or theta1d·d2: put spaces"),
     ("l1 = 2", "is a symbol of the model, not a result"),
     ("lc2 = l2/2", "uniform bars, stand below [parameters] in a notation of your own"),

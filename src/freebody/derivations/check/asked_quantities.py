@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from freebody.derivations.check.asked.bodies import QuantitiesOfBodies
 from freebody.derivations.check.asked.energies import EnergyQuantities
+from freebody.derivations.check.asked.free_body import FreeBodyQuantities
 from freebody.derivations.check.asked.group import QuantityGroup
 from freebody.derivations.check.asked.joints import JointQuantities, VelocityCoefficients
 from freebody.derivations.check.asked.loops import LoopQuantities
@@ -79,6 +80,8 @@ class Targets:
 
     @cached_property
     def _groups(self) -> list[QuantityGroup]:
+        if self.setting.is_free_body:
+            return [FreeBodyQuantities(self.setting, self.letters, self.based)]
         kinds = (*_GROUPS, *[VelocityCoefficients] * self.velocity)
         return [kind(self.setting, self.letters, self.based) for kind in kinds]
 

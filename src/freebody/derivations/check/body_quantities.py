@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from freebody.derivations.check.vocabulary import spellings
+from freebody.derivations.check.dotted_names import spellings
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from freebody.derivations.check.asked_quantities import Targets, letters_of
 from freebody.derivations.check.claims import statements
 from freebody.derivations.check.documents import FORMS, AnswerDocument, form_of
 from freebody.derivations.check.equation_verdict import Judge
+from freebody.derivations.check.letters_for_numbers import as_written
 from freebody.derivations.check.right_equations import equations_of, in_notation
 from freebody.derivations.check.verdict import Verdict
 from freebody.derivations.notations.notation import BookNotation, notation_of
@@ -69,8 +70,9 @@ def check(
     quantities was left unread; `.text` says it in words, `.findings` lists the mistakes.
     """
     style = notation_of(notation)
-    where = in_notation(equations_of(model), style, absolute)
     document = document_of(answer, form)
+    written = as_written(model, document.formulas)
+    where = in_notation(equations_of(written), style, absolute)
     said = statements(where, document, names or {}, style)
     velocity = any(claim.target.family == "h" for claim in said.claims)
     judge = Judge(where, Targets(where, velocity, letters_of(style)), said.claims)

@@ -18,12 +18,13 @@ from freebody.derivations.check.circular_answers import (
     refuse_itself,
     uses,
 )
+from freebody.derivations.check.dotted_names import spellings
 from freebody.derivations.check.exact_polynomials import PolynomialReader
 from freebody.derivations.check.quotients import Value, difference, pair
 from freebody.derivations.check.reading import AnswerParser, inverse_behind
 from freebody.derivations.check.tables_in_formulas import Shape, worked_out
 from freebody.derivations.check.units import is_of_another_kind
-from freebody.derivations.check.vocabulary import Vocabulary, spellings
+from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.closed_chains.linear import Ratio
 from freebody.derivations.expressions.evaluate import NoValue
 from freebody.derivations.expressions.nodes import Expression, Matrix, Negative, Number, Sum, nodes
@@ -184,7 +185,11 @@ class ClaimReader:
             return any(self.targets.single[x].family == "tip" for x in tip)
         if first.text in self.targets.single:
             return False
+        if first.text in self.targets.tables and isinstance(self.parse(line[1]), Matrix):
+            return False
         moving = self._moving(self.vocabulary.symbols.get(first.text))
+        if self.setting.is_free_body:
+            return bool(moving) and bool(names)
         return bool(moving) and (by_quantities or (moving.endswith(SECOND) and bool(names)))
 
     def _moving(self, value: Value | None) -> str:
@@ -192,6 +197,10 @@ class ClaimReader:
         terms = list(value.terms()) if isinstance(value, Trig) else []
         name = "".join(terms[0][0]) if len(terms) == 1 else ""
         known = {x + d for x in self.setting.symbols.coordinates for d in ("", RATE, SECOND)}
+        if self.setting.is_free_body:
+            known |= {
+                x for x in self.setting.ring.names if x.startswith(("v_", "omega_", "f_", "n_"))
+            }
         return name if name in known and terms[0] == ({name: 1}, 1) else ""
 
     def _solved_for(self, line: Line) -> Claim:
@@ -279,14 +288,16 @@ class ClaimReader:
 
     def claims(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
         """What one equation states, after others."""
-        self.of_bodies = any(self._tells_of_bodies(token) for side in line for token in side)
+        self.of_bodies = self.setting.is_free_body or any(
+            self._tells_of_bodies(token) for side in line for token in side
+        )
         if self._is_solved(line):
             return [self._solved_for(line)]
         subjects = [self._subject(side) for side in line]
         named = [subject for subject in subjects if subject is not None]
         if not named or len(line) < 2:
             return self._implicit(line, before)
-        if any(self._is_of_joints(subject) for subject in named):
+        if not self.setting.is_free_body and any(map(self._is_of_joints, named)):
             self.of_bodies = False
         other = [side for side, subject in zip(line, subjects, strict=True) if subject is None]
         if not other:
@@ -432,6 +443,8 @@ class ClaimReader:
             if self.targets.single[name].family == "tau"
         }
         torques = {target for target in torques if not target.idle}
+        if self.setting.is_free_body:
+            return self._identities(line)
         if len(line) == 2 and not torques and self.setting.system is not None:
             closing = self._closing(line)
             if closing is not None:

@@ -18,6 +18,7 @@ from freebody.derivations.check.claim_reader import Claim
 from freebody.derivations.check.explanation import Explanation, first
 from freebody.derivations.check.finite_field import Point, random_point
 from freebody.derivations.check.finite_field_tree import Workspace
+from freebody.derivations.check.free_bodies import FreeBodyMotion
 from freebody.derivations.check.free_motion import FreeMotion
 from freebody.derivations.check.misconceptions import Misconceptions
 from freebody.derivations.check.misreadings import misread
@@ -28,7 +29,7 @@ from freebody.derivations.check.units import misfit, unit_text
 from freebody.derivations.check.verdict import EquationVerdict, Mistake
 from freebody.derivations.check.verdict_sentences import Wording, quoted
 from freebody.derivations.check.vocabulary import Vocabulary
-from freebody.derivations.expressions.nodes import nodes
+from freebody.derivations.expressions.nodes import Number, nodes
 from freebody.derivations.expressions.printed_names import sym
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
@@ -52,6 +53,11 @@ class Judge:
     def free_motion(self) -> FreeMotion | None:
         """What follows for joints that nothing drives."""
         return FreeMotion.of_passive_joints(self.setting)
+
+    @cached_property
+    def free_body(self) -> FreeBodyMotion | None:
+        """What is known of one body that nothing holds."""
+        return FreeBodyMotion(self.setting) if self.setting.is_free_body else None
 
     @cached_property
     def vocabulary(self) -> Vocabulary:
@@ -152,7 +158,7 @@ class Judge:
 
     def _mixed(self, claim: Claim, rounded: Rounded) -> EquationVerdict | None:
         """The verdict on numbers among symbols."""
-        if not rounded.is_mixed:
+        if not rounded.is_mixed or not any(isinstance(x, Number) for x in nodes(claim.node)):
             return None
         text = (
             f"With the values of {self.setting.symbols.model.name!r} the number is right, but one "

@@ -1,14 +1,13 @@
-"""Motions that obey the equations of motion: accelerations that follow from what drives a robot."""
+"""Motions that obey the equations of motion: what accelerations are where these hold."""
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Self
 
-from freebody.derivations.check.finite_field import PRIME, Point, raised
-from freebody.derivations.check.quotients import Value, over, pair
+from freebody.derivations.check.finite_field import Point
+from freebody.derivations.check.quotients import Value, over, pair, plus, times
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.closed_chains.linear import solved
 from freebody.derivations.polynomials.symbols import SECOND
@@ -20,10 +19,11 @@ MOST_PASSIVE = 3
 
 @dataclass(frozen=True)
 class FreeMotion:
-    """What some generators are where the equations hold: numerators over one denominator."""
+    """What some generators are where the equations hold, by the others; `note`, what is said of an
+    answer that holds with them put in."""
 
-    above: Mapping[str, Trig]
-    below: Trig
+    images: Mapping[str, Value]
+    note: str = ""
 
     @classmethod
     def of_passive_joints(cls, setting: RightEquations) -> Self | None:
@@ -39,39 +39,40 @@ class FreeMotion:
         slopes = [[row.derivative(name) for name in own] for row in rows]
         rest = [[_without(row, own) * -1] for row in rows]
         above, below = solved(slopes, rest, setting.symbols)
-        return cls({name: row[0] for name, row in zip(own, above, strict=True)}, below)
+        images = {name: over(row[0], below) for name, row in zip(own, above, strict=True)}
+        joints = " and ".join(f"joint {k + 1}" for k in passive)
+        return cls(images, f"It holds with what follows from no drive at {joints}.")
 
     def concerns(self, x: Value) -> bool:
         """Whether one of the generators occurs."""
-        return any(self.above.keys() & powers.keys() for p in pair(x) for powers, _ in p.terms())
+        return any(self.images.keys() & powers.keys() for p in pair(x) for powers, _ in p.terms())
 
     def of(self, x: Value) -> Value:
-        """A polynomial or quotient with the accelerations put in."""
-        (a, m), (b, n) = map(self._put, pair(x))
-        if m == n:
-            return over(a, b)
-        return over(a * self.below ** (n - m), b) if n > m else over(a, b * self.below ** (m - n))
-
-    def _put(self, x: Trig) -> tuple[Trig, int]:
-        """a and m of a / below^m."""
-        by_degree: dict[int, Trig] = defaultdict(lambda: x - x)
-        for powers, coefficient in x.terms():
-            rest = {name: k for name, k in powers.items() if name not in self.above}
-            term = x.ring.polynomial([(rest, coefficient)])
-            degree = 0
-            for name in powers.keys() & self.above.keys():
-                degree += powers[name]
-                for _ in range(powers[name]):
-                    term = term * self.above[name]
-            by_degree[degree] += term
-        most = max(by_degree, default=0)
-        terms = (by_degree[k] * self.below ** (most - k) for k in by_degree)
-        return sum(terms, x - x), most
+        """A polynomial or quotient with the images put in."""
+        above, below = (put(part, self.images) for part in pair(x))
+        (p, q), (r, s) = pair(above), pair(below)
+        return over(p * s, q * r)
 
     def at(self, point: Point) -> Point:
         """The point with its accelerations such that the equations hold."""
-        below = raised(point.of(self.below), -1)
-        return point.changed({k: point.of(x) * below % PRIME for k, x in self.above.items()})
+        return point.changed({name: point.of(x) for name, x in self.images.items()})
+
+
+def put(x: Trig, images: Mapping[str, Value]) -> Value:
+    """A polynomial with values in the place of some generators."""
+    by_below: dict[Trig, Trig] = {}
+    for powers, coefficient in x.terms():
+        rest = {name: k for name, k in powers.items() if name not in images}
+        term: Value = x.ring.polynomial([(rest, coefficient)])
+        for name in powers.keys() & images.keys():
+            for _ in range(powers[name]):
+                term = times(term, images[name])
+        above, below = pair(term)
+        by_below[below] = by_below.get(below, x - x) + above
+    total: Value = x - x
+    for below, above in by_below.items():
+        total = plus(total, over(above, below))
+    return total
 
 
 def _without(x: Trig, names: list[str]) -> Trig:

@@ -8,10 +8,11 @@ from collections.abc import Mapping
 from freebody.derivations.check.answer_text import AnswerError, AnswerText
 from freebody.derivations.check.asked_quantities import Targets
 from freebody.derivations.check.circular_answers import uses
+from freebody.derivations.check.dotted_names import spellings
 from freebody.derivations.check.exact_polynomials import PolynomialReader
 from freebody.derivations.check.reading import AnswerParser
 from freebody.derivations.check.right_equations import FAMILIES
-from freebody.derivations.check.vocabulary import FUNCTIONS, Vocabulary, spellings
+from freebody.derivations.check.vocabulary import FUNCTIONS, Vocabulary
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import tokens
 from freebody.derivations.notations.notation import BookNotation

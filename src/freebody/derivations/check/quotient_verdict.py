@@ -12,16 +12,19 @@ from freebody.derivations.check.differences import Difference
 from freebody.derivations.check.explanation import Explanation
 from freebody.derivations.check.finite_field import Point
 from freebody.derivations.check.finite_field_tree import Workspace
+from freebody.derivations.check.free_body_thoughts import THOUGHTS
+from freebody.derivations.check.free_motion import FreeMotion
 from freebody.derivations.check.quotients import Value, difference
 from freebody.derivations.check.verdict import EquationVerdict, Mistake
 from freebody.derivations.closed_chains.linear import Ratio
-from freebody.errors import listed
+from freebody.scalars.rational import exactly
 from freebody.scalars.trig import Trig
 
 if TYPE_CHECKING:
     from freebody.derivations.check.equation_verdict import Judge
 
 _SOLVED = ("solved", "q")
+_LIKELY = ("sign", "function", "factor", "index", "missing", "extra")
 _MAY_BE_FREE = (*_SOLVED, "tau", "identity")
 """Quantities into which the equation of a passive joint may have been put."""
 
@@ -29,18 +32,17 @@ _MAY_BE_FREE = (*_SOLVED, "tau", "identity")
 def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> EquationVerdict | None:
     """The verdict on a quotient, or on what holds for free motions; None of any other answer."""
     yours, title, point = claim.value, claim.target.title, judge.point
-    motion = judge.free_motion if claim.target.family in _MAY_BE_FREE else None
+    motion = _motion(judge, claim, right)
     if motion is not None and any(map(motion.concerns, (yours, right))):
-        put, own = motion.of(yours), motion.of(right)
-        if difference(put, own).is_zero:
-            numbers = listed([str(k) for k in judge.targets.passive])
-            joints = f"joint{'s' if len(judge.targets.passive) > 1 else ''} {numbers}"
-            note = f"It holds with what follows from no drive at {joints}."
-            return EquationVerdict(claim.label, title, True, note=note)
-        if claim.target.family in _SOLVED or isinstance(yours, Ratio):
-            yours, right, point = put, own, motion.at(point)
-    elif isinstance(yours, Trig) and isinstance(right, Trig):
-        return None
+        put_in, own = motion.of(yours), motion.of(right)
+        if difference(put_in, own).is_zero:
+            return EquationVerdict(claim.label, title, True, note=motion.note)
+        if judge.free_body or claim.target.family in _SOLVED or isinstance(yours, Ratio):
+            if _is_right_in_numbers(judge, claim, right, put_in, own):
+                name = judge.setting.symbols.model.name
+                note = f"In numbers, with the values of {name!r}."
+                return EquationVerdict(claim.label, title, True, note=note)
+            yours, right, point = put_in, own, motion.at(point)
     if point is judge.point and isinstance(yours, Trig) and isinstance(right, Trig):
         return None
     findings, causes = _explained(judge, claim, right, point) if explain else ([], [])
@@ -49,17 +51,53 @@ def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> Equation
     return EquationVerdict(claim.label, title, False, tuple(findings), tuple(causes), shown, text)
 
 
+def _motion(judge: Judge, claim: Claim, right: Value) -> FreeMotion | None:
+    """The motions for which a claim is to hold, where not for all."""
+    if judge.free_body is not None:
+        return judge.free_body.motion((claim.value, right))
+    return judge.free_motion if claim.target.family in _MAY_BE_FREE else None
+
+
+def _is_right_in_numbers(
+    judge: Judge, claim: Claim, right: Value, yours: Value, own: Value
+) -> bool:
+    """Whether an answer that has no symbol with a value is right with the model's values."""
+    setting = judge.setting
+    given = setting.symbols.model.parameters.items()
+    values = {name: setting.zero + exactly(x) for name, x in given if x is not None}
+    values.pop(setting.order.gravity or "", None)
+    numbers = FreeMotion(values)
+    if not values or any(map(numbers.concerns, (claim.value, right))):
+        return False
+    return difference(numbers.of(yours), numbers.of(own)).is_zero
+
+
 def _explained(
     judge: Judge, claim: Claim, right: Value, point: Point
 ) -> tuple[list[Mistake], list[str]]:
     """The changes that make it right, and what may have been thought."""
     work = Workspace(claim.node, point)
     thoughts = [x for x, thought in claim.target.thoughts if point.of(thought()) == work.value]
-    findings = _Changes(judge, claim, right, work, point.of(right)).simplest()
-    if not findings and claim.whole is not None:
+    thoughts += _of_free_body(judge, claim)
+    found = _Changes(judge, claim, right, work, point.of(right)).simplest(bool(thoughts))
+    if claim.whole is not None and [x.kind for x in found] != ["sign"]:
         whole = Workspace(claim.whole, point)
-        findings = _Changes(judge, claim, judge.setting.zero, whole, 0).simplest()
-    return findings, thoughts
+        other = _Changes(judge, claim, judge.setting.zero, whole, 0).simplest(bool(thoughts))
+        found = other if not found or [x.kind for x in other] == ["sign"] else found
+    return found, thoughts
+
+
+def _of_free_body(judge: Judge, claim: Claim) -> list[str]:
+    """What may have been thought of the forces on a free body: the first thought under which the
+    claim is right."""
+    if judge.free_body is None:
+        return []
+    sides = (claim.value, claim.target.compute())
+    for physics in THOUGHTS:
+        point = judge.free_body.motion(sides, physics).at(judge.point)
+        if point.of(sides[0]) == point.of(sides[1]):
+            return [physics.thought]
+    return []
 
 
 class _Changes(Explanation):
@@ -69,7 +107,13 @@ class _Changes(Explanation):
     def rows(self) -> Sequence[Difference]:
         return ()
 
-    def simplest(self) -> list[Mistake]:
-        """One change or several that make it right; none where none is found."""
+    def simplest(self, has_cause: bool) -> list[Mistake]:
+        """One change or several that make it right; none where none is found, and where the cause
+        is known only a likely one."""
         single = self._single()
-        return [single] if single is not None else self._several()
+        if single is None:
+            return [] if has_cause else self._several()
+        says_nothing = single.yours == self.claim.source[self.work.root.span]
+        if single.kind == "extra" and says_nothing:
+            return []
+        return [single] if not has_cause or single.kind in _LIKELY else []

@@ -21,6 +21,7 @@ from freebody.derivations.expressions.nodes import (
     Matrix,
     Number,
     Power,
+    Quotient,
     Span,
     nodes,
 )
@@ -237,8 +238,15 @@ class AnswerParser(Parser):
         if function == "sgn":
             node: Expression = Named(self.source[span], self._sign(argument), span=span)
         else:
-            node = Wave(function, *self.reader.angle(argument), span=span)
+            node = self._wave(function, argument, span)
         return node if exponent == 1 else Power(node, exponent, span=span)
+
+    def _wave(self, function: str, argument: Expression, span: Span) -> Expression:
+        """sin, cos or tan of a sum of angles."""
+        angle = self.reader.angle(argument)
+        if function != "tan":
+            return Wave(function, *angle, span=span)
+        return Quotient(Wave("sin", *angle, span=span), Wave("cos", *angle, span=span), span=span)
 
     def _argument(self, function: Token) -> Expression:
         """A bracket; or, without one, numbers and one angle: cos 2θ1."""

@@ -10,6 +10,7 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Any
 
+from freebody.derivations.check.letters_for_numbers import with_letters
 from freebody.derivations.check.quotients import Value
 from freebody.derivations.closed_chains.first_kind import FirstKind
 from freebody.derivations.closed_chains.linear import Ratio
@@ -18,6 +19,9 @@ from freebody.derivations.derive import multipliers
 from freebody.derivations.equations.equations import Equations, equations
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.grammar.parser import PI
+from freebody.derivations.methods.free_bodies import are_free, velocity_names
+from freebody.derivations.methods.free_body_steps import XYZ
+from freebody.derivations.methods.whole_bodies import symbols_of_bodies
 from freebody.derivations.notations.notation import BookNotation
 from freebody.derivations.polynomials.symbol_order import Order
 from freebody.derivations.polynomials.symbols import RATE, SECOND, Symbols, symbols
@@ -31,6 +35,9 @@ from freebody.scalars.trig import Trig, TrigRing
 
 FAMILIES = ("l", "lc", "m", "I")
 """Parameters that every link of a planar arm has in the notes."""
+
+FORCES = tuple(f"{letter}_{axis}" for letter in "fn" for axis in XYZ)
+"""Force and moment on a free body."""
 
 Weights = tuple[tuple[int, ...], ...]
 """A matrix of whole numbers."""
@@ -81,6 +88,12 @@ class RightEquations:
     def is_planar(self) -> bool:
         """Whether the model moves in the plane."""
         return self.symbols.model.dim == 2
+
+    @cached_property
+    def is_free_body(self) -> bool:
+        """Whether it is one body that nothing holds."""
+        symbols = self.equations.symbols
+        return _is_free_body(symbols.given or symbols.model)
 
     @property
     def joints(self) -> int:
@@ -261,9 +274,18 @@ def _bad(name: str, formula: str, problem: FreebodyError) -> FreebodyError:
 def equations_of(model: Model) -> Equations:
     """The closed-form equations; of a closed chain those of the tree that is left when its loops
     are cut, over a ring that holds the multipliers."""
+    if _is_free_body(model):
+        lettered = with_letters(model)
+        return Equations(
+            symbols_of_bodies("check", lettered, (*velocity_names(model), *FORCES), euler=True)
+        )
     if not model.loops:
         return equations(model)
     return Equations(symbols(model, extra=multipliers(model)))
+
+
+def _is_free_body(model: Model) -> bool:
+    return len(model.bodies) == 1 and are_free(model)
 
 
 def _of_each_link(plain: RightEquations, name: str, formula: str) -> Iterator[tuple[str, str]]:

@@ -5,17 +5,19 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from copy import copy
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NoReturn
 
+from freebody.derivations.check import free_body_names
 from freebody.derivations.check.answer_tree import Angle
+from freebody.derivations.check.dotted_names import spellings
 from freebody.derivations.check.quotients import Value
 from freebody.derivations.check.right_equations import FAMILIES, RightEquations
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.source import Source, Span
-from freebody.derivations.grammar.words import DOT, PRIME, spell
+from freebody.derivations.grammar.words import spell
 from freebody.derivations.polynomials.symbols import RATE, SECOND, names_by_body
 from freebody.errors import likely
 from freebody.identifiers import word_set
@@ -26,11 +28,11 @@ if TYPE_CHECKING:
 
 FUNCTIONS = {
     "sin": "sin", "Sin": "sin", "SIN": "sin", "cos": "cos", "Cos": "cos", "COS": "cos",
-    "sgn": "sgn", "sign": "sgn",
+    "tan": "tan", "Tan": "tan", "sgn": "sgn", "sign": "sgn",
     "Derivative": "Derivative", "diff": "Derivative", "Matrix": "Matrix", "array": "Matrix",
     "cross": "cross",
 }  # fmt: skip
-_NOT_POLYNOMIAL = word_set("tan cot sqrt exp log ln arctan atan atan2 asin acos arcsin arccos")
+_NOT_POLYNOMIAL = word_set("cot sqrt exp log ln arctan atan atan2 asin acos arcsin arccos")
 _SYNONYMS = {
     "lc": ("lC", "lG", "lg"),
     "I": ("Ic", "IC", "IG", "Izz", "IC"),
@@ -159,6 +161,8 @@ class Vocabulary:
         moving = (
             x for x in ring.names if re.fullmatch(r"theta\d+|d\d+", x) and x + RATE in ring.index
         )
+        if self.setting.is_free_body:
+            yield from free_body_names.symbols(self.setting)
         for name in [*s.coordinates, *moving]:
             yield from self._coordinate(name)
         for name in ring.names:
@@ -252,22 +256,9 @@ class Vocabulary:
                 yield "".join(x[-1] for x in names), names
 
     def _all_waves(self) -> Iterator[tuple[str, tuple[str, Angle]]]:
+        if self.setting.is_free_body:
+            yield from free_body_names.waves(self.setting)
         for numbers, names in self._subsets():
             for letter, function in (("c", "cos"), ("s", "sin")):
                 angle = tuple((x, 1) for x in sorted(names, key=self.setting.ring.angles.index))
                 yield letter + numbers, (function, angle)
-
-
-def spellings(letter: str, k: str, dots: int) -> Iterable[str]:
-    """Ways to write a letter with number k and dots: theta1_d, dtheta1, theta_dot_1, theta1',
-    θ̇₁."""
-    if dots == 0:
-        return (f"{letter}{k}",)
-    d, dot = "d" * dots, "d" * (dots - 1) + "dot"
-    return dict.fromkeys((
-        DOT * dots + f"{letter}{k}",
-        f"{letter}{k}{PRIME * dots}", f"{letter}{PRIME * dots}{k}",
-        f"{letter}{k}{d}", f"{d}{letter}{k}", f"{letter}{d}{k}",
-        f"{letter}{k}{dot}", f"{letter}{dot}{k}", f"{letter}{k}{'dot' * dots}",
-        f"{letter}{'dot' * dots}{k}",
-    ))  # fmt: skip

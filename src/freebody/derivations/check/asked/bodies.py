@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from freebody.derivations.check.asked.group import Named, QuantityGroup
-from freebody.derivations.check.asked.quantity import AskedQuantity, Table
+from freebody.derivations.check.asked.quantity import AskedQuantity, Mistaken, Table
 from freebody.derivations.check.body_quantities import BODY_QUANTITIES, BodyQuantity, numbers
-from freebody.derivations.check.vocabulary import spellings
+from freebody.derivations.check.dotted_names import spellings
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.relations.quantities import QuantityValues, branches
 from freebody.lazy import cached_property
@@ -23,6 +24,7 @@ class QuantitiesOfBodies(QuantityGroup):
 
     def single(self) -> Iterator[Named]:
         yield from self._entries()
+        yield from self._of_the_only_body()
         yield from self._coordinates_of_centres()
 
     def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
@@ -96,6 +98,45 @@ class QuantitiesOfBodies(QuantityGroup):
                 for entry in row:
                     if entry.axis or len(table) == 1:
                         yield (name + entry.axis,), entry
+
+    def _of_the_only_body(self) -> Iterator[Named]:
+        """ω_x, ω̇_x and M_x of the one body in space that has mass, as of a gyro."""
+        tree = self.setting.equations.symbols.tree
+        heavy = [
+            n for n in range(1, len(tree.bodies) + 1) if tree.bodies[tree.body_of[n - 1]].masses
+        ]
+        if self.setting.is_planar or len(heavy) != 1:
+            return
+        (n,) = heavy
+        for name, letters, dots in (
+            ("omega", ("omega", "w"), 0),
+            ("omega", ("omega", "w"), 1),
+            ("nc", ("M", "n", "N"), 0),
+        ):
+            column = self._vectors.get(next(iter(spellings(name, str(n), dots))), ())
+            for k, (entry,) in enumerate(column):
+                own = replace(entry, thoughts=self._of_spin(n, k)) if name == "nc" else entry
+                names = (spellings(letter, entry.axis, dots) for letter in letters)
+                yield tuple(itertools.chain.from_iterable(names)), own
+
+    def _of_spin(self, n: int, k: int) -> tuple[Mistaken, ...]:
+        """What may be thought of a component of I ω̇ + ω × I ω."""
+
+        def plain() -> Trig:
+            known = self._bodies[n - 1]
+            row, rates = known[f"I{n}"][k], known[f"omega{n}_d"]
+            zero = self.setting.equations.symbols.zero()
+            total = sum((a * b for a, b in zip(row, rates, strict=True)), zero)
+            return self.setting.element(total)
+
+        def flipped() -> Trig:
+            return plain() * 2 - self._part(n, f"nc{n}", k)()
+
+        law = "I ω̇ + ω × I ω = n."
+        return (
+            (f"The gyroscopic moment has the wrong sign: {law}", flipped),
+            (f"The gyroscopic moment is missing: {law}", plain),
+        )
 
     def _coordinates_of_centres(self) -> Iterator[Named]:
         """x_c2, ẋ_c2, ẍ_c2: r_c2, v_c2 and a_c2 by components. In space the last two have those

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cache
 
-from freebody.derivations.check.asked.quantity import AskedQuantity, Table
+from freebody.derivations.check.asked.quantity import AskedQuantity, Mistaken, Table
 from freebody.derivations.check.quotients import Value, over
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.closed_chains.linear import Entries, solved
@@ -33,7 +33,7 @@ def inverse(
         def value() -> Value:
             return over(made()[0][i][j], made()[1])
 
-        thoughts: list[tuple[str, Callable[[], Value]]] = [(_UNDIVIDED, lambda: made()[0][i][j])]
+        thoughts: list[Mistaken] = [(_UNDIVIDED, lambda: made()[0][i][j])]
         if i != j:
             thoughts.insert(0, (_TRANSPOSED, lambda: over(made()[0][j][i], made()[1])))
         return AskedQuantity(

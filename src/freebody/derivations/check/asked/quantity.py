@@ -8,6 +8,9 @@ from dataclasses import dataclass
 from freebody.derivations.check.quotients import Value
 from freebody.scalars.trig import Trig
 
+Mistaken = tuple[str, Callable[[], Value]]
+"""A sentence about what may have been thought, and the value under it."""
+
 
 @dataclass(frozen=True)
 class AskedQuantity:
@@ -25,7 +28,7 @@ class AskedQuantity:
     """Of a body's vector: x, y or z."""
     words: str = ""
     """What it is, where its family alone does not tell."""
-    thoughts: tuple[tuple[str, Callable[[], Value]], ...] = ()
+    thoughts: tuple[Mistaken, ...] = ()
     """What it is often mistaken for: a sentence that says so, and its value."""
 
     def polynomial(self) -> Trig:

@@ -1,0 +1,77 @@
+"""Letters for the numbers of a model with one body, as answers have them: m, I_x, l."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Collection
+from dataclasses import replace
+from typing import Any
+
+from freebody.derivations.methods.free_body_steps import thrusts_of
+from freebody.model.bodies import Frame
+from freebody.model.model import Model
+from freebody.model.parameters import Parameter
+from freebody.model.placement import AxisRotation, Placement, Shift
+
+LETTERS = ("Ix", "Ixy", "Ixz", "Iy", "Iyz", "Iz")
+"""Of the entries of an inertia tensor, as it is stored."""
+MASS, ARM = "m", "l"
+
+
+_LETTERED = re.compile(r"[IJ](?:_\{?[xyz]|[xyz]{1,2}(?![a-z]))")
+
+
+def as_written(model: Model, text: str) -> Model:
+    """The model with letters for numbers where a text has such letters."""
+    return with_letters(model) if model.dim == 3 and _LETTERED.search(text) else model
+
+
+def with_letters(model: Model) -> Model:
+    """The model with m, Ix, Iy, Iz and l for the numbers of its one body with mass and for the one
+    distance of what pushes it, as answers have them; their values are kept."""
+    own = [k for k, body in enumerate(model.bodies) if body.inertias]
+    if len(own) != 1 or len(model.bodies[own[0]].inertias) != 1:
+        return model
+    taken = set(model.parameters)
+
+    def letter(name: str, x: Any) -> Any:
+        return Parameter(name, x) if isinstance(x, float) and x and name not in taken else x
+
+    body = model.bodies[own[0]]
+    (part,) = body.inertias
+    tensor = tuple(map(letter, LETTERS, part.inertia.tensor))
+    inertia = replace(part.inertia, mass=letter(MASS, part.inertia.mass), tensor=tensor)
+    bodies = list(model.bodies)
+    bodies[own[0]] = replace(body, inertias=(replace(part, inertia=inertia),))
+    return replace(model, bodies=tuple(bodies), frames=_with_one_arm(model, taken))
+
+
+def _with_one_arm(model: Model, taken: Collection[str]) -> tuple[Frame, ...]:
+    """The frames, with l for the one distance of those that are mounted along x or y."""
+    pushing = set(thrusts_of(model).values())
+    shifts = {frame: _shift_of(frame) for frame in pushing}
+    distances = {math.hypot(*by) for by in shifts.values() if by is not None}
+    if ARM in taken or None in shifts.values() or len(distances) != 1:
+        return model.frames
+    arm = Parameter(ARM, distances.pop())
+
+    def placed(frame: Frame) -> Frame:
+        by = shifts.get(frame)
+        if by is None:
+            return frame
+        angle = math.atan2(by[1], by[0])
+        steps = (AxisRotation("z", angle), Shift((arm, 0.0, 0.0)), AxisRotation("z", -angle))
+        return replace(frame, placement=Placement(steps))
+
+    return tuple(map(placed, model.frames))
+
+
+def _shift_of(frame: Frame) -> tuple[float, ...] | None:
+    """Where a frame is, along x or along y of its body; None of one elsewhere or turned."""
+    steps = frame.placement.steps
+    if len(steps) != 1 or not isinstance(steps[0], Shift):
+        return None
+    by = tuple(x for x in steps[0].by if isinstance(x, float))
+    along = len(by) == 3 and by[2] == 0.0 and (by[0] == 0.0) != (by[1] == 0.0)
+    return by if along else None
