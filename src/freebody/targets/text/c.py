@@ -22,8 +22,8 @@ from freebody.targets.text.language import (
     numbered,
     single,
 )
-from freebody.targets.text.pieces import Piece, cut
-from freebody.targets.text.statements import ProgramWords, Spelling, lines, statements, words_of
+from freebody.targets.text.pieces import body_in_parts, refusal
+from freebody.targets.text.statements import ProgramWords, Spelling, words_of
 from freebody.targets.text.unit import Unit
 
 LONGEST = 4000
@@ -182,52 +182,28 @@ def _wrapped(name: str, parameters: Collection[str]) -> str:
 
 def _definitions(unit: Unit, dialect: _Dialect) -> list[str]:
     """The function, after what it calls."""
-    words, spelling = words_of(unit, RESERVED), _spelling(dialect)
-    pieces, slots = cut(statements(unit, words, spelling, RESERVED), LONGEST)
-    parameters = _parameters(unit, words, dialect.t)
-    made = [dialect.filled(text) for text in (*helpers(unit.program, _HELPERS), _CHECKS)]
-    body = _checks(unit, words, dialect)
-    if len(pieces) == 1:
-        body += lines(pieces[0].statements, spelling, "    ")
-    else:
-        body.append(f"    {dialect.t} w[{max(slots, 1)}];")
-        for k, piece in enumerate(pieces):
-            called, used = f"{words.function}_part{k + 1}", piece.arguments(list(parameters))
-            made.append(_part(called, piece, [parameters[x] for x in used], dialect, spelling))
-            body.append(f"    {called}({', '.join([*used, 'w'])});")
-    made.append("\n".join([_prototype(unit, dialect), "{", *body, "    return 0;", "}"]) + "\n")
-    return made
+    words, t = words_of(unit, RESERVED), dialect.t
+    parameters = _parameters(unit, words, t)
 
+    def part(name: str, used: list[str], inner: list[str], slots: int) -> str:
+        given = [*(parameters[x] for x in used), f"{t} *w"]
+        idle = [] if any("w[" in text for text in inner) else ["    (void)w;"]
+        head = _wrapped(f"{dialect.before}void {name}", given)
+        return "\n".join([head, "{", *inner, *idle, "}\n"])
 
-def _part(
-    name: str, piece: Piece, parameters: list[str], dialect: _Dialect, spelling: Spelling
-) -> str:
-    t = dialect.t
-    return "\n".join(
-        [
-            _wrapped(f"{dialect.before}void {name}", [*parameters, f"{t} *w"]),
-            "{",
-            *(f"    const {t} {word} = w[{slot}];" for word, slot in piece.loads),
-            *lines(piece.statements, spelling, "    "),
-            *(f"    w[{slot}] = {word};" for word, slot in piece.stores),
-            *([] if piece.loads or piece.stores else ["    (void)w;"]),
-            "}\n",
-        ]
+    call, workspace = "{}({});", (f"{t} w[{{}}];", "w")
+    made, body = body_in_parts(
+        unit, words, _spelling(dialect), RESERVED, LONGEST, list(parameters), part, call, workspace
     )
-
-
-def _checks(unit: Unit, words: ProgramWords, dialect: _Dialect) -> list[str]:
-    """What answers a call with an input that is not finite."""
-    program = unit.program
-    tests = [
-        f"all_finite({a.size}, {word if a.shape else f'&{word}'})"
-        for word, a in zip(words.inputs, program.inputs, strict=True)
-    ]
-    fills = [
-        f"        fill({a.size}, {word});"
-        for word, a in zip(words.outputs, program.outputs, strict=True)
-    ]
-    return [f"    if (!({' && '.join(tests) or '1'})) {{", *fills, "        return 1;", "    }"]
+    finite, fill = "all_finite({size}, {word})", "fill({size}, {word});"
+    checks = refusal(
+        unit, words, (finite, "all_finite({size}, &{word})"), (fill, fill),
+        ("if (!({})) {{", "return 1;", "}"),
+    )  # fmt: skip
+    texts = [*helpers(unit.program, _HELPERS), *([_CHECKS] if words.inputs else [])]
+    before = [dialect.filled(text) for text in texts]
+    whole = [_prototype(unit, dialect), "{", *checks, *body, "    return 0;", "}\n"]
+    return [*before, *made, "\n".join(whole)]
 
 
 _USE = (

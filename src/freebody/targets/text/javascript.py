@@ -13,8 +13,8 @@ from freebody.targets.text.language import (
     number,
     number_lists,
 )
-from freebody.targets.text.pieces import Piece, cut
-from freebody.targets.text.statements import ProgramWords, Spelling, lines, statements, words_of
+from freebody.targets.text.pieces import body_in_parts, refusal
+from freebody.targets.text.statements import Spelling, words_of
 from freebody.targets.text.unit import Unit
 
 LONGEST = 800
@@ -63,47 +63,27 @@ _SPELLING = Spelling(
 
 def _definitions(unit: Unit, export: str = "") -> list[str]:
     """The function, after what it calls."""
-    words = words_of(unit, RESERVED)
-    pieces, slots = cut(statements(unit, words, _SPELLING, RESERVED), LONGEST)
-    made = [_CHECKS]
-    body = _checks(unit, words)
-    if len(pieces) == 1:
-        body += lines(pieces[0].statements, _SPELLING, "  ")
-    else:
-        made.append(f"const w = new Float64Array({slots});\n")
-        for k, piece in enumerate(pieces):
-            called, used = (
-                f"{words.function}_part{k + 1}",
-                piece.arguments([*words.inputs, *words.outputs]),
-            )
-            made.append(_part(called, piece, used))
-            body.append(f"  {called}({', '.join(used)});")
+    words, room = words_of(unit, RESERVED), 0
+
+    def part(name: str, used: list[str], inner: list[str], slots: int) -> str:
+        nonlocal room
+        room = slots
+        return "\n".join([f"function {name}({', '.join(used)}) {{", *inner, "}\n"])
+
+    order = [*words.inputs, *words.outputs]
+    made, body = body_in_parts(
+        unit, words, _SPELLING, RESERVED, LONGEST, order, part, "{}({});", indent="  "
+    )
     outs = zip(words.outputs, unit.program.outputs, strict=True)
     given = [*words.inputs, *(f"{word} = new Float64Array({a.size})" for word, a in outs)]
-    returned = words.outputs[0] if len(words.outputs) == 1 else f"[{', '.join(words.outputs)}]"
     head = f"{export}function {words.function}({', '.join(given)}) {{"
-    made.append("\n".join([head, *body, f"  return {returned};", "}\n"]))
-    return made
-
-
-def _part(name: str, piece: Piece, used: list[str]) -> str:
-    loads = [f"  const {word} = w[{slot}];" for word, slot in piece.loads]
-    stores = [f"  w[{slot}] = {word};" for word, slot in piece.stores]
-    head = f"function {name}({', '.join(used)}) {{"
-    return "\n".join([head, *loads, *lines(piece.statements, _SPELLING, "  "), *stores, "}\n"])
-
-
-def _checks(unit: Unit, words: ProgramWords) -> list[str]:
-    """What answers a call with an input that is not finite."""
-    tests = [
-        f"all_finite({a.size}, {word})" if a.shape else f"Number.isFinite({word})"
-        for word, a in zip(words.inputs, unit.program.inputs, strict=True)
-    ]
-    fills = [f"    {word}.fill(NaN);" for word in words.outputs]
     returned = words.outputs[0] if len(words.outputs) == 1 else f"[{', '.join(words.outputs)}]"
-    if not tests:
-        return []
-    return [f"  if (!({' && '.join(tests)})) {{", *fills, f"    return {returned};", "  }"]
+    finite, blank = ("all_finite({size}, {word})", "Number.isFinite({word})"), "{word}.fill(NaN);"
+    around = "if (!({})) {{", f"return {returned};", "}"
+    checks = refusal(unit, words, finite, (blank, blank), around, "  ")
+    before = [_CHECKS, f"const w = new Float64Array({room});\n"] if room else [_CHECKS]
+    whole = "\n".join([head, *checks, *body, f"  return {returned};", "}\n"])
+    return [*before, *made, whole]
 
 
 _USE = (

@@ -17,8 +17,8 @@ from freebody.targets.text.language import (
     numbered,
     single,
 )
-from freebody.targets.text.pieces import cut
-from freebody.targets.text.statements import ProgramWords, Spelling, lines, statements, words_of
+from freebody.targets.text.pieces import body_in_parts, refusal
+from freebody.targets.text.statements import Spelling, words_of
 from freebody.targets.text.unit import Unit
 
 LONGEST = 4000
@@ -84,43 +84,24 @@ def _type(unit: Unit) -> str:
 
 
 def _definitions(unit: Unit) -> list[str]:
-    words, spelling = words_of(unit, RESERVED), _spelling(unit)
-    pieces, slots = cut(statements(unit, words, spelling, RESERVED), LONGEST)
+    """The function, after what it calls."""
+    words = words_of(unit, RESERVED)
     order = [*words.outputs, *words.inputs]
-    made, body = helpers(unit.program, _HELPERS), _checks(unit, words)
-    if len(pieces) == 1:
-        body += lines(pieces[0].statements, spelling, "    ")
-    else:
-        body.append(f"    w = zeros({_type(unit)}, {slots})")
-        for k, piece in enumerate(pieces):
-            called, used = f"{words.function}_part{k + 1}!", [*piece.arguments(order), "w"]
-            loads = [f"    {word} = w[{slot + 1}]" for word, slot in piece.loads]
-            stores = [f"    w[{slot + 1}] = {word}" for word, slot in piece.stores]
-            inner = [
-                *loads,
-                *lines(piece.statements, spelling, "    "),
-                *stores,
-                "    return nothing",
-            ]
-            made.append("\n".join([f"function {called}({', '.join(used)})", *inner, "end\n"]))
-            body.append(f"    {called}({', '.join(used)})")
-    head = f"function {words.function}!({', '.join(order)})"
-    made.append("\n".join([head, *body, "    return true", "end\n"]))
-    return made
 
+    def part(name: str, used: list[str], inner: list[str], slots: int) -> str:
+        head = f"function {name}!({', '.join([*used, 'w'])})"
+        return "\n".join([head, *inner, "    return nothing", "end\n"])
 
-def _checks(unit: Unit, words: ProgramWords) -> list[str]:
-    """What answers a call with an input that is not finite."""
-    tests = [
-        f"all(isfinite, {word})" if a.shape else f"isfinite({word})"
-        for word, a in zip(words.inputs, unit.program.inputs, strict=True)
-    ]
-    fills = [f"        {word} .= NaN" for word in words.outputs]
-    return (
-        [f"    if !({' && '.join(tests)})", *fills, "        return false", "    end"]
-        if tests
-        else []
+    call, workspace = "{}!({})", (f"w = zeros({_type(unit)}, {{}})", "w")
+    made, body = body_in_parts(
+        unit, words, _spelling(unit), RESERVED, LONGEST, order, part, call, workspace, first=1
     )
+    head = f"function {words.function}!({', '.join(order)})"
+    finite, blank = ("all(isfinite, {word})", "isfinite({word})"), "{word} .= NaN"
+    around = "if !({})", "return false", "end"
+    checks = refusal(unit, words, finite, (blank, blank), around)
+    whole = "\n".join([head, *checks, *body, "    return true", "end\n"])
+    return [*helpers(unit.program, _HELPERS), *made, whole]
 
 
 _USE = (

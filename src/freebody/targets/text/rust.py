@@ -16,8 +16,8 @@ from freebody.targets.text.language import (
     numbered,
     single,
 )
-from freebody.targets.text.pieces import Piece, cut
-from freebody.targets.text.statements import ProgramWords, Spelling, lines, statements, words_of
+from freebody.targets.text.pieces import body_in_parts, refusal
+from freebody.targets.text.statements import ProgramWords, Spelling, words_of
 from freebody.targets.text.unit import Unit
 
 LONGEST = 4000
@@ -92,56 +92,25 @@ def _parameters(unit: Unit, words: ProgramWords) -> dict[str, str]:
 def _definitions(unit: Unit) -> list[str]:
     """The function, after what it calls."""
     words, spelling, t = words_of(unit, RESERVED), _spelling(unit), _type(unit)
-    pieces, slots = cut(statements(unit, words, spelling, RESERVED), LONGEST)
     parameters = _parameters(unit, words)
-    made = [text.format(t=t) for text in helpers(unit.program, _HELPERS)]
-    body = _checks(unit, words)
-    if len(pieces) == 1:
-        body += lines(pieces[0].statements, spelling, "    ")
-    else:
-        body.append(f"    let mut w = [0.0; {slots}];")
-        for k, piece in enumerate(pieces):
-            called, used = f"{words.function}_part{k + 1}", piece.arguments(list(parameters))
-            made.append(
-                _part(
-                    called,
-                    piece,
-                    [*(parameters[x] for x in used), f"w: &mut [{t}; {slots}]"],
-                    spelling,
-                )
-            )
-            body.append(f"    {called}({', '.join([*used, '&mut w'])});")
-    head = f"{_ALLOW}\npub fn {words.function}({', '.join(parameters.values())}) -> bool {{"
-    made.append("\n".join([head, *body, "    true", "}\n"]))
-    return made
 
+    def part(name: str, used: list[str], inner: list[str], slots: int) -> str:
+        given = [*(parameters[x] for x in used), f"w: &mut [{t}; {slots}]"]
+        return "\n".join([f"{_ALLOW}\nfn {name}({', '.join(given)}) {{", *inner, "}\n"])
 
-def _part(name: str, piece: Piece, parameters: list[str], spelling: Spelling) -> str:
-    return "\n".join(
-        [
-            f"{_ALLOW}\nfn {name}({', '.join(parameters)}) {{",
-            *(f"    let {word} = w[{slot}];" for word, slot in piece.loads),
-            *lines(piece.statements, spelling, "    "),
-            *(f"    w[{slot}] = {word};" for word, slot in piece.stores),
-            "}\n",
-        ]
+    call, workspace = "{}({});", ("let mut w = [0.0; {}];", "&mut w")
+    made, body = body_in_parts(
+        unit, words, spelling, RESERVED, LONGEST, list(parameters), part, call, workspace
     )
-
-
-def _checks(unit: Unit, words: ProgramWords) -> list[str]:
-    """What answers a call with an input that is not finite."""
-    tests = [
-        f"{word}.iter().all(|x| x.is_finite())" if a.shape else f"{word}.is_finite()"
-        for word, a in zip(words.inputs, unit.program.inputs, strict=True)
-    ]
-    nan = f"{_type(unit)}::NAN"
-    fills = [
-        f"        {word}.fill({nan});" if a.shape else f"        *{word} = {nan};"
-        for word, a in zip(words.outputs, unit.program.outputs, strict=True)
-    ]
-    if not tests:
-        return []
-    return [f"    if !({' && '.join(tests)}) {{", *fills, "        return false;", "    }"]
+    head = f"{_ALLOW}\npub fn {words.function}({', '.join(parameters.values())}) -> bool {{"
+    checks = refusal(
+        unit, words,
+        ("{word}.iter().all(|x| x.is_finite())", "{word}.is_finite()"),
+        (f"{{word}}.fill({t}::NAN);", f"*{{word}} = {t}::NAN;"),
+        ("if !({}) {{", "return false;", "}"),
+    )  # fmt: skip
+    before = [text.format(t=t) for text in helpers(unit.program, _HELPERS)]
+    return [*before, *made, "\n".join([head, *checks, *body, "    true", "}\n"])]
 
 
 _USE = (
