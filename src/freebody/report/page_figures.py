@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from freebody.report.study import Study
 
 _TOGETHER = 8  # curves that one picture holds
+_MAP = 520.0  # height of a map, pixels
 
 
 @dataclass(frozen=True)
@@ -139,7 +140,7 @@ def lifting(study: Study) -> Iterator[CaptionedDrawing]:
     if found is not None:
         drawing, words = found
         yield CaptionedDrawing(
-            picture(drawing, PANEL, TALLEST).text(css=False),
+            picture(drawing, PANEL, _MAP).text(css=False),
             f"In the upright plane of the worst instant, {study.tip} {words}; at each point the "
             f"best of all postures that reach it. Blank points are out of reach within the joint "
             f"limits.",

@@ -62,17 +62,11 @@ class Printed:
         elif self.unit is not None:
             units = [self.unit] * len(names)
         same = len(set(units)) == 1
-        cells = [
-            PrintedNumber(
-                float(x),
-                self.variable,
-                {dim: name, **dict(self.at)},
-                "" if same else unit,
-                scale,
-                bar=float(x) if limited else None,
-            )
-            for x, name, unit in zip(values, names, units, strict=True)
-        ]
+        cells: list[Cell] = []
+        for x, name, unit in zip(map(float, values), names, units, strict=True):
+            at, own = {dim: name, **dict(self.at)}, "" if same else unit
+            bar = x if limited else None
+            cells.append(PrintedNumber(x, self.variable, at, own, scale, bar=bar))
         repeated = of.meaning == self.title.lower()
         tip = self.tip if self.tip is not None else "" if repeated else of.meaning
         return Head(self.title, units[0] if same else "", tip), cells
@@ -170,17 +164,10 @@ def gravity(study: Study) -> ReportTable | None:
         "Worst pose": "worst_gravity_torque",
         "Worst / limit": "worst_gravity_fraction",
     }
-    positions = study.model.position_names
-    pose = [
-        Printed(
-            f"q{k}",
-            "worst_gravity_pose",
-            (("position", name),),
-            unit="",
-            tip=f"{name} in the worst pose, rad or m",
-        )
-        for k, name in enumerate(positions if len(positions) <= _POSE else (), 1)
-    ]
+    positions, pose = study.model.position_names, []
+    for k, name in enumerate(positions if len(positions) <= _POSE else (), 1):
+        tip, at = f"{name} in the worst pose, rad or m", (("position", name),)
+        pose.append(Printed(f"q{k}", "worst_gravity_pose", at, unit="", tip=tip))
     return _by_coordinate("Torque needed to hold against gravity", study, names, columns, pose)
 
 
@@ -207,10 +194,8 @@ def reactions(study: Study) -> ReportTable:
 def checks(study: Study) -> ReportTable:
     """Each check with its value and bar."""
     names, book = [c.name for c in study.checks], facts(study)
-    results = [
-        WordsCell("passed" if c.passed else "failed", css="ok" if c.passed else "bad")
-        for c in study.checks
-    ]
+    said = {True: WordsCell("passed", css="ok"), False: WordsCell("failed", css="bad")}
+    results = [said[check.passed] for check in study.checks]
     columns: list[Column] = [(Head("Result", number=False), results)]
     for title, variable in (("Value", "check_value"), ("Allowed", "check_bar")):
         head, cells = Printed(title, variable).column(study, book, "check", names)
@@ -219,50 +204,41 @@ def checks(study: Study) -> ReportTable:
     return _listed("The same quantity computed in two ways", "Check", names, columns)
 
 
+_COMPONENTS = (
+    ("force", "F", "N", "axis", ""),
+    ("moment", "M", "N m", "moment_axis", "about the point where the force acts"),
+)
+"""Of a load: what, its letter and unit, the dimension of its components, what is told of them."""
+
+
 def loads(study: Study, body: BodyLoads) -> ReportTable:
     """Components of all that acts on a body at the worst instant, world axes."""
-    forces, moments = _axes(study, "axis"), _axes(study, "moment_axis")
     symbols = [
         Markup(html(load.name) + (f", {html(load.moment_name)}" if load.moment_name else ""))
         for load in body.loads
     ]
     columns = [_words("exerted by", [load.other for load in body.loads])]
-    for j, axis in enumerate(forces):
-        cells: list[Cell] = [_force(study, body, load, axis, j) for load in body.loads]
-        columns.append((Head(f"F{axis}", "N"), cells))
-    for j, axis in enumerate(moments):
-        head = Head(f"M{axis}", "N m", "about the point where the force acts")
-        columns.append((head, [_moment(study, load, axis, j) for load in body.loads]))
+    for what, letter, unit, dim, tip in _COMPONENTS:
+        for j, axis in enumerate(_axes(study, dim)):
+            cells = [_component(study, body, load, what, {dim: axis}, j) for load in body.loads]
+            columns.append((Head(f"{letter}{axis}", unit, tip), cells))
     return _listed("", "Load", symbols, columns)
 
 
-def _force(study: Study, body: BodyLoads, load: Load, axis: str, j: int) -> Cell:
-    """A component of a reaction or a weight."""
-    if load.joint is None:
-        return PrintedNumber(
-            float(load.force[j]), "body_weight", {"body": body.body.name, "axis": axis}
-        )
-    return _reaction(study, "reaction_force", load, {"axis": axis}, float(load.force[j]))
-
-
-def _moment(study: Study, load: Load, axis: str, j: int) -> Cell:
-    if load.joint is None:
+def _component(
+    study: Study, body: BodyLoads, load: Load, what: str, axis: dict[str, str], j: int
+) -> Cell:
+    """Of a reaction on the child as in the data, on the parent its opposite; of a weight, which has
+    no moment."""
+    value = float(getattr(load, what)[j])
+    if load.joint is not None:
+        sign = -1.0 if load.role == "counter" else 1.0
+        joint = study.model.reaction_names[load.joint]
+        at: dict[str, str | int] = {"time": study.worst.index, "joint": joint, **axis}
+        return PrintedNumber(sign * value, f"reaction_{what}", at, scale=sign)
+    if what == "moment":
         return WordsCell("", css="n")
-    return _reaction(study, "reaction_moment", load, {"moment_axis": axis}, float(load.moment[j]))
-
-
-def _reaction(
-    study: Study, variable: str, load: Load, axis: dict[str, str | int], value: float
-) -> PrintedNumber:
-    """On the child as in the data; on the parent its opposite."""
-    sign = -1.0 if load.role == "counter" else 1.0
-    assert load.joint is not None
-    at: dict[str, str | int] = {
-        "time": study.worst.index,
-        "joint": study.model.reaction_names[load.joint],
-        **axis,
-    }
-    return PrintedNumber(sign * value, variable, at, scale=sign)
+    return PrintedNumber(value, "body_weight", {"body": body.body.name, **axis})
 
 
 def _kind(joint: Joint) -> str:
@@ -274,12 +250,9 @@ def _words(title: str, texts: Iterable[str], css: str = "") -> Column:
 
 
 def _by_coordinate(
-    caption: str,
-    study: Study,
-    names: Sequence[str],
-    titles: Mapping[str, str],
+    caption: str, study: Study, names: Sequence[str], titles: Mapping[str, str],
     more: Iterable[Printed] = (),
-) -> ReportTable:
+) -> ReportTable:  # fmt: skip
     """Rows are coordinates, numbered as in the drawings; columns without any finite number are left
     out. titles: of the columns, with their variables."""
     book = xr.merge([study.summary, facts(study)], compat="no_conflicts", combine_attrs="drop")
@@ -293,12 +266,9 @@ def _by_coordinate(
 
 
 def _listed(
-    caption: str,
-    title: str,
-    names: Iterable[str],
-    columns: Sequence[Column],
+    caption: str, title: str, names: Iterable[str], columns: Sequence[Column],
     numbers: Iterable[int] | None = None,
-) -> ReportTable:
+) -> ReportTable:  # fmt: skip
     """Named rows with numbers, by default from 1."""
     first: list[Cell] = [WordsCell(name, strong=True) for name in names]
     counted = range(1, len(first) + 1) if numbers is None else numbers
@@ -309,3 +279,7 @@ def _listed(
 
 def _axes(study: Study, name: str) -> list[str]:
     return [str(axis) for axis in study.data[name].values]
+
+
+TABLES = (drives, work, ranges, bodies, gravity, reactions, checks)
+"""Those of the page, by the names of their functions."""
