@@ -62,6 +62,23 @@ def check(
             "latex, notebook or python.",
         ),
     ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--at",
+            metavar="STATE",
+            help="The state of results that are numbers, such as 'theta1 = 30 deg, theta2 = 0, "
+            "theta1_d = 2 rad/s'; the answer may say it itself.",
+        ),
+    ] = None,
+    tolerance: Annotated[
+        float | None,
+        typer.Option(
+            "--tolerance",
+            metavar="SHARE",
+            help="How far numbers may be off, 0.01 for 1 %; without it as their digits tell.",
+        ),
+    ] = None,
 ) -> None:
     """Compare your own equations (tau1, H12, c1, G1, J11, T, V, …) with the robot's, and name the
     mistakes.
@@ -78,7 +95,14 @@ def check(
     try:
         with terminal.progress("comparing"):
             verdict = verdict_on(
-                model, own, meanings, absolute=absolute, form=form, notation=notation
+                model,
+                own,
+                meanings,
+                absolute=absolute,
+                form=form,
+                notation=notation,
+                at=", ".join(at) if at else None,
+                tolerance=tolerance,
             )
     except FileError as error:
         if error.path != str(own):

@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from freebody.derivations.check.answer_text import AnswerError
+from freebody.derivations.check.answer_text import AnswerError, AnswerText
 from freebody.derivations.check.asked_quantities import Targets, letters_of
 from freebody.derivations.check.claims import statements
 from freebody.derivations.check.documents import FORMS, AnswerDocument, form_of
 from freebody.derivations.check.equation_verdict import Judge
 from freebody.derivations.check.letters_for_numbers import as_written
+from freebody.derivations.check.number_verdict import NumberJudge
 from freebody.derivations.check.right_equations import equations_of, in_notation
-from freebody.derivations.check.verdict import Verdict
+from freebody.derivations.check.verdict import EquationVerdict, UnreadEquation, Verdict
+from freebody.derivations.grammar.source import Span
 from freebody.derivations.notations.notation import BookNotation, notation_of
 from freebody.errors import UnknownNameError
 from freebody.formats import read_file
 from freebody.model.model import Model
+from freebody.scalars.trig import Trig
 
 MOST_EXPLAINED = 12
 """Wrong equations of one answer that are looked into."""
@@ -35,6 +39,8 @@ def check(
     absolute: bool = False,
     form: str | None = None,
     notation: str | PathLike[str] | BookNotation | None = None,
+    at: Mapping[str, float | str] | str | None = None,
+    tolerance: float | None = None,
 ) -> Verdict:
     """Whether an answer is equal to the model's own equations, and if not, where and why.
 
@@ -64,25 +70,59 @@ def check(
     move) and "u = …" the only drive. C may be any matrix with C q̇ = c, given by whole rows. Where
     the model has values, a term may be in numbers: each is read to half a unit of its last digit.
 
+    at: the state of results that are numbers, in SI units or with others: {"theta1": 0.5,
+    "theta2_d": "30 deg/s"}, or as text, "θ₁ = 30°, θ̇₂ = 2 rad/s"; also parameters that the model
+    gives no value. The answer may say it itself, "tau1 = 12.3 N m at θ₁ = 30°, …". A number is
+    right to half a unit of its last digit, to the tolerance behind it (12.3 ± 0.2 N m), or to the
+    share `tolerance` of the right one; without unit it is in SI units.
+
     The text is parsed, never run; raises AnswerError, which points at the place, for what cannot be
     read, and for a quantity that is given by itself. The comparison is exact: forms that are equal
     are found equal. The verdict is true when all equations are, and none about the robot's
     quantities was left unread; `.text` says it in words, `.findings` lists the mistakes.
     """
+    if tolerance is not None and not 0 <= tolerance < 1:
+        raise AnswerError(f"tolerance is a share from 0 to 1, such as 0.01, not {tolerance}")
     style = notation_of(notation)
     document = document_of(answer, form)
     written = as_written(model, document.formulas)
     where = in_notation(equations_of(written), style, absolute)
-    said = statements(where, document, names or {}, style)
+    said = statements(where, document, names or {}, style, at)
     velocity = any(claim.target.family == "h" for claim in said.claims)
-    judge = Judge(where, Targets(where, velocity, letters_of(style)), said.claims)
-    judged, wrong = [], 0
+    targets = Targets(where, velocity, letters_of(style))
+    numbers = NumberJudge(where, targets, said.numbers, tolerance)
+    judge = Judge(where, targets, said.claims, numbers)
+    judged, unread = list[EquationVerdict](), list(said.unread)
     for claim in said.claims:
-        verdict = judge.verdict(claim, explain=wrong < MOST_EXPLAINED)
-        place = claim.source.where(claim.node.span[0]) if document.tells_lines else ""
-        judged.append(replace(verdict, where=place))
-        wrong += not verdict.equal
-    return Verdict(tuple(judged), model.name, said.unused, said.unread)
+        explain = sum(not x.equal for x in judged) < MOST_EXPLAINED
+        with _leaving_out(document, claim.source, claim.node.span, unread):
+            verdict = judge.verdict(claim, explain)
+            place = claim.source.where(claim.node.span[0]) if document.tells_lines else ""
+            judged.append(replace(verdict, where=place))
+    for span in numbers.unused(said.claims):
+        source = said.claims[0].source
+        with _leaving_out(document, source, span, unread):
+            source.fail("a unit, a tolerance or a state stands behind what is no result", span)
+    if at and not any(isinstance(x.value, Trig) and x.value.is_constant for x in said.claims):
+        raise AnswerError("at: a state is given, but none of the results is a number")
+    return Verdict(
+        tuple(judged), model.name, said.unused, tuple(sorted(unread, key=lambda row: row.at))
+    )
+
+
+@contextmanager
+def _leaving_out(
+    document: AnswerDocument, source: AnswerText, span: Span, unread: list[UnreadEquation]
+) -> Iterator[None]:
+    """Of a document, note what cannot be judged, and go on."""
+    try:
+        yield
+    except AnswerError as problem:
+        if document.strict:
+            raise
+        unread.append(
+            UnreadEquation(span[0], source.where(span[0]), source[span], problem.bare, True)
+        )
 
 
 def document_of(answer: Any, form: str | None) -> AnswerDocument:

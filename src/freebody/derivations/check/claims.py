@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from freebody.derivations.check import own_names
 from freebody.derivations.check.answer_lines import DocumentReader, Line
@@ -17,8 +17,10 @@ from freebody.derivations.check.circular_answers import refuse_circles
 from freebody.derivations.check.claim_reader import Claim, ClaimReader
 from freebody.derivations.check.documents.answer_document import AnswerDocument, FormulaPiece
 from freebody.derivations.check.right_equations import RightEquations
+from freebody.derivations.check.states import StateReader
 from freebody.derivations.check.verdict import UnreadEquation
 from freebody.derivations.check.vocabulary import Vocabulary
+from freebody.derivations.check.written_numbers import WrittenNumbers, taken_from
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.source import Source
@@ -36,6 +38,7 @@ class Statements:
     claims: list[Claim]
     unused: tuple[str, ...]
     unread: tuple[UnreadEquation, ...] = ()
+    numbers: WrittenNumbers = WrittenNumbers()
 
 
 def statements(
@@ -43,8 +46,9 @@ def statements(
     document: AnswerDocument,
     names: Mapping[str, str],
     notation: BookNotation,
+    at: Mapping[str, Any] | str | None = None,
 ) -> Statements:
-    """All that an answer states."""
+    """All that an answer states; at: the state of its numbers."""
     coefficients = setting.turned is None and re.search(
         r"(?<![A-Za-z\\])h(?![a-z])", document.formulas
     )
@@ -54,6 +58,9 @@ def statements(
         vocabulary.define(name, value)
     own_names.of_notation(vocabulary, targets, notation)
     own_names.of_user(vocabulary, targets, names)
+    states = StateReader(vocabulary, targets)
+    document, numbers = taken_from(document, states)
+    numbers = replace(numbers, at=states.given(at))
     reading = DocumentReader(document, vocabulary, targets.names)
     source = reading.source
     symbols = frozenset(vocabulary.symbols)
@@ -98,7 +105,7 @@ def statements(
     else:
         found = _without_circles(reading, found)
     unread = sorted(reading.unread, key=lambda row: row.at)
-    return Statements(found, _unused(source, own, lines), tuple(unread))
+    return Statements(found, _unused(source, own, lines), tuple(unread), numbers)
 
 
 def _definitions(

@@ -22,6 +22,7 @@ from freebody.derivations.check.free_bodies import FreeBodyMotion
 from freebody.derivations.check.free_motion import FreeMotion
 from freebody.derivations.check.misconceptions import Misconceptions
 from freebody.derivations.check.misreadings import misread
+from freebody.derivations.check.number_verdict import NumberJudge
 from freebody.derivations.check.quotients import difference
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.rounded_numbers import MEASURED, Rounded
@@ -41,8 +42,9 @@ class Judge:
 
     setting: RightEquations
     targets: Targets
-    claims: Sequence[Claim] = ()
+    claims: Sequence[Claim]
     """All of the answer."""
+    numbers: NumberJudge
 
     @cached_property
     def point(self) -> Point:
@@ -66,6 +68,9 @@ class Judge:
 
     def verdict(self, claim: Claim, explain: bool = True) -> EquationVerdict:
         """The verdict on one claim, with its mistakes named or only with an example."""
+        number = self.numbers.verdict(claim, explain)
+        if number is not None:
+            return number
         right = claim.target.compute()
         title = claim.target.title
         if difference(claim.value, right).is_zero:

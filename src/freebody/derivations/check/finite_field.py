@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import reduce
 
@@ -55,7 +55,21 @@ class Point:
         self, values: Mapping[str, int] | None = None, turns: Mapping[str, Turn] | None = None
     ) -> Point:
         """Another point that differs in some names or angles."""
-        return Point({**self.values, **(values or {})}, {**self.turns, **(turns or {})})
+        return replace(
+            self, values={**self.values, **(values or {})}, turns={**self.turns, **(turns or {})}
+        )
+
+    def agree(self, a: int, b: int) -> bool:
+        """Whether two values are equal."""
+        return (a - b) % PRIME == 0
+
+    def number(self, value: Fraction | int) -> int:
+        """A rational number."""
+        return residue(value)
+
+    def plus(self, a: Turn, b: Turn) -> Turn:
+        """The sum of two angles."""
+        return plus(a, b)
 
     def of(self, x: Value) -> int:
         """The value of a polynomial or a quotient of two."""

@@ -73,6 +73,9 @@ _DETACHED = re.compile(
 """θ ̈_1 and (θ_1 ) ̈, as Word writes θ̈_1 on one line."""
 _WORD_BRACKETS = re.compile(r"〖([^〖〗]{1,200})〗")
 _DEGREES = re.compile(rf"\^{_S}(?:\{{{_S}\\circ{_S}\}}|\\circ(?![A-Za-z]))|\\degree(?![A-Za-z])")
+_SIUNITX = re.compile(
+    r"\\(?:SI|qty)\s?\{([^{}]{1,30})\}\s?\{([^{}]{1,60})\}|\\ang\s?\{([^{}]{1,30})\}"
+)
 _EMPTY = re.compile(r"\{\s{0,9}\}")
 _ENTRY = re.compile(
     r"(?<![\w\\}])(?P<name>\\?[A-Za-z]+|[Α-ω])(?:"
@@ -127,6 +130,7 @@ _SPELLINGS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] =
     (_DETACHED, _attached),
     (_WORD_BRACKETS, _in_brackets),
     (_DEGREES, lambda match: "°"),
+    (_SIUNITX, lambda match: f"{match[1]} {match[2]}" if match[1] else f"{match[3]}°"),
     (_EMPTY, lambda match: ""),
     (_ENTRY, lambda match: match["name"] + "".join(filter(None, match.groups()[1:]))),
     (_OF_TIME, lambda match: match[1]),

@@ -11,10 +11,11 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
+from typing import Any
 
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked_quantities import Targets
-from freebody.derivations.check.finite_field import PRIME, Point, Turn, plus, residue
+from freebody.derivations.check.finite_field import Point, Turn
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar.parser import PI
@@ -68,11 +69,11 @@ class Misconceptions:
     right: Trig
     point: Point
 
-    def explaining(self, value: int) -> list[str]:
+    def explaining(self, value: Any) -> list[str]:
         """The thoughts under which the right answer is the user's."""
         if value == 0:  # of many parts it would be right that they are missing
             return []
-        found = [text for text, result in self._all() if result % PRIME == value]
+        found = [text for text, result in self._all() if self.point.agree(result, value)]
         return list(dict.fromkeys(found))[:2]
 
     def _all(self) -> Iterator[Thought]:
@@ -94,7 +95,7 @@ class Misconceptions:
             own = factor if meant(powers) else 1
             if own:
                 total += self.point.term(powers, coefficient * own)
-        return total % PRIME
+        return total
 
     def _at(
         self, values: Mapping[str, int] | None = None, turns: Mapping[str, Turn] | None = None
@@ -183,8 +184,8 @@ class Misconceptions:
         """A derivative by an angle in degrees, or a rate in them."""
         own = self.point.of(self.right)
         text = "Angles and rates are in radians: a factor π/180 too many, or one too few."
-        yield text, own * residue(PI / 180)
-        yield text, own * residue(180 / PI)
+        yield text, own * self.point.number(PI / 180)
+        yield text, own * self.point.number(180 / PI)
 
     # ------------------------------------------------------------ lengths
     def _lengths(self) -> Iterator[Thought]:
@@ -200,11 +201,11 @@ class Misconceptions:
                 "not at the end of the link.",
                 self._at({f"lc{k}": v[f"l{k}"] for k in group}),
             )
-            half = residue(Fraction(1, 2))
+            half = self.point.number(Fraction(1, 2))
             yield (
                 "This is right only if the centre of mass is at the midpoint of the link, "
                 f"{', '.join(f'lc{k} = l{k}/2' for k in group)}.",
-                self._at({f"lc{k}": v[f"l{k}"] * half % PRIME for k in group}),
+                self._at({f"lc{k}": v[f"l{k}"] * half for k in group}),
             )
             if both >= set(group):
                 yield (
@@ -230,7 +231,7 @@ class Misconceptions:
         ring = self.setting.ring.index
         links = [k for k in self._links("I{}") if f"m{k}" in ring and f"lc{k}" in ring]
         for group in [links, *([k] for k in links)] if len(links) > 1 else [links] * bool(links):
-            steiner = {k: v[f"m{k}"] * v[f"lc{k}"] ** 2 % PRIME for k in group}
+            steiner = {k: v[f"m{k}"] * v[f"lc{k}"] ** 2 for k in group}
             names, lacking = (
                 " and ".join(f"I{k}" for k in group),
                 " and ".join(f"m{k} lc{k}²" for k in group),
@@ -240,11 +241,11 @@ class Misconceptions:
                 "about the joints; "
                 f"here {names} {'is' if len(group) == 1 else 'are'} about the centre of mass, "
                 f"and {lacking} must be added.",
-                self._at({f"I{k}": (v[f"I{k}"] - x) % PRIME for k, x in steiner.items()}),
+                self._at({f"I{k}": v[f"I{k}"] - x for k, x in steiner.items()}),
             )
             yield (
                 f"The parallel-axis term {lacking} is counted twice.",
-                self._at({f"I{k}": (v[f"I{k}"] + x) % PRIME for k, x in steiner.items()}),
+                self._at({f"I{k}": v[f"I{k}"] + x for k, x in steiner.items()}),
             )
 
     # ------------------------------------------------------------ angles
@@ -254,13 +255,13 @@ class Misconceptions:
             return
         first = turning[0]
         for sign, where in ((1, "up"), (-1, "down")):
-            quarter: Turn = (sign % PRIME, 0)
+            quarter: Turn = (sign, 0)
             text = (
                 f"This would be right if {sym(first)} were measured from the vertical "
                 f"({where}wards); "
                 "here it is measured from the x axis."
             )
-            yield text, self._at(turns={first: plus(self.point.turns[first], quarter)})
+            yield text, self._at(turns={first: self.point.plus(self.point.turns[first], quarter)})
         if len(turning) > 1:
             yield from self._absolute(turning)
 
@@ -269,11 +270,11 @@ class Misconceptions:
         values, turns = dict(self.point.values), dict(self.point.turns)
         for before, x in pairwise(turning):
             s, c = self.point.turns[before]
-            turns[x] = plus(self.point.turns[x], (PRIME - s, c))
+            turns[x] = self.point.plus(self.point.turns[x], (-s, c))
             for ending in ("_d", "_dd"):
                 values[x + ending] = (
                     self.point.values[x + ending] - self.point.values[before + ending]
-                ) % PRIME
+                )
         names = ", ".join(str(sym(x)) for x in turning[1:])
         text = (
             f"This would be right if {names} were measured from the x axis; "
@@ -281,7 +282,7 @@ class Misconceptions:
             "sum of angles."
         )
         yield text, self.point.changed(turns=turns).of(self.right)
-        moved = Point(values, turns)
+        moved = self.point.changed(values, turns)
         yield text, moved.of(self.right)
         if len(turning) == len(self.setting.symbols.coordinates):
             yield text, sum(sign * moved.of(x) for sign, x in self._combined())

@@ -133,7 +133,7 @@ class Rounded:
         found = {}
         for node in nodes(self.node):
             if isinstance(node, Number):
-                half = _half(self.source[node.span], node.value)
+                half = half_a_unit(self.source[node.span], node.value)
                 if half:
                     found[node] = half
         return found
@@ -182,9 +182,11 @@ class Rounded:
         return self.setting.ring.polynomial(rows)
 
 
-def _half(text: str, value: Fraction) -> Fraction:
-    """Half a unit of the last digit of a number; of a quotient of numbers, what that makes of
-    it."""
+def half_a_unit(text: str, value: Fraction, whole: bool = False) -> Fraction:
+    """Half a unit of the last digit of a number; of a quotient of numbers, what that makes of it.
+    whole: also of a whole number, but for 0."""
+    if whole and value and text.isdigit():
+        return Fraction(1, 2)
     relative = Fraction(0)
     for match in _DECIMAL.finditer(text):
         half = Fraction(10) ** (int(match[2] or 0) - len(match[1])) / 2

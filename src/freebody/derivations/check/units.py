@@ -6,6 +6,8 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
+from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.check.quotients import Value
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.scalars.trig import Trig
 
@@ -39,10 +41,33 @@ def _unit(setting: RightEquations, name: str) -> Unit | None:
     if name.startswith(("sin_", "cos_", "sgn_")):
         return 0, 0, 0
     match = re.fullmatch(r"([A-Za-z]+)\d+(_d{1,2})?", name)
-    if not setting.is_planar or match is None or match[1] not in _UNITS:
+    is_known = setting.is_planar or name.split("_d")[0] in setting.symbols.coordinates
+    if not is_known or match is None or match[1] not in _UNITS:
         return None
     kg, m, s = _UNITS[match[1]]
     return kg, m, s - len((match[2] or "_").lstrip("_"))
+
+
+def unit_of_quantity(setting: RightEquations, target: AskedQuantity, right: Value) -> Unit | None:
+    """The unit of a quantity: by its joints where these tell, else that of its terms; None where it
+    is not known."""
+    turns = [
+        setting.symbols.coordinates[k - 1].startswith("theta")
+        for k in target.index
+        if 0 < k <= len(setting.symbols.coordinates)
+    ]
+    match target.family:
+        case "tau" | "c" | "g" | "bias" | "0":
+            return 1, 1 + turns[0], -2
+        case "M":
+            return 1, sum(turns), 0
+        case "T" | "V" | "L" | "Ti" | "Vi":
+            return 1, 2, -2
+        case "power":
+            return 1, 2, -3
+        case "tip" | "tip_d" | "tip_dd" if target.words == "":
+            return 0, 1, -("tip", "tip_d", "tip_dd").index(target.family)
+    return _common_unit(setting, right) if isinstance(right, Trig) else None
 
 
 def misfit(setting: RightEquations, yours: Trig, right: Trig) -> tuple[Trig, Unit, Unit] | None:

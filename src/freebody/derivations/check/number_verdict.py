@@ -1,0 +1,158 @@
+"""Answers that are numbers, at a state: right to the digits given, or the reason why not, such as
+degrees taken for radians."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from freebody.derivations.check.asked_quantities import Targets
+from freebody.derivations.check.claim_reader import Claim
+from freebody.derivations.check.number_at_state import NumberAtState
+from freebody.derivations.check.number_reasons import reasons
+from freebody.derivations.check.right_equations import RightEquations
+from freebody.derivations.check.states import in_words
+from freebody.derivations.check.units import unit_of_quantity
+from freebody.derivations.check.verdict import EquationVerdict, Example, Mistake
+from freebody.derivations.check.written_numbers import WrittenNumber, WrittenNumbers
+from freebody.derivations.check.written_units import si_text
+from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.grammar.source import Span
+from freebody.outputs.numbers import shortest
+from freebody.scalars.trig import Trig
+
+
+@dataclass(frozen=True)
+class NumberJudge:
+    """Compares claims in numbers with the right values at their states."""
+
+    setting: RightEquations
+    targets: Targets
+    numbers: WrittenNumbers
+    tolerance: float | None = None
+    """The share of the right number by which an answer may be off, where not its digits tell it."""
+
+    def verdict(self, claim: Claim, explain: bool) -> EquationVerdict | None:
+        """The verdict on a claim that is a number at a state, or has a unit; None of another."""
+        written = self.numbers.of(claim.node.span)
+        given = self.numbers.state_at(claim.node.span)
+        if not (isinstance(claim.value, Trig) and claim.value.is_constant):
+            if written is not None:
+                self._refuse_unit_of_symbols(claim, written)
+            return None
+        no_result = (
+            claim.target.family in ("identity", "0") and claim.value.is_zero and written is None
+        )
+        if no_result or claim.target.idle or not (written or given):
+            return None
+        number = NumberAtState(self.setting, claim, written, given, self.tolerance)
+        return _NumberVerdict(number).verdict(self.targets if explain else None)
+
+    def _refuse_unit_of_symbols(self, claim: Claim, written: WrittenNumber) -> None:
+        """Behind symbols only the unit may stand that the quantity has, no state and tolerance."""
+        needed = unit_of_quantity(self.setting, claim.target, claim.target.compute())
+        unit = written.unit
+        fits = unit is None or (unit.factor == 1 and needed in (None, unit.dimension))
+        if not fits or written.within or written.state:
+            claim.source.fail(
+                "a state, a tolerance or a unit other than the quantity's stands behind what is no "
+                "number",
+                written.said,
+                "Give the result in numbers, or the equation in symbols without them.",
+            )
+
+    def unused(self, claims: Sequence[Claim]) -> Iterator[Span]:
+        """Where something is said of numbers that are no result of the robot's."""
+        used = [self.numbers.of(claim.node.span) for claim in claims]
+        yield from (x.said for x in self.numbers.numbers if x not in used)
+
+
+@dataclass(frozen=True)
+class _NumberVerdict:
+    """The verdict on one number, in words."""
+
+    number: NumberAtState
+
+    def verdict(self, targets: Targets | None) -> EquationVerdict:
+        """With the reasons of a wrong number, where targets are given."""
+        number, claim = self.number, self.number.claim
+        if number.fits:
+            self._refuse_missing()
+        if number.fits and number.point.agree(number.yours, number.right):
+            return EquationVerdict(claim.label, claim.target.title, True, note=self._note())
+        causes = [] if number.fits else [self._other_kind()]
+        example = None
+        if number.fits:
+            causes = reasons(number, targets) if targets else []
+            values = {name: number.values[name] for name in number.used}
+            example = Example(values, number.yours, number.right)
+        if not causes and claim.target.family in ("V", "L", "Vi"):
+            causes = ["V is 0 at the height of the base's origin here; it may be so elsewhere."]
+        return EquationVerdict(
+            claim.label, claim.target.title, False, (self._mistake(),), tuple(causes), example
+        )
+
+    def _refuse_missing(self) -> None:
+        """Refuse a number without the state that it belongs to."""
+        number, claim = self.number, self.number.claim
+        missing = [name for name in number.used if name not in number.values]
+        if missing:
+            names = ", ".join(str(sym(x)) for x in missing[:6]) + ", …" * (len(missing) > 6)
+            claim.source.fail(
+                f"{claim.label} is a number here, but depends on {names}, which "
+                f"{'are' if len(missing) > 1 else 'is'} not given",
+                claim.node.span,
+                f"Say the state behind the number, at {sym(missing[0])} = …, or by --at "
+                f"'{missing[0]} = …', at={{'{missing[0]}': …}}.",
+            )
+
+    # ------------------------------------------------------------ words
+    def _where(self) -> str:
+        """At which state, and whose values."""
+        given, used = self.number.given, self.number.used
+        here = in_words({name: x for name, x in given.items() if name in used})
+        model = self.number.setting.symbols.model
+        own = any(x in used and x not in given for x in model.parameters)
+        values = f"with the values of {model.name!r}" if own else ""
+        return ", ".join(part for part in (here and f"at {here}", values) if part)
+
+    def _right(self) -> str:
+        """The right number in the unit of the answer, with a digit more than this has."""
+        number = self.number
+        unit = number.unit if number.fits else None
+        value = shortest(number.right / (unit.factor if unit else 1.0), max(4, number.digits + 1))
+        text = unit.text if unit else "" if number.needed in (None, (0, 0, 0)) else self._unit()
+        return value + " " * (text not in ("", "°")) + text
+
+    def _unit(self) -> str:
+        """The unit that the quantity has."""
+        claim, needed = self.number.claim, self.number.needed
+        if needed is None:
+            return "a unit that is not known here"
+        if claim.target.family in ("T", "V", "L", "Ti", "Vi"):
+            return "J"
+        return si_text(needed, claim.label.lstrip("\\")[:1] in "ωαoaw")
+
+    def _note(self) -> str:
+        where = self._where()
+        text = f"{where[:1].upper()}{where[1:]}: " if where else ""
+        unchecked = self.number.unit is not None and self.number.needed is None
+        return f"{text}{self._right()}.{' The unit was not checked.' * unchecked}"
+
+    def _mistake(self) -> Mistake:
+        source, span = self.number.claim.source, self.number.claim.node.span
+        line, column = source.place(span[0])
+        right, where = self._right(), self._where()
+        if math.isnan(self.number.right):
+            right, where = f"in {self._unit()}", ""
+        text = f"‘{source[span]}’ must be {right}{' ' * bool(where)}{where}."
+        kind = "number" if self.number.fits else "unit"
+        return Mistake(kind, text, source[span], right, line, column, source.caret(span))
+
+    def _other_kind(self) -> str:
+        """A sentence about the unit of something else."""
+        unit = self.number.unit.text if self.number.unit else ""
+        text = f"The units do not fit: {unit}, where {self._unit()} is needed."
+        other = self.number.better_unit()
+        return f"{text} In {other} the number is right." if other else text

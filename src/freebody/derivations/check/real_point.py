@@ -1,0 +1,49 @@
+"""Values of polynomials in real numbers, for answers that are numbers: what a thought makes of the
+right answer agrees with one that is rounded."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from freebody.derivations.check.finite_field import Point
+from freebody.derivations.check.quotients import Value, pair
+from freebody.scalars.trig import TrigRing
+
+
+@dataclass(frozen=True)
+class RealPoint(Point):
+    """A state; what is not given is NaN, which agrees with nothing."""
+
+    values: Mapping[str, Any]
+    turns: Mapping[str, Any]
+    slack: float = 0.0
+    """By how much two numbers may differ."""
+
+    @classmethod
+    def of_state(cls, ring: TrigRing, state: Mapping[str, float]) -> RealPoint:
+        """The point where names have these values."""
+        values = {name: state.get(name, math.nan) for name in ring.names}
+        turns = {name: (math.sin(values[name]), math.cos(values[name])) for name in ring.angles}
+        return cls(values, turns)
+
+    def agree(self, a: Any, b: Any) -> bool:
+        return abs(a - b) <= self.slack
+
+    def number(self, value: Fraction | int) -> Any:
+        return float(value)
+
+    def plus(self, a: Any, b: Any) -> Any:
+        return a[0] * b[1] + a[1] * b[0], a[1] * b[1] - a[0] * b[0]
+
+    def of(self, x: Value) -> Any:
+        above, below = (
+            math.fsum(self.term(powers, c) for powers, c in part.terms()) for part in pair(x)
+        )
+        return above / below if below else math.nan
+
+    def term(self, powers: Mapping[str, int], coefficient: Fraction) -> Any:
+        return float(coefficient) * math.prod(self.generator(x) ** k for x, k in powers.items())

@@ -1,0 +1,209 @@
+"""Answers that are numbers: with units, at a state that the answer or the caller says, right to the
+digits given; and what has gone wrong where they are not. The right numbers are those of the
+compiled dynamics."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.cli.app import run
+from freebody.derivations.check.answer_text import AnswerError
+from freebody.derivations.check.written_units import unit_at
+
+ARM = fb.planar("RR", l=[0.4, 0.3], lc=[0.2, 0.15], m=[2.0, 1.5], I=[0.031, 0.012])
+Q, QD, QDD = np.radians([30.0, 45.0]), np.array([2.0, -1.0]), np.array([0.5, 1.0])
+TAU = fb.inverse_dynamics(ARM, Q, QD, QDD)
+MASS = fb.mass_matrix(ARM, Q)
+POSTURE = "θ₁ = 30°, θ₂ = 45°"
+STATE = f"{POSTURE}, θ̇₁ = 2 rad/s, θ̇₂ = -1 rad/s, θ̈₁ = 0.5 rad/s², θ̈₂ = 1 rad/s²"
+AT = {"theta1": "30 deg", "theta2": math.pi / 4, "theta1_d": 2, "dtheta2": -1, "θ̈₁": 0.5, "θ̈2": 1}
+WEIGHT = 1.5 * 9.81 * 0.15
+G2 = WEIGHT * math.cos(math.radians(75))
+
+
+# ---------------------------------------------------------------- units
+@pytest.mark.parametrize(
+    ("text", "factor", "dimension"),
+    [
+        ("N m", 1, (1, 2, -2)), ("Nm", 1, (1, 2, -2)), ("N·mm", 1e-3, (1, 2, -2)),
+        ("kNm at", 1e3, (1, 2, -2)), (r"\,\mathrm{N\,m}$", 1, (1, 2, -2)),
+        (r"\newton\metre", 1, (1, 2, -2)), ("[kg m²]", 1, (1, 2, 0)), ("kg m^{2}", 1, (1, 2, 0)),
+        ("g mm^2", 1e-9, (1, 2, 0)), ("°/s", math.pi / 180, (0, 0, -1)),
+        ("rpm", math.pi / 30, (0, 0, -1)), ("rad s^{-1}", 1, (0, 0, -1)), ("m/s²", 1, (0, 1, -2)),
+        ("N/(m s)", 1, (1, 0, -3)), ("J", 1, (1, 2, -2)), ("cm", 1e-2, (0, 1, 0)),
+        (r"\metre\per\second\squared", 1, (0, 1, -2)), ("N. The", 1, (1, 1, -2)),
+    ],
+)  # fmt: skip
+def test_units_are_read(text: str, factor: float, dimension: tuple[int, int, int]):
+    found = unit_at(text, 0)
+    assert found is not None
+    assert found[0].factor == pytest.approx(factor, rel=1e-12)
+    assert found[0].dimension == dimension
+
+
+@pytest.mark.parametrize("text", ["m2 g", "m₂ g", "m_2", "Newton", "s1", " and", "{N", "", "(N m)"])
+def test_names_and_words_are_no_units(text: str):
+    assert unit_at(text, 0) is None
+
+
+# ---------------------------------------------------------------- right
+RIGHT = [
+    (f"τ₁ = {TAU[0]:.2f} Nm at {STATE}", "text"),
+    (f"τ₁ = {TAU[0] * 1000:.0f} N mm for {STATE}", "text"),
+    (f"tau = [{TAU[0]:.3f}; {TAU[1]:.3f}] N m with {STATE}", "text"),
+    (f"At {STATE}:\ntau_1 = {TAU[0]:.4f}\ntau_2 = {TAU[1]:.4f} Nm", "text"),
+    (f"G2 ≈ {G2:.2f} N m (θ1 = π/6, θ2 = 0.25π)", "text"),
+    (f"G2 = m2 g lc2 c12 = 1.5*9.81*0.15*cos(75°) = {G2:.3f} N m at {POSTURE}", "text"),
+    (f"G2 = {G2 + 0.04:.2f} ± 0.05 N m, {POSTURE}", "text"),
+    (f"M = [{MASS[0, 0]:.3f}, {MASS[0, 1]:.3f}; {MASS[1, 0]:.3f}, 0.046] kg m², θ2 = 45°", "text"),
+    ("H22 = 45750 kg mm^2", "text"),
+    ("ω₂ = 1.00 rad/s, x = 0.7 m at θ₁ = θ₂ = 0, θ̇₁ = 120 °/s, θ̇₂ = -62.704 °/s", "text"),
+    ("Given q = 0, q̇ = 0 and q̈ = 0.\nT = 0 J; G2 = 2.207 N m", "text"),
+    (rf"$\tau_1 = {TAU[0]:.2f}\,\mathrm{{N\,m}}$ at ${STATE}$.".replace("°", r"^\circ"), "latex"),
+    (rf"\[ G_2 = \SI{{{G2:.3f}}}{{\newton\metre}} \] for $\theta_1 = \ang{{30}}$, $\theta_2 = "
+     r"\frac{\pi}{4}$", "latex"),
+    (f"With ${POSTURE.replace(', ', '$ and $')}$ the torque is $G_2 = {G2:.3f}$ N m.\n\nNow "
+     "$θ_1 = θ_2 = 0$: $G_2 = 2.21~\\text{N m}$.", "markdown"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("answer", "form"), RIGHT)
+def test_right_numbers_are_right_and_changed_ones_are_not(answer: str, form: str):
+    verdict = fb.check(ARM, answer, form=form)
+    assert verdict, verdict
+    assert not verdict.unread
+    wrong = answer.replace("45°", "46°").replace("0.25π", "0.26π").replace("45^", "46^")
+    wrong = wrong.replace("{4}", "{5}").replace("45750", "45850").replace("120", "121")
+    assert not fb.check(ARM, wrong.replace("2.207", "2.208"), form=form)
+
+
+@pytest.mark.parametrize("at", [AT, STATE, STATE.replace("°", " deg")])
+def test_the_state_may_be_given_besides(at: str | dict[str, float | str]):
+    verdict = fb.check(ARM, {"tau1": TAU[0], "tau2": float(f"{TAU[1]:.3f}")}, at=at)
+    assert verdict, verdict
+    assert "with the values of 'RR'" in verdict.equations[0].note
+    assert not fb.check(ARM, {"tau1": TAU[0] * 1.0001}, at=at)
+    assert fb.check(ARM, {"tau1": TAU[0] * 1.0001}, at=at, tolerance=0.001)
+
+
+def test_parameters_without_value_may_be_given():
+    answer = f"G2 = {G2:.3f} N m at {POSTURE}, m2 = 1500 g, lc2 = 15 cm, g = 9.81 m/s²"
+    assert fb.check(fb.planar("RR", g="g"), answer)
+
+
+def test_absolute_angles_are_those_of_the_state():
+    verdict = fb.check(ARM, f"V = {0.0:.3f} J at θ1 = 0, θ2 = 0", absolute=True)
+    assert verdict
+    tip = 0.4 * math.cos(0.5) + 0.3 * math.cos(0.9)
+    assert fb.check(ARM, f"x = {tip:.4f} m", absolute=True, at={"theta1": 0.5, "theta2": 0.9})
+
+
+# ---------------------------------------------------------------- wrong
+def weight(degrees: float) -> float:
+    return WEIGHT * math.cos(math.radians(degrees))
+
+
+WRONG = [
+    (f"τ₁ = {TAU[0]:.2f} N at {STATE}", "The units do not fit: N, where N m is needed. In N m"),
+    (f"τ₁ = {TAU[0] * 1000:.0f} N m at {STATE}", "The number would be right in N mm."),
+    ("x = 700 m at θ1 = θ2 = 0", "The number would be right in mm."),
+    (f"H22 = {MASS[1, 1]:.4f} kg m", "The units do not fit: kg m, where kg m² is needed."),
+    (f"G2 = {WEIGHT * math.cos(75):.3f} N m at {POSTURE}", "Degrees were taken for radians: θ₁"),
+    (f"G2 = {weight(1.3):.4f} N m at θ1 = 0.5, θ2 = 0.8", "Radians were taken for degrees"),
+    ("ω₂ = 90 rad/s at θ̇1 = 60 °/s, θ̇2 = 30 °/s", "must be put in as rad/s, not as °/s"),
+    ("ω₂ = 90 rad/s at θ̇1 = 60 rpm, θ̇2 = 30 rpm", "must be put in as rad/s, not as rpm"),
+    (f"G2 = {-G2:.3f} N m at {POSTURE}", "Only the sign is wrong."),
+    (f"G2 = {G2 / 9.81 * 10:.4f} N m at {POSTURE}", "It is right for g = 10 m/s²; here it is 9.81"),
+    (f"G2 = {2 * G2:.3f} N m at {POSTURE}", "A possible reason: You wrote l2 for lc2"),
+    (f"G2 = {weight(45):.3f} N m at {POSTURE}", "measured from the previous link"),
+    (f"τ₁ = {TAU[1]:.3f} Nm at {STATE}", "A possible reason: What you wrote is right for τ2"),
+    (f"τ₁ = {TAU[0] * 1.003:.3f} Nm at {STATE}", "It is off by 0.3 %: numbers may have been"),
+    ("T = 0.7 J at θ̇1 = 1, θ̇2 = 0, θ2 = 0", "must be 0.2884 J at θ̇₁ = 1, θ̇₂ = 0, θ₂ = 0"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("answer", "words"), WRONG)
+def test_what_went_wrong_is_said(answer: str, words: str):
+    verdict = fb.check(ARM, answer)
+    assert not verdict
+    assert words in verdict.text, verdict.text
+    assert verdict.findings[0].kind == ("unit" if "units" in words else "number")
+
+
+def test_the_verdict_on_a_number_reads_like_this():
+    assert fb.check(ARM, f"G2 = 2.035 N m at {POSTURE}").text == (
+        "G2, the gravity term of joint 2, is not right.\n"
+        "  Degrees were taken for radians: θ₁ and θ₂ must be put in as radians.\n"
+        "  ‘2.035 N m’ must be 0.57128 N m at θ₁ = 30°, θ₂ = 45°, with the values of 'RR'.\n"
+        "      G2 = 2.035 N m at θ₁ = 30°, θ₂ = 45°\n"
+        "           ^^^^^^^^^"
+    )
+
+
+# ---------------------------------------------------------------- refused
+@pytest.mark.parametrize(
+    ("answer", "at", "words"),
+    [
+        ("G2 = 0.57 N m", None, "G2 is a number here, but depends on θ₁, θ₂, which are not given"),
+        (f"τ₁ = 3.3 N m at {POSTURE}", None, "depends on θ̇₁, θ̇₂, θ̈₁, θ̈₂, which are not given"),
+        ("G2 = 0.57 N m at θ₁ = 30 mm, θ₂ = 0", None, "θ₁ is given in mm, and has the unit rad"),
+        ("G2 = 0.57 N m at θ₁ = 0, θ₂ = 0, m2 = 3 kg", None, "m₂ is 3 here, and 1.5 in 'RR'"),
+        ("G2 = 0,57 N m at θ₁ = 30°, θ₂ = 45°", None, "a decimal comma: write a point"),
+        ("G2 = m2 g lc2 (c12) kN", None, "stands behind what is no number"),
+        ("G2 = m2 g lc2 cos(θ1+θ2)\nr2 = 200 mm", None, "stands behind what is no result"),
+        ("H22 = m2 lc2^2 + I2", {"theta1": 0.2}, "at: a state is given, but none of the results"),
+        ("G2 = 0.57", {"theta9": 1}, "at: 'theta9' gives no symbol of 'RR' a value"),
+        ("G2 = 0.57", "theta1 = 1, theta1 = 2", "θ₁ is given twice, 1 and 2"),
+        ("G2 = 0.57", {"theta1": [1, 2]}, "at: 'theta1' is no number"),
+        ("G2 = 0.57", {"m2": 3}, "at: m2 = 3, and in 'RR' it is 1.5"),
+    ],
+)
+def test_numbers_without_all_that_they_need_are_refused(
+    answer: str, at: dict[str, float] | str | None, words: str
+):
+    with pytest.raises(AnswerError, match=words):
+        fb.check(ARM, answer, at=at)
+
+
+def test_a_tolerance_is_a_share():
+    with pytest.raises(
+        AnswerError, match=r"tolerance is a share from 0 to 1, such as 0\.01, not 5"
+    ):
+        fb.check(ARM, "H22 = 0.05", tolerance=5)
+
+
+def test_in_a_document_what_cannot_be_judged_is_told():
+    text = "$H_{22} = 0.04575$ kg m²\n\n$G_2 = 0.57$ N m\n\nThe arm has $r = 3$ mm."
+    verdict = fb.check(ARM, text, form="markdown")
+    assert not verdict
+    assert [x.equal for x in verdict.equations] == [True]
+    assert "depends on θ₁, θ₂" in verdict.text
+    assert any("stands behind what is no result" in x.reason for x in verdict.left_out)
+
+
+def test_letters_of_a_pendulum_are_units_only_where_they_fit():
+    """m is its mass and the metre, g the gravitational acceleration and the gram."""
+    one = fb.planar("R", l=[0.4], lc=[0.2], m=[2.0], I=[0.03])
+    assert fb.check(one, "x = 0.2 m at θ = 60°")
+    assert fb.check(one, "H = 0.11 kg m²\nG = m g lc cos θ")
+    assert "3 m₁" in fb.check(one, "V = 3 m").text
+
+
+# ---------------------------------------------------------------- the command
+def test_the_command_takes_the_state(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    exact = float(fb.gravity_torque(fb.load("2R"), np.radians([30, 45]))[1])
+    state = ["--at", "theta1 = 30 deg, theta2 = 45 deg"]
+    assert run(["check", "2R", f"G2 = {exact:.3f} N m", *state]) == 0
+    assert "At θ₁ = 30°, θ₂ = 45°, with the values of '2R'" in capsys.readouterr().out
+    file = tmp_path / "answer.txt"
+    file.write_text(f"G2 = {exact * 1.01:.4f} N m\n", encoding="utf-8")
+    assert run(["check", "2R", str(file), "--at", "theta1 = 30°", "--at", "theta2 = 45°"]) == 1
+    assert run(["check", "2R", str(file), *state, "--tolerance", "0.02"]) == 0
+    capsys.readouterr()
+    assert run(["check", "2R", str(file)]) == 2
+    assert "depends on θ₁, θ₂, which are not given" in capsys.readouterr().err
