@@ -76,8 +76,8 @@ class Vocabulary:
     def copy(self) -> Vocabulary:
         """The same names, apart from what is defined later."""
         kept = copy(self)
-        for name in ("symbols", "waves", "functions", "uses"):
-            setattr(kept, name, dict(getattr(self, name)))
+        kept.symbols, kept.waves = dict(self.symbols), dict(self.waves)
+        kept.functions, kept.uses = dict(self.functions), dict(self.uses)
         return kept
 
     def define(self, plain: str, value: Value, uses: tuple[AskedQuantity, ...] = ()) -> None:
