@@ -83,6 +83,7 @@ KNOWN = {
     ): "bytes of four formats of shapes, only where estimate_inertia asks for it",
     ("targets/llvm/gufunc.py", "PYFUNCTYPE"): "functions of NumPy's table",
     ("targets/llvm/repeat.py", "CFUNCTYPE"): "a constant text that was compiled",
+    ("targets/llvm/scan.py", "CFUNCTYPE"): "code of a verified Program, and how it is called",
     (
         "freebody_notes/checks/calls.py",
         "eval",
