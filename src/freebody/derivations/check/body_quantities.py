@@ -21,7 +21,7 @@ class BodyQuantity:
     """Whether it is one number in the plane."""
     spaces: tuple[int, ...] = (2, 3)
     turns: bool = False
-    """Whether it is a matrix of rotation."""
+    """Whether it is a matrix of rotation or inertia, which only bodies in space have."""
     soft: bool = False
     """Whether the name is often one of the user's own: one number is not read as this vector."""
     own_axes: bool = True
@@ -56,7 +56,7 @@ class BodyQuantity:
     def exists(self, n: int, count: int, dim: int) -> bool:
         """Whether body n of an arm of `count` bodies has it."""
         at_end = {"first": n == 1, "last": n == count, "": True}[self.only]
-        return at_end and dim in self.spaces
+        return at_end and dim in self.spaces and (dim == 3 or not self.turns)
 
     def axes(self, dim: int) -> str:
         """Of a vector "xy" or "xyz", of one number ""."""
@@ -137,22 +137,14 @@ BODY_QUANTITIES = (
     BodyQuantity("z{n}", "the z axis of body {n}", spaces=(3,), soft=True, own_axes=False),
     BodyQuantity("p{h}_{n}", "the origin of body {n} in the body before", spaces=(3,), soft=True),
     BodyQuantity("p{n}_{h}", "the origin of the body before in body {n}", spaces=(3,), soft=True),
-    BodyQuantity("R{n}", "the orientation of body {n}", spaces=(3,), turns=True, soft=True),
+    BodyQuantity("R{n}", "the orientation of body {n}", turns=True, soft=True),
     BodyQuantity(
-        "R{h}_{n}",
-        "the rotation from body {n} to the body before",
-        spaces=(3,),
-        turns=True,
-        soft=True,
+        "R{h}_{n}", "the rotation from body {n} to the body before", turns=True, soft=True
     ),
     BodyQuantity(
-        "R{n}_{h}",
-        "the rotation from the body before to body {n}",
-        spaces=(3,),
-        turns=True,
-        soft=True,
+        "R{n}_{h}", "the rotation from the body before to body {n}", turns=True, soft=True
     ),
-    BodyQuantity("I{n}", "the inertia tensor of body {n}", spaces=(3,), turns=True, soft=True),
+    BodyQuantity("I{n}", "the inertia tensor of body {n}", turns=True, soft=True),
     BodyQuantity("v{h}", "the velocity of the ground", soft=True, only="first"),
     BodyQuantity("v{h}_d", "the acceleration of the ground", only="first"),
     BodyQuantity("s{h}", "from the world to the first joint", only="first"),
@@ -161,15 +153,13 @@ BODY_QUANTITIES = (
         "omega{h}_d", "the angular acceleration of the ground", angular=True, only="first"
     ),
     BodyQuantity("w{h}", "the angular velocity of the ground", spaces=(3,), only="first"),
-    BodyQuantity("R{h}", "the ground's orientation", spaces=(3,), turns=True, only="first"),
+    BodyQuantity("R{h}", "the ground's orientation", turns=True, only="first"),
     BodyQuantity("f{n}{k}", "the force that the tip exerts", only="last"),
     BodyQuantity(
         "M{k}", "the moment that the tip exerts", angular=True, spaces=(2,), soft=True, only="last"
     ),
     BodyQuantity("n{k}", "the moment that the tip exerts", spaces=(3,), only="last"),
-    BodyQuantity(
-        "R{n}_{k}", "the rotation from the tip to body {n}", spaces=(3,), turns=True, only="last"
-    ),
+    BodyQuantity("R{n}_{k}", "the rotation from the tip to body {n}", turns=True, only="last"),
     BodyQuantity("p{n}_{k}", "the tip in body {n}", spaces=(3,), soft=True, only="last"),
 )
 
