@@ -72,8 +72,7 @@ def show(
 _UNSAID = (
     "  driven: all joints, because none is marked as passive; the torques are then distributed "
     "over more drives than the motion may need. Mark passive joints (passive = true), or name the "
-    "drives: "
-    "model.replace(actuated=[...])"
+    "drives: model.replace(actuated=[...])"
 )
 
 

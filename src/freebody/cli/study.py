@@ -36,8 +36,7 @@ def study(
         typer.Option(
             metavar="FILE",
             help="A CSV file whose header names t (s) and the joints (rad, m; or a unit, "
-            "as in 'joint1 (deg)'). "
-            "Default: a motion within the limits.",
+            "as in 'joint1 (deg)'). Default: a motion within the limits.",
         ),
     ] = None,
     out: Annotated[

@@ -89,8 +89,7 @@ def _convention(
             file,
             line,
             "the table does not state its convention; add a line '# convention: standard' or '# "
-            "convention: modified', "
-            "or load it with convention=.",
+            "convention: modified', or load it with convention=.",
         )
     return chosen
 

@@ -128,8 +128,7 @@ def _mesh(shape: Shape, link: Link, file: str) -> Inertia:
             file,
             shape.line,
             f"link {link.name!r}: its mesh {path.name!r} is not of the formats "
-            f"{', '.join(_MESHES)}; convert "
-            f"it to one of these.",
+            f"{', '.join(_MESHES)}; convert it to one of these.",
         )
     data = contents(path, _LARGEST, "a mesh")
     try:

@@ -68,8 +68,7 @@ def implausible_masses(
         several = len(missing) > 1
         found.append(
             f"{len(missing)} of {len(model.bodies)} moving bodies {'have' if several else 'has'} "
-            f"no mass: "
-            f"{listed(missing, _SHOWN)}"
+            f"no mass: {listed(missing, _SHOWN)}"
         )
     if not only_missing:
         sizes = _sizes(model, shapes)
@@ -154,8 +153,7 @@ def _placeholders(model: Model, own: Sequence[float]) -> Iterator[str]:
             mass, inertia = row[0].mass, float(row[0].tensor[0, 0])
             yield (
                 f"{len(group)} links have the same placeholder inertia ({mass:g} kg, {inertia:g} "
-                f"kg m²): "
-                f"{listed([link.name for link in group], _SHOWN)}"
+                f"kg m²): {listed([link.name for link in group], _SHOWN)}"
             )
 
 

@@ -81,8 +81,7 @@ def _estimated(description: RobotDescription, mass: float) -> RobotDescription:
     if not description.real:
         raise FreebodyError(
             f"load: estimate_inertia= needs the shapes of a URDF, and {description.name!r} comes "
-            f"from none; "
-            "give masses in its file."
+            f"from none; give masses in its file."
         )
     return estimated(description, mass)
 
@@ -118,8 +117,7 @@ def read(
     if convention is not None and path.suffix.lower() != ".csv":
         raise FreebodyError(
             f"load: convention= is for DH tables in .csv files, which do not always state it; "
-            f"leave "
-            f"it out for {given!r}."
+            f"leave it out for {given!r}."
         )
     if not path.suffix and os.sep not in given and "/" not in given:
         return _named(given)
@@ -150,8 +148,7 @@ def _path(source: object) -> str:
         kind = ".urdf" if given.lstrip().startswith("<") else ".toml or .csv"
         raise FreebodyError(
             f"load: {shown(given)} is the text of a description, not a path; write it to a {kind} "
-            f"file and load that: "
-            "its lines are what errors refer to."
+            f"file and load that: its lines are what errors refer to."
         )
     return given
 
@@ -172,8 +169,7 @@ def _named(name: str) -> RobotDescription:
         kind = "folder" if Path(name).is_dir() else "file"
         raise FreebodyError(
             f"load: {name!r} is not a bundled model. The {kind} of that name needs a suffix that "
-            f"tells its format: "
-            f"{', '.join(SUFFIXES)}."
+            f"tells its format: {', '.join(SUFFIXES)}."
         )
     problem = UnknownNameError("model", name, "the bundled models", names)
     raise FreebodyError(f"load: {problem} A file needs its suffix: {', '.join(SUFFIXES)}.")

@@ -304,6 +304,5 @@ def _reductions(robot: Element) -> str:
     first, ratio = next(iter(ratios.items()))
     return (
         f"; {len(ratios)} of them give a mechanicalReduction other than 1 (first {first!r}: "
-        f"{ratio}), "
-        "but URDF has no rotor inertia that it would multiply"
+        f"{ratio}), but URDF has no rotor inertia that it would multiply"
     )

@@ -21,8 +21,7 @@ def xacro(name: str, stem: str) -> str:
     """How to expand a file of that name, with ROS and without."""
     return (
         f"expand it first, with ROS by `xacro {name} > {stem}.urdf`, without by `pip install "
-        f"xacrodoc`, then "
-        f"`xacrodoc {name} -o {stem}.urdf`"
+        f"xacrodoc`, then `xacrodoc {name} -o {stem}.urdf`"
     )
 
 
@@ -118,9 +117,8 @@ class Elements:
         if self.changes:
             text = (
                 f"{len(self.changes)} angles within {self.snap:g} rad of a multiple of a right "
-                f"angle are read as that "
-                f"multiple; largest change {max(self.changes):.2g} rad. snap_angles=0 reads them "
-                f"as written."
+                f"angle are read as that multiple; largest change {max(self.changes):.2g} rad. "
+                f"snap_angles=0 reads them as written."
             )
             notices.append(Notice("snapped", text, self.file))
         if self.shapes:

@@ -166,9 +166,8 @@ def _refuse_too_few(function: str, model: Model, frame: str, J: Array, rows: lis
     )
     raise SingularError(
         f"{function}: {moving} joint coordinate{'s' if moving != 1 else ''} of {model.name!r} "
-        f"cannot give frame "
-        f"{frame!r} any motion in {len(rows)} rows ({', '.join(names[r] for r in rows)}); "
-        f"choose at most that many rows, such as {hint}."
+        f"cannot give frame {frame!r} any motion in {len(rows)} rows "
+        f"({', '.join(names[r] for r in rows)}); choose at most that many rows, such as {hint}."
     )
 
 
@@ -200,9 +199,8 @@ def _refuse_singular(problem: _JacobianRows, U: Array, singular: np.ndarray) -> 
     raise SingularError(
         f"{problem.function}: the Jacobian is singular{where}: {problem.frame} has lost a degree "
         f"of freedom: every motion that the joints can give it satisfies "
-        f"{_linear(lost, problem.names)} = 0. Leave out a row (task=), "
-        f"or give damping=0.05 "
-        "for the nearest possible motion."
+        f"{_linear(lost, problem.names)} = 0. Leave out a row (task=), or give damping=0.05 for "
+        f"the nearest possible motion."
     )
 
 
@@ -225,6 +223,5 @@ def _say_damped(problem: _JacobianRows, J: Array, rates: Array, wanted: Array) -
         where = f" at sample {at[0] if len(at) == 2 else tuple(at[:-1])}" if len(at) > 1 else ""
         warn(
             f"{problem.function}: damped near a singularity: {problem.frame} gets {problem.letter} "
-            f"but for "
-            f"{worst:.3g} in {problem.names[at[-1]]}{where}.",
+            f"but for {worst:.3g} in {problem.names[at[-1]]}{where}.",
         )

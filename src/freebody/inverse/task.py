@@ -118,8 +118,7 @@ def read_target(
     if kind == "point" and chosen.angular:
         raise FreebodyError(
             f"{function}: the target is a point, but the task counts {', '.join(chosen.names)}; "
-            f"give a pose "
-            f"(..., {d + 1}, {d + 1})."
+            f"give a pose (..., {d + 1}, {d + 1})."
         )
     return chosen, _orthogonal(function, poses, d)
 
@@ -149,8 +148,7 @@ def _orthogonal(function: str, poses: Array, d: int) -> Array:
     if off > _ROTATION or last > _ROTATION or np.any(np.linalg.det(R) < 0):
         raise FreebodyError(
             f"{function}: target is not a pose: its rotation must satisfy R Rᵀ = 1 within 1e-6 and "
-            f"det R = 1, "
-            f"its last row be {(*[0] * d, 1)}."
+            f"det R = 1, its last row be {(*[0] * d, 1)}."
         )
     if off > 1e-15:
         U, _, V = np.linalg.svd(R)

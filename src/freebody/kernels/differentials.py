@@ -122,9 +122,8 @@ def of_quantities(asked: Asked) -> Differentiable:
         if FORMULAS[name].by_columns and model.nv > LARGEST:
             raise FreebodyError(
                 f"{name} of {model.nv} coordinates is too long for one program (up to {LARGEST} "
-                f"coordinates it is "
-                "not). Matrices of so large a robot are derivatives: that of inverse_dynamics by "
-                "qdd is M."
+                f"coordinates it is not). Matrices of so large a robot are derivatives: that of "
+                f"inverse_dynamics by qdd is M."
             )
     traced = formula_program(model, names, option, p, over, by)
     formulas = FORMULAS[names[0]].derivatives

@@ -72,8 +72,7 @@ def to_jax(
     if slow:
         warn(
             f"fb.to_jax: {slow}: JAX calls {computed.program.name} through Python, about 50 µs a "
-            f"call, with copies of "
-            "the arrays.",
+            f"call, with copies of the arrays.",
         )
     function = _checked(computed.program, jax.jit(JaxFunction(computed, way).call), kind, given)
     function.parameters = given.names if given else ()

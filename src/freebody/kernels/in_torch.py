@@ -139,14 +139,12 @@ class TorchFunction:
         if x.dtype not in self._of:
             raise KernelError(
                 f"{self.program.name}: a tensor of {x.dtype}; kernels compute with torch.float64 "
-                f"and torch.float32: "
-                "convert it with .to(...)."
+                f"and torch.float32: convert it with .to(...)."
             )
         if not x.is_cpu and not x.is_meta:
             raise KernelError(
                 f"{self.program.name}: a tensor on {str(x.device)!r}; these kernels run on the "
-                f"CPU: move it there "
-                "with .cpu()."
+                f"CPU: move it there with .cpu()."
             )
         return x if x.dtype is kind else x.to(kind)
 

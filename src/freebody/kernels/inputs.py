@@ -127,8 +127,7 @@ class NamedNumbers:
         if name not in self.at:
             raise FreebodyError(
                 f"fb.kernel: {name!r} is not an input of this kernel; name it in inputs=. Its "
-                f"inputs: "
-                f"{', '.join(self.names)}."
+                f"inputs: {', '.join(self.names)}."
             )
         return self.at[name]
 

@@ -187,8 +187,7 @@ def _with_inputs(
     if large:
         raise FreebodyError(
             f"fb.kernel: {large[0]} of {model.nv} coordinates is computed column by column, which "
-            f"takes no inputs=, by= or "
-            f"family (up to {LARGEST} coordinates they do)."
+            f"takes no inputs=, by= or family (up to {LARGEST} coordinates they do)."
         )
     if not wanted and not model.family:
         return compile_program(

@@ -165,10 +165,9 @@ def _called(title: str, function: Callable[..., Any], given: dict[str, Any]) -> 
         said = str(problem).rstrip(".")
         raise GraphError(
             f"fb.compile: {title} uses traced scalars in a way that cannot be recorded: {said}. "
-            f"Functions of them are "
-            "those of freebody.math (freebody.math.sin, where, …), not those of Python's math or "
-            "NumPy; vectors are "
-            "tuples, and np.array makes arrays of them, for + - * / @ with other arrays."
+            f"Functions of them are those of freebody.math (freebody.math.sin, where, …), not "
+            f"those of Python's math or NumPy; vectors are tuples, and np.array makes arrays of "
+            f"them, for + - * / @ with other arrays."
         ) from problem
 
 
@@ -209,8 +208,7 @@ def _results(title: str, wanted: tuple[Argument, ...] | None, returned: Any) -> 
     if set(values) != {x.name for x in wanted}:
         raise ProgramError(
             f"fb.compile: {title} returned a dict of {listed(map(str, values)) or 'nothing'}, "
-            f"expected one of "
-            f"{listed(map(str, wanted))}."
+            f"expected one of {listed(map(str, wanted))}."
         )
     results = {x.name: _array(title, x.name, values[x.name]) for x in wanted}
     for x in wanted:
@@ -240,8 +238,7 @@ def _flat(title: str, name: str, nested: Any) -> tuple[tuple[int, ...], list[Any
     if not isinstance(nested, tuple | list):
         raise ProgramError(
             f"fb.compile: {title} returned {name} with {type(nested).__name__} {shown(nested)} "
-            f"where a scalar was "
-            "expected."
+            f"where a scalar was expected."
         )
     parts = [_flat(title, name, entry) for entry in nested]
     shapes = dict.fromkeys(shape for shape, _ in parts)

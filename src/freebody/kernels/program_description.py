@@ -123,8 +123,7 @@ class ProgramDescription:
         for k, frame in enumerate(self.option.wrench_frames):
             found[f"wrench{k}"] = (
                 f"wrench on the frame {self._body_words[frame]}: force, then moment about its "
-                f"origin, world axes "
-                "(N, N m)"
+                f"origin, world axes (N, N m)"
             )
         for name in quantities:
             for label, output in FORMULAS[name].outputs.items():

@@ -66,8 +66,7 @@ def program(
         except ZeroDivisionError:
             raise SingularError(
                 f"{', '.join(names)} of {model.name!r} divides by zero in every state: a joint "
-                f"moves no mass and no "
-                "inertia, or a loop does not hold anything."
+                f"moves no mass and no inertia, or a loop does not hold anything."
             ) from None
 
     first = traced({name: FORMULAS[name].evaluate for name in names})

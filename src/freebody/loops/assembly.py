@@ -108,8 +108,7 @@ def assembly_modes(
         if np.linalg.matrix_rank(J, tol=1e-9) < len(moving):
             raise FreebodyError(
                 f"assembly_modes: {model.name!r} still moves with the other coordinates held, so "
-                f"it has infinitely "
-                "many positions; free fewer coordinates."
+                f"it has infinitely many positions; free fewer coordinates."
             )
     return np.array(modes).reshape(-1, model.nq)
 
@@ -134,25 +133,21 @@ def _restarted(
     if gap[worst] < CLOSED * length(model) and backward(model, best).any():
         raise LoopError(
             f"assemble: loop {name!r} of {model.name!r} closes only the wrong way round{sample}: "
-            f"its frames face "
-            "opposite ways. Start from another guess, or turn one frame."
+            f"its frames face opposite ways. Start from another guess, or turn one frame."
         )
     if gap[worst] < _NEARLY * length(model):
         raise LoopError(
             f"assemble: loop {name!r} of {model.name!r} stays open by {gap[worst]:.3g} m{sample}, "
-            f"at the nearest "
-            "position found. Start from another guess, check lengths and frames, or, where "
-            "redundant equations "
-            "contradict each other because numbers are rounded, state by how much: "
-            "loop_tolerance=(metres, radians)."
+            f"at the nearest position found. Start from another guess, check lengths and frames, "
+            f"or, where redundant equations contradict each other because numbers are rounded, "
+            f"state by how much: loop_tolerance=(metres, radians)."
         )
     fixed = [name for k, name in enumerate(model.velocity_names) if k not in moving]
     remedy = f"let one of {', '.join(fixed)} move too" if fixed else "check lengths and frames"
     raise LoopError(
         f"assemble: loop {name!r} of {model.name!r} stays open by {gap[worst]:.3g} m{sample}, at "
-        f"the nearest position "
-        f"found; its links may be too short or too long to meet. Start from another guess, or "
-        f"{remedy}."
+        f"the nearest position found; its links may be too short or too long to meet. Start from "
+        f"another guess, or {remedy}."
     )
 
 

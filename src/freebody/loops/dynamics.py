@@ -160,9 +160,8 @@ def careful(
     except Idle as idle:
         raise SingularError(
             f"forward_dynamics: {model.name!r} has no unique acceleration: its loops let "
-            f"{model.velocity_names[idle.coordinate]!r} move without moving any inertia. "
-            "Give a mass and inertia to what it carries, or a rotor inertia to the joint, or fix "
-            "it."
+            f"{model.velocity_names[idle.coordinate]!r} move without moving any inertia. Give a "
+            f"mass and inertia to what it carries, or a rotor inertia to the joint, or fix it."
         ) from None
 
 
@@ -355,9 +354,7 @@ def _careful_torques(
             raise SingularError(
                 f"{function}: the driven joints of {model.name!r} ({names}) cannot force this "
                 f"motion{where}: it can move with these joints locked (too few drives, or a "
-                f"singular position of the second "
-                "type). "
-                "Drive another joint: actuated=[...]."
+                f"singular position of the second type). Drive another joint: actuated=[...]."
             )
         tau[at[:, None], driven] = found / rates[driven]
     return tau

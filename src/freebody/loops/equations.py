@@ -146,8 +146,7 @@ def require_closed(function: str, model: Model, q: Array, qd: Array | None = Non
         for at, name, sample in _marked(model, rate > least * speed[..., None]):
             raise LoopError(
                 f"{function}: loop {name!r} of {model.name!r} would open at {rate[at]:.3g} "
-                f"m/s{sample}; "
-                "make the rates consistent with fb.loop_velocity(model, q, qd)."
+                f"m/s{sample}; make the rates consistent with fb.loop_velocity(model, q, qd)."
             )
 
 
@@ -161,11 +160,9 @@ def require_within_tolerance(function: str, model: Model, q: Array) -> None:
         open_by, allowed = in_units(model, row, *sizes)
         raise LoopError(
             f"{function}: loop {model.loops[loop_of_row(model)[row]].name!r} of {model.name!r} is "
-            f"open by {open_by}"
-            f"{at_sample(at)}, more than its loop_tolerance of {allowed}: there its redundant "
-            f"equations contradict "
-            "each other. Correct the numbers, or state how far they are rounded: "
-            "loop_tolerance=(metres, radians)."
+            f"open by {open_by}{at_sample(at)}, more than its loop_tolerance of {allowed}: there "
+            f"its redundant equations contradict each other. Correct the numbers, or state how far "
+            f"they are rounded: loop_tolerance=(metres, radians)."
         )
 
 

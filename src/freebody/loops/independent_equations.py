@@ -95,10 +95,9 @@ def require_partition(model: Model, function: str, by_drives: bool) -> Partition
         drives = "the drives do not force every motion, or " if by_drives else "nothing moves, or "
         raise SingularError(
             f"{function}: no choice of equations and coordinates of {model.name!r} holds near its "
-            f"home, which a "
-            f"compiled kernel needs: {drives}redundant equations are rounded. Use the functions of "
-            f"closed chains, "
-            "fb.inverse_dynamics or fb.reactions, which choose at each position."
+            f"home, which a compiled kernel needs: {drives}redundant equations are rounded. Use "
+            f"the functions of closed chains, fb.inverse_dynamics or fb.reactions, which choose at "
+            f"each position."
         )
     return found
 

@@ -54,8 +54,7 @@ class InputOutput(Titled, ByValue):
         if self.second < 1e-9:
             raise FreebodyError(
                 "J = -J_a⁻¹ J_b does not exist at a singular position of the second type: the tip "
-                "moves though the "
-                "driven joints stand still."
+                "moves though the driven joints stand still."
             )
         return -np.linalg.solve(self.J_a, self.J_b).astype(float, copy=False)
 

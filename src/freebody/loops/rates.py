@@ -154,8 +154,7 @@ def _carefully(
     if held is not None and (np.linalg.matrix_rank(J[..., moving], tol=_LOOSE) < len(moving)).any():
         names = ", ".join(model.velocity_names[k] for k in held) or "nothing"
         raise FreebodyError(
-            f"{function}: the values given for {names} leave {model.name!r} free to move; "
-            "give one for every independent coordinate: fb.mobility(model, q).independent names a "
-            "choice."
+            f"{function}: the values given for {names} leave {model.name!r} free to move; give one "
+            f"for every independent coordinate: fb.mobility(model, q).independent names a choice."
         )
     return result * stretch

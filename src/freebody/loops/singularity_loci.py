@@ -101,8 +101,7 @@ def _problem(
     if len(driven) != freedom:
         raise FreebodyError(
             f"singularity_loci: {model.name!r} has {freedom} degrees of freedom and {len(driven)} "
-            f"driven joints; "
-            "name as many with model.replace(actuated=[...])."
+            f"driven joints; name as many with model.replace(actuated=[...])."
         )
     held = [free_coordinates(model, (name,), "singularity_loci") for name in hold]
     if freedom - len(hold) not in (1, 2) or any(len(k) != 1 for k in held):
@@ -116,8 +115,7 @@ def _problem(
     if len(chosen) != freedom:
         raise FreebodyError(
             f"singularity_loci: {len(chosen)} rows are chosen and {model.name!r} has {freedom} "
-            f"degrees of freedom; "
-            "these must be equal."
+            f"degrees of freedom; these must be equal."
         )
     for name, value in hold.items():
         refuse_not_finite(

@@ -176,8 +176,7 @@ class DescriptionChecks:
         if len(roots) > 1:
             self.refuse(
                 f"links {', '.join(map(repr, roots[:6]))} have no parent joint; only one link can "
-                f"be the base: "
-                "connect the others to it by joints.",
+                f"be the base: connect the others to it by joints.",
                 self.links[roots[1]].line,
             )
         return roots[0]

@@ -212,8 +212,7 @@ class FamilyError(FreebodyError, TypeError):
         example = ", ".join("0" for _ in shape)
         super().__init__(
             f"{function}: {name!r} is a family of robots, shape {shape}, and one robot is needed "
-            f"here: "
-            f"take a member, model[{example}]."
+            f"here: take a member, model[{example}]."
         )
 
 
@@ -225,8 +224,6 @@ class LengthsDiffer(FamilyError):
         FreebodyError.__init__(
             self,
             f"{name!r} is a family of robots, shape {shape}, whose lengths or placements differ, "
-            f"and robots of one "
-            f"geometry are needed here: take a member, model[{example}]. Members may differ in "
-            f"masses, inertias, "
-            "friction and gravity.",
+            f"and robots of one geometry are needed here: take a member, model[{example}]. Members "
+            f"may differ in masses, inertias, friction and gravity.",
         )

@@ -49,8 +49,7 @@ class Inertia:
         if (len(self.com), len(self.tensor)) not in ((3, 6), (2, 1)):
             raise ModelError(
                 f"Inertia: com has {len(self.com)} and tensor {len(self.tensor)} entries; give 3 "
-                f"and 6 "
-                "(ixx, ixy, ixz, iyy, iyz, izz) in space, 2 and 1 in the plane."
+                f"and 6 (ixx, ixy, ixz, iyy, iyz, izz) in space, 2 and 1 in the plane."
             )
         if type(self.com) is type(self.tensor) is tuple and _are_plain(
             (self.mass, *self.com, *self.tensor)

@@ -38,8 +38,7 @@ def checked_loop(loop: Loop, dim: int, body_of: Mapping[str, int], taken: Contai
     if body_of[loop.frames[0]] == body_of[loop.frames[1]]:
         raise ModelError(
             f"{where}: frames {loop.frames[0]!r} and {loop.frames[1]!r} are on the same body, so "
-            f"the loop closes "
-            "nothing; name frames of two bodies."
+            f"the loop closes nothing; name frames of two bodies."
         )
     return replace(
         loop,

@@ -66,8 +66,7 @@ def home(model: Model) -> Array:
     if best is None:
         raise LoopError(
             f"no closed position of {model.name!r} was found from {len(starts)} starts; give a "
-            f"motion, or close it "
-            "with fb.assemble(model, q) from a better guess."
+            f"motion, or close it with fb.assemble(model, q) from a better guess."
         )
     return best
 
@@ -153,8 +152,7 @@ def completed(model: Model, t: Array, columns: Mapping[str, Array], source: str)
     if regularity(model, start, leading) < _TELLING:
         raise LoopError(
             f"the positions of {', '.join(names)} do not determine those of the other joints of "
-            f"{model.name!r}; give "
-            f"those of {', '.join(model.driven_names)}."
+            f"{model.name!r}; give those of {', '.join(model.driven_names)}."
         )
     way = np.stack([columns[name] - columns[name][0] for name in names], axis=-1)
     q = followed(model, start, leading, way)

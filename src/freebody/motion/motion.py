@@ -97,8 +97,7 @@ class Motion(Tabled, ByValue):
     def _title(self) -> str:
         return (
             f"Motion: {counted(len(self.t), 'sample')}, {self.t[0]:.4g} to {self.t[-1]:.4g} s, "
-            f"{self.layout.nq} "
-            f"positions; {self.source}"
+            f"{self.layout.nq} positions; {self.source}"
         )
 
     def _table(self) -> TextTable:

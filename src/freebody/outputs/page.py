@@ -21,8 +21,7 @@ def policy(scripts: Sequence[str] = ()) -> str:
     allowed = " ".join(f"'sha256-{digest}'" for digest in digests) or "'none'"
     rules = (
         f"default-src 'none'; script-src {allowed}; style-src 'unsafe-inline'; img-src data: "
-        f"blob:; "
-        "font-src data:; base-uri 'none'; form-action 'none'"
+        f"blob:; font-src data:; base-uri 'none'; form-action 'none'"
     )
     return f'<meta http-equiv="Content-Security-Policy" content="{rules}">'
 

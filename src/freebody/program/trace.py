@@ -47,8 +47,7 @@ def trace(
         )
         raise ProgramError(
             f"{name}: the traced function returned {given}, expected a tuple with one entry for "
-            f"each output: "
-            f"{', '.join(map(str, outputs))}."
+            f"each output: {', '.join(map(str, outputs))}."
         )
     results: list[int] = []
     for argument, value in zip(outputs, returned, strict=True):

@@ -40,8 +40,7 @@ class Graph(Nodes):
             if value.graph is not self:
                 raise GraphError(
                     "scalars of two traces were mixed: a graph belongs to one trace. Do not keep "
-                    "traced scalars in "
-                    "globals, closures or caches; pass them as arguments."
+                    "traced scalars in globals, closures or caches; pass them as arguments."
                 )
             return value.index
         if isinstance(value, (float, int, Real)):
@@ -133,8 +132,7 @@ class Expr:
         ):
             raise GraphError(
                 f"x ** {exponent!r}: the exponent of a traced scalar is a whole number from -64 to "
-                f"64; else "
-                "there are sqrt(x) and exp(exponent * log(x)) of freebody.math."
+                f"64; else there are sqrt(x) and exp(exponent * log(x)) of freebody.math."
             )
         if exponent < 0:
             return 1.0 / self**-exponent
@@ -185,8 +183,7 @@ class Expr:
 def _branch(what: str) -> GraphError:
     return GraphError(
         f"{what} of a traced scalar: it has no value yet. Branch on structure (joint kinds, the "
-        f"tree, a constant "
-        "parameter), never on values; freebody.math chooses by value, with where(less(a, b), x, "
-        "y), minimum, maximum, "
-        "absolute, and has the functions that Python's math and NumPy have for numbers."
+        f"tree, a constant parameter), never on values; freebody.math chooses by value, with "
+        f"where(less(a, b), x, y), minimum, maximum, absolute, and has the functions that Python's "
+        f"math and NumPy have for numbers."
     )

@@ -126,9 +126,8 @@ class TrigRing:
 def _too_large() -> FreebodyError:
     return FreebodyError(
         "the closed form of this robot is too large to be worked out: its terms multiply with "
-        "every joint. "
-        "Derive it with fewer joints; for numbers use fb.inverse_dynamics and the other numerical "
-        "functions, for robots of any size."
+        "every joint. Derive it with fewer joints; for numbers use fb.inverse_dynamics and the "
+        "other numerical functions, for robots of any size."
     )
 
 

@@ -233,10 +233,9 @@ def tip_wrench(model: Model, q: Vector, tau: Vector, frame: str | None = None) -
     singular = np.argwhere(smallest[..., -1] <= 1e-12 * smallest[..., 0])
     if len(singular):
         raise SingularError(
-            f"tip_wrench: the Jacobian of {model.name!r} is singular{at_sample(singular[0])}: "
-            "some wrench at its frame needs no torque, so the torques do not determine it. Choose "
-            "another "
-            "q."
+            f"tip_wrench: the Jacobian of {model.name!r} is singular{at_sample(singular[0])}: some "
+            f"wrench at its frame needs no torque, so the torques do not determine it. Choose "
+            f"another q."
         )
     torque = finite_vector("tip_wrench", model, "tau", tau)
     batch = common_batch("tip_wrench", {"q": J[..., 0], "tau": torque})

@@ -27,9 +27,8 @@ def refuse_passive(function: str, model: Model, tau: Vector) -> None:
         value, name = float(given[tuple(bad[0])]), model.velocity_names[model.passive[k]]
         raise PassiveJointError(
             f"{function}: the torque of {name!r} is {value:g}{at_sample(sample)}, but the joint of "
-            f"{model.name!r} is "
-            "passive: nothing drives it. Give 0 there, or name it among "
-            "model.replace(actuated=[...])."
+            f"{model.name!r} is passive: nothing drives it. Give 0 there, or name it among "
+            f"model.replace(actuated=[...])."
         )
 
 

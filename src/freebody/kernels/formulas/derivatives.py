@@ -85,8 +85,7 @@ FORMULAS = {
             "Minv": Output(
                 _MATRIX,
                 "derivative of the accelerations with respect to tau: the inverse mass matrix "
-                "(1/(kg m^2), "
-                "1/kg)",
+                "(1/(kg m^2), 1/kg)",
             ),
         },
         lambda t, o, q, qd, tau: _matrices(forward_dynamics_derivatives(t, q, qd, tau)),

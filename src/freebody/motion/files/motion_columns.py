@@ -201,8 +201,7 @@ def _in_line(model: Model, moved: Array) -> list[str]:
     unit = "rad" if angular(model)[k] else "m"
     return [
         f"The positions carry noise and were adjusted to the given rates, by at most "
-        f"{moved.max():.2g} {unit} "
-        f"({model.position_names[k]})."
+        f"{moved.max():.2g} {unit} ({model.position_names[k]})."
     ]
 
 

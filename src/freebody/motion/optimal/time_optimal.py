@@ -180,9 +180,8 @@ def _motions(
             over = max(over, elsewhere)
         if over > _FAR_FROM_HELD:
             raise FreebodyError(
-                f"{_NAME}: between points of the grid {label} exceeds a limit by "
-                f"{100 * over:.2g} %; give more points than {block.intervals + 1}, or larger "
-                f"limits."
+                f"{_NAME}: between points of the grid {label} exceeds a limit by {100 * over:.2g} "
+                f"%; give more points than {block.intervals + 1}, or larger limits."
             )
         yield replace(motion, notices=_told(over)) if over > _HELD else motion
 

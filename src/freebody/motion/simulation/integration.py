@@ -63,8 +63,7 @@ def open_scheme(system: System, tolerance: float, max_step: float) -> Scheme:
     settings = {"rtol": tolerance, "atol": tolerance / 100, "max_step": max_step}
     reason = (
         "The motion may diverge or pass a state without finite acceleration; shorten the time, or "
-        "check torques and "
-        "masses."
+        "check torques and masses."
     )
     return Scheme(rate, system.normalised, settings, lambda drive, t, y: None, False, reason)
 

@@ -222,9 +222,8 @@ def _warn_unstable(asked: Simulation, method: str, way: Course, drive: Drive) ->
             where = at_sample(index)
             warn(
                 f"simulate: the motion{where} is stiff: a part of it changes within "
-                f"{1.0 / rate:.1g} s, and steps of {method!r} are stable up to "
-                f"{reach / rate:.1g} s; these are {step:.1g} s. Take a shorter step= or method "
-                f"'implicit'.",
+                f"{1.0 / rate:.1g} s, and steps of {method!r} are stable up to {reach / rate:.1g} "
+                f"s; these are {step:.1g} s. Take a shorter step= or method 'implicit'.",
             )
             return
 

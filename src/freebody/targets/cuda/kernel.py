@@ -120,8 +120,7 @@ class GpuKernel(Kernel):
             if x.dtype != self.dtype:
                 raise KernelError(
                     f"{name}: {argument.name} holds {x.dtype} on the GPU, expected {self.dtype}; "
-                    f"convert it, or ask "
-                    f"for fb.kernel(..., dtype={x.dtype.name!r})."
+                    f"convert it, or ask for fb.kernel(..., dtype={x.dtype.name!r})."
                 )
         shapes = [
             x.shape[: len(x.shape) - len(a.shape)] for a, x in zip(inputs, given, strict=True)

@@ -103,8 +103,7 @@ def _load_row(
         mask = ", ".join(f"i1 {int(k < columns)}" for k in range(width))
         lines.append(
             f"  {name} = call {v} @llvm.masked.load.v{width}f{real.bits}.p0(ptr {name}.p, i32 "
-            f"{real.size}, "
-            f"<{width} x i1> <{mask}>, {v} zeroinitializer)"
+            f"{real.size}, <{width} x i1> <{mask}>, {v} zeroinitializer)"
         )
     return name
 

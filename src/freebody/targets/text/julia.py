@@ -147,8 +147,7 @@ def _self_test(unit: Unit, vectors: SelfTestSamples) -> str:
         text += [
             f"expected = {table(number_lists(rows, spell))}",
             f"off = maximum(maximum(abs.(results[i][{k + 1}] .- expected[i]) ./ {spell(largest)}; "
-            f"init = 0.0) "
-            f"for i in 1:{vectors.count})",
+            f"init = 0.0) for i in 1:{vectors.count})",
             f'println("{word}: off by at most ", off, " of its largest entry; '
             f'allowed {tolerance:.2g}")',
             f"global bad |= !(off <= {spell(tolerance)})",

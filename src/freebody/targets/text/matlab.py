@@ -126,8 +126,7 @@ def _self_test(unit: Unit, vectors: SelfTestSamples) -> str:
             largest = number(largest_entries(vectors)[k])
             text.append(
                 f"worst({k + 1}) = max([worst({k + 1}); abs({found[k]}(:) - "
-                f"{_array(rows[i], argument)}(:)) "
-                f"/ {largest}; any(isnan({found[k]}(:))) * 1e300]);"
+                f"{_array(rows[i], argument)}(:)) / {largest}; any(isnan({found[k]}(:))) * 1e300]);"
             )
     for k, (word, tolerance) in enumerate(zip(words.outputs, vectors.tolerances, strict=True)):
         text += [
