@@ -14,7 +14,7 @@ from freebody.derivations.expressions.nodes import Expression, nodes
 from freebody.derivations.grammar.source import Source, Span
 
 if TYPE_CHECKING:
-    from freebody.derivations.check.claim_reader import Claim
+    from freebody.derivations.check.claim import Claim
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,8 @@ from freebody.derivations.check.answer_text import AnswerError
 from freebody.derivations.check.answer_tree import Named
 from freebody.derivations.check.asked_quantities import Targets, letters_of
 from freebody.derivations.check.circular_answers import refuse_circles
-from freebody.derivations.check.claim_reader import Claim, ClaimReader
+from freebody.derivations.check.claim import Claim
+from freebody.derivations.check.claim_reader import ClaimReader
 from freebody.derivations.check.documents.answer_document import AnswerDocument, FormulaPiece
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.states import StateReader

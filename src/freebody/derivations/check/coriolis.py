@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from freebody.derivations.check.claim_reader import Claim
+from freebody.derivations.check.claim import Claim
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.polynomials.arithmetic import inner
 from freebody.scalars.trig import Trig

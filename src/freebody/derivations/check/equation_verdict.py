@@ -14,7 +14,7 @@ from freebody.derivations.check import (
 )
 from freebody.derivations.check.answer_tree import Named
 from freebody.derivations.check.asked_quantities import Targets
-from freebody.derivations.check.claim_reader import Claim
+from freebody.derivations.check.claim import Claim
 from freebody.derivations.check.explanation import Explanation, first
 from freebody.derivations.check.finite_field import Point, random_point
 from freebody.derivations.check.finite_field_tree import Workspace

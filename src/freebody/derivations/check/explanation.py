@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from freebody.derivations.check.answer_text import AnswerText
-from freebody.derivations.check.claim_reader import Claim
+from freebody.derivations.check.claim import Claim
 from freebody.derivations.check.differences import (
     Difference,
     differences,

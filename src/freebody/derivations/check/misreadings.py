@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from freebody.derivations.check.answer_tree import Named, Wave
 from freebody.derivations.check.asked_quantities import Targets
-from freebody.derivations.check.claim_reader import Claim
+from freebody.derivations.check.claim import Claim
 from freebody.derivations.check.finite_field_tree import Workspace
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.verdict import Mistake

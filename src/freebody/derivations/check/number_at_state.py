@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from freebody.derivations.check.claim_reader import Claim
+from freebody.derivations.check.claim import Claim
 from freebody.derivations.check.exact_polynomials import PolynomialReader
 from freebody.derivations.check.quotients import Value, pair
 from freebody.derivations.check.real_point import RealPoint

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from freebody.derivations.check.asked_quantities import Targets
-from freebody.derivations.check.claim_reader import Claim
+from freebody.derivations.check.claim import Claim
 from freebody.derivations.check.number_at_state import NumberAtState
 from freebody.derivations.check.number_reasons import reasons
 from freebody.derivations.check.right_equations import RightEquations

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from freebody.derivations.check import numeric_example
-from freebody.derivations.check.claim_reader import Claim
+from freebody.derivations.check.claim import Claim
 from freebody.derivations.check.differences import Difference
 from freebody.derivations.check.explanation import Explanation
 from freebody.derivations.check.finite_field import Point

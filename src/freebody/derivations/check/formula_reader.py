@@ -1,0 +1,115 @@
+"""Sides of equations into trees and values, with the model's quantities by name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from freebody.derivations.check.answer_lines import Line
+from freebody.derivations.check.answer_text import AnswerText
+from freebody.derivations.check.answer_tree import Named
+from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.check.asked_quantities import Targets
+from freebody.derivations.check.circular_answers import uses
+from freebody.derivations.check.claim import Claim
+from freebody.derivations.check.dotted_names import spellings
+from freebody.derivations.check.exact_polynomials import PolynomialReader
+from freebody.derivations.check.quotients import Value
+from freebody.derivations.check.reading import AnswerParser
+from freebody.derivations.check.tables_in_formulas import Shape, worked_out
+from freebody.derivations.check.vocabulary import Vocabulary
+from freebody.derivations.expressions.evaluate import NoValue
+from freebody.derivations.expressions.nodes import Expression, Matrix
+from freebody.derivations.grammar.lexer import Token
+from freebody.derivations.grammar.source import Span
+from freebody.scalars.trig import Trig
+
+_OF_BODIES = {"g": "gravity", "J": "JP"}
+"""What names stand for in equations of bodies."""
+
+
+class FormulaReader:
+    """Reads sides."""
+
+    def __init__(self, source: AnswerText, vocabulary: Vocabulary, targets: Targets):
+        self.source, self.vocabulary, self.targets = source, vocabulary, targets
+        self.setting = vocabulary.setting
+        self.replaced: dict[str, Trig] = {}
+        self.letters_of_vectors: frozenset[str] = frozenset()
+        """Letters such as v that other lines give as vectors: v1 = 0 is one too."""
+        self.of_bodies = False
+        """Whether the line is about bodies, so that g is the gravitational acceleration and J that
+        of the tip's position; else they are what stands in the equations of motion."""
+
+    def parse(self, side: Sequence[Token], shape: Shape | None = None) -> Expression:
+        """A side as tree; shape: of the vector that it must be."""
+        parser = AnswerParser(
+            self.source, side, self.vocabulary, self._quantity, self.targets.single, self.table
+        )
+        node = parser.side()
+        try:
+            return worked_out(node, parser.others, shape)
+        except NoValue as problem:
+            self.source.fail(problem.problem, (problem.node or node).span)
+
+    def table(self, name: str, span: Span) -> Matrix | None:
+        """The entries of a vector or matrix, each with its name."""
+        meant = _OF_BODIES.get(name, name) if self.of_bodies else name
+        table = self.targets.tables.get(meant)
+        if table is None:
+            return None
+        return Matrix(
+            tuple(
+                tuple(Named(entry_label(meant, x), self._value_of(x), span=span) for x in row)
+                for row in table
+            ),
+            span=span,
+        )
+
+    def value(self, node: Expression) -> Trig:
+        """A tree as polynomial."""
+        return PolynomialReader(self.source, self.setting.ring).read(node)
+
+    def quotient(self, node: Expression) -> Value:
+        """A tree as polynomial, or as quotient of two."""
+        return PolynomialReader(self.source, self.setting.ring).quotient(node)
+
+    def _quantity(self, name: str) -> Value | None:
+        if name in self.replaced:
+            return self.replaced[name]
+        if name not in self.targets.single:
+            return None
+        return self._value_of(self.targets.single[name])
+
+    def _value_of(self, target: AskedQuantity) -> Value:
+        return self.setting.zero if target.idle else target.compute()
+
+    def claim(self, label: str, target: AskedQuantity, node: Expression) -> Claim:
+        """What a tree says of a quantity."""
+        used = tuple(uses(node, self.targets.single, self.vocabulary))
+        return Claim(label, target, node, self.quotient(node), self.source, used)
+
+    def says_that_the_base_moves(self, line: Line) -> bool:
+        """Whether it is v̇0 = -g: gravity as an acceleration of the base."""
+        first = line[0]
+        if len(first) != 1 or first[0].text not in spellings("v", "0", 1) or len(line) != 2:
+            return False
+        self.of_bodies = True
+        gravity = self.table("gravity", first[0].span)
+        node = self.parse(line[1], gravity and (len(gravity.rows), 1))
+        if gravity is None or not isinstance(node, Matrix):
+            return False
+        pairs = zip(entries_of(gravity), entries_of(node), strict=False)
+        return all((self.value(x) + self.value(y)).is_zero for x, y in pairs)
+
+    def is_matrix(self, side: Sequence[Token]) -> bool:
+        """Whether a side is a vector or matrix as it stands."""
+        return side[0].kind == "begin" or side[0].text == "["
+
+
+def entry_label(label: str, target: AskedQuantity) -> str:
+    """c of joint 2 is c2; the second entry of vc1 is vc1y."""
+    return label + (target.axis or "".join(map(str, target.index)))
+
+
+def entries_of(node: Expression) -> list[Expression]:
+    return [x for row in node.rows for x in row] if isinstance(node, Matrix) else [node]

@@ -1,0 +1,66 @@
+"""Lines that tell a coordinate, a rate or an acceleration by the robot's quantities."""
+
+from __future__ import annotations
+
+from freebody.derivations.check.answer_lines import Line
+from freebody.derivations.check.answer_tree import Named
+from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.check.claim import Claim
+from freebody.derivations.check.formula_reader import FormulaReader
+from freebody.derivations.check.quotients import Value, pair
+from freebody.derivations.expressions.nodes import Matrix, nodes
+from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.scalars.trig import Trig
+
+
+class SolvedQuantities(FormulaReader):
+    """Reads lines solved for what moves."""
+
+    def is_solved(self, line: Line) -> bool:
+        """Whether a line tells a coordinate, a rate, an acceleration, or the sine or cosine of an
+        angle by the robot's quantities: θ̈1 = (τ1 - …)/H11, cos θ2 = (x² + …)/(2 l1 l2)."""
+        first = line[0][0]
+        if len(line) != 2 or len(line[0]) != 1 or self.is_matrix(line[1]):
+            return False
+        names = {token.text for token in line[1] if token.kind == "name"}
+        by_quantities = any(
+            x in self.targets.names and x not in self.vocabulary.symbols for x in names
+        )
+        if first.text in self.vocabulary.waves:
+            tip = (x for x in names if x in self.targets.single)
+            return any(self.targets.single[x].family == "tip" for x in tip)
+        if first.text in self.targets.single:
+            return False
+        if first.text in self.targets.tables and isinstance(self.parse(line[1]), Matrix):
+            return False
+        moving = self._moving(self.vocabulary.symbols.get(first.text))
+        if self.setting.is_free_body:
+            return bool(moving) and bool(names)
+        return bool(moving) and (by_quantities or (moving.endswith(SECOND) and bool(names)))
+
+    def _moving(self, value: Value | None) -> str:
+        """The coordinate, rate or acceleration that a value is, or nothing."""
+        terms = list(value.terms()) if isinstance(value, Trig) else []
+        name = "".join(terms[0][0]) if len(terms) == 1 else ""
+        known = {x + d for x in self.setting.symbols.coordinates for d in ("", RATE, SECOND)}
+        if self.setting.is_free_body:
+            known |= {
+                x for x in self.setting.ring.names if x.startswith(("v_", "omega_", "f_", "n_"))
+            }
+        return name if name in known and terms[0] == ({name: 1}, 1) else ""
+
+    def solved_for(self, line: Line) -> Claim:
+        """What a line says of a coordinate or of what belongs to it, by the robot's quantities."""
+        first, node = line[0][0], self.parse(line[1])
+        value = self.quotient(self.parse(line[0]))
+        name = self._moving(value)
+        for part in nodes(node):
+            if not isinstance(part, Named) or part.name in self.targets.single:
+                continue
+            if name and any(name in p for x in pair(part.value) for p, _ in x.terms()):
+                self.source.fail(
+                    f"{self.source[first.span]} stands on both sides: solve for it", part.span
+                )
+        words = "solved for it by the robot's quantities"
+        target = AskedQuantity("solved", (), lambda: value, words=words)
+        return self.claim(self.source[first.span], target, node)
