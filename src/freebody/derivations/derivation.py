@@ -131,7 +131,7 @@ class Derivation(Titled):
         """One HTML page with MathML that needs nothing else; labels: what stands in its drawings,
         "names", "values" or "both".
 
-        The page of an arm of few joints or of a planar closed chain can be tried: with sliders that
+        The page of an arm, and of most closed chains, can be tried: with sliders that
         numbers and a drawing follow, and lines that are hidden until they are predicted.
 
         Raises UnknownNameError, and MissingValueError for values that the model does not have.

@@ -20,11 +20,16 @@ function solved(A, b) {
   return rows.map((row, k) => row[n] / row[k]);
 }
 
-// Of an open chain the accelerations of joints without motor: those for which they need none.
+// Of an open chain the accelerations of joints without motor: those for which they need none. What
+// they need is linear in them.
 function letGo(x, y, free) {
-  for (const at of free.accelerations) x[at] = 0;
-  live(x, y);
-  const found = solved(free.inertias.map((row) => row.map((k) => y[k])), free.needs.map((k) => -y[k]));
+  const needs = (one) => {
+    for (const at of free.accelerations) x[at] = at === one ? 1 : 0;
+    live(x, y);
+    return free.needs.map((k) => y[k]);
+  };
+  const still = needs(-1), columns = free.accelerations.map((at) => minus(needs(at), still));
+  const found = solved(still.map((_, i) => columns.map((column) => column[i])), opposite(still));
   free.accelerations.forEach((at, k) => { x[at] = found ? found[k] : 0; });
 }
 
@@ -54,6 +59,7 @@ function close(x, y, loop) {
     give(names, found);
     live(x, y);
   }
+  if (!loop.need.length) return true;  // all joints have motors: the forces are free
   const across = columns.map((k) => loop.jacobian.map((row) => y[row[k]]));
   const forces = solved(across, loop.need.map((k) => -y[k]));
   if (!forces) return giveUp();

@@ -109,7 +109,8 @@ function drawArm(svg, bodies, rods, y) {
     const [u, v] = seen(vector(y, places));
     return [180 + scale * u, 125 - scale * v];
   };
-  for (const body of bodies) {
+  const shown = bodies.filter((body) => !body.link);
+  for (const body of shown) {
     const from = body.parent < 0 ? [180, 125] : at(bodies[body.parent].joint);
     const [u, v] = body.slides || body.parent >= 0 ? from : at(body.joint);
     if (body.parent < 0) line(svg, "hatch", [u - 30, v], [u + 30, v]);
@@ -117,8 +118,9 @@ function drawArm(svg, bodies, rods, y) {
     bars(svg, body, at, y);
   }
   for (const ends of rods) line(svg, "rail", ...ends.map(at));
-  for (const body of bodies) {
+  for (const body of shown) {
     for (const pin of body.pins) joint(svg, at(pin), false);
+    if (!body.held) continue;
     if (body.axis) axis(svg, at(body.joint), seen(vector(y, body.axis)));
     joint(svg, at(body.joint), body.slides);
     centre(svg, at(body.centre));
@@ -127,22 +129,25 @@ function drawArm(svg, bodies, rods, y) {
 
 // All bodies in rows of two cells; one scale for their forces, one for their lengths. Returns the
 // force that the longest arrow stands for.
-const WIDE = 360, TALL = 175, LARGEST_BODY = 88;
+const WIDE = 360, TALL = 175, LARGEST_BODY = 88, AT_ONCE = 4;
 function drawBodies(svg, bodies, y) {
+  const every = bodies;
+  if (view.first !== undefined) bodies = bodies.slice(view.first, view.first + AT_ONCE);
   svg.replaceChildren();
   const acting = ({kind, at, is, sign, name}) =>
     ({kind, place: at, is: vector(y, is).map((u) => sign * u), name});
-  const all = bodies.map((body) =>
+  const whole = every.map((body) =>
     ({body, forces: body.forces.map(acting), moments: body.moments.map(acting)}));
+  const all = whole.filter((one) => bodies.includes(one.body));
   const cell = [WIDE / Math.min(2, bodies.length), TALL];
   const bottom = TALL * Math.ceil(bodies.length / 2);
   svg.setAttribute("viewBox", `0 0 ${WIDE} ${bottom}`);
   const largest = (vectors) => Math.max(...vectors.map(length));
-  const longest = round(largest(all.flatMap((one) => one.forces.map((force) => force.is))));
-  const turning = round(largest(all.flatMap((one) => one.moments.map((moment) => moment.is))));
+  const longest = round(largest(whole.flatMap((one) => one.forces.map((force) => force.is))));
+  const turning = round(largest(whole.flatMap((one) => one.moments.map((moment) => moment.is))));
   const drawn = (v, unit) => seen(v).map((u, k) => (k ? -1 : 1) * LONGEST_ARROW * u / unit);
   const ways = (body) => body.ends.map((end) => minus(vector(y, end), vector(y, body.joint)));
-  const size = largest(bodies.flatMap(ways)) || 1;
+  const size = largest(every.flatMap(ways)) || 1;
   const names = [], taken = [[0, 4, 72, 20]];  // there is the scale
   all.forEach(({body, forces, moments}, k) => {
     const far = body.ends.reduce((one, other, i) => length(ways(body)[i]) > length(ways(body)[body.ends.indexOf(one)]) ? other : one);

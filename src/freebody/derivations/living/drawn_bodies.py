@@ -3,6 +3,7 @@ is called; vectors in axes of the world."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from freebody.derivations.derive import LOADS
@@ -10,9 +11,11 @@ from freebody.derivations.expressions import expression as ex
 from freebody.derivations.living.closed_chain import ClosedChain
 from freebody.derivations.living.kernel import PageProgram
 from freebody.derivations.naming import Naming
-from freebody.derivations.relations.quantities import Quantities
-from freebody.model.tree import Tree
+from freebody.model.tree import Tree, TreeBody
 from freebody.spatial import times
+
+FEW = 4
+"""Bodies up to which all are drawn alone."""
 
 
 class DrawnBodies:
@@ -21,7 +24,7 @@ class DrawnBodies:
     def __init__(
         self,
         kernel: PageProgram,
-        values: Quantities,
+        values: Mapping[str, Any],
         naming: Naming,
         tree: Tree,
         closed: ClosedChain | None,
@@ -39,9 +42,21 @@ class DrawnBodies:
             "joint": places(self.values[f"r{n}"]), "centre": places(self.values[f"rc{n}"]),
             "ends": list(map(places, self._ends(n))), "parent": naming.parent(n) - 1,
             "slides": naming.body(n).kind.slides,
-            "forces": self._forces(n), "moments": self._moments(n), "pins": self._pins(n),
+            "pins": self._pins(n), "alone": self._stands_alone(n), "link": self._is_link(n),
+            "held": not self._is_link(naming.parent(n)),
+            "forces": self._forces(n) if self._stands_alone(n) else [],
+            "moments": self._moments(n) if self._stands_alone(n) else [],
         }  # fmt: skip
         return drawn | ({"axis": places(self._axis(n))} if naming.model.dim == 3 else {})
+
+    def _is_link(self, n: int) -> bool:
+        """Whether it stands for nothing, between joints in a row that hold nothing."""
+        return bool(self.closed and n and self.tree.body_of[n - 1] in self.closed.s.links)
+
+    def _stands_alone(self, n: int) -> bool:
+        """Whether it is drawn with its forces; of robots of many bodies only those with mass."""
+        few = len(self.naming.model.bodies) <= FEW
+        return not self._is_link(n) and (few or bool(self._own(n).masses))
 
     def _ends(self, n: int) -> list[Any]:
         """Where it reaches to: further joints, loops, the tip; else its centre of mass."""
@@ -105,5 +120,7 @@ class DrawnBodies:
 
     def _axis(self, n: int) -> Any:
         """The axis of joint n."""
-        rows = zip(self.tree.bodies, self.tree.body_of, strict=True)
-        return self._in_world(n, next(body.axis for body, k in rows if k == n - 1))
+        return self._in_world(n, self._own(n).axis)
+
+    def _own(self, n: int) -> TreeBody:
+        return self.tree.bodies[self.tree.body_of[n - 1]]

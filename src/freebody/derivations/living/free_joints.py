@@ -9,7 +9,6 @@ from freebody.derivations.derivation import Derivation
 from freebody.derivations.living.kernel import PageProgram
 from freebody.derivations.methods import METHODS
 from freebody.derivations.polynomials.symbols import SECOND
-from freebody.derivations.relations.quantities import Quantities
 
 
 class FreeJoints:
@@ -18,7 +17,7 @@ class FreeJoints:
     key = "free"
     why = "no motor"
 
-    def __init__(self, derivation: Derivation, values: Quantities):
+    def __init__(self, derivation: Derivation, values: Mapping[str, Any]):
         model = derivation.equations.symbols.model
         moving = bool(derivation.tau) and not METHODS[derivation.method].at_rest
         coordinates = derivation.equations.symbols.coordinates
@@ -31,13 +30,8 @@ class FreeJoints:
         return self.solved_names
 
     def page(self, kernel: PageProgram, inputs: Mapping[str, int]) -> dict[str, Any]:
-        """Places of what the joints need and of its derivatives by the accelerations, which are
-        found from these."""
+        """The accelerations and places of what the joints need, which is linear in them."""
         return {
             "accelerations": [inputs[name] for name in self.solved_names],
             "needs": [kernel.places(tau)[0] for tau in self._needed],
-            "inertias": [
-                [kernel.places(tau.derivative(name))[0] for name in self.solved_names]
-                for tau in self._needed
-            ],
         }

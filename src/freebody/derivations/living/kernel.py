@@ -3,19 +3,21 @@ values of names and lines."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from numbers import Real
 from typing import Any
 
 import numpy as np
 
 from freebody import elementary
+from freebody.arrays import Array
 from freebody.derivations.expressions.evaluate import Rules, arithmetic, evaluate
 from freebody.derivations.expressions.expression import Expression, Function, Symbol
-from freebody.derivations.expressions.nodes import nodes
-from freebody.derivations.living.line_values import entries
-from freebody.derivations.relations.quantities import Quantities
-from freebody.program import Argument, trace
-from freebody.program.passes import share_reciprocals
+from freebody.derivations.relations.formula_values import rank
+from freebody.program import Argument, Program, trace
+from freebody.program.evaluate import evaluated, values
+from freebody.program.passes import drop_dead, share_reciprocals
+from freebody.scalars.expr import Expr, Graph
 from freebody.targets.text import LANGUAGES, Unit
 
 NAME = "live"
@@ -24,50 +26,80 @@ NAME = "live"
 _FUNCTIONS = {"sin": elementary.sin, "cos": elementary.cos, "sgn": elementary.sign}
 
 
-class PageProgram:
-    """Values that are asked for one by one get places in its output y; then it has a source."""
+def entries(x: Any) -> tuple[Any, ...]:
+    """The entries of a vector; a scalar alone."""
+    return tuple(x) if rank(x) else (x,)
 
-    def __init__(self, quantities: Quantities):
-        self._quantities = quantities
-        self._places: dict[Expression, int] = {}
+
+class PageProgram:
+    """Values that are asked for one by one get places in its output y; then it has a source.
+
+    names: of all symbols. form: of a polynomial, the formula by which it is evaluated.
+    """
+
+    def __init__(self, names: Iterable[str], form: Callable[[Any], Expression]):
+        self._graph, self._form = Graph(), form
+        self.inputs = {name: self._graph.input(name) for name in names}
+        self._places: dict[int, int] = {}
+        self._rules: Rules = {
+            **arithmetic(lambda number: number.numerator / number.denominator),
+            Symbol: lambda node, at: self.inputs[node.name],
+            Function: lambda node, at: _FUNCTIONS[node.name](at(node.argument)),
+        }
 
     def places(self, value: Any) -> list[int]:
         """Where in y the entries of a value will be; equal ones have one place."""
-        form = self._quantities.form
-        forms = [x if isinstance(x, Expression) else form(x) for x in entries(value)]
-        return [self._places.setdefault(form, len(self._places)) for form in forms]
+        indices = [self._graph.operand(self._scalar(x)) for x in entries(value)]
+        return [self._places.setdefault(index, len(self._places)) for index in indices]
+
+    def _scalar(self, x: Any) -> Any:
+        if isinstance(x, Expr | Real):
+            return x
+        return evaluate(x if isinstance(x, Expression) else self._form(x), self._rules)
 
     @property
     def size(self) -> int:
         """Length of y."""
         return len(self._places)
 
+    def _program(self, results: Iterable[int]) -> Program:
+        graph, wanted = self._graph, tuple(results)
+        return drop_dead(
+            Program(
+                NAME,
+                (Argument("x", (len(self.inputs),)),),
+                (Argument("y", (len(wanted),)),),
+                tuple(graph.op), tuple(graph.a), tuple(graph.b), tuple(graph.values), wanted,
+                tuple(graph.c),
+            )
+        )  # fmt: skip
+
     @property
     def used(self) -> frozenset[str]:
         """Names of the symbols that what was asked for depends on."""
+        program, names = self._program(self._places), tuple(self.inputs)
         return frozenset(
-            x.name for form in self._places for x in nodes(form) if isinstance(x, Symbol)
+            names[a] for op, a in zip(program.op, program.a, strict=True) if op == "input"
         )
 
-    def numbers(self, inputs: Mapping[str, Any]) -> list[Any]:
-        """y over any scalars, given each symbol's value by name."""
-        rules = _rules(inputs)
-        return [evaluate(form, rules) for form in self._places]
+    def at_random(self, scalars: Sequence[Any], **given: float) -> Array:
+        """Values (k, 4) of scalars at states that are random but for what is given, and the same at
+        each call."""
+        program = self._program(self._graph.operand(self._scalar(x)) for x in scalars)
+        states = np.random.default_rng(20191).uniform(0.3, 1.7, (len(self.inputs), 4))
+        for name, value in given.items():
+            states[list(self.inputs).index(name)] = value
+        held = values(program, (tuple(states),))
+        return np.array([np.broadcast_to(held[i], 4) for i in program.results]).reshape(-1, 4)
 
     def source(self, inputs: Sequence[str]) -> str:
         """A plain script with the function; x are the symbols `inputs` in this order."""
+        whole = self._program(self._places)
 
         def live(x: Sequence[Any]) -> dict[str, Any]:
-            found = self.numbers(dict(zip(inputs, x, strict=True)))
+            given = dict(zip(inputs, x, strict=True))
+            (found,) = evaluated(whole, (tuple(given.get(name, 0.0) for name in self.inputs),))
             return {"y": np.array(found, dtype=object)}
 
         program = share_reciprocals(trace(NAME, live, (Argument("x", (len(inputs),)),), None))
         return LANGUAGES["javascript-script"].emit(Unit(program, NAME))
-
-
-def _rules(inputs: Mapping[str, Any]) -> Rules:
-    return {
-        **arithmetic(lambda number: number.numerator / number.denominator),
-        Symbol: lambda node, at: inputs[node.name],
-        Function: lambda node, at: _FUNCTIONS[node.name](at(node.argument)),
-    }

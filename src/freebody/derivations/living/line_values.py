@@ -6,6 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from freebody.derivations.derivation import Derivation, Step
 from freebody.derivations.expressions.expression import Equation, Expression, Symbol
 from freebody.derivations.expressions.nodes import (
@@ -19,12 +21,14 @@ from freebody.derivations.expressions.nodes import (
 )
 from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.living.axes import own_axes, scalar_name, world_axes
+from freebody.derivations.living.kernel import PageProgram, entries
 from freebody.derivations.methods import METHODS
 from freebody.derivations.methods.recursive import GRAVITIES
 from freebody.derivations.relations.formula import symbol
 from freebody.derivations.relations.formula_values import rank, value
 from freebody.derivations.relations.quantities import Quantities, quantities
 from freebody.errors import FreebodyError
+from freebody.scalars.expr import Expr
 from freebody.scalars.trig import Trig
 
 _GRAVITY: dict[Expression, Expression] = {vec("g"): symbol("gravity")}
@@ -100,6 +104,56 @@ def _lines(derivation: Derivation, values: Quantities, known: frozenset[str]) ->
     return LineValues(values, known, tuple(_with_quotients(waiting, made, values)))
 
 
+def traced_values(
+    derivation: Derivation, values: Mapping[str, Any], program: PageProgram
+) -> LineValues:
+    """The same over the scalars of a program, in whose symbols `values` are: all sides of a line
+    that have a value must be equal at random states."""
+    waiting = [(step, line) for step in derivation.steps for line in step.equations]
+    hidden = {scalar_name(x): program.inputs[x] for x in values if x in program.inputs}
+    found = Quantities(_with_parts(values) | hidden, derivation.equations.layout)
+    while new := _defined((line for _, line in waiting), found):
+        found |= _with_parts(new)
+    world = world_axes(found) if derivation.equations.symbols.model.dim == 3 else found
+    told: list[ValuedLine] = []
+    sides: list[list[Any]] = []
+    for names, in_world in ((found, False), (world, True)):
+        for step, line in waiting:
+            own = [x for side in line.sides if (x := _value(side, names)) is not None]
+            if len(own) > 1 and any(isinstance(x, Expr) for x in entries(own[-1])):
+                told.append(ValuedLine(step, line, own[-1], _names(line, names), in_world))
+                sides.append(own)
+    unlike = _unlike(sides, program)
+    right = {(x.step, x.line): x for k, x in reversed([*enumerate(told)]) if k not in unlike}
+    known = frozenset(name for name in values if name.startswith("tau"))
+    return LineValues(found, known, tuple(right[x] for x in waiting if x in right))
+
+
+def _with_parts(values: Mapping[str, Any]) -> dict[str, Any]:
+    """With the components of vectors in space, as lines call them."""
+    vectors = {name: x for name, x in values.items() if rank(x) == 1 and len(x) == 3}
+    parts = {
+        f"{name}_{axis}": part
+        for name, x in vectors.items()
+        for axis, part in zip("xyz", x, strict=True)
+    }
+    return {**values, **parts}
+
+
+def _unlike(lines: Iterable[list[Any]], program: PageProgram) -> set[int]:
+    """Which of these lines have sides that are not equal, or no numbers."""
+    found, pairs = set(), []
+    for k, sides in enumerate(lines):
+        first = entries(sides[0])
+        if any(rank(x) > 1 or len(entries(x)) != len(first) for x in sides):
+            found.add(k)
+            continue
+        pairs += [(k, *both) for x in sides[1:] for both in zip(first, entries(x), strict=True)]
+    one, two = (program.at_random([pair[i] for pair in pairs]) for i in (1, 2))
+    size = np.maximum(np.abs(one), np.abs(two)) + 1.0
+    return found | {pairs[j][0] for j in np.flatnonzero((np.abs(one - two) > 1e-9 * size).any(1))}
+
+
 def _with_quotients(
     waiting: Iterable[tuple[Step, Equation]],
     made: Iterable[ValuedLine | None],
@@ -161,11 +215,6 @@ def _common(line: Equation, values: Quantities) -> Any:
     if len(sides) < 2 or rank(last) > 1 or not any(isinstance(x, Trig) for x in entries(last)):
         return None
     return last if all(_same(x, last) for x in sides[:-1]) else None
-
-
-def entries(x: Any) -> tuple[Any, ...]:
-    """The entries of a vector; a scalar alone."""
-    return tuple(x) if rank(x) else (x,)
 
 
 def _same(a: Any, b: Any) -> bool:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from importlib import resources
 from typing import Any
@@ -15,22 +15,35 @@ from freebody.derivations.closed_chains.first_kind import MULTIPLIER
 from freebody.derivations.derivation import Derivation
 from freebody.derivations.derive import LOADS
 from freebody.derivations.expressions.expression import Symbol
+from freebody.derivations.living.body_quantities import body_quantities
 from freebody.derivations.living.closed_chain import ClosedChain
 from freebody.derivations.living.drawn_bodies import DrawnBodies
 from freebody.derivations.living.free_joints import FreeJoints
 from freebody.derivations.living.kernel import PageProgram
-from freebody.derivations.living.line_values import LineValues, ValuedLine, line_values
+from freebody.derivations.living.line_values import (
+    LineValues,
+    ValuedLine,
+    line_values,
+    traced_values,
+)
 from freebody.derivations.living.panel import below, panel
+from freebody.derivations.living.traced import TracedSetting, TracedSymbols
+from freebody.derivations.methods import METHODS
+from freebody.derivations.methods.free_bodies import are_free
+from freebody.derivations.methods.reactions import SolvedReactions
+from freebody.derivations.methods.setting import Setting
 from freebody.derivations.naming import Naming
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.polynomials.typical_values import typical
 from freebody.derivations.relations.formula_values import rank
-from freebody.derivations.relations.quantities import branches
+from freebody.derivations.relations.quantities import Quantities, branches
 from freebody.derivations.render.living_parts import LivingParts
-from freebody.model.model import Model
 
 MOST_JOINTS = 4
-"""Of arms with more, the lines are too long to be evaluated in a page."""
+"""Of robots with more, lines are evaluated one after the other, as the recursion goes; of others
+as polynomials, which proves them."""
+MOST_BODIES = 12
+"""Of robots with more, numbers would make a page too large."""
 _WIDEST: dict[str, float] = {"rad": math.pi, "rad/s": 5.0, "rad/s²": 20.0, "m/s": 3.0, "N": 100.0}
 """The end of a slider, by unit; of other units three times the value, at least 1."""
 
@@ -39,62 +52,73 @@ _LOAD = dict(zip(LOADS[3], (20.0, -10.0, -10.0), strict=True))
 
 
 def living(derivation: Derivation, start: Sequence[float] = ()) -> LivingParts | None:
-    """The living parts of a derivation's page; None of a robot for which there are none: they are
-    made for open chains of few joints without branches, and for planar closed chains whose drives
-    determine the motion.
+    """The living parts of a derivation's page; None of a robot for which there are none: of closed
+    chains they are made where the drives determine the motion and loops transmit forces alone.
 
     start: coordinates at which the loops of a closed chain are closed; it needs them.
     """
-    if not _served(derivation):
+    symbols = derivation.equations.symbols
+    few = 0 < len(symbols.model.bodies) <= MOST_BODIES
+    if not few or are_free(symbols.given or symbols.model):
         return None
-    closed = ClosedChain(derivation) if _model(derivation).loops else None
-    if closed and not (closed.is_served and len(start)):
+    layout = derivation.equations.layout
+    kernel = PageProgram(symbols.ring.names, layout.form)
+    setting = _setting(derivation, kernel)
+    if symbols.model.loops and not len(start):
         return None
-    found = line_values(derivation, closed.quantities() if closed else None)
-    kernel, naming = PageProgram(found.quantities), Naming(_model(derivation))
-    tree = derivation.equations.symbols.tree
+    closed = ClosedChain(setting, kernel, start) if symbols.model.loops else None
+    if closed and not closed.is_served:
+        return None
+    found, drawn = _values(derivation, setting, closed, kernel)
+    naming = Naming(symbols.model)
     page: dict[str, Any] = {
-        "bodies": DrawnBodies(kernel, found.quantities, naming, tree, closed).all(),
+        "bodies": DrawnBodies(kernel, drawn, naming, setting.tree, closed).all(),
         "lines": [_line(kernel, found, line) for line in found.lines],
     }
     spoken = dict.fromkeys(name for line in found.lines for name in line.names)
     readable = {name: x for name in spoken if rank(x := found.quantities[name]) <= 1}
     page["names"] = {name: kernel.places(x) for name, x in readable.items()}
-    following = closed or FreeJoints(derivation, found.quantities)
+    following = closed or FreeJoints(derivation, drawn)
     following.page(
         kernel, dict.fromkeys(following.names, 0)
     )  # first: it needs places in the kernel
-    inputs = _inputs(derivation, kernel, following)
-    if closed:
-        coordinates = derivation.equations.symbols.coordinates
-        for name, value in zip(coordinates, start, strict=True):
-            next(x for x in inputs if x["name"] == name)["value"] = float(value)
+    given = dict(zip(symbols.coordinates, map(float, start), strict=True)) if closed else {}
+    inputs = _inputs(derivation, kernel, following, given)
     if following.names:
         indices = {x["name"]: k for k, x in enumerate(inputs)}
         page[following.key] = following.page(kernel, indices)
     page |= {"inputs": inputs, "size": kernel.size}
     script = _script().replace("PAGE", _json(page), 1)
     return LivingParts(
-        panel(inputs, _model(derivation).dim),
+        panel(inputs, symbols.model.dim, sum(body["alone"] for body in page["bodies"])),
         below(found.lines),
         f"{kernel.source([x['name'] for x in inputs])}\n{script}",
     )
 
 
-def _model(derivation: Derivation) -> Model:
-    """The robot with its values, where it has some."""
+def _setting(derivation: Derivation, kernel: PageProgram) -> Setting:
+    """Over polynomials where these are short, else over the scalars of the program."""
     symbols = derivation.equations.symbols
-    return symbols.given or symbols.model
+    load = LOADS[symbols.model.dim] if "fx" in symbols.extra else ()
+    at_rest = METHODS[derivation.method].at_rest
+    told = symbols.model.dim == 2 if symbols.model.loops else not branches(symbols.tree)
+    if told and len(symbols.model.bodies) <= MOST_JOINTS:
+        return Setting(symbols, load, at_rest)
+    return TracedSetting(TracedSymbols.of(symbols, kernel.inputs), load, at_rest)
 
 
-def _served(derivation: Derivation) -> bool:
-    model = _model(derivation)
-    single = all(body.kind.nv == 1 and body.joint.mimic is None for body in model.bodies)
-    if not single or not 0 < len(model.bodies) <= MOST_JOINTS:
-        return False
-    if model.loops:
-        return model.dim == 2 and not model.missing
-    return not branches(derivation.equations.symbols.tree)
+def _values(
+    derivation: Derivation, setting: Setting, closed: ClosedChain | None, kernel: PageProgram
+) -> tuple[LineValues, Mapping[str, Any]]:
+    """The lines' values, and the quantities that are drawn."""
+    layout = derivation.equations.layout
+    if isinstance(setting, TracedSetting):
+        reactions = closed.reactions if closed else SolvedReactions(setting)
+        drawn = body_quantities(setting, reactions)
+        return traced_values(derivation, drawn, kernel), drawn
+    own = Quantities(body_quantities(setting, closed.reactions), layout) if closed else None
+    found = line_values(derivation, own)
+    return found, found.quantities
 
 
 # ---------------------------------------------------------------- what the script is given
@@ -118,23 +142,27 @@ def is_diagnosed(line: ValuedLine, found: LineValues) -> bool:
 
 
 def _inputs(
-    derivation: Derivation, kernel: PageProgram, following: ClosedChain | FreeJoints
+    derivation: Derivation,
+    kernel: PageProgram,
+    following: ClosedChain | FreeJoints,
+    start: Mapping[str, float],
 ) -> list[dict[str, Any]]:
-    """The symbols that have a slider: name, value, range, kind."""
+    """The symbols that have a slider: name, value, range, kind; start: values for some."""
     symbols, units = derivation.equations.symbols, _units(derivation)
     used = kernel.used | frozenset(following.names)
     moving = [x + dots for dots in ("", RATE, SECOND) for x in symbols.coordinates]
     names = [x for x in dict.fromkeys((*moving, *symbols.ring.names)) if x in used]
-    values = typical(names, _model(derivation).parameters) | {
+    values = typical(names, derivation.equations.symbols.model.parameters) | {
         name: value for name, value in _LOAD.items() if name in names
     }
+    values |= {name: 0.0 for name in names if name.startswith(MULTIPLIER)} | dict(start)
     units |= dict.fromkeys(_LOAD, "N")
     made = []
     for name in names:
-        value, unit = values[name], units.get(name, "")
-        top = _WIDEST.get(unit) or max(1.0, 3.0 * abs(value))
-        signed = value < 0.0 or unit in _WIDEST or unit == "m/s²" or name in symbols.coordinates
-        low = min(value, -top if signed else 0.0)
+        value, unit, force = values[name], units.get(name, ""), name.startswith(MULTIPLIER)
+        top = _WIDEST.get("N" if force else unit) or max(1.0, 3.0 * abs(value))
+        signed = force or unit in {*_WIDEST, "m/s²"} or name in symbols.coordinates
+        low = min(value, -top if signed or value < 0.0 else 0.0)
         made.append(
             {"name": name, "value": value, "low": low, "high": max(value, top), "unit": unit}
             | {"group": _group(name, symbols.coordinates), "turns": name in _angles(derivation)}
@@ -153,7 +181,7 @@ def _group(name: str, coordinates: Iterable[str]) -> str:
 
 def _angles(derivation: Derivation) -> set[str]:
     symbols = derivation.equations.symbols
-    pairs = zip(symbols.coordinates, _model(derivation).bodies, strict=True)
+    pairs = zip(symbols.coordinates, derivation.equations.symbols.model.bodies, strict=True)
     return {name for name, body in pairs if body.kind.turns}
 
 

@@ -34,7 +34,7 @@ function follow() {
   }
   if (!closed) return;
   drawArm(find("arm"), page.bodies, page.loop ? page.loop.rods : [], y);
-  find("scale").textContent = `${shown(drawBodies(find("bodies"), page.bodies, y))} N`;
+  find("scale").textContent = `${shown(drawBodies(find("bodies"), page.bodies.filter((body) => body.alone), y))} N`;
   const legend = put(find("bodies"), "g", {class: "legend"});
   line(legend, "reaction", [8, 12], [8 + LONGEST_ARROW, 12]);
 }
@@ -173,8 +173,8 @@ page.inputs.forEach((input, k) => {
     follow();
   });
 });
-for (const angle of ["turn", "tilt"]) {
-  const slider = find(angle), set = () => { view[angle] = Number(slider.value) * Math.PI / 180; };
+for (const [angle, unit] of [["turn", Math.PI / 180], ["tilt", Math.PI / 180], ["first", 1]]) {
+  const slider = find(angle), set = () => { view[angle] = Number(slider.value) * unit; };
   if (!slider) continue;
   set();
   slider.addEventListener("input", () => { set(); follow(); });

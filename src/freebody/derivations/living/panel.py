@@ -23,8 +23,14 @@ VIEWS = (("turn", -180, 180, -60), ("tilt", -10, 90, 20))
 """Of a robot in space: name, range and first value of the angles from which it is seen, degrees."""
 
 
-def panel(inputs: list[dict[str, Any]], dim: int) -> str:
-    """The drawings, the sliders in their groups, and the buttons."""
+MOST = 6
+"""Bodies up to which all are drawn alone at once; of more so many as stand beside a slider."""
+AT_ONCE = 4
+
+
+def panel(inputs: list[dict[str, Any]], dim: int, alone: int) -> str:
+    """The drawings, the sliders in their groups, and the buttons; alone: how many bodies are drawn
+    alone."""
     groups = []
     for key, title in GROUPS.items():
         rows = [_slider(k, x) for k, x in enumerate(inputs) if x["group"] == key]
@@ -36,6 +42,11 @@ def panel(inputs: list[dict[str, Any]], dim: int) -> str:
         f'type="range" min="{low}" max="{high}" value="{value}" step="1"/></p>'
         for name, low, high, value in (VIEWS if dim == 3 else ())
     )
+    if alone > MOST:
+        turned += (
+            '<p class="slider"><label for="first">bodies alone</label><input id="first" '
+            f'type="range" min="0" max="{alone - AT_ONCE}" value="0" step="1"/></p>'
+        )
     moments = "; moments, with two heads, to another" if dim == 3 else ""
     return (
         '<aside class="try" id="try" hidden=""><h2>Try it</h2>'

@@ -1,0 +1,82 @@
+"""A robot over the scalars of a program, for derivations whose quantities would be too long as
+polynomials: the same names, the recursion body by body in their place."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from freebody.algorithms.rnea import friction_and_spring
+from freebody.derivations.methods.setting import Setting
+from freebody.derivations.polynomials.symbols import Symbols
+from freebody.elementary import Scalar, cos, sin
+from freebody.model.parameters import Parameter, Quantity
+from freebody.model.quantity_reader import QuantityReader, exact_sin_cos
+from freebody.scalars.expr import Expr
+
+
+class Inputs(dict[str, Expr]):
+    """Inputs of a program by name, in the place of a ring."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All of them."""
+        return tuple(self)
+
+
+class TracedReader(QuantityReader):
+    """Reads parameters as inputs of the program, by name, and numbers as they are."""
+
+    combines = False
+
+    def __init__(self, inputs: Mapping[str, Expr], numbers: bool):
+        self.inputs, self.numbers = inputs, numbers
+
+    def quantity(self, q: Quantity) -> Scalar:
+        if isinstance(q, Parameter) and not self.numbers:
+            return self.inputs[q.name]
+        return super().quantity(q)
+
+    def sin_cos(self, angle: Quantity) -> tuple[Scalar, Scalar]:
+        read = self.quantity(angle)
+        return (sin(read), cos(read)) if isinstance(read, Expr) else exact_sin_cos(read)
+
+
+@dataclass(frozen=True, eq=False)
+class TracedSymbols(Symbols):
+    """Symbols whose ring is a program's inputs by name."""
+
+    @classmethod
+    def of(cls, given: Symbols, inputs: Mapping[str, Expr]) -> TracedSymbols:
+        """The same model and names."""
+        ring: Any = Inputs(inputs)
+        reader: Any = TracedReader(ring, given.reader.numbers)
+        names = given.coordinates, reader, given.extra, given.inertial
+        return cls(given.model, ring, *names, given.given, given.euler)
+
+    def zero(self) -> Any:
+        return self.element(0.0)
+
+    def element(self, x: Scalar) -> Any:
+        one: Any = self.q[0]
+        return x if isinstance(x, Expr) else one.graph.constant(x)
+
+
+@dataclass(frozen=True)
+class _Drives:
+    drives: list[Scalar]
+
+
+class TracedSetting(Setting):
+    """A setting over such symbols, which has no closed forms."""
+
+    @property
+    def equations(self) -> Any:
+        """Friction and springs alone, by coordinate."""
+        s = self.symbols
+        found: list[Scalar] = [0.0] * self.tree.nv
+        for body in self.tree.bodies:
+            if body.drive is not None:
+                found[body.coordinates.v[0]] = friction_and_spring(body, s.q, s.qd)
+        return _Drives(found)
