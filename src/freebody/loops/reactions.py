@@ -36,9 +36,8 @@ from freebody.trees.public_calls import Vector, Wrenches, checked_inputs
 from freebody.values import ByValue
 
 _ADDED = 20.0  # times what rounding changes in the equations, for what it may change in wrenches
-_DETERMINED = (
-    1e-7  # part of a wrench, relative to the largest, that undetermined multipliers may add
-)
+_DETERMINED = 1e-7
+"""Part of a wrench, relative to the largest, that undetermined multipliers may add."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

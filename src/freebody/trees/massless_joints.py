@@ -24,9 +24,8 @@ from freebody.trees.states import generic_state
 _NOTHING = 1e-13  # a pivot this small, relative to what it was subtracted from, is rounding
 _SAMPLES = 4  # configurations that are looked at
 _CLEAR = 1e-11  # a pivot this large, relative to the largest entry that M can have, is no rounding
-_TRAVEL = (
-    6.0  # m, more than joints that translate are moved in the configurations that are looked at
-)
+_TRAVEL = 6.0
+"""Metres, more than joints that translate are moved in the configurations that are looked at."""
 _BLOCK = 1024  # members of a family that are looked at together
 
 

@@ -9,12 +9,10 @@ from freebody.loops.dyads.chain import Crossing
 from freebody.loops.dyads.posture import Complex, Posture
 from freebody.trees.triangle_solutions import by_triangle
 
-_COINCIDE = (
-    1e-6  # sides of a triangle, relative to its perimeter, below which two of its pins are one
-)
-_LOOSE = (
-    1e-9  # how far (relative) a square may be negative and still be taken as 0: a straight dyad
-)
+_COINCIDE = 1e-6
+"""Sides of a triangle, relative to its perimeter, below which two of its pins are one."""
+_LOOSE = 1e-9
+"""How far (relative) a square may be negative and still be taken as 0: a straight dyad."""
 
 
 class Coincident(Exception):

@@ -29,9 +29,8 @@ FEWEST = 30
 # of the 4th differences' size that the 6th ones have in noise; of smooth curves next to nothing
 _WHITE = 0.5
 _SMALL = 0.02  # of the range: what is rougher was sampled too coarsely and is no noise on a curve
-_FINE = (
-    2e-3  # rad, m or a second's: what is this small and this rough is no motion, whatever the range
-)
+_FINE = 2e-3
+"""In rad, m or a second's: what is this small and this rough is no motion, whatever the range."""
 _ROUNDING = 1e-12  # of the largest sample: what is smaller is the arithmetic's
 _KNOTS = 10.0  # a period of the cutoff frequency
 _NOISE = (

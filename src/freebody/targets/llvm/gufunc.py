@@ -15,9 +15,8 @@ from freebody.program.program import Argument
 from freebody.targets.kernel import signature
 from freebody.targets.llvm.lanes import Real
 
-_FROM_FUNC_AND_DATA_AND_SIGNATURE = (
-    31  # position in the table of __ufunc_api.h; part of NumPy's stable ABI
-)
+_FROM_FUNC_AND_DATA_AND_SIGNATURE = 31
+"""Position in the table of __ufunc_api.h; part of NumPy's stable ABI."""
 _NONE = -1  # PyUFunc_None: no identity
 _OBJ = 88  # offset of `obj` in PyUFuncObject of ufuncobject.h, on 64-bit builds
 

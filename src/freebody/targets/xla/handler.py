@@ -14,9 +14,6 @@ from freebody.targets.xla.layout import NUMBERS, OFFSETS, SIZES
 from freebody.targets.xla.llvm_lines import TextLines
 from freebody.targets.xla.thread_sharing import BASES, sharing, size_of
 
-_DEFAULT_MODES = (
-    0x1F80  # of SSE: no traps, to nearest, tiny numbers as they are, which XLA makes zero elsewhere
-)
 _REFUSED = "freebody: a call that is laid out in another way than the interface's version says."
 _NUMBER = {"float64": NUMBERS["XLA_FFI_DataType_F64"], "float32": NUMBERS["XLA_FFI_DataType_F32"]}
 

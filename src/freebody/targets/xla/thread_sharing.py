@@ -22,9 +22,8 @@ BASES = 56
 """Then addresses of all arguments, bytes from sample to sample, and from row to row."""
 
 _NUMBER, _SCHEDULE = "XLA_FFI_ThreadPool_NumThreads_Args", "XLA_FFI_ThreadPool_Schedule_Args"
-_MODES = (
-    0x1F80  # of SSE: no traps, to nearest, tiny numbers as they are, which XLA makes zero elsewhere
-)
+_MODES = 0x1F80
+"""Of SSE: no traps, to nearest, tiny numbers as they are, which XLA makes zero elsewhere."""
 
 
 def size_of(arguments: int) -> int:
