@@ -518,7 +518,6 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
         "wrenches['tip'] has shape (5, 3), expected (3,): one wrench",
     ),
     (lambda: fb.time_optimal(arm(), WAY, wrenches=[0, np.inf, 0]), "wrenches['tip'] is inf"),
-    (lambda: fb.time_optimal(fb.load("four_bar"), np.zeros((2, 3))), "is a closed chain"),
     (lambda: fb.time_optimal(fb.load("quadrotor"), np.zeros((2, 7))), "positions are quaternions"),
     (
         lambda: fb.time_optimal(arm().replace(actuated=["joint1"]), WAY),

@@ -16,7 +16,9 @@ from freebody.motion.motion import Motion
 from freebody.motion.optimal.path_samples import PathSamples
 from freebody.motion.optimal.speed_profile import timed_pieces
 from freebody.motion.piecewise import PiecewisePolynomial, interpolated
+from freebody.motion.planning.driven_waypoints import driven_waypoints
 from freebody.motion.planning.planning_limits import SLACK, PlanningLimits, checked_waypoints
+from freebody.motion.planning.through_loops import through_loops
 from freebody.motion.ranges import position_columns
 from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import layout
@@ -30,12 +32,40 @@ def path_curve(
     function: str, model: Model, given: Any, limits: PlanningLimits, name: str = "path"
 ) -> PiecewisePolynomial:
     """The curve of one path: a polynomial in pieces as it is; of waypoints (k, nq) or a motion's
-    positions the natural cubic spline, s being the distance along the chords, 1 in all. name: of
-    the path in messages."""
+    positions the natural cubic spline, s being the distance along the chords, 1 in all. Of a closed
+    chain that of the driven joints, which the others follow. name: of the path in messages."""
+    if isinstance(given, PPoly) and model.loops:
+        raise FreebodyError(
+            f"{function}: {_label(name)} is a PPoly, and the positions of {model.name!r}, a closed "
+            f"chain, must satisfy its loops; give waypoints of the driven joints, or a motion."
+        )
     if isinstance(given, PPoly):
         return _of_scipy(function, model, given, _label(name))
     positions = given.q if isinstance(given, Motion) else given
+    if model.loops:
+        return _led(function, model, positions, limits, name)
     q = checked_waypoints(function, model, positions, limits, name=name)
+    return _along_chords(function, q, name)
+
+
+def _led(
+    function: str, model: Model, positions: Any, limits: PlanningLimits, name: str
+) -> PiecewisePolynomial:
+    """Of a closed chain."""
+    if model.nq != model.nv:
+        raise FreebodyError(
+            f"{function}: {model.name!r} has joints whose positions are quaternions, for which "
+            f"this is not available."
+        )
+    waypoints = driven_waypoints(function, model, positions, limits)
+    curve = _along_chords(function, waypoints.q, name)
+    motion = through_loops(function, model, curve, waypoints, name, None, "s = {:.4g}")
+    assert motion.pieces is not None
+    return motion.pieces
+
+
+def _along_chords(function: str, q: Array, name: str) -> PiecewisePolynomial:
+    """The natural cubic spline through positions (k, n)."""
     length = np.linalg.norm(np.diff(q, axis=0), axis=1)
     moves = length > _SAME * length.sum()
     if not moves.any():

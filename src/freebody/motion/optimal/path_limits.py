@@ -143,15 +143,15 @@ def path_problem(
     a, b, lo, hi = limits.rows(at, 1.0 - RESERVE)
     ends = [(lo[:-1], hi[:-1]), (lo[1:], hi[1:])]
     if coulomb.any():
-        signs = np.stack([np.sign(x) for x in (at.first[:-1], between.first, at.first[1:])])
-        signs[0, 0] = signs[2, -1] = 0.0  # at rest, where no friction helps to brake
-        drag = [limits.friction(coulomb * f(signs, axis=0)) for f in (np.min, np.max)]
-        ends = [(lo - drag[0], hi - drag[1]) for lo, hi in ends]
+        places = (at.q[:-1], at.first[:-1]), (between.q, between.first), (at.q[1:], at.first[1:])
+        drag = np.stack([limits.friction(q, coulomb * np.sign(first)) for q, first in places])
+        drag[0, 0] = drag[2, -1] = 0.0  # at rest, where no friction helps to brake
+        ends = [(lo - drag.min(axis=0), hi - drag.max(axis=0)) for lo, hi in ends]
     (lo, hi), (lo_end, hi_end) = ends
     h = 2.0 * np.diff(s, axis=0)
     speed = _speed_limits(limits, found, len(s))
     rows = PathRows(h, speed, a, b, (lo, lo_end), (hi, hi_end))
-    drag = limits.friction(viscous * at.first) if viscous.any() else None
+    drag = limits.friction(at.q, viscous * at.first) if viscous.any() else None
     return PathProblem(limits, at, between, rows, drag)
 
 

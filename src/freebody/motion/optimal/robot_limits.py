@@ -3,7 +3,7 @@ one kernel of the robot's structure."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
@@ -15,17 +15,24 @@ from freebody.algorithms.path_dynamics import torques_along
 from freebody.algorithms.regrouped_parameters import lightened
 from freebody.algorithms.rnea import External, rnea
 from freebody.arrays import Array
+from freebody.errors import FreebodyError, SingularError
 from freebody.kernels.formulas import Option
-from freebody.kernels.formulas.choices import external
+from freebody.kernels.formulas.choices import at_driven_joints, external, partition_of
+from freebody.kernels.options import chosen_option
 from freebody.kernels.structural import Bound, Over, fetch_own
 from freebody.lazy import cached_property
+from freebody.loops.dynamics import drive_torques
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.motion.optimal.path_samples import PathSamples
 from freebody.motion.optimal.speed_profile import ENDS, PathRows, both_ends, row_arguments
+from freebody.motion.ranges import Flags
+from freebody.outputs.display import counted
 from freebody.program import Argument, Program, trace
 from freebody.spatial import Vector
 from freebody.trees.dynamics import inverse_dynamics
+
+_NAME = "time_optimal"
 
 
 class Reached(NamedTuple):
@@ -64,21 +71,28 @@ class RobotLimits:
         """(..., m) of torques and accelerations (..., nv) those that have a limit."""
         return np.concatenate([torque, acceleration], axis=-1)[..., list(self._limited)]
 
-    def friction(self, torque: Array) -> Array:
-        """(..., m) of torques (..., nv) of friction what they add to the rows."""
-        return self.row(torque, np.zeros_like(torque))
+    def friction(self, q: Array, torque: Array) -> Array:
+        """(..., m) what friction of the joints (..., nv) at q (..., nq) adds to the rows."""
+        return self.row(self._driven(q, torque), np.zeros_like(torque))
 
     def dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
         """Torques (..., nv), friction and wrenches included."""
-        rows = [x.reshape(-1, x.shape[-1]) for x in (q, qd, qdd)]  # one axis is quickest
-        loads = dict(self.wrenches) or None
-        return inverse_dynamics(self.model, *rows, wrenches=loads).reshape(qd.shape)
+        tree = self.model.opened if self.model.loops else self.model
+        return self._driven(q, inverse_dynamics(tree, q, qd, qdd, dict(self.wrenches) or None))
 
-    def rows(self, at: PathSamples, kept: float) -> Iterator[Array]:
+    def _driven(self, q: Array, torque: Array) -> Array:
+        """What the drives do for torques (..., nv) of a tree, which of a closed chain are those of
+        its tree."""
+        return drive_torques(_NAME, self.model, q, torque) if self.model.loops else torque
+
+    def rows(self, at: PathSamples, kept: float) -> tuple[Array, ...]:
         """a, b, lo, hi (T, P, m) of lo <= a s̈ + b ṡ² <= hi at points of paths, without friction,
         for motions that keep that part of the limits."""
         found = self._kernel("rows")(*_flat(at.orders[:3]), kept * self.size, *self._loads)
-        return (x.reshape(*at.s.shape, len(self.size)) for x in found)
+        found = tuple(x.reshape(*at.s.shape, len(self.size)) for x in found)
+        if self.model.loops:
+            self._refuse_singular(at, np.isnan(found[0]).any(axis=-1))
+        return found
 
     def reached(self, rows: PathRows, x: Array, at: PathSamples, between: PathSamples) -> Reached:
         """By motions with x (N + 1, P); at, between: the grid, and halfway in its intervals."""
@@ -89,9 +103,46 @@ class RobotLimits:
             *_flat(along), *ends, self.size, finite, *self._loads
         )
         shape = rows.h.shape
-        return Reached(
+        found = Reached(
             by.reshape(*shape, len(self.size)), share.reshape(shape), speed.reshape(shape)
         )
+        if self.model.loops:
+            lost = np.isnan(found.share) & np.isfinite(x[:-1] + x[1:])
+            self._refuse_singular(between, lost)
+        return found
+
+    @cached_property
+    def _option(self) -> Option:
+        """The frames with wrenches, and of a closed chain what its drives determine."""
+        frames = tuple(self.wrenches)
+        if not self.model.loops:
+            return Option(wrench_frames=frames)
+        return chosen_option(self.model, "inverse_dynamics", wrench_frames=frames, function=_NAME)[
+            1
+        ]
+
+    def refuse_shared(self) -> None:
+        """Refuse a closed chain whose drives do not determine its motions, or these not the
+        torques."""
+        drives = len(self.model.driven)
+        motions = self.model.nv - len(partition_of(self._option).rows)
+        if drives > motions:
+            raise FreebodyError(
+                f"{_NAME}: {self.model.name!r} has {drives} drives for "
+                f"{counted(motions, 'independent motion')}, and no one way to share the torques; "
+                f"model.replace(actuated=[...]) names as many drives as motions."
+            )
+
+    def _refuse_singular(self, samples: PathSamples, lost: Flags) -> None:
+        """Refuse a closed chain whose drives do not hold it at some samples (T, P)."""
+        if lost.any():
+            i, path = np.argwhere(lost)[0]
+            q = ", ".join(f"{x:.4g}" for x in samples.q[i, path])
+            raise SingularError(
+                f"{_NAME}: at s = {samples.s[i, path]:.4g} (q = {q}) the drives of "
+                f"{self.model.name!r} do not determine its motion, or nearly so; move the path "
+                f"away from there."
+            )
 
     @property
     def _loads(self) -> tuple[Array, ...]:
@@ -99,7 +150,7 @@ class RobotLimits:
 
     def _kernel(self, name: str) -> Bound:
         """A kernel of `_KERNELS` for the robot's structure and the rows that are limited."""
-        option, limited = Option(wrench_frames=tuple(self.wrenches)), self._limited
+        option, limited = self._option, self._limited
         place = f"path {name}", limited, option
         found = self.model.compiled.get(place)
         if found is None:
@@ -126,7 +177,8 @@ def _made(
     def whole(*scalars: Any) -> tuple[Any, ...]:
         tree, q = lightened(over(scalars[-1])), scalars[0]
         on_bodies = external(tree, option, q, scalars[len(inputs) : -1])
-        return evaluate(tree, on_bodies, limited, *scalars[: len(inputs)])
+        driven = partial(at_driven_joints, tree, option, q)
+        return evaluate(tree, on_bodies, driven, limited, *scalars[: len(inputs)])
 
     return trace(f"path_{name}", whole, (*inputs, *loads, p), outputs)
 
@@ -147,6 +199,7 @@ def _rows_arguments(model: Model, m: int) -> tuple[list[Argument], list[Argument
 def _rows(
     tree: Tree,
     loads: Sequence[External],
+    driven: Callable[[Vector], Vector],
     limited: Sequence[int],
     q: Vector,
     first: Vector,
@@ -154,7 +207,7 @@ def _rows(
     kept: Vector,
 ) -> tuple[Any, ...]:
     """Of one point: a, b, lo, hi."""
-    a, b, rest = torques_along(tree, q, first, second, loads)
+    a, b, rest = map(driven, torques_along(tree, q, first, second, loads))
     every = ((*a, *first), (*b, *second), (*rest, *(0.0 for _ in first)))
     a, b, rest = (tuple(values[k] for k in limited) for values in every)
     lo, hi = ([way * x - y for x, y in zip(kept, rest, strict=True)] for way in (-1.0, 1.0))
@@ -171,6 +224,7 @@ def _reached_arguments(model: Model, m: int) -> tuple[list[Argument], list[Argum
 def _reached(
     tree: Tree,
     loads: Sequence[External],
+    driven: Callable[[Vector], Vector],
     limited: Sequence[int],
     q: Vector,
     first: Vector,
@@ -180,7 +234,7 @@ def _reached(
     """Of one interval: by how much, the largest share, the largest speed."""
     start, end, *rows, x, y, h, size, velocity = given
     qd, qdd = path_timing.halfway(first, second, x, y, h)
-    every = (*rnea(tree, q, qd, qdd, loads).tau, *qdd)
+    every = (*driven(rnea(tree, q, qd, qdd, loads).tau), *qdd)
     limits = path_timing.RowsAtEnd(*rows[:4]), path_timing.RowsAtEnd(*rows[4:])
     by, share = path_timing.excess(*limits, [every[k] for k in limited], size, x, y, h)
     return by, share, path_timing.top_speed(start, first, end, velocity, x, y)

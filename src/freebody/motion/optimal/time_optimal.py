@@ -63,7 +63,9 @@ def time_optimal(
 
     path: waypoints (k, nq), or a motion, of which the positions count: the natural cubic spline
     through them, s from 0 to 1 along its chords; or a path of your own, q(s) as a scipy PPoly of nq
-    values with a continuous first derivative. Many at once: (P, k, nq), or a list of motions or
+    values with a continuous first derivative. Of a closed chain, waypoints of the driven joints (k,
+    n), closed positions or a motion: the driven joints follow the spline, the loops lead the
+    others; torques are those of the drives. Many at once: (P, k, nq), or a list of motions or
     PPolys. velocity, acceleration, torque: limits, one number or (nv,), rad/s, m/s; rad/s², m/s²;
     N m, N. The model's own apply too (zero means not given, see `Limits`). Torques contain friction
     (viscous, Coulomb), rotors, springs and the payload. wrenches: constant ones by frame, world
@@ -74,7 +76,8 @@ def time_optimal(
     than 0.1 %.
     Returns the motion with its exact curve, samples at the grid; of many, a tuple.
     Raises FreebodyError where the path leaves the joints' ranges, or where the robot cannot hold or
-    move it: at which s, which joint, which limit.
+    move it: at which s, which joint, which limit; LoopError and SingularError where the loops block
+    it, or the drives do not hold it.
 
     Source: Bobrow, Dubowsky and Gibson 1985; Pham and Pham 2018 ("TOPP-RA").
     """
@@ -82,17 +85,21 @@ def time_optimal(
     loads = wrenches_by_frame(_NAME, model, wrenches, single=True)
     for frame, load in loads.items():
         refuse_not_finite(_NAME, f"wrenches[{frame!r}]", load, 1)
+    limits.torque[list(model.passive)] = np.inf  # what nothing drives has no torque
     robot = RobotLimits(model, limits.velocity, limits.acceleration, limits.torque, loads)
     if isinstance(points, bool) or not isinstance(points, int) or points < 2:
         raise FreebodyError(
             f"{_NAME}: points is {shown(points)}, expected a whole number from 2 up."
         )
+    if model.loops:
+        model.require_values("a motion")
+        robot.refuse_shared()
     given, many = _each(path)
     curves = [
         path_curve(_NAME, model, one, limits, f"path {k}" if many else "path")
         for k, one in enumerate(given)
     ]
-    if model.passive:
+    if model.passive and not model.loops:
         raise FreebodyError(
             f"{_NAME}: nothing drives {listed(model.passive_names, 4)} of {model.name!r}; a "
             f"motion along a path needs a drive in every joint."

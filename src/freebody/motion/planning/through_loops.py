@@ -35,11 +35,12 @@ def through_loops(
     waypoints: DrivenWaypoints,
     words: str,
     step: float | None,
+    when: str = "t = {:.4g} s",
 ) -> Motion:
     """The motion of all joints when the driven ones follow a curve (n,) over time.
 
-    Exact at 401 times and where the curve's polynomials meet, quintic between. Raises LoopError
-    where the loops block it, or lead elsewhere than to a given waypoint.
+    Exact at 401 times and where the curve's polynomials meet, quintic between. when: a time in
+    words. Raises LoopError where the loops block it, or lead elsewhere than to a given waypoint.
     """
     where, start = layout(model), waypoints.start
     knots = times_and_breaks(curve.breaks)
@@ -51,7 +52,7 @@ def through_loops(
         reached = ", ".join(
             f"{name} = {x:.4g}" for name, x in zip(model.driven_names, way[k + 1], strict=True)
         )
-        return f"at t = {knots[k + 1]:.4g} s ({reached}); move the waypoints"
+        return f"at {when.format(knots[k + 1])} ({reached}); move the waypoints"
 
     try:
         moved = followed(model, start, model.driven, way[1:] - way[0], place)
