@@ -43,16 +43,7 @@ def check(
             "torques those of these angles; without it each angle is from the previous link.",
         ),
     ] = False,
-    notation: Annotated[
-        str | None,
-        typer.Option(
-            "--notation",
-            metavar="NAME or FILE",
-            help="Letters, angles and parameters as a book has them: notes, craig, spong, "
-            "siciliano, murray-li-sastry, lynch-park, featherstone; or as a TOML file of your own "
-            "says.",
-        ),
-    ] = None,
+    notation: options.Notation = None,
     form: Annotated[
         str | None,
         typer.Option(

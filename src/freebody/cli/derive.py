@@ -124,6 +124,7 @@ def derive(
         options.Labels | None,
         typer.Option(help="Labels in the drawings of a page. Default: names."),
     ] = None,
+    notation: options.Notation = None,
 ) -> None:
     """Derive a robot's equations of motion step by step. Exit status 1 if two methods disagree."""
     from freebody.derivations.derive import compare as compared
@@ -133,7 +134,8 @@ def derive(
     model = robot.load()
     record = method_named(method) if method else default_method(model)
     with terminal.progress(f"deriving by {record.name}"):
-        first = derivation_of(model, record.name, load=load, **context.meta.get(_CHOSEN, {}))
+        own = context.meta.get(_CHOSEN, {})
+        first = derivation_of(model, record.name, load=load, notation=notation, **own)
         other = derivation_of(model, compare, load=load) if compare is not None else None
         comparison = compared(first, other) if other is not None else None
         form = form or _ENDINGS.get(out.suffix.lower() if out else "", "text")

@@ -60,6 +60,14 @@ def values(what: str, text: str) -> list[float]:
     return found
 
 
+Notation = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAME or FILE",
+        help="Letters, angles and parameters as a book has them: notes, craig, spong, siciliano, "
+        "murray-li-sastry, lynch-park, featherstone; or as a TOML file of your own says.",
+    ),
+]
 _READING: dict[str, tuple[Any, Any]] = {
     "tip": (Tip, None),
     "base": (

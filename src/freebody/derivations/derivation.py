@@ -4,11 +4,12 @@ why."""
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from freebody.derivations.equations.equations import Equations
 from freebody.derivations.expressions.expression import Equation, Expression
+from freebody.derivations.notations.lettering import PLAIN, Lettering, lettered_for
 from freebody.derivations.render import documents
 from freebody.outputs.display import InWords, Titled, counted
 from freebody.scalars.trig import Trig
@@ -103,6 +104,11 @@ class Derivation(Titled):
     )
     """What makes the parts of its page that can be tried; from above, as `draw` is."""
 
+    lettering: Lettering = PLAIN
+    """The letters that it is written in."""
+    plain: Derivation | None = field(default=None, compare=False, repr=False)
+    """The same in the notes' letters, where its own are others."""
+
     def _title(self) -> str:
         return (
             f"Derivation for {self.equations.symbols.model.name!r}: {self.title}; "
@@ -150,6 +156,29 @@ class Derivation(Titled):
         made = self._drawings()
         style = f"<style>{made.style}{documents.NOTEBOOK_STYLE}</style>"
         return style + documents.body(self, made.svg)
+
+
+def written_in(lettering: Lettering, made: Derivation) -> Derivation:
+    """A derivation in the letters of a notation."""
+    if lettering.notation is PLAIN.notation:
+        return made
+    lines = [line for step in made.steps for line in step.equations]
+    own = lettered_for(lettering, [*lines, *(x for row in made.glossary for x in row.symbols)])
+    steps = tuple(
+        replace(
+            step,
+            operation=own.sentence(step.operation),
+            reason=own.sentence(step.reason),
+            equations=tuple(map(own.line, step.equations)),
+        )
+        for step in made.steps
+    )
+    table = tuple(
+        Meaning(tuple(map(own, row.symbols)), own.sentence(row.words), row.unit)
+        for row in made.glossary
+    )
+    new = {"steps": steps, "glossary": table, "given": own.sentence(made.given)}
+    return replace(made, **new, lettering=own, plain=made)
 
 
 @dataclass(frozen=True)

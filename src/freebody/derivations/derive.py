@@ -5,10 +5,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from os import PathLike
 from typing import Any
 
 from freebody.derivations.closed_chains.first_kind import MULTIPLIER
-from freebody.derivations.derivation import Comparison, Derivation, Step
+from freebody.derivations.derivation import Comparison, Derivation, Step, written_in
 from freebody.derivations.expressions.nodes import Equation, Words, nodes
 from freebody.derivations.methods import METHODS
 from freebody.derivations.methods.free_bodies import velocity_names
@@ -16,6 +17,8 @@ from freebody.derivations.methods.method import Method
 from freebody.derivations.methods.overview import overview
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.whole_bodies import symbols_of_bodies, told
+from freebody.derivations.notations.lettering import lettering_of
+from freebody.derivations.notations.notation import BookNotation, notation_of
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.model import Model
@@ -26,16 +29,23 @@ LOADS = {2: ("fx", "fy"), 3: ("fx", "fy", "fz")}
 
 
 def undrawn_derivation(
-    model: Model, method: str | None = None, *, load: bool | None = None, **options: Any
+    model: Model,
+    method: str | None = None,
+    *,
+    load: bool | None = None,
+    notation: str | PathLike[str] | BookNotation | None = None,
+    **options: Any,
 ) -> Derivation:
     """A derivation of the model's equations as an ordered list of steps.
 
     method: a name from the list below. Default: the first that applies to the model. load: whether
     a force f, with world components fx, fy (fz), acts on the tip. Default: in a method for robots
-    at rest, where the model has a tip that moves. options: the method's own. A joint of several
-    coordinates is taken apart into joints of one, a quaternion into yaw, pitch and roll (R = R_z
-    R_y R_x). Bodies that nothing holds, such as the quadrotor, are derived in their own axes by the
-    first method. Raises FreebodyError for followers, for a load on a model without a tip, and for
+    at rest, where the model has a tip that moves. notation: whose letters are printed, as for
+    `check`, which reads the lines in the same notation; default: those of the notes. options: the
+    method's own. A joint of several coordinates is taken apart into joints of one, a quaternion
+    into yaw, pitch and roll (R = R_z R_y R_x). Bodies that nothing holds, such as the quadrotor,
+    are derived in their own axes by the first method. Raises FreebodyError for followers, for a
+    load on a model without a tip, for a notation that calls two things by one name, and for
     options that the method does not use. Source: S. Bai, Dynamics of robotic manipulators, lecture
     notes, Aalborg University, 2019, where the method's line names no other.
     """
@@ -47,11 +57,12 @@ def undrawn_derivation(
     names = LOADS[model.dim] if load else ()
     extra = (*names, *multipliers(model), *velocity_names(model))
     made = symbols_of_bodies(f"derive {record.name!r}", model, extra, euler=True)
-    setting = Setting(made, names, at_rest=record.at_rest)
+    lettering = lettering_of(notation_of(notation), made)
+    setting = Setting(made, names, record.at_rest, lettering)
     worked = record(setting, **options)
     given, glossary = overview(setting, record, worked)
     given = " ".join([given, *told(model, made)])
-    return Derivation(
+    derivation = Derivation(
         record.name,
         worked.title or record.title,
         setting.equations,
@@ -62,6 +73,7 @@ def undrawn_derivation(
         worked.system,
         record.reference,
     )
+    return written_in(lettering, derivation)
 
 
 def _with_lengths(steps: tuple[Step, ...]) -> tuple[Step, ...]:
@@ -123,7 +135,8 @@ def _require_options(method: Method, load: bool | None, options: Mapping[str, An
     for name in options:
         owners = [m.name for m in METHODS.values() if name in (option.name for option in m.options)]
         if not owners:
-            raise UnknownNameError("option", name, f"derive {method.name!r}", ("load", *own))
+            known = ("load", "notation", *own)
+            raise UnknownNameError("option", name, f"derive {method.name!r}", known)
         if name not in own:
             owner = " and ".join(map(repr, owners))
             raise FreebodyError(

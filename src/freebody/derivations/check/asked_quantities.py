@@ -15,33 +15,8 @@ from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.check.asked.tip import TipQuantities
 from freebody.derivations.check.body_quantities import soft_names
 from freebody.derivations.check.right_equations import RightEquations
-from freebody.derivations.notations.notation import BookNotation
+from freebody.derivations.notations.notation import USUAL_LETTERS
 from freebody.lazy import cached_property
-
-_LETTERS = {
-    "tau": ("tau", "Q", "Gamma"),
-    "M": ("M", "H", "m", "D", "d", "B", "b"),
-    "C": ("C",),
-    "c": ("c", "C", "v", "b"),
-    "g": ("g", "G", "phi"),
-    "J": ("J",),
-    "T": ("T", "K", "KE", "Ek", "Ekin"),
-    "V": ("V", "U", "P", "PE", "Ep", "Epot"),
-    "L": ("L",),
-    "bias": (),
-}
-"""Letters of quantities, where no notation says which."""
-
-
-def letters_of(notation: BookNotation) -> Mapping[str, tuple[str, ...]]:
-    """The letters of the families in a notation: those that it gives to one are no other's."""
-    taken = {letter for letters in notation.letters.values() for letter in letters}
-    usual = {
-        family: tuple(letter for letter in letters if letter not in taken)
-        for family, letters in _LETTERS.items()
-    }
-    return {**usual, **notation.letters}
-
 
 AMBIGUOUS = frozenset(("B", "b", "d", "k", "phi", "v"))
 """Letters that some books have for these quantities, and others for something else."""
@@ -63,7 +38,7 @@ class Targets:
 
     setting: RightEquations
     velocity: bool = False
-    letters: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: _LETTERS)
+    letters: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: USUAL_LETTERS)
     """Letters of the families."""
     based: bool = False
     """Whether the base is accelerated by -g, which then is in all accelerations."""

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from freebody.derivations.check.answer_text import AnswerError, AnswerText
-from freebody.derivations.check.asked_quantities import Targets, letters_of
+from freebody.derivations.check.asked_quantities import Targets
 from freebody.derivations.check.claims import statements
 from freebody.derivations.check.documents import FORMS, AnswerDocument, form_of
 from freebody.derivations.check.equation_verdict import Judge
@@ -89,7 +89,7 @@ def check(
     where = in_notation(equations_of(written), style, absolute)
     said = statements(where, document, names or {}, style, at)
     velocity = any(claim.target.family == "h" for claim in said.claims)
-    targets = Targets(where, velocity, letters_of(style))
+    targets = Targets(where, velocity, style.all_letters)
     numbers = NumberJudge(where, targets, said.numbers, tolerance)
     judge = Judge(where, targets, said.claims, numbers)
     judged, unread = list[EquationVerdict](), list(said.unread)

@@ -12,7 +12,7 @@ from freebody.derivations.check import own_names
 from freebody.derivations.check.answer_lines import DocumentReader, Line
 from freebody.derivations.check.answer_text import AnswerError
 from freebody.derivations.check.answer_tree import Named
-from freebody.derivations.check.asked_quantities import Targets, letters_of
+from freebody.derivations.check.asked_quantities import Targets
 from freebody.derivations.check.circular_answers import refuse_circles
 from freebody.derivations.check.claim import Claim
 from freebody.derivations.check.claim_reader import ClaimReader
@@ -53,7 +53,7 @@ def statements(
     coefficients = setting.turned is None and re.search(
         r"(?<![A-Za-z\\])h(?![a-z])", document.formulas
     )
-    targets = Targets(setting, bool(coefficients), letters_of(notation))
+    targets = Targets(setting, bool(coefficients), notation.all_letters)
     vocabulary = Vocabulary(setting, targets.names, targets.alone)
     for name, value in setting.given.items():
         vocabulary.define(name, value)

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 
 from freebody.derivations.check.answer_text import AnswerError, AnswerText
+from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked_quantities import Targets
 from freebody.derivations.check.circular_answers import uses
 from freebody.derivations.check.dotted_names import spellings
@@ -15,8 +16,12 @@ from freebody.derivations.check.right_equations import FAMILIES
 from freebody.derivations.check.vocabulary import FUNCTIONS, Vocabulary
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import tokens
+from freebody.derivations.notations.lettering import Lettering
 from freebody.derivations.notations.notation import BookNotation
 from freebody.scalars.trig import Trig
+
+_NUMBERED = (*FAMILIES, "theta", "d", "q")
+"""What names of one's own may stand for, for all links or joints."""
 
 
 def of_notation(vocabulary: Vocabulary, targets: Targets, notation: BookNotation) -> None:
@@ -27,8 +32,26 @@ def of_notation(vocabulary: Vocabulary, targets: Targets, notation: BookNotation
     if own & set(numbered):
         return
     here = Vocabulary(vocabulary.setting, targets.names, targets.alone)
+    symbols = vocabulary.setting.symbols
+    lettering = Lettering(notation, frozenset(symbols.model.parameters), symbols.coordinates)
     for name, meaning in notation.names.items():
-        _rename(vocabulary, targets, name, meaning, here)
+        if meaning not in _NUMBERED or (meaning in here.symbols and name not in lettering.alone):
+            _rename(vocabulary, targets, name, meaning, here)
+        for k in range(1, vocabulary.setting.joints + 1) if meaning in _NUMBERED else ():
+            if f"{meaning}{k}" in here.symbols:
+                _rename(vocabulary, targets, f"{name}{k}", f"{meaning}{k}", here)
+    for own, name in lettering.names.items():
+        _rename(vocabulary, targets, name, own, here)
+    vocabulary.no_waves(
+        name for name, x in targets.single.items() if _is_printed(name, x, notation)
+    )
+
+
+def _is_printed(name: str, target: AskedQuantity, notation: BookNotation) -> bool:
+    """Whether a notation prints a quantity by that name."""
+    letters = notation.letters.get(target.family, ())
+    printed = target.family in notation.printed_families
+    return printed and bool(re.fullmatch(rf"{letters[0]}\d+", name))
 
 
 def of_user(vocabulary: Vocabulary, targets: Targets, names: Mapping[str, str]) -> None:
@@ -58,7 +81,7 @@ def _rename(
     if plain in (*FUNCTIONS, "pi", "t"):
         raise AnswerError(f"names: {name!r} has its own meaning and can be no other name")
     target = _plain(meaning) if re.fullmatch(r"[\w\\{}']+", meaning) else ""
-    if target in (*FAMILIES, "theta", "d", "q") and target not in here.symbols:
+    if target in _NUMBERED and target not in here.symbols:
         numbers = [k for k in range(1, here.setting.joints + 1) if f"{target}{k}" in here.symbols]
         for k in numbers:
             _rename(vocabulary, targets, f"{plain}{k}", f"{target}{k}", here)

@@ -94,6 +94,12 @@ class Vocabulary:
         self.waves.update((letter + name[1:], wave) for name, wave in own)
         self._known = None
 
+    def no_waves(self, names: Iterable[str]) -> None:
+        """Names of quantities that are no sines and cosines: c1 where c is a letter of vectors."""
+        for name in names:
+            self.waves.pop(name, None)
+        self._known = None
+
     # ------------------------------------------------------------ words of a text
     def begins(self, letter: str) -> bool:
         """Whether a word begins with this character."""

@@ -15,6 +15,7 @@ import numpy as np
 from freebody.algorithms.regressor import bodies_with_drive, regressor
 from freebody.algorithms.regrouped_parameters import kept, regrouped
 from freebody.derivations.equations.closed_form import SHORT, ClosedForm
+from freebody.derivations.equations.equation_views import NOTES, Letters, named
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation
 from freebody.derivations.expressions.printed_names import sym
@@ -225,11 +226,17 @@ class BaseEquations(ClosedForm):
         return [ex.eq(sym(base.name), layout.form(base.value)) for base in self.bases]
 
 
-def short_by_base(equations: Equations) -> list[list[Equation]] | None:
+def base_view(equations: ClosedForm, names: Letters = NOTES) -> list[list[Equation]]:
+    """The named view in base parameters, and what these are."""
+    short = by_base_parameters(equations)
+    return [*named(short, short.layout, names), short.definitions(equations)]
+
+
+def short_by_base(equations: Equations, names: Letters = NOTES) -> list[list[Equation]] | None:
     """The view in base parameters, if that fits on about a page."""
     if not by_base_parameters(equations).is_short:
         return None
-    groups = equations.groups("base")
+    groups = base_view(equations, names)
     return groups if sum(ex.size(line) for group in groups for line in group) <= SHORT else None
 
 

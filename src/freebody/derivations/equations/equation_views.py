@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, Symbol
@@ -30,10 +30,11 @@ class Letters:
     M: str
     c: str
     g: str
+    terms: str = "vector"
+    """One of `TERMS` of a notation; c and g are not asked where they are not written."""
 
 
-NOTES, STANDARD = Letters("H", "h", "G"), Letters("M", "c", "g")
-NAMES = {"notes": NOTES, "standard": STANDARD}
+NOTES, STANDARD = Letters("H", "h", "G", "coefficients"), Letters("M", "c", "g")
 """H_ij, h, G_i as in (3.20)-(3.27); or M_ij, c_i, g_i."""
 
 
@@ -43,18 +44,23 @@ def expanded(equations: ClosedForm, layout: Layout) -> list[Group]:
     return [[ex.eq(motor, layout.form(x)) for motor, x in zip(left, equations.tau, strict=True)]]
 
 
+def in_terms(terms: str) -> Letters:
+    """The letters that `Lettering` knows, for one of a notation's `TERMS`."""
+    return NOTES if terms == NOTES.terms else Letters("H", "velocity", "G", terms)
+
+
 def named(equations: ClosedForm, layout: Layout, names: Letters = NOTES) -> list[Group]:
     """τ_i, or 0, by mass matrix, velocity and gravity terms, then what these are: groups τ, M,
     velocity, gravity."""
-    velocity = _Coefficients(equations) if names.c == "h" else None
+    velocity = _TERMS[names.terms](equations, names)
+    weights = [] if names.terms == "bias" else _entries(names.g, equations.g)
     torques = [
         ex.eq(motor, ex.add(*_torque(equations, layout, names, velocity, i)))
         for i, motor in enumerate(motors(equations.symbols.model))
     ]
-    terms = velocity.definitions() if velocity else _entries(names.c, equations.c)
     found = (
         [ex.eq(symbol, layout.form(value)) for symbol, value in rows]
-        for rows in (terms, _entries(names.g, equations.g))
+        for rows in (velocity.definitions(), weights)
     )
     groups = [torques, symmetric(names.M, equations.M, layout.form), *found]
     return [group for group in groups if group]
@@ -80,20 +86,70 @@ def symmetric(
 
 
 def _torque(
-    equations: ClosedForm, layout: Layout, names: Letters, velocity: _Coefficients | None, i: int
+    equations: ClosedForm, layout: Layout, names: Letters, velocity: _VelocityTerms, i: int
 ) -> Iterator[Expression]:
     """The terms of τ_i."""
     coordinates = equations.symbols.coordinates
     for j, x in enumerate(coordinates):
         if not equations.M[i][j].is_zero:
             yield ex.mul(entry(names.M, i + 1, j + 1), x + SECOND)
-    if velocity is not None:
-        yield from velocity.terms(i)
-    elif not equations.c[i].is_zero:
-        yield entry(names.c, i + 1)
+    yield from velocity.terms(i)
+    if names.terms == "bias":
+        return
     if not equations.g[i].is_zero:
         yield entry(names.g, i + 1)
     yield layout.form(equations.drives[i])
+
+
+class _VelocityTerms(Protocol):
+    """How the velocity terms are written."""
+
+    def __init__(self, equations: ClosedForm, names: Letters): ...
+
+    def terms(self, i: int) -> Iterator[Expression]:
+        """In τ_i."""
+        ...
+
+    def definitions(self) -> list[tuple[Symbol, Trig]]:
+        """The names in them, and their values."""
+        ...
+
+
+class _VelocityVector:
+    """A vector c; or one that holds gravity, friction and springs too."""
+
+    def __init__(self, equations: ClosedForm, names: Letters):
+        self.letter, self.values = names.c, equations.c
+        if names.terms == "bias":
+            parts = zip(equations.c, equations.g, equations.drives, strict=True)
+            self.letter, self.values = "bias", [c + g + drive for c, g, drive in parts]
+
+    def terms(self, i: int) -> Iterator[Expression]:
+        if not self.values[i].is_zero:
+            yield entry(self.letter, i + 1)
+
+    def definitions(self) -> list[tuple[Symbol, Trig]]:
+        return _entries(self.letter, self.values)
+
+
+class _CoriolisMatrix:
+    """The matrix C of Christoffel symbols times the rates."""
+
+    def __init__(self, equations: ClosedForm, names: Letters):
+        self.rows, self.coordinates = equations.C, equations.symbols.coordinates
+
+    def terms(self, i: int) -> Iterator[Expression]:
+        for j, name in enumerate(self.coordinates):
+            if not self.rows[i][j].is_zero:
+                yield ex.mul(entry("C", i + 1, j + 1), name + RATE)
+
+    def definitions(self) -> list[tuple[Symbol, Trig]]:
+        return [
+            (entry("C", i, j), x)
+            for i, row in enumerate(self.rows, 1)
+            for j, x in enumerate(row, 1)
+            if not x.is_zero
+        ]
 
 
 @dataclass
@@ -102,6 +158,7 @@ class _Coefficients:
     h_ijk."""
 
     equations: ClosedForm
+    names: Letters
     found: dict[Trig, tuple[tuple[int, int, int], Trig, Fraction]] = field(default_factory=dict)
     """By what is common to its multiples: the indices and value of the first, and its factor."""
 
@@ -158,3 +215,11 @@ class _Coefficients:
                 (ex.power(names[j] + RATE, 2),) if j == k else (names[j] + RATE, names[k] + RATE)
             )
             yield ex.mul(number, symbols[key], *rates)
+
+
+_TERMS: dict[str, type[_VelocityTerms]] = {
+    "coefficients": _Coefficients,
+    "vector": _VelocityVector,
+    "matrix": _CoriolisMatrix,
+    "bias": _VelocityVector,
+}

@@ -5,14 +5,18 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
+from os import PathLike
 from typing import Any
 
 from freebody.derivations.equations import equation_views, source_code
-from freebody.derivations.equations.base_parameters import by_base_parameters
+from freebody.derivations.equations.base_parameters import base_view
 from freebody.derivations.equations.closed_form import ClosedForm
+from freebody.derivations.equations.equation_views import in_terms
 from freebody.derivations.equations.intermediates import intermediates
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, operations
+from freebody.derivations.notations.lettering import lettered_for, lettering_of
+from freebody.derivations.notations.notation import PRESETS, BookNotation, notation_of, preset
 from freebody.derivations.polynomials.symbols import symbols
 from freebody.derivations.render import page
 from freebody.derivations.render.mathml import MATHML, NAMESPACE
@@ -23,6 +27,9 @@ from freebody.model.parameters import finite, with_parameters
 from freebody.outputs.display import Titled
 from freebody.scalars.trig import Trig
 
+Names = str | PathLike[str] | BookNotation
+"""A notation, or "standard"."""
+NAMINGS = ("notes", "standard", *PRESETS[1:])
 VIEWS = ("auto", "named", "expanded", "intermediates", "base")
 
 
@@ -49,23 +56,28 @@ class Equations(Titled, ClosedForm):
         `intermediates`."""
         return intermediates(self.symbols)
 
-    def groups(self, view: str = "named", names: str = "notes") -> list[list[Equation]]:
+    def groups(self, view: str = "named", names: Names = "notes") -> list[list[Equation]]:
         """The equations of a view: "named", "expanded", "intermediates" or "base"."""
-        if names not in equation_views.NAMES:
-            raise UnknownNameError("naming", names, "Equations", equation_views.NAMES)
+        standard = names == "standard"
+        if isinstance(names, str) and not (names.endswith(".toml") or names in NAMINGS):
+            raise UnknownNameError("naming", names, "Equations", NAMINGS)
+        notation = preset("notes") if standard else notation_of(names)
+        letters = equation_views.STANDARD if standard else in_terms(notation.terms)
         if view == "intermediates":
-            return [self.intermediates()]
-        if view == "expanded":
-            return equation_views.expanded(self, self.layout)
-        if view == "base":
-            short = by_base_parameters(self)
-            return [
-                *equation_views.named(short, short.layout, equation_views.NAMES[names]),
-                short.definitions(self),
-            ]
-        if view in ("named", "auto"):
-            return equation_views.named(self, self.layout, equation_views.NAMES[names])
-        raise UnknownNameError("view", view, "Equations", VIEWS)
+            groups = [self.intermediates()]
+        elif view == "expanded":
+            groups = equation_views.expanded(self, self.layout)
+        elif view == "base":
+            groups = base_view(self, letters)
+        elif view in ("named", "auto"):
+            groups = equation_views.named(self, self.layout, letters)
+        else:
+            raise UnknownNameError("view", view, "Equations", VIEWS)
+        if standard or notation is preset("notes"):
+            return groups
+        lines = [line for group in groups for line in group]
+        lettering = lettered_for(lettering_of(notation, self.symbols), lines)
+        return [[lettering.line(line) for line in group] for group in groups]
 
     def operations(self, view: str = "named") -> dict[str, int]:
         """Additions, multiplications and functions that a view takes, line by line as printed."""
@@ -74,19 +86,22 @@ class Equations(Titled, ClosedForm):
             total.update(operations(line))
         return dict(total)
 
-    def text(self, view: str = "auto", names: str = "notes", width: int = 100) -> str:
+    def text(self, view: str = "auto", names: Names = "notes", width: int = 100) -> str:
         """The equations for a terminal.
 
         view: "named" (τ by H, h, G and what these are), "expanded" (τ written out), "intermediates"
         (the recursion line by line), "base" (named, by the fewest combinations of masses and
         inertias), "auto" (named where that is short, else how long it is).
-        names: "notes" (H_ij, h, G_i) or "standard" (M_ij, c_i, g_i).
+        names: "notes" (H_ij, h, G_i), "standard" (M_ij, c_i, g_i), or another notation, as for
+        `check`.
         """
         if view == "auto" and not self.is_short:
             return "\n".join(map(str, self._told()))
         return page.text(self.groups(view, names), width)
 
-    def latex(self, view: str = "auto", names: str = "notes", environment: str = "aligned") -> str:
+    def latex(
+        self, view: str = "auto", names: Names = "notes", environment: str = "aligned"
+    ) -> str:
         """The same as an amsmath environment, without dollar signs; "align*" in a document breaks
         across pages."""
         if view == "auto" and not self.is_short:
@@ -94,7 +109,7 @@ class Equations(Titled, ClosedForm):
             return f"\\begin{{gathered}} {lines} \\end{{gathered}}"
         return page.latex(self.groups(view, names), environment)
 
-    def mathml(self, view: str = "auto", names: str = "notes") -> str:
+    def mathml(self, view: str = "auto", names: Names = "notes") -> str:
         """The same as one `<math>` element."""
         if view == "auto" and not self.is_short:
             rows = (f"<mtr><mtd>{MATHML.line(line)}</mtd></mtr>" for line in self._told())

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 from freebody.derivations.expressions.printed_names import GREEK
-from freebody.derivations.grammar.source import Source
+from freebody.derivations.grammar.source import Source, UnreadableError
 from freebody.identifiers import word_set
 
 DOT, PRIME = "˙", "'"
@@ -83,6 +83,18 @@ def spell(source: Source, at: int, depth: int = 0) -> Word:
     while word.end < len(source.text) and _unit(source, word):
         pass
     return word
+
+
+def spelt(name: str) -> str:
+    """The plain spelling of a text that is one name and no more, else ""."""
+    source = Source.of(name.strip())
+    if not source.text or not (source.text[0] in STARTS or source.text[0] == "\\"):
+        return ""
+    try:
+        word = spell(source, 0)
+    except UnreadableError:
+        return ""
+    return word.plain if word.end == len(source.text) and word.power is None else ""
 
 
 def _command(source: Source, word: Word, depth: int) -> None:

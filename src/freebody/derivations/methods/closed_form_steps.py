@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from freebody.derivations.derivation import Step
 from freebody.derivations.equations.base_parameters import short_by_base
+from freebody.derivations.equations.equation_views import in_terms, named
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.printed_names import vec
@@ -35,9 +36,10 @@ def closed_form(setting: Setting, through_loops: Sequence[Expression] = ()) -> S
     together; through_loops: of a closed chain what its loops add, by coordinate."""
     equations = setting.equations
     numbers = {"RR": tuple(f"3.{k}" for k in range(20, 29))}.get(setting.cited, ("3.28",))
-    groups = equations.groups("named") if equations.is_short else None
+    form = in_terms(setting.letters.notation.terms)
+    groups = named(equations, equations.layout, form) if equations.is_short else None
     if groups is None and len(setting.order) <= FEW:
-        groups = short_by_base(equations)
+        groups = short_by_base(equations, form)
     if groups is None:
         return Step("The closed form", _told(setting), (), numbers, result=True)
     reason = _sorted(setting) + ("" if equations.is_short else _BASE)
@@ -83,9 +85,15 @@ def _by(setting: Setting) -> str:
 
 def _sorted(setting: Setting) -> str:
     equations = setting.equations
-    found = ["the mass matrix H"]
-    found += ["the velocity terms h"] if any(not x.is_zero for x in equations.c) else []
-    found += ["gravity G"] if any(not x.is_zero for x in equations.g) else []
+    letters, form = setting.letters.letters, setting.letters.notation.terms
+    M, C, c, g, bias = (letters.get(x, x) for x in ("H", "C", "velocity", "G", "bias"))
+    words = {"coefficients": "the velocity terms h", "vector": f"the velocity terms {c}",
+             "matrix": f"the matrix {C} of velocity terms",
+             "bias": f"the terms {bias} without accelerations"}  # fmt: skip
+    moves, weighs = (any(not x.is_zero for x in row) for row in (equations.c, equations.g))
+    found = [f"the mass matrix {M}"]
+    found += [words[form]] if moves or (form == "bias" and weighs) else []
+    found += [f"gravity {g}"] if weighs and form != "bias" else []
     return f"Sorting by {_by(setting)} gives {listed(found)}.{_undriven(setting)}"
 
 

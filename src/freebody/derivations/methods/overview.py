@@ -35,7 +35,7 @@ def overview(s: Setting, method: Method, worked: Worked) -> tuple[str, tuple[Mea
 
 def _about(s: Setting) -> list[str]:
     about = s.symbols.model.about
-    return [literal(about)] if about else []
+    return [literal(s.letters.words(about))] if about else []
 
 
 FEW = 3

@@ -26,6 +26,7 @@ from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.expressions.nodes import Equation, Words
 from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.naming import Naming
+from freebody.derivations.notations.lettering import PLAIN, Lettering
 from freebody.derivations.polynomials.grouped_by_length import by_lengths
 from freebody.derivations.polynomials.symbols import Symbols
 from freebody.derivations.polynomials.textbook_form import Layout
@@ -53,6 +54,8 @@ class Setting:
     load: tuple[str, ...] = ()
     at_rest: bool = False
     """Whether the robot stands still: velocities and accelerations are zero."""
+    letters: Lettering = PLAIN
+    """The letters that the derivation will be printed in; what is made here has the notes'."""
 
     @property
     def tree(self) -> Tree:

@@ -11,7 +11,8 @@ from os import PathLike, fspath
 from pathlib import Path
 from types import MappingProxyType
 
-from freebody.errors import UnknownNameError
+from freebody.derivations.grammar.words import spelt
+from freebody.errors import FreebodyError, UnknownNameError, shown
 from freebody.formats import read_file
 from freebody.formats.toml import table_of
 from freebody.formats.toml_table import TomlTable
@@ -27,6 +28,24 @@ FAMILIES = {
 }  # fmt: skip
 """What a file may give letters to: the torques, mass matrix, Coriolis matrix, vectors of velocity
 terms and of gravity, both together, the Jacobian, the energies and the Lagrangian."""
+
+USUAL_LETTERS = {
+    "tau": ("tau", "Q", "Gamma"),
+    "M": ("M", "H", "m", "D", "d", "B", "b"),
+    "C": ("C",),
+    "c": ("c", "C", "v", "b"),
+    "g": ("g", "G", "phi"),
+    "J": ("J",),
+    "T": ("T", "K", "KE", "Ek", "Ekin"),
+    "V": ("V", "U", "P", "PE", "Ep", "Epot"),
+    "L": ("L",),
+    "bias": (),
+}
+"""Letters that `check` reads where a notation gives none."""
+
+TERMS = ("coefficients", "vector", "matrix", "bias")
+"""How torques are written by terms without accelerations: by coefficients h of products of rates, a
+vector of velocity terms, the matrix C times the rates, or a vector with gravity in it."""
 
 ZEROS = {"x axis": 0, "down": -1, "up": 1}
 """The direction in which angles are 0, and by how many right angles it is turned from x."""
@@ -58,6 +77,34 @@ class BookNotation:
     )
     """Letters of quantities by the keys of `FAMILIES`; what is not given has the usual ones."""
 
+    terms: str = "coefficients"
+    """One of `TERMS`: how what is printed is sorted."""
+
+    def __post_init__(self) -> None:
+        """Refuse letters that are none: they are printed and read."""
+        for letter in (letter for letters in self.letters.values() for letter in letters):
+            if not (letter.isalpha() and spelt(letter)):
+                raise FreebodyError(
+                    f"the notation {self.name!r}: {shown(letter)} is no letter; write Latin "
+                    "letters, or a Greek one by its name."
+                )
+
+    @property
+    def all_letters(self) -> Mapping[str, tuple[str, ...]]:
+        """The letters of all families: those that are given to one are no other's."""
+        taken = {letter for letters in self.letters.values() for letter in letters}
+        usual = {
+            family: tuple(letter for letter in letters if letter not in taken)
+            for family, letters in USUAL_LETTERS.items()
+        }
+        return {**usual, **self.letters}
+
+    @property
+    def printed_families(self) -> tuple[str, ...]:
+        """The families without accelerations whose letters are printed, and so read as these."""
+        own = {"vector": ("c", "g"), "matrix": ("C", "g"), "bias": ("bias",)}.get(self.terms, ())
+        return tuple(family for family in own if family in self.letters)
+
     @property
     def quarter_turns(self) -> int:
         """By how many right angles the direction of zero is turned from x."""
@@ -67,7 +114,7 @@ class BookNotation:
 def read(file: str, text: str, name: str = "") -> BookNotation:
     """The notation in a TOML text; raises FileError with the line."""
     top = table_of(file, text)
-    top.only("title", "source", "angles", "zero", "names", "parameters", "letters")
+    top.only("title", "source", "angles", "zero", "names", "parameters", "letters", "terms")
     letters: dict[str, tuple[str, ...]] = {}
     if "letters" in top:
         table = _part(top, "letters").only(*FAMILIES)
@@ -86,6 +133,7 @@ def read(file: str, text: str, name: str = "") -> BookNotation:
         _texts(top, "names"),
         _texts(top, "parameters"),
         letters,
+        top.choice("terms", TERMS, "vector" if "c" in letters else "coefficients"),
     )
 
 

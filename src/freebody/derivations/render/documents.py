@@ -320,9 +320,11 @@ def _title(derivation: Derivation) -> str:
 def _source(derivation: Derivation) -> str:
     numbered = any(step.notes for step in derivation.steps)
     source = derivation.equations.symbols.model.source
+    written = derivation.lettering.notation
     parts = [
         f"Method: {derivation.reference}" if derivation.reference else "",
         f"Equation numbers: {SOURCE}." if numbered else "",
+        f"Letters: {literal(written.source or written.title)}" if written.name != "notes" else "",
         f"Robot: {literal(source.rstrip('.'))}" if source else "",
     ]
     return " ".join(part if part.endswith(".") else part + "." for part in parts if part)

@@ -62,7 +62,7 @@ class JointQuantities(QuantityGroup):
         return [x + INVERSE for x in self.letters["M"] if x.isupper()]
 
     def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
-        asked = {(target.family, target.index): target for target in single.values()}
+        asked = {(target.family, target.index): target for _, target in self.single()}
         n = self.numbers
         found: dict[str, Table] = {}
         for family in ("tau", "g", "bias", "c"):
@@ -87,11 +87,12 @@ class JointQuantities(QuantityGroup):
         or some are passive."""
         driven = [k for k in self.numbers if k not in self.passive]
         own = self.setting.symbols.coordinates[i - 1]
-        letters = [
-            *self.letters["tau"],
+        others = [
             *["F", "f"] * (own[0] in "dxyz"),
             *["u"] * (self.setting.system is None and (bool(self.passive) or self.count == 1)),
         ]
+        taken = {letter for letters in self.letters.values() for letter in letters}
+        letters = [*self.letters["tau"], *(letter for letter in others if letter not in taken)]
         numbers = (str(i), "") if driven == [i] else (str(i),)
         along = (f"F{own}", f"f{own}") if own in ("x", "y", "z") else ()
         return (*(letter + number for number in numbers for letter in letters), *along)

@@ -1,0 +1,244 @@
+"""Printed equations in the letters of a notation: what `check` reads in it."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Self
+
+from freebody.derivations.expressions.nodes import (
+    Equation,
+    Expression,
+    Function,
+    Sum,
+    Symbol,
+    nodes,
+)
+from freebody.derivations.expressions.printed_names import DOTS, GREEK, sym
+from freebody.derivations.grammar.words import spelt
+from freebody.derivations.notations.notation import BookNotation, preset
+from freebody.derivations.polynomials.symbols import Symbols
+from freebody.derivations.render.literal import MARK, in_parts
+from freebody.errors import FreebodyError
+from freebody.lazy import cached_property
+
+FAMILY_OF = {
+    "tau": "tau", "H": "M", "M": "M", "C": "C", "velocity": "c", "G": "g", "bias": "bias",
+    "J": "J", "T": "T", "V": "V", "L": "L",
+}  # fmt: skip
+"""The letters of derivations as they are made, and what they stand for."""
+MATRICES = ("H", "M", "C", "J")
+"""Those that stand for matrices without a number, which are called by capitals."""
+ALONE = ("T", "V", "L")
+"""Those that stand without a number."""
+
+_NAME = re.compile(r"([A-Za-z]+?)((?:_?\d+)+|_[a-z]|)")
+_IN_WORDS = re.compile(
+    r"(?<![\w.])[A-Za-zα-ωΑ-Ω][\u0307\u0308]?[A-Za-z]{0,3}(?:[₀-₉]+|_(?:\d|[a-z])(?!\w))"
+)
+"""A symbol in a sentence: θ̇₁, lc₂, τ_2, T_i."""
+
+
+@dataclass(frozen=True)
+class Lettering:
+    """Symbols of one model as a notation has them; `parameters` are the model's own names, which
+    are no letters of quantities."""
+
+    notation: BookNotation
+    parameters: frozenset[str] = frozenset()
+    coordinates: tuple[str, ...] = ()
+    kept: frozenset[str] = frozenset()
+    """Letters of `FAMILY_OF` that stay as they are."""
+
+    @cached_property
+    def names(self) -> Mapping[str, str]:
+        """Parameters and coordinates that are called otherwise, and how; all or none, as a name
+        that the model has itself may stand for something else in the notation."""
+        numbered = {re.sub(r"\d+$", "", name) for name in self.parameters}
+        meanings = self.notation.names
+        if (set(meanings) - set(meanings.values())) & numbered:
+            return {}
+        found: dict[str, str] = {}
+        for name, meaning in meanings.items():
+            new = spelt(name)
+            if re.fullmatch(r"[A-Za-z]+\d*", new):
+                for own, number in self._meant(meaning):
+                    if new + number not in self.alone:
+                        found.setdefault(own, new + number)
+        return found
+
+    @cached_property
+    def alone(self) -> frozenset[str]:
+        """Letters of the energies: no name of a parameter is one of them."""
+        letters = self.notation.all_letters
+        return frozenset(letter for family in ALONE for letter in letters[family][:1])
+
+    def printable(self) -> Self:
+        """Itself; raises FreebodyError where two things would have one name."""
+        called: dict[str, str] = {}
+        for own in (*self.coordinates, *sorted(self.parameters)):
+            new = self.names.get(own, own)
+            other = called.setdefault(new, own)
+            if other != own:
+                raise FreebodyError(
+                    f"the notation {self.notation.name!r} calls both {other} and {own} "
+                    f"{new}; give one of them another name."
+                )
+        return self
+
+    def _meant(self, meaning: str) -> Iterator[tuple[str, str]]:
+        """The names that a meaning is one of, each with the number that it carries."""
+        for own in (*self.coordinates, *sorted(self.parameters)):
+            stem, number = re.sub(r"\d+$", "", own), re.findall(r"\d*$", own)[0]
+            of_all = number and own in self.coordinates and meaning == "q"
+            if own == meaning or (number and stem == meaning) or of_all:
+                yield own, number if own != meaning else ""
+
+    @cached_property
+    def letters(self) -> Mapping[str, str]:
+        """By the letters of `FAMILY_OF` those of the notation."""
+        given, others = self.notation.letters, self.notation.all_letters
+        taken = {letter for letters in given.values() for letter in letters}
+        found = {}
+        for old, family in FAMILY_OF.items():
+            stays = old not in taken and len(old) == 1
+            own = given.get(family) or ((old,) if stays else others[family])
+            found[old] = own[0] if own and old not in self.kept else old
+        return {old: new for old, new in found.items() if old != new}
+
+    @cached_property
+    def waves(self) -> Mapping[str, str]:
+        """Letters of sines and cosines, {"cos": "c"}."""
+        return {x: spelt(name) for name, x in self.notation.names.items() if x in ("sin", "cos")}
+
+    def __call__(self, x: Expression) -> Expression:
+        """An expression in these letters."""
+        if isinstance(x, Symbol):
+            return self.symbol(x)
+        if isinstance(x, Function) and x.name in self.waves and (k := self._numbers(x.argument)):
+            return Symbol(self.waves[x.name] + k, self.waves[x.name], (k,))
+        return x.mapped(self)
+
+    def line(self, line: Equation) -> Equation:
+        """An equation in these letters."""
+        return line.mapped(self)
+
+    def _numbers(self, angle: Expression) -> str:
+        """Of a sum of the model's angles their numbers, rising, of one digit each; else ""."""
+        terms = angle.terms if isinstance(angle, Sum) else (angle,)
+        names = [x.name if isinstance(x, Symbol) else "" for x in terms]
+        plain = all(re.fullmatch(r"theta\d", x) and x in self.coordinates for x in names)
+        return "".join(x[-1] for x in sorted(set(names))) if plain else ""
+
+    def symbol(self, x: Symbol) -> Symbol:
+        """A symbol; vectors keep theirs."""
+        if x.bold:
+            return x
+        ending = next((e for e in reversed(DOTS) if x.name.endswith(e)), "")
+        stem = x.name.removesuffix(ending)
+        new = self.names.get(x.name) or self._of_all(x.name)
+        if new is None and ending and (new := self.names.get(stem) or self._of_all(stem)):
+            return _made(new, ending, x)
+        return x if new is None else _made(new, "", x)
+
+    def _of_all(self, name: str) -> str | None:
+        """The name of a quantity, such as T1 or T_i, or of any parameter, l_i."""
+        match = _NAME.fullmatch(name)
+        if match is None or name in self.parameters or name in self.coordinates:
+            return None
+        letter, rest = match.groups()
+        if letter in self.letters:
+            own = self.notation.letters.get(FAMILY_OF[letter], ()) if letter in MATRICES else ()
+            large = next(filter(str.isupper, own), self.letters[letter])
+            return (self.letters[letter] if rest else large) + rest
+        if rest[:1] == "_":
+            like = next((x for x in self.names if re.sub(r"\d+$", "", x) == letter), "")
+            return re.sub(r"\d+$", "", self.names[like]) + rest if like else None
+        return None
+
+    def sentence(self, text: str) -> str:
+        """A sentence; names from files stay as they are."""
+        plain = in_parts(text, self.words, lambda name: f"{MARK}{name}{MARK}")
+        return unicodedata.normalize("NFC", plain)
+
+    def words(self, text: str) -> str:
+        """Text without such names."""
+        return _IN_WORDS.sub(self._word, unicodedata.normalize("NFD", text))
+
+    def _word(self, match: re.Match[str]) -> str:
+        word = match[0]
+        low = "_" in word
+        dots = sum("\u0307\u0308".find(c) + 1 for c in word)
+        name = spelt(re.sub("[\u0307\u0308]", "", word).replace("_", "_" * (word[-1:].isdigit())))
+        if word[-1].isalpha():  # T_i
+            name = word[0] + word[1:]
+        old = sym(name + ("", *DOTS)[dots])
+        if not isinstance(old, Symbol) or (new := self.symbol(old)) == old:
+            return word
+        if not low:
+            return str(new)
+        stem = re.sub(r"_?(\d+|[a-z])$", "", new.name)
+        return f"{GREEK.get(stem, stem)}_{word.partition('_')[2]}"
+
+
+def _made(name: str, ending: str, old: Symbol) -> Symbol:
+    """The symbol of a plain name, its first letter with the rest as subscript."""
+    stem, number = re.fullmatch(r"([A-Za-z]+?)((?:_?\d+)*|_[a-z])", name).groups()  # type: ignore[union-attr]
+    parts = tuple(x for x in number.split("_") if x)
+    if stem in GREEK:
+        letter, more = GREEK[stem], ""
+    else:
+        letter, more = stem[0], stem[1:]
+    low = (more + parts[0], *parts[1:]) if parts else (more,) if more else ()
+    return Symbol(name + ending, letter, low, old.dots, False, old.high)
+
+
+def lettering_of(notation: BookNotation, symbols: Symbols) -> Lettering:
+    """The letters of a notation for what is written about a model."""
+    names = frozenset((symbols.given or symbols.model).parameters)
+    own = names | set(symbols.model.parameters)
+    return Lettering(notation, own, symbols.coordinates).printable()
+
+
+def lettered_for(lettering: Lettering, printed: Iterable[Expression]) -> Lettering:
+    """The same for a document: without short sines and cosines where s_1 is something else, and the
+    reduced mass matrix H as it is where there is a larger M.
+
+    Raises FreebodyError where two symbols of it would be one.
+    """
+    symbols = dict.fromkeys(x for y in printed for x in nodes(y) if isinstance(x, Symbol))
+    stems = {x.letter for x in symbols if x.name not in lettering.parameters}
+    lettering = replace(lettering, kept=frozenset("H" if {"H", "M"} <= stems else ""))
+    called: dict[Symbol, Symbol] = {}
+    for old in symbols:
+        other = called.setdefault(lettering.symbol(old), old)
+        if other != old:
+            return lettered_for(_with_another(lettering, old, other), symbols)
+    letters = {x.letter for x in called if x.low and x.low[0].isdigit()}
+    names = lettering.notation.names
+    short = {x for x, y in names.items() if y in ("sin", "cos")}
+    if any(spelt(x) in letters for x in short):
+        kept = {x: y for x, y in names.items() if x not in short}
+        lettering = replace(lettering, notation=replace(lettering.notation, names=kept))
+    return lettering
+
+
+def _with_another(lettering: Lettering, one: Symbol, other: Symbol) -> Lettering:
+    """The same with the next letter for one of two symbols that are called alike."""
+    notation = lettering.notation
+    for symbol in (one, other):
+        family = FAMILY_OF.get(symbol.letter, "")
+        own = notation.letters.get(family, ())
+        if symbol.name not in lettering.parameters and len(own) > 1:
+            letters = {**notation.letters, family: own[1:]}
+            return replace(lettering, notation=replace(notation, letters=letters))
+    raise FreebodyError(
+        f"the notation {notation.name!r} calls both {other} and {one} {lettering.symbol(one)} "
+        "here; in one of your own give one of them another letter."
+    )
+
+
+PLAIN = Lettering(preset("notes"))
+"""The letters of the notes."""
