@@ -52,6 +52,7 @@ def fbd(
             help="Labels beside the arrows. Default: both; names where parameters have no value."
         ),
     ] = None,
+    notation: options.Notation = None,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE.svg", help="The drawing. Default: ROBOT-fbd.svg.")
     ] = None,
@@ -69,7 +70,7 @@ def fbd(
         positions = None if q is None else options.values("--q", q)
         if model.loops and positions is not None:
             positions = assemble(model, positions).tolist()
-        chosen = {"labels": labels, "show": show or ()}
+        chosen = {"labels": labels, "show": show or (), "notation": notation}
         figure = free_body_diagram(model, positions, body, **given, **chosen)
         path = figure.save(out or Path(f"{stem(model.name)}-fbd.svg"))
     if q is None or model.loops:

@@ -57,7 +57,7 @@ def undrawn_derivation(
     names = LOADS[model.dim] if load else ()
     extra = (*names, *multipliers(model), *velocity_names(model))
     made = symbols_of_bodies(f"derive {record.name!r}", model, extra, euler=True)
-    lettering = lettering_of(notation_of(notation), made)
+    lettering = lettering_of(notation_of(notation), made.model, made.coordinates)
     setting = Setting(made, names, record.at_rest, lettering)
     worked = record(setting, **options)
     given, glossary = overview(setting, record, worked)

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression, Symbol
 from freebody.derivations.expressions.printed_names import entry, sym, vec
+from freebody.derivations.notations.lettering import PLAIN, Lettering
 from freebody.derivations.polynomials.symbols import names_by_body
 from freebody.lazy import cached_property
 from freebody.model.bodies import Body
@@ -35,6 +36,8 @@ class Naming:
 
     model: Model
     numbers: bool = False
+    letters: Lettering = PLAIN
+    """Of a notation."""
 
     @property
     def planar(self) -> bool:
@@ -74,7 +77,7 @@ class Naming:
 
     def torque(self, n: int) -> Symbol:
         """τ_n."""
-        return sym_of(f"tau{n}")
+        return self.letters.symbol(sym_of(f"tau{n}"))
 
     def motor(self, n: int) -> Expression:
         """τ_n, or 0 where joint n has no motor."""
@@ -139,7 +142,7 @@ class Naming:
     # ------------------------------------------------------------ masses
     def mass(self, n: int) -> Symbol:
         """The model's name for the mass of body n, else m_n."""
-        return self._parameter(n, "mass") or sym_of(f"m{n}")
+        return self._parameter(n, "mass") or self.letters.symbol(sym_of(f"m{n}"))
 
     def inertia(self, n: int) -> Symbol:
         """In the plane the model's name for the moment of inertia of body n, or I_n; in space the
@@ -153,9 +156,9 @@ class Naming:
         return self._named(one[0] if isinstance(one, tuple) else one)
 
     def _named(self, quantity: Quantity | None) -> Symbol | None:
-        return (
-            sym_of(quantity.name) if isinstance(quantity, Parameter) and not self.numbers else None
-        )
+        if not isinstance(quantity, Parameter) or self.numbers:
+            return None
+        return self.letters.symbol(sym_of(quantity.name))
 
     # ------------------------------------------------------------ vectors and lengths
     def reach(self, i: int, k: int) -> Symbol:

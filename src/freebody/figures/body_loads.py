@@ -78,12 +78,12 @@ def moment(arm: Array, force: Array) -> Array:
 
 
 def body_loads(
-    model: Model, pose: Skeleton, q: Array, qd: Array, qdd: Array, wrenches: Wrenches
+    names: Naming, pose: Skeleton, q: Array, qd: Array, qdd: Array, wrenches: Wrenches
 ) -> tuple[BodyLoads, ...]:
     """The loads on every body in a state: q (nq,); qd, qdd (nv,); wrenches as for
     `inverse_dynamics`."""
+    model = names.model
     given = wrenches_by_frame("free_body_diagram", model, wrenches, single=True)
-    names = Naming(model)
     reactions = np.asarray(joint_wrenches(model, q, qd, qdd, wrenches=given))
     first, second, third = (tuple(map(float, x)) for x in (q, qd, qdd))
     recursion = rnea(model.tree, first, second, third, gravity="explicit")

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from os import PathLike
 
 import numpy as np
 
+from freebody.derivations.notations.notation import BookNotation
 from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
 from freebody.figures.body_loads import NOISE, BodyLoads
 from freebody.figures.drawing import Drawing
@@ -69,6 +71,7 @@ def free_body_diagram(
     *,
     labels: str | None = None,
     show: str | Sequence[str] = (),
+    notation: str | PathLike[str] | BookNotation | None = None,
 ) -> FreeBodyDiagram:
     """Free-body diagram of a body (its name, its joint's or a link's; or its index from 0), or of
     all: forces to scale.
@@ -78,9 +81,10 @@ def free_body_diagram(
     acting on the arm. labels: "names", "values" or "both"; default: both, or names
     where parameters have no value; forces are then drawn for typical values. show:
     one or several of "points" (O, A, P), "centres" (C_i), "vectors" (s_i, s_ci), in the plane
-    "lengths" (l_i, l_ci) and "angles" (θ_i), in space "axes" (z_i, of slides u_i). Returns a figure
-    with `.svg`, `.save("fbd.svg")`, `.drawing` (the arrows as data) and `.bodies` (the loads and
-    how well they balance). Raises ShapeError, NotFiniteError, UnknownNameError, MissingValueError.
+    "lengths" (l_i, l_ci) and "angles" (θ_i), in space "axes" (z_i, of slides u_i). notation: whose
+    letters stand in it, as for `check`. Returns a figure with `.svg`, `.save("fbd.svg")`,
+    `.drawing` (the arrows as data) and `.bodies` (the loads and how well they balance). Raises
+    ShapeError, NotFiniteError, UnknownNameError, MissingValueError, FileError.
     Source: figures 1.4, 2.3, 3.2, 6.4.
     """
     caller = "free_body_diagram"
@@ -90,7 +94,7 @@ def free_body_diagram(
     if q is None and qd is None and qdd is None:
         q = resting_pose(with_values(model), wrenches)
     qd, qdd = still if qd is None else qd, still if qdd is None else qdd
-    seen = snapshot(model, q, qd, qdd, wrenches, caller)
+    seen = snapshot(model, q, qd, qdd, wrenches, caller, notation)
     title, loads = f"Free-body diagram of {model.name}", seen.loads
     if chosen is not None:
         loads = (loads[chosen],)

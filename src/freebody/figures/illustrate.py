@@ -76,6 +76,8 @@ def illustrations(derivation: Derivation, labels: str = "names") -> dict[str, Dr
     """The same as data; labels: "names", "values" or "both"."""
     labels = labels_of("a derivation's drawings", derivation.equations.symbols.model, labels)
     moving, spoken = _shown(derivation), _spoken(derivation)
+    naming = replace(moving.names.naming, letters=derivation.lettering)
+    moving = replace(moving, names=replace(moving.names, naming=naming))
     wanted: dict[str, Step | None] = {"overview": None}
     for step in derivation.steps:
         if step.figure:

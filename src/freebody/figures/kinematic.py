@@ -5,7 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from os import PathLike
 
+from freebody.derivations.notations.notation import BookNotation
 from freebody.errors import FreebodyError
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.labelling import chosen_of, labels_of
@@ -49,6 +51,7 @@ def kinematic_diagram(
     qdd: Vector | None = None,
     *,
     labels: str = "names",
+    notation: str | PathLike[str] | BookNotation | None = None,
 ) -> Figure:
     """Drawings of a robot with symbols: geometry and vectors in the plane, joint axes and common
     normals in space.
@@ -57,7 +60,8 @@ def kinematic_diagram(
     Parameters without value get typical values. show: one or several of "geometry" (θ_i, d_i, l_i,
     l_ci, C_i), "vectors" (s_i, r), "centres" (r_ci), "velocities" (rates, v_ci), "accelerations" in
     the plane; "frames" (z_i, of slides u_i, joint variables), "normals" (a_i, d_i), "vectors" (s_i,
-    C_i) in space. labels: "names", "values" or "both". Returns a figure with `.svg`,
+    C_i) in space. labels: "names", "values" or "both". notation: whose letters stand in it,
+    as for `check`. Returns a figure with `.svg`,
     `.save("arm.svg")` and `.named("s_1")`, the elements as data. Raises ShapeError, NotFiniteError,
     UnknownNameError, MissingValueError. Source: figures 1.2, 2.1, 3.2, 4.3, 5.3, 6.4, 6.5.
     """
@@ -73,7 +77,7 @@ def kinematic_diagram(
             shown = ", ".join(chosen)
             raise FreebodyError(f"{caller}: {argument} is not drawn in {shown}: {instead}.")
     how = labels_of(caller, model, labels)
-    seen = snapshot(model, q, qd, qdd, None, caller)
+    seen = snapshot(model, q, qd, qdd, None, caller, notation)
     drawings = tuple(drawn(seen, x, known[x], faint=x == "vectors") for x in chosen)
     for drawing in drawings:
         drawing.labels = how

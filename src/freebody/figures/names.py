@@ -37,7 +37,7 @@ class Names:
     def coordinate(self, body: BodyPlace, order: int = 0) -> str:
         """The joint's coordinate, or its rate of an order; "" where it has none of its own."""
         name = self.naming.coordinate(body.number)
-        return label(sym(name + _ENDINGS[order])) if name else ""
+        return label(self.naming.letters(sym(name + _ENDINGS[order]))) if name else ""
 
     def mass(self, n: int) -> str:
         """Of body n."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,9 @@ from scipy.optimize import root
 
 from freebody.arrays import Array
 from freebody.derivations.naming import Naming
+from freebody.derivations.notations.lettering import lettering_of
+from freebody.derivations.notations.notation import BookNotation, notation_of
+from freebody.derivations.polynomials.symbols import names_by_body
 from freebody.figures.body_loads import BodyLoads, body_loads
 from freebody.figures.drawing import SAME
 from freebody.figures.names import Names
@@ -57,7 +61,7 @@ class Snapshot:
     @cached_property
     def loads(self) -> tuple[BodyLoads, ...]:
         """Forces and moments on each body."""
-        return body_loads(self.model, self.pose, self.q, self.qd, self.qdd, self.wrenches)
+        return body_loads(self.names.naming, self.pose, self.q, self.qd, self.qdd, self.wrenches)
 
     def end(self, body: BodyPlace) -> Array | None:
         """Where a body ends: at the joint of its first child (after a slide), else at the tip; or
@@ -108,9 +112,11 @@ def snapshot(
     qdd: Any = None,
     wrenches: Wrenches = None,
     caller: str = "a drawing",
+    notation: BookNotation | str | PathLike[str] | None = None,
 ) -> Snapshot:
     """A snapshot; parameters without value and a state that is not given are chosen so that the
-    drawing is clear. caller: for errors."""
+    drawing is clear. caller: for errors. notation: whose letters stand in it, as for
+    `check`."""
     shown = with_values(model)
 
     def given(name: str, value: Any, default: Callable[[], Array]) -> Array:
@@ -119,7 +125,10 @@ def snapshot(
     at = given("q", q, lambda: _seen_well(shown))
     rates = given("qd", qd, lambda: _consistent_rates(shown, at))
     second = given("qdd", qdd, lambda: _consistent_second(shown, at, rates, wrenches))
-    return Snapshot(shown, at, rates, second, wrenches, Names(Naming(shown)))
+    coordinates = (name for names in names_by_body(shown) for name in names)
+    letters = lettering_of(notation_of(notation), model, tuple(coordinates))
+    naming = Naming(shown, letters=letters)
+    return Snapshot(shown, at, rates, second, wrenches, Names(naming))
 
 
 def _seen_well(model: Model) -> Array:

@@ -76,7 +76,8 @@ class Equations(Titled, ClosedForm):
         if standard or notation is preset("notes"):
             return groups
         lines = [line for group in groups for line in group]
-        lettering = lettered_for(lettering_of(notation, self.symbols), lines)
+        lettering = lettering_of(notation, self.symbols.model, self.symbols.coordinates)
+        lettering = lettered_for(lettering, lines)
         return [[lettering.line(line) for line in group] for group in groups]
 
     def operations(self, view: str = "named") -> dict[str, int]:

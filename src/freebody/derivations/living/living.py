@@ -15,6 +15,7 @@ from freebody.derivations.closed_chains.first_kind import MULTIPLIER
 from freebody.derivations.derivation import Derivation
 from freebody.derivations.derive import LOADS
 from freebody.derivations.expressions.expression import Symbol
+from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.living.body_quantities import body_quantities
 from freebody.derivations.living.closed_chain import ClosedChain
 from freebody.derivations.living.drawn_bodies import DrawnBodies
@@ -33,6 +34,8 @@ from freebody.derivations.methods.free_bodies import are_free
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.naming import Naming
+from freebody.derivations.notations.lettering import Lettering
+from freebody.derivations.notations.notation import PRESETS
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.polynomials.typical_values import typical
 from freebody.derivations.relations.formula_values import rank
@@ -57,6 +60,8 @@ def living(derivation: Derivation, start: Sequence[float] = ()) -> LivingParts |
 
     start: coordinates at which the loops of a closed chain are closed; it needs them.
     """
+    told, letters = derivation, derivation.lettering
+    derivation = told.plain or told
     symbols = derivation.equations.symbols
     few = 0 < len(symbols.model.bodies) <= MOST_BODIES
     if not few or are_free(symbols.given or symbols.model):
@@ -70,10 +75,10 @@ def living(derivation: Derivation, start: Sequence[float] = ()) -> LivingParts |
     if closed and not closed.is_served:
         return None
     found, drawn = _values(derivation, setting, closed, kernel)
-    naming = Naming(symbols.model)
+    naming = Naming(symbols.model, letters=letters)
     page: dict[str, Any] = {
         "bodies": DrawnBodies(kernel, drawn, naming, setting.tree, closed).all(),
-        "lines": [_line(kernel, found, line) for line in found.lines],
+        "lines": [_line(kernel, found, line, letters) for line in found.lines],
     }
     spoken = dict.fromkeys(name for line in found.lines for name in line.names)
     readable = {name: x for name in spoken if rank(x := found.quantities[name]) <= 1}
@@ -88,10 +93,12 @@ def living(derivation: Derivation, start: Sequence[float] = ()) -> LivingParts |
         indices = {x["name"]: k for k, x in enumerate(inputs)}
         page[following.key] = following.page(kernel, indices)
     page |= {"inputs": inputs, "size": kernel.size}
+    page |= _notation(letters, [*readable, *(x["name"] for x in inputs)])
+    own = dict(zip(derivation.steps, told.steps, strict=True))
     script = _script().replace("PAGE", _json(page), 1)
     return LivingParts(
-        panel(inputs, symbols.model.dim, sum(body["alone"] for body in page["bodies"])),
-        below(found.lines),
+        panel(inputs, symbols.model.dim, sum(body["alone"] for body in page["bodies"]), letters),
+        {own[step]: rows for step, rows in below(found.lines, letters).items()},
         f"{kernel.source([x['name'] for x in inputs])}\n{script}",
     )
 
@@ -122,15 +129,27 @@ def _values(
 
 
 # ---------------------------------------------------------------- what the script is given
-def _line(kernel: PageProgram, found: LineValues, line: ValuedLine) -> dict[str, Any]:
+def _line(
+    kernel: PageProgram, found: LineValues, line: ValuedLine, letters: Lettering
+) -> dict[str, Any]:
     """Where its value is; what it is called, if it can be asked for; which of the names with a
     value an answer may not use: its own, or it would be its own reason."""
     left = line.line.lhs
     own = [side.name for side in line.line.sides if isinstance(side, Symbol)]
-    name = left.name if isinstance(left, Symbol) and not line.in_world else ""
+    name = letters.symbol(left).name if isinstance(left, Symbol) and not line.in_world else ""
     asked = {"name": name, "own": own, "diagnosed": is_diagnosed(line, found)} if name else {}
     places = kernel.places(line.value)
     return {"places": places, "vector": len(places) if rank(line.value) else 0, **asked}
+
+
+def _notation(letters: Lettering, names: Iterable[str]) -> dict[str, Any]:
+    """What names of a notation stand for, its letters of cosines and sines, and its option."""
+    symbols = [x for x in map(sym, names) if isinstance(x, Symbol)]
+    called = {letters.symbol(x).name: x.name for x in symbols if letters.symbol(x) != x}
+    name = letters.notation.name
+    option = f" --notation {name if name in PRESETS else f'{name}.toml'}"
+    waves = {"c": "cos", "s": "sin"} | {x: f for f, x in letters.waves.items()}
+    return {"called": called, "waves": waves, "option": option if name != PRESETS[0] else ""}
 
 
 def is_diagnosed(line: ValuedLine, found: LineValues) -> bool:

@@ -62,17 +62,22 @@ page.inputs.forEach((input, k) => {
 });
 const turns = page.inputs.filter((input) => input.turns).map((input) => input.name);
 
+// A name of the page's notation as it is called here.
+function plain(word) {
+  return Object.hasOwn(page.called, word) ? page.called[word] : word;
+}
+
 // c12, s12: of the sum of the angles of those joints, if they all turn.
 function wave(word) {
-  const parts = /^([cs])([1-9]+)$/.exec(word);
+  const parts = /^([A-Za-z]+)([1-9]+)$/.exec(word);
   const names = parts ? [...parts[2]].map((digit) => `theta${digit}`) : [];
-  if (!parts || !names.every((name) => turns.includes(name))) return undefined;
-  const f = parts[1] === "c" ? Math.cos : Math.sin;
+  if (!parts || !Object.hasOwn(page.waves, parts[1]) || !names.every((name) => turns.includes(name))) return undefined;
+  const f = Math[page.waves[parts[1]]];
   return (x, y) => f(names.reduce((total, name) => total + known.get(name)(x, y), 0));
 }
 function meaning(line) {
   const own = line.own.flatMap((name) => [name, `${name}x`, `${name}y`, `${name}z`]);
-  return (word) => own.includes(word) ? undefined : known.get(word) || wave(word);
+  return (word) => own.includes(plain(word)) ? undefined : known.get(plain(word)) || wave(word);
 }
 
 // States that are random, and the same at each try.
@@ -111,7 +116,7 @@ function judged(row, text) {
   try {
     const answer = readFormula(typed, meaning(line)), here = answer(x, y);
     if (isRight(answer, line)) return [true, `Right: equal at ${STATES} random states.`];
-    const command = `freebody check ROBOT '${line.name} = ${plainly(typed).trim()}'`;
+    const command = `freebody check ROBOT '${line.name} = ${plainly(typed).trim()}'${page.option}`;
     const diagnosis = line.diagnosed && isScalar(typed, line) ? ` For the full diagnosis: ${command}` : "";
     return [false, `Not right: here it is ${told(here)}, the line ${told(valueOf(line.places, y))}.${diagnosis}`];
   } catch (problem) {

@@ -10,6 +10,7 @@ from typing import Any
 from freebody.derivations.derivation import Step
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.living.line_values import ValuedLine
+from freebody.derivations.notations.lettering import Lettering
 from freebody.derivations.render.mathml import mathml
 
 GROUPS = {
@@ -28,12 +29,12 @@ MOST = 6
 AT_ONCE = 4
 
 
-def panel(inputs: list[dict[str, Any]], dim: int, alone: int) -> str:
+def panel(inputs: list[dict[str, Any]], dim: int, alone: int, letters: Lettering) -> str:
     """The drawings, the sliders in their groups, and the buttons; alone: how many bodies are drawn
     alone."""
     groups = []
     for key, title in GROUPS.items():
-        rows = [_slider(k, x) for k, x in enumerate(inputs) if x["group"] == key]
+        rows = [_slider(k, x, letters) for k, x in enumerate(inputs) if x["group"] == key]
         if rows:
             state = ' open=""' if key in ("q", "lam") else ""
             groups.append(f"<details{state}><summary>{title}</summary>{''.join(rows)}</details>")
@@ -64,9 +65,9 @@ def panel(inputs: list[dict[str, Any]], dim: int, alone: int) -> str:
     )
 
 
-def _slider(k: int, x: dict[str, Any]) -> str:
+def _slider(k: int, x: dict[str, Any], letters: Lettering) -> str:
     unit = f" {html.escape(x['unit'])}" if x["unit"] else ""
-    name, letter = html.escape(x["name"]), mathml(sym(x["name"]), display=False)
+    name, letter = html.escape(x["name"]), mathml(letters(sym(x["name"])), display=False)
     if x["solved"]:
         return (
             f'<p class="slider" data-of="{name}">{letter} = '
@@ -80,11 +81,11 @@ def _slider(k: int, x: dict[str, Any]) -> str:
     )
 
 
-def below(lines: Iterable[ValuedLine]) -> dict[Step, str]:
+def below(lines: Iterable[ValuedLine], letters: Lettering) -> dict[Step, str]:
     """Of each step the values of its lines, and a place for answers."""
     rows: dict[Step, list[str]] = {}
     for k, line in enumerate(lines):
-        left = line.line.lhs
+        left = letters(line.line.lhs)
         name = "" if line.in_world else getattr(left, "name", "")
         rows.setdefault(line.step, []).append(
             f'<p class="value" data-line="{k}" data-name="{html.escape(name)}">'

@@ -9,7 +9,7 @@ from freebody.derivations.equations.base_parameters import short_by_base
 from freebody.derivations.equations.equation_views import in_terms, named
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq
-from freebody.derivations.expressions.printed_names import vec
+from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import motorless
 from freebody.errors import listed
@@ -85,8 +85,9 @@ def _by(setting: Setting) -> str:
 
 def _sorted(setting: Setting) -> str:
     equations = setting.equations
-    letters, form = setting.letters.letters, setting.letters.notation.terms
-    M, C, c, g, bias = (letters.get(x, x) for x in ("H", "C", "velocity", "G", "bias"))
+    form = setting.letters.notation.terms
+    letters = ("H", "C", "velocity", "G", "bias")
+    M, C, c, g, bias = (str(setting.letters(sym(x))) for x in letters)
     words = {"coefficients": "the velocity terms h", "vector": f"the velocity terms {c}",
              "matrix": f"the matrix {C} of velocity terms",
              "bias": f"the terms {bias} without accelerations"}  # fmt: skip

@@ -19,10 +19,10 @@ from freebody.derivations.expressions.nodes import (
 from freebody.derivations.expressions.printed_names import DOTS, GREEK, sym
 from freebody.derivations.grammar.words import spelt
 from freebody.derivations.notations.notation import BookNotation, preset
-from freebody.derivations.polynomials.symbols import Symbols
 from freebody.derivations.render.literal import MARK, in_parts
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, shown
 from freebody.lazy import cached_property
+from freebody.model.model import Model
 
 FAMILY_OF = {
     "tau": "tau", "H": "M", "M": "M", "C": "C", "velocity": "c", "G": "g", "bias": "bias",
@@ -35,6 +35,7 @@ ALONE = ("T", "V", "L")
 """Those that stand without a number."""
 
 _NAME = re.compile(r"([A-Za-z]+?)((?:_?\d+)+|_[a-z]|)")
+_PRINTABLE = re.compile(r"[A-Za-z]+\d*")
 _IN_WORDS = re.compile(
     r"(?<![\w.])[A-Za-zα-ωΑ-Ω][\u0307\u0308]?[A-Za-z]{0,3}(?:[₀-₉]+|_(?:\d|[a-z])(?!\w))"
 )
@@ -63,7 +64,7 @@ class Lettering:
         found: dict[str, str] = {}
         for name, meaning in meanings.items():
             new = spelt(name)
-            if re.fullmatch(r"[A-Za-z]+\d*", new):
+            if _PRINTABLE.fullmatch(new):
                 for own, number in self._meant(meaning):
                     if new + number not in self.alone:
                         found.setdefault(own, new + number)
@@ -76,7 +77,14 @@ class Lettering:
         return frozenset(letter for family in ALONE for letter in letters[family][:1])
 
     def printable(self) -> Self:
-        """Itself; raises FreebodyError where two things would have one name."""
+        """Itself; raises FreebodyError for a name that cannot be printed, and for one name of two
+        things."""
+        for name in self.notation.names:
+            if not _PRINTABLE.fullmatch(spelt(name)):
+                raise FreebodyError(
+                    f"the notation {self.notation.name!r}: {shown(name)} can be printed by no "
+                    "means; a name has letters, then perhaps a number."
+                )
         called: dict[str, str] = {}
         for own in (*self.coordinates, *sorted(self.parameters)):
             new = self.names.get(own, own)
@@ -195,11 +203,14 @@ def _made(name: str, ending: str, old: Symbol) -> Symbol:
     return Symbol(name + ending, letter, low, old.dots, False, old.high)
 
 
-def lettering_of(notation: BookNotation, symbols: Symbols) -> Lettering:
-    """The letters of a notation for what is written about a model."""
-    names = frozenset((symbols.given or symbols.model).parameters)
-    own = names | set(symbols.model.parameters)
-    return Lettering(notation, own, symbols.coordinates).printable()
+def lettering_of(notation: BookNotation, model: Model, coordinates: tuple[str, ...]) -> Lettering:
+    """The letters of a notation for what is printed about a model.
+
+    Raises FreebodyError for a notation that calls two things by one name.
+    """
+    if notation is PLAIN.notation:
+        return PLAIN
+    return Lettering(notation, frozenset(model.parameters), coordinates).printable()
 
 
 def lettered_for(lettering: Lettering, printed: Iterable[Expression]) -> Lettering:
