@@ -29,14 +29,14 @@ class SolvedQuantities(FormulaReader):
         if first.text in self.vocabulary.waves:
             tip = (x for x in names if x in self.targets.single)
             return any(self.targets.single[x].family == "tip" for x in tip)
-        if first.text in self.targets.single:
+        moving = self._moving(self.vocabulary.symbols.get(first.text))
+        if first.text in self.targets.single or not moving:
             return False
         if first.text in self.targets.tables and isinstance(self.parse(line[1]), Matrix):
             return False
-        moving = self._moving(self.vocabulary.symbols.get(first.text))
         if self.setting.is_free_body:
-            return bool(moving) and bool(names)
-        return bool(moving) and (by_quantities or (moving.endswith(SECOND) and bool(names)))
+            return bool(names)
+        return by_quantities or (moving.endswith(SECOND) and bool(names))
 
     def _moving(self, value: Value | None) -> str:
         """The coordinate, rate or acceleration that a value is, or nothing."""
