@@ -210,11 +210,9 @@ class Space:
         (x, y, z), (hx, hy, hz) = p, h
         mx, my, mz = m * x, m * y, m * z
         xx, yy, zz = x * (mx + 2.0 * hx), y * (my + 2.0 * hy), z * (mz + 2.0 * hz)
-        xy, xz, yz = (
-            -(mx * y + x * hy + hx * y),
-            -(mx * z + x * hz + hx * z),
-            -(my * z + y * hz + hy * z),
-        )
+        xy = -(mx * y + x * hy + hx * y)
+        xz = -(mx * z + x * hz + hx * z)
+        yz = -(my * z + y * hz + hy * z)
         return ((yy + zz, xy, xz), (xy, xx + zz, yz), (xz, yz, xx + yy))
 
     def plus_inertia(self, a: Matrix, b: Matrix) -> Matrix:

@@ -156,12 +156,10 @@ def outward(
             w_parent, wd_parent, v_parent, vd_parent = still
             rates_parent = None
         else:
-            w_parent, wd_parent, v_parent, vd_parent = (
-                motion.w[k],
-                motion.wd[k],
-                motion.v[k],
-                motion.vd[k],
-            )
+            w_parent = motion.w[k]
+            wd_parent = motion.wd[k]
+            v_parent = motion.v[k]
+            vd_parent = motion.vd[k]
             rates_parent = motion.rates[k]
         w_before = space.turn(E, w_parent)
         vd_at_joint = vd_parent if rates_parent is None else add(vd_parent, times(rates_parent, p))

@@ -33,18 +33,13 @@ from freebody.model.shapes import DENSEST, LIGHTEST, Shape
 from freebody.model.tree import Attached
 from freebody.spatial import of_dimension
 
-_WIDE, _SMALL, _FAR = (
-    2.0,
-    0.01,
-    3.0,
-)  # of a link's size: radius of gyration at most, at least; centre of mass
+_WIDE, _SMALL, _FAR = 2.0, 0.01, 3.0
+"""Of a link's size: radius of gyration at most, at least; centre of mass."""
 _FLOOR = 0.1  # of the robot's reach: the least size of a body, whatever the file shows of it
 # of the moving mass: below which links that are alike, and a body, are passed over
 _COUNTS, _TINY = 0.01, 0.001
-_ROW, _LOOKED = (
-    8,
-    64,
-)  # links alike in a row that suffice; bodies towards the base that are searched for them
+_ROW, _LOOKED = 8, 64
+"""Links alike in a row that suffice; bodies towards the base that are searched for them."""
 _SHOWN = 12  # names in a sentence
 
 

@@ -133,11 +133,9 @@ class _UrdfReader(Elements):
         axis, limits, drive, mimic = (), Limits(), Drive(), None
         if KINDS[kind].needs_axis:
             axis = self.axis(element, where)
-            limits, drive, mimic = (
-                self.limits(element, kind, where),
-                self.drive(element, where),
-                self.mimic(element, where),
-            )
+            limits = self.limits(element, kind, where)
+            drive = self.drive(element, where)
+            mimic = self.mimic(element, where)
         self.joints.append(
             Joint(
                 element.name(),

@@ -45,12 +45,10 @@ def descend(
         cost_trial = np.linalg.norm(e_trial, axis=-1)
         better = cost_trial < cost[active]
         kept = active[better]
-        x[kept], e[kept], E[kept], cost[kept] = (
-            trial[better],
-            e_trial[better],
-            E_trial[better],
-            cost_trial[better],
-        )
+        x[kept] = trial[better]
+        e[kept] = e_trial[better]
+        E[kept] = E_trial[better]
+        cost[kept] = cost_trial[better]
         damping[kept] = np.maximum(damping[kept] * 0.2, 1e-14)
         damping[active[~better]] *= 4.0
         moving = np.abs(step).max(axis=-1) > rest

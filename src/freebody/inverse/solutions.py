@@ -79,12 +79,10 @@ class Solutions(Tabled, ByValue):
         made = object.__new__(cls)
         known = made.__dict__
         known.update(others)
-        known["q"], known["residual"], known["_within"], known["_names"] = (
-            q,
-            residual,
-            within,
-            names,
-        )
+        known["q"] = q
+        known["residual"] = residual
+        known["_within"] = within
+        known["_names"] = names
         return made
 
     def __getattr__(self, name: str) -> Any:

@@ -61,10 +61,8 @@ def to_jax(
         kernel, given = (
             (chosen.kernel, chosen.named) if isinstance(chosen, InputKernel) else (chosen, None)
         )
-        computed, way = (
-            Differentiable(kernel.program),
-            Way(kernel.target, kernel.asked_width, kernel.dtype.name),
-        )
+        computed = Differentiable(kernel.program)
+        way = Way(kernel.target, kernel.asked_width, kernel.dtype.name)
     kind = _kind(dtype, way)
     slow = interface().obstacle
     if not slow and jax.default_backend() != "cpu":

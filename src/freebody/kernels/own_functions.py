@@ -57,10 +57,8 @@ def compile(  # noqa: A001  the name that users look for
     """
     if not callable(function):
         raise KindError("fb.compile", "function", function, "a function of scalars")
-    taken, wanted = (
-        _arguments("input", inputs),
-        None if outputs is None else _arguments("output", outputs),
-    )
+    taken = _arguments("input", inputs)
+    wanted = None if outputs is None else _arguments("output", outputs)
     name = getattr(function, "__name__", "")
     name = name if is_identifier(name) else "compiled"
     _require_parameters(function, name, [x.name for x in taken])

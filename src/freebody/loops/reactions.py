@@ -189,10 +189,8 @@ def _multipliers(
     batch, chosen = q.shape[:-1], partition_of_loops(model)
     determined = np.ones((*batch, *_shape(model)), dtype=bool)
     if chosen is None:
-        multipliers, with_care = (
-            np.zeros((*batch, mechanism(model).constraints)),
-            np.ones(batch, dtype=bool),
-        )
+        multipliers = np.zeros((*batch, mechanism(model).constraints))
+        with_care = np.ones(batch, dtype=bool)
     else:
         multipliers = fetch(model, ("loop_multipliers",), Option(partition=chosen))(q, force)
         with_care = np.isnan(multipliers).any(axis=-1)
@@ -219,10 +217,8 @@ def _careful_multipliers(
     combinations = rows[:, None] * null_space(A, RANK)[1]
     if not combinations.shape[1]:
         return multipliers, np.ones(_shape(model), dtype=bool)
-    kernel, still = (
-        fetch(model, ("closed_wrenches",), Option(reference=reference)),
-        np.zeros(model.nv),
-    )
+    kernel = fetch(model, ("closed_wrenches",), Option(reference=reference))
+    still = np.zeros(model.nv)
     rest = kernel(q, still, still, np.zeros(mechanism(model).constraints))
     change = np.abs(kernel(q, still, still, combinations.T) - rest).max(axis=0)
     doubt = max(_DETERMINED, _doubt(A, every_jacobian(model, q)))

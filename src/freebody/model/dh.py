@@ -126,10 +126,8 @@ def _row(
     along_x, about_x = Placement((Shift((a, 0.0, 0.0)),)), Placement((AxisRotation("x", alpha),))
     link_shape = along_x.then(about_x)
     if convention == "modified":
-        placement, frame = (
-            behind.then(about_x).then(along_x).then(about_z).then(along_z),
-            Placement(),
-        )
+        placement = behind.then(about_x).then(along_x).then(about_z).then(along_z)
+        frame = Placement()
     elif letter == "R":
         placement, frame = behind.then(about_z), along_z.then(link_shape)
     else:

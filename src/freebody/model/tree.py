@@ -331,10 +331,8 @@ def about_origin(space: AnySpace, masses: Iterable[Mass]) -> Composite:
     total = None
     for mass in masses:
         about = space.zero if mass.h is None else mass.h
-        m, h = (
-            mass.m,
-            scale(mass.m, mass.c) if mass.h is None else add(scale(mass.m, mass.c), mass.h),
-        )
+        m = mass.m
+        h = scale(mass.m, mass.c) if mass.h is None else add(scale(mass.m, mass.c), mass.h)
         inertia = space.plus_inertia(mass.inertia, space.steiner(mass.m, about, mass.c))
         if total is not None:
             m, h, inertia = total[0] + m, add(total[1], h), space.plus_inertia(total[2], inertia)

@@ -103,10 +103,8 @@ def state_of(
     q = x.copy()
     v = np.empty((*x.shape[:-1], where.nv))
     a = np.empty_like(v)
-    v[..., where.plain[1]], a[..., where.plain[1]] = (
-        xd[..., where.plain[0]],
-        xdd[..., where.plain[0]],
-    )
+    v[..., where.plain[1]] = xd[..., where.plain[0]]
+    a[..., where.plain[1]] = xdd[..., where.plain[0]]
     for iq, iv in where.turns:
         p, pd, pdd = x[..., iq], xd[..., iq], xdd[..., iq]
         E, size = _body_map(p), _dot(p, p)

@@ -105,11 +105,9 @@ def solutions(
             within = within * known.inside(k, x)
         found.append(((*q, sqrt(square), within), valid))
     rows, count = (_in_front if in_front else _in_place)(found)
-    q, residual, within = (
-        [row[:-2] for row in rows],
-        tuple(row[-2] for row in rows),
-        tuple(row[-1] for row in rows),
-    )
+    q = [row[:-2] for row in rows]
+    residual = tuple(row[-2] for row in rows)
+    within = tuple(row[-1] for row in rows)
     return q, residual, within, where(sure, count, -1.0)
 
 

@@ -23,10 +23,8 @@ from freebody.motion.ranges import angular
 from freebody.outputs.text import as_meant
 
 TIMES = ("t", "time")
-_LARGEST, _MOST_VALUES = (
-    256 * 2**20,
-    10_000_000,
-)  # bytes and cells of a file: hours of a robot's log
+_LARGEST, _MOST_VALUES = 256 * 2**20, 10_000_000
+"""Bytes and cells of a file: hours of a robot's log."""
 _DEGREE = math.pi / 180.0
 _UNITS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9},

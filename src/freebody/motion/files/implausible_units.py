@@ -29,11 +29,9 @@ def implausible_units(
     found: dict[bool, list[str]] = {True: [], False: []}
     words: dict[bool, str] = {}
     for a, k in zip(iq.tolist(), iv.tolist(), strict=True):
-        name, turns, far = (
-            model.position_names[a],
-            bool(allowed.turns[k]),
-            float(np.abs(q[:, a]).max()),
-        )
+        name = model.position_names[a]
+        turns = bool(allowed.turns[k])
+        far = float(np.abs(q[:, a]).max())
         bound = max(abs(float(allowed.lower[k])), abs(float(allowed.upper[k])))
         ranged = np.isfinite(bound)
         limit = _BEYOND * bound if ranged else 2 * np.pi * _TURNS if turns else _FAR

@@ -33,12 +33,8 @@ _FINE = 2e-3
 """In rad, m or a second's: what is this small and this rough is no motion, whatever the range."""
 _ROUNDING = 1e-12  # of the largest sample: what is smaller is the arithmetic's
 _KNOTS = 10.0  # a period of the cutoff frequency
-_NOISE = (
-    0.15,
-    0.2,
-    0.25,
-    0.3,
-)  # cutoffs, of the sampling rate, above which nothing but noise is looked for
+_NOISE = (0.15, 0.2, 0.25, 0.3)
+"""Cutoffs, of the sampling rate, above which nothing but noise is looked for."""
 _TRIED = 24  # cutoffs
 _DEGREE = 5
 

@@ -29,10 +29,8 @@ from freebody.targets import settings
 from freebody.targets.llvm.fastchecks import PAIR
 from freebody.targets.llvm.lanes import Real
 
-_SCALAR, _NEW = (
-    60,
-    93,
-)  # positions of PyArray_Scalar and PyArray_New in the table of __multiarray_api.h
+_SCALAR, _NEW = 60, 93
+"""Positions of PyArray_Scalar and PyArray_New in the table of __multiarray_api.h."""
 _FASTCALL_KEYWORDS = 0x0080 | 0x0002
 _METHOD_DEF = "PPiP"  # PyMethodDef: name, function, flags, text
 _OUT = sys.intern("out")  # as the name of a keyword is
@@ -106,10 +104,8 @@ def unit_entries(places: Sequence[tuple[int, int]]) -> bytes:
 @cache
 def _new_function() -> Any:
     new = ctypes.pythonapi.PyCFunction_NewEx
-    new.restype, new.argtypes = (
-        ctypes.py_object,
-        [ctypes.c_char_p, ctypes.py_object, ctypes.c_void_p],
-    )
+    new.restype = ctypes.py_object
+    new.argtypes = [ctypes.c_char_p, ctypes.py_object, ctypes.c_void_p]
     return new
 
 

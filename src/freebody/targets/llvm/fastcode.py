@@ -9,14 +9,8 @@ from freebody.targets.llvm.lanes import DOUBLE, Real
 
 _CONTIGUOUS_ALIGNED = 0x0001 | 0x0100
 _WRITEABLE = 0x0400
-_TYPE, _DATA, _ND, _DIMS, _DESCR, _FLAGS = (
-    8,
-    16,
-    24,
-    32,
-    56,
-    64,
-)  # offsets in PyObject and PyArrayObject
+_TYPE, _DATA, _ND, _DIMS, _DESCR, _FLAGS = 8, 16, 24, 32, 56, 64
+"""Offsets in PyObject and PyArrayObject."""
 _COUNT, _ITEMS = 16, 24  # offsets in PyTupleObject
 _GENERAL, _HELD, _UNITS = (
     _ITEMS + 8 * k for k in range(3)

@@ -105,10 +105,8 @@ def _sizes(lines: TextLines, arguments: tuple[Argument, ...], inputs: int, real:
         size = real.size * argument.size
         base = lines.field(f"base{k}", "ptr", f"%buffer{k}", buffer["data"])
         sizes = lines.field(f"sizes{k}", "ptr", f"%buffer{k}", buffer["dims"])
-        outer, inner = (
-            lines.field(f"outer{k}", "i64", sizes, 0),
-            lines.field(f"inner{k}", "i64", sizes, 8),
-        )
+        outer = lines.field(f"outer{k}", "i64", sizes, 0)
+        inner = lines.field(f"inner{k}", "i64", sizes, 8)
         lines += [
             f"  %one.inner{k} = icmp eq i64 {inner}, 1",
             f"  %step{k} = select i1 %one.inner{k}, i64 0, i64 {size}",
