@@ -34,8 +34,8 @@ def test_lines_about_a_closed_chain_are_right(answer: str):
     ("answer", "words"),
     [
         ("Φ1 = l1 c1 + l2 c12 - d + l3 c3 = 0", "‘l3 c3’ has the wrong sign"),
-        ("l1 c1 + l2 c12 = d - l3 c3", "the loop equation ⁠closing_pin.fx⁠, is not right"),
-        ("l1 s1 + l2 s2 - l3 s3 = 0", "closing_pin.fy"),
+        ("l1 c1 + l2 c12 = d - l3 c3", "the loop equation of 'closing_pin' along x, is not right"),
+        ("l1 s1 + l2 s2 - l3 s3 = 0", "of 'closing_pin' along y"),
         ("0 = (m3 lc3² + I3) θ̈3 + m3 g lc3 c3 - l3 s3 λ1 - l3 c3 λ2",
          "equation of joint 3, which nothing drives, is not right.\n  ‘- l3 s3 λ1’ has the wrong"),
         ("d/dt (∂L/∂θ̇1) - ∂L/∂θ1 - ∂Φ1/∂θ1 λ1 - ∂Φ2/∂θ1 λ2 = τ1", "‘- ∂Φ1/∂θ1 λ1’ has the wrong"),

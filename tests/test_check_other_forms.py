@@ -285,3 +285,35 @@ def test_digits_at_a_functions_name_are_asked_about(written):
     with pytest.raises(fb.FreebodyError, match=f"{written} may be that of a sum of angles"):
         fb.check(arm, f"x = l1 c1 + l2 c12 + l3 {written}")
     assert fb.check(arm, "x = l1 c1 + l2 c12 + l3 c123 + 0 sin 2 theta1 + 0 sin2theta1")
+
+
+# ---------------------------------------------------------------- P
+V = "m1 g lc1 s1 + m2 g (l1 s1 + lc2 s12)"
+
+
+@pytest.mark.parametrize(
+    ("answer", "right", "words"),
+    [
+        ("P = τᵀ q̇", True, "read as the power of the drives"),
+        ("P = τ1 θ̇1 + τ2 θ̇2", True, "read as the power of the drives"),
+        ("P = τ1 θ̇1 - τ2 θ̇2", False, "P, the power of the drives, is not right"),
+        ("P_2 = τ2 θ̇2", True, "read as the power of the drive of joint 2"),
+        (f"P = {V}", True, "read as the potential energy."),
+        (f"P = {V} - m1 g l1", True, "the zero level of V is arbitrary"),
+        ("P = m1 g lc1 s1", False, "P, the potential energy, is not right"),
+        ("P1 = m1 g lc1 s1", True, "read as the potential energy of body 1"),
+    ],
+)
+def test_the_equation_tells_whether_p_is_a_power_or_an_energy(answer: str, right: bool, words: str):
+    verdict = fb.check(ARM, answer)
+    assert bool(verdict) is right, verdict
+    assert words in verdict.text
+
+
+def test_its_unit_tells_whether_a_number_is_a_power_or_an_energy():
+    state = {"theta1": 0.3, "theta2": 0.4, "theta1_d": 1, "theta2_d": 2, "q̈": 0}
+    power = fb.inverse_dynamics(VALUED, [0.3, 0.4], [1, 2], [0, 0]) @ [1, 2]
+    energy = fb.potential_energy(VALUED, [0.3, 0.4])
+    assert fb.check(VALUED, f"P = {power:.3f} W", at=state)
+    assert fb.check(VALUED, f"P = {energy:.3f} J", at=state)
+    assert "the power of the drives" in fb.check(VALUED, f"P = {energy:.3f} W", at=state).text

@@ -12,11 +12,15 @@ from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity
 from freebody.derivations.check.claim import Claim
 from freebody.derivations.check.formula_reader import entry_label
 from freebody.derivations.check.own_definitions import OwnDefinitions
+from freebody.derivations.check.quotients import difference
 from freebody.derivations.check.reading import inverse_behind
 from freebody.derivations.check.tables_in_formulas import Shape
+from freebody.derivations.check.units import unit_of_quantity
 from freebody.derivations.check.unnamed_equations import UnnamedEquations
 from freebody.derivations.expressions.nodes import Expression, Matrix, Number
 from freebody.derivations.grammar.lexer import Token
+from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.scalars.trig import Trig
 
 _BODY_FAMILIES = frozenset(("of body", "tip", "tip_d", "tip_dd", "T", "V", "L", "Ti", "Vi", "J_d"))
 
@@ -124,10 +128,25 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
                 self.source.fail(
                     f"{label} is a vector or matrix: write it as [[…, …], […, …]]", name.span
                 )
-            return [self.claim(label, single, node)]
+            return [self.claim(label, self._energy_or_power(name.text, single, node), node)]
         if table is None and single is not None:
             table = [[single]]
         return self._entries(label, node, table or [])
+
+    def _energy_or_power(self, name: str, single: AskedQuantity, node: Expression) -> AskedQuantity:
+        """What a P is that may be the potential energy or the power of the drives: of which it is
+        right, or has the units; with rates in it the power."""
+        power = self.targets.single.get(name.replace("P", "power"))
+        if not name.startswith("P") or single.family not in ("V", "Vi") or power is None:
+            return single
+        value, written = self.quotient(node), self.numbers.of(node.span)
+        if written is not None and written.unit is not None:
+            needed = unit_of_quantity(self.setting, power, value)
+            return power if written.unit.dimension == needed else single
+        if difference(value, single.compute()).is_zero or not isinstance(value, Trig):
+            return single
+        moving = any(x.endswith((RATE, SECOND)) for powers, _ in value.terms() for x in powers)
+        return power if moving else single
 
     def _entry_by_entry(self, named: Matrix, node: Expression) -> list[Claim]:
         """The claims of [τ1; τ2] = node."""

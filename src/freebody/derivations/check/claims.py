@@ -78,7 +78,7 @@ def statements(
         raise AnswerError(
             f"the answer has {len(lines)} equations; at most {MOST_EQUATIONS} are read"
         )
-    claimed = ClaimReader(source, vocabulary, targets)
+    claimed = ClaimReader(source, vocabulary, targets, numbers)
     for line in lines:
         with reading.passing_over(line):
             if claimed.says_that_the_base_moves(line):

@@ -3,6 +3,7 @@ difference."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -74,7 +75,8 @@ class Judge:
         right = claim.target.compute()
         title = claim.target.title
         if difference(claim.value, right).is_zero:
-            return EquationVerdict(claim.label, title, True, note=self._zeros(claim))
+            meant = f"It is read as {title}." if re.fullmatch(r"P[_{}0-9]*", claim.label) else ""
+            return EquationVerdict(claim.label, title, True, note=meant or self._zeros(claim))
         special = quotient_verdict.verdict(self, claim, right, explain)
         if special is not None:
             return special

@@ -17,6 +17,7 @@ from freebody.derivations.check.quotients import Value
 from freebody.derivations.check.reading import AnswerParser
 from freebody.derivations.check.tables_in_formulas import Shape, worked_out
 from freebody.derivations.check.vocabulary import Vocabulary
+from freebody.derivations.check.written_numbers import WrittenNumbers
 from freebody.derivations.expressions.evaluate import NoValue
 from freebody.derivations.expressions.nodes import Expression, Matrix
 from freebody.derivations.grammar.lexer import Token
@@ -30,8 +31,15 @@ _OF_BODIES = {"g": "gravity", "J": "JP"}
 class FormulaReader:
     """Reads sides."""
 
-    def __init__(self, source: AnswerText, vocabulary: Vocabulary, targets: Targets):
+    def __init__(
+        self,
+        source: AnswerText,
+        vocabulary: Vocabulary,
+        targets: Targets,
+        numbers: WrittenNumbers,
+    ):
         self.source, self.vocabulary, self.targets = source, vocabulary, targets
+        self.numbers = numbers
         self.setting = vocabulary.setting
         self.replaced: dict[str, Trig] = {}
         self.letters_of_vectors: frozenset[str] = frozenset()

@@ -8,12 +8,13 @@ from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.methods.energies import Energies
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.polynomials.symbols import RATE
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 
 class EnergyQuantities(QuantityGroup):
-    """T, V, L, T_i, V_i."""
+    """T, V, L, T_i, V_i, and the power of the drives."""
 
     def single(self) -> Iterator[Named]:
         eq = self.setting.equations
@@ -30,6 +31,24 @@ class EnergyQuantities(QuantityGroup):
             AskedQuantity(
                 "L", (), lambda: self.setting.element(eq.T - eq.V), thoughts=(sum_of_both,)
             ),
+        )
+
+        yield (
+            ("power",),
+            AskedQuantity("power", (), self._power(*self.numbers), words="the power of the drives"),
+        )
+        for i in self.numbers:
+            words = f"the power of the drive of joint {i}"
+            yield (f"power{i}",), AskedQuantity("power", (i,), self._power(i), words=words)
+
+    def _power(self, *joints: int) -> Callable[[], Trig]:
+        """Σ τ_i q̇_i; joints that nothing drives have none."""
+        driven = [i for i in joints if i not in self.passive]
+        rates = [self.setting.ring[x + RATE] for x in self.setting.symbols.coordinates]
+        torques = [self.entry("tau", i) for i in driven]
+        return lambda: sum(
+            (torque() * rates[i - 1] for i, torque in zip(driven, torques, strict=True)),
+            self.setting.zero,
         )
 
     def _of_body(self, family: str, body: int) -> Callable[[], Trig]:

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
-from freebody.derivations.render.literal import literal
 
 
 class LoopQuantities(QuantityGroup):
@@ -18,7 +17,7 @@ class LoopQuantities(QuantityGroup):
         loops = self.setting.system.loops
         for i, name in enumerate(loops.names, 1):
             value = self.element(lambda i=i: loops.Phi[i - 1])
-            words = f"the loop equation {literal(name)}"
+            words = f"the loop equation of {_in_words(name)}"
             yield (f"Phi{i}",), AskedQuantity("Phi", (i,), value, words=words)
             value = self.element(lambda i=i: loops.c[i - 1])
             words = f"what row {i} of Φ_q q̈ must be"
@@ -39,3 +38,11 @@ class LoopQuantities(QuantityGroup):
             "Phi": [[asked["Phi", (i,)]] for i in rows],
             "Phiq": [[asked["Phi_q", (i, j)] for j in self.numbers] for i in rows],
         }
+
+
+def _in_words(name: str) -> str:
+    """The name of a loop's equation: closing_pin.fy is that of 'closing_pin' along y."""
+    loop, _, part = name.rpartition(".")
+    if part in ("m", "tension"):
+        return f"{loop!r} for its {'angle' if part == 'm' else 'length'}"
+    return f"{loop!r} {'along' if part[0] == 'f' else 'about'} {part[1:]}"
