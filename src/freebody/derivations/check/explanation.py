@@ -19,8 +19,9 @@ from freebody.derivations.check.finite_field_tree import Workspace
 from freebody.derivations.check.misconceptions import related
 from freebody.derivations.check.quotients import Value
 from freebody.derivations.check.reading import AnswerParser
-from freebody.derivations.check.repairs import Repair, Repairs
+from freebody.derivations.check.repairs import Repairs
 from freebody.derivations.check.right_equations import RightEquations
+from freebody.derivations.check.small_changes import Repair
 from freebody.derivations.check.verdict import Mistake
 from freebody.derivations.check.verdict_sentences import Wording
 from freebody.derivations.grammar.lexer import tokens

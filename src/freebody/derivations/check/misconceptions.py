@@ -7,23 +7,19 @@ user's.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
 from typing import Any
 
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked_quantities import Targets
-from freebody.derivations.check.finite_field import Point, Turn
-from freebody.derivations.check.right_equations import RightEquations
+from freebody.derivations.check.planar_thoughts import PlanarThoughts
+from freebody.derivations.check.thoughts import Thought
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar.parser import PI
 from freebody.model.gravity import axis_of
 from freebody.scalars.trig import Trig
-
-Thought = tuple[str, int]
-"""A sentence, and what the right answer would be."""
 
 _RIGHT_BESIDES = "; everything else is right."
 _BY_PART: tuple[tuple[tuple[str, ...], int | Fraction, str], ...] = (
@@ -60,14 +56,8 @@ _BY_PART: tuple[tuple[tuple[str, ...], int | Fraction, str], ...] = (
 
 
 @dataclass(frozen=True)
-class Misconceptions:
+class Misconceptions(PlanarThoughts):
     """The thoughts that are tried for one quantity."""
-
-    setting: RightEquations
-    targets: Targets
-    target: AskedQuantity
-    right: Trig
-    point: Point
 
     def explaining(self, value: Any) -> list[str]:
         """The thoughts under which the right answer is the user's."""
@@ -84,23 +74,8 @@ class Misconceptions:
         yield from self._inertia()
         yield from self._degrees()
         if self.setting.is_planar:
-            yield from self._lengths()
-            yield from self._angles()
-
-    # ------------------------------------------------------------ parts of the right answer
-    def _scaled(self, factor: int | Fraction, meant: Callable[[Mapping[str, int]], bool]) -> int:
-        """The right answer with a factor at some of its terms."""
-        total = 0
-        for powers, coefficient in self.right.terms():
-            own = factor if meant(powers) else 1
-            if own:
-                total += self.point.term(powers, coefficient * own)
-        return total
-
-    def _at(
-        self, values: Mapping[str, int] | None = None, turns: Mapping[str, Turn] | None = None
-    ) -> int:
-        return self.point.changed(values, turns).of(self.right)
+            yield from self.lengths()
+            yield from self.angles()
 
     def _others(self) -> Iterator[Thought]:
         """Another quantity of the same family."""
@@ -121,8 +96,8 @@ class Misconceptions:
             f"Only the sign of gravity is wrong: {energy}, and the drives must support them: "
             "g_i = + ∂V/∂q_i."
         )
-        yield opposite, self._scaled(-1, lambda p: g in p)
-        yield f"Gravity is missing{_RIGHT_BESIDES}", self._scaled(0, lambda p: g in p)
+        yield opposite, self.scaled(-1, lambda p: g in p)
+        yield f"Gravity is missing{_RIGHT_BESIDES}", self.scaled(0, lambda p: g in p)
 
     def _velocity(self) -> Iterator[Thought]:
         """Mistakes in all terms with products of rates, and friction left out."""
@@ -131,7 +106,7 @@ class Misconceptions:
         there = {_part(powers) for powers, _ in self.right.terms()}
         for parts, factor, text in _BY_PART:
             if there & set(parts):
-                yield text, self._scaled(factor, lambda p, own=parts: _part(p) in own)
+                yield text, self.scaled(factor, lambda p, own=parts: _part(p) in own)
 
     def _inertia(self) -> Iterator[Thought]:
         """Bodies and accelerations left out."""
@@ -139,7 +114,7 @@ class Misconceptions:
         if own is not None:
             for name in self.setting.symbols.coordinates:
                 missing = f"The terms with {sym(name + '_dd')} are missing{_RIGHT_BESIDES}"
-                yield missing, self._scaled(0, lambda p, x=name + "_dd": x in p)
+                yield missing, self.scaled(0, lambda p, x=name + "_dd": x in p)
         inertial = self.setting.order.inertial
         bodies = {body for body, _ in inertial.values()}
         for body in bodies if len(bodies) > 1 else ():
@@ -149,12 +124,12 @@ class Misconceptions:
                 f"Every term with the mass or the moment of inertia of {link} is missing; the "
                 f"rest is right."
             )
-            yield text, self._scaled(0, lambda p, own=names: bool(own & set(p)))
+            yield text, self.scaled(0, lambda p, own=names: bool(own & set(p)))
         moments = {name for name, (_, kind) in inertial.items() if kind == 1}
         yield (
             "The moments of inertia about the centres of mass are missing: right for point masses "
             "only.",
-            self._scaled(0, lambda p: bool(moments & set(p))),
+            self.scaled(0, lambda p: bool(moments & set(p))),
         )
         if self.setting.is_planar:
             yield from self._own_rates()
@@ -174,7 +149,7 @@ class Misconceptions:
                 f"This is right for ω{k} = θ̇{k}. The rate θ̇{k} is relative to the previous "
                 f"link: the angular velocity of link {k} is ω{k} = θ̇1 + … + θ̇{k}."
             )
-            yield text, self._scaled(0, left_out)
+            yield text, self.scaled(0, left_out)
 
     def _is_own(self, k: int) -> bool:
         """Whether the quantity belongs to joint k alone."""
@@ -186,120 +161,6 @@ class Misconceptions:
         text = "Angles and rates are in radians: a factor π/180 too many, or one too few."
         yield text, own * self.point.number(PI / 180)
         yield text, own * self.point.number(180 / PI)
-
-    # ------------------------------------------------------------ lengths
-    def _lengths(self) -> Iterator[Thought]:
-        v = self.point.values
-        links = [k for k in self._links("lc{}") if f"l{k}" in self.setting.ring.index]
-        both = set(self._links("l{}"))
-        for group in [links, *([k] for k in links)] if len(links) > 1 else [links] * bool(links):
-            which = " and ".join(f"lc{k}" for k in group)
-            wrong = ", ".join(f"l{k} for lc{k}" for k in group)
-            yield (
-                f"You wrote {wrong}: masses and weights act at the centre of mass, {which} from "
-                f"the joint, "
-                "not at the end of the link.",
-                self._at({f"lc{k}": v[f"l{k}"] for k in group}),
-            )
-            half = self.point.number(Fraction(1, 2))
-            yield (
-                "This is right only if the centre of mass is at the midpoint of the link, "
-                f"{', '.join(f'lc{k} = l{k}/2' for k in group)}.",
-                self._at({f"lc{k}": v[f"l{k}"] * half for k in group}),
-            )
-            if both >= set(group):
-                yield (
-                    f"l and lc are swapped: l{group[0]} is the length of the link, lc{group[0]} "
-                    f"the distance from its joint to the centre of mass.",
-                    self._at(
-                        {
-                            x: v[y]
-                            for k in group
-                            for x, y in ((f"lc{k}", f"l{k}"), (f"l{k}", f"lc{k}"))
-                        }
-                    ),
-                )
-        yield from self._axes(v)
-
-    def _links(self, pattern: str) -> list[int]:
-        """Numbers of the links whose parameter occurs in the right answer."""
-        used = {name for powers, _ in self.right.terms() for name in powers}
-        return [k for k in range(1, self.setting.joints + 1) if pattern.format(k) in used]
-
-    def _axes(self, v: Mapping[str, int]) -> Iterator[Thought]:
-        """Moments of inertia about the joint for those about the centre of mass."""
-        ring = self.setting.ring.index
-        links = [k for k in self._links("I{}") if f"m{k}" in ring and f"lc{k}" in ring]
-        for group in [links, *([k] for k in links)] if len(links) > 1 else [links] * bool(links):
-            steiner = {k: v[f"m{k}"] * v[f"lc{k}"] ** 2 for k in group}
-            names, lacking = (
-                " and ".join(f"I{k}" for k in group),
-                " and ".join(f"m{k} lc{k}²" for k in group),
-            )
-            yield (
-                "The parallel-axis theorem is missing: this would be right for moments of inertia "
-                "about the joints; "
-                f"here {names} {'is' if len(group) == 1 else 'are'} about the centre of mass, "
-                f"and {lacking} must be added.",
-                self._at({f"I{k}": v[f"I{k}"] - x for k, x in steiner.items()}),
-            )
-            yield (
-                f"The parallel-axis term {lacking} is counted twice.",
-                self._at({f"I{k}": v[f"I{k}"] + x for k, x in steiner.items()}),
-            )
-
-    # ------------------------------------------------------------ angles
-    def _angles(self) -> Iterator[Thought]:
-        turning = [x for x in self.setting.symbols.coordinates if x.startswith("theta")]
-        if not turning:
-            return
-        first = turning[0]
-        for sign, where in ((1, "up"), (-1, "down")):
-            quarter: Turn = (sign, 0)
-            text = (
-                f"This would be right if {sym(first)} were measured from the vertical "
-                f"({where}wards); "
-                "here it is measured from the x axis."
-            )
-            yield text, self._at(turns={first: self.point.plus(self.point.turns[first], quarter)})
-        if len(turning) > 1:
-            yield from self._absolute(turning)
-
-    def _absolute(self, turning: list[str]) -> Iterator[Thought]:
-        """Angles from the x axis for angles from the link before."""
-        values, turns = dict(self.point.values), dict(self.point.turns)
-        for before, x in pairwise(turning):
-            s, c = self.point.turns[before]
-            turns[x] = self.point.plus(self.point.turns[x], (-s, c))
-            for ending in ("_d", "_dd"):
-                values[x + ending] = (
-                    self.point.values[x + ending] - self.point.values[before + ending]
-                )
-        names = ", ".join(str(sym(x)) for x in turning[1:])
-        text = (
-            f"This would be right if {names} were measured from the x axis; "
-            "here each angle is measured from the previous link, so the direction of a link is a "
-            "sum of angles."
-        )
-        yield text, self.point.changed(turns=turns).of(self.right)
-        moved = self.point.changed(values, turns)
-        yield text, moved.of(self.right)
-        if len(turning) == len(self.setting.symbols.coordinates):
-            yield text, sum(sign * moved.of(x) for sign, x in self._combined())
-
-    def _combined(self) -> Iterator[tuple[int, Trig]]:
-        """The quantity in coordinates φ_k = θ_1 + … + θ_k: τ_k - τ_{k+1}, and so M."""
-        if self.target.family not in ("tau", "c", "g", "M"):
-            yield 1, self.right
-            return
-        letter = {"tau": "tau", "c": "v", "g": "G", "M": "H"}[self.target.family]
-        rows: list[tuple[int, tuple[int, ...]]] = [(1, ())]
-        for i in self.target.index:
-            rows = [(s * t, (*index, k)) for s, index in rows for t, k in ((1, i), (-1, i + 1))]
-        for sign, index in rows:
-            name = letter + "".join(map(str, index))
-            if name in self.targets.single:
-                yield sign, self.targets.single[name].polynomial()
 
 
 def related(targets: Targets, target: AskedQuantity) -> dict[str, Trig]:

@@ -10,8 +10,8 @@ from freebody.derivations.check.answer_tree import Named, Wave
 from freebody.derivations.check.differences import Difference, printed
 from freebody.derivations.check.exact_polynomials import PolynomialReader
 from freebody.derivations.check.finite_field_tree import Workspace
-from freebody.derivations.check.repairs import Repair
 from freebody.derivations.check.right_equations import RightEquations
+from freebody.derivations.check.small_changes import Repair
 from freebody.derivations.check.verdict import Mistake
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.nodes import Expression, Number, Power, Product, Sum, nodes
