@@ -308,7 +308,7 @@ def test_speeds_alone_may_be_limited():
 def test_many_paths_are_what_each_is_alone():
     rng = np.random.default_rng(2)
     ways = rng.uniform(-1.2, 1.2, (19, 5, 2))
-    model = arm().with_drive("joint2", viscous=1.5)
+    model = arm().with_drive("joint1", viscous=3.0).with_drive("joint2", viscous=4.0)
     together = fb.time_optimal(model, ways, points=151)
     assert isinstance(together, tuple)
     assert len(together) == 19

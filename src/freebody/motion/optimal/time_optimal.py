@@ -265,11 +265,14 @@ def _first_guess(problem: PathProblem, labels: list[str]) -> Array:
         return guess
     coarse = problem.coarse(every)
     x = guess[::every]
+    settled = np.zeros(x.shape[1], dtype=bool)
     for _ in range(_ROUNDS):
-        x, before = quickest_profile(coarse.with_friction(x)).x, x
-        if not np.isfinite(x).all():  # said of the fine grid, or found there
-            return guess
-        if coarse.tangent_error(x, before).max() <= _TANGENT:
+        found = quickest_profile(coarse.with_friction(x)).x
+        lost = ~np.isfinite(found).all(axis=0)  # said of the fine grid, or found there
+        close = coarse.tangent_error(found, x) <= _TANGENT
+        x = np.where(settled, x, np.where(lost, 0.0, found))
+        settled |= lost | close
+        if settled.all():
             break
     place = np.arange(count + 1) / every
     for k in range(x.shape[1]):
