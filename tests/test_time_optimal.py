@@ -17,6 +17,7 @@ from scipy.optimize import brentq
 
 import freebody as fb
 from freebody.cli.app import run
+from freebody.motion.optimal.geometric_path import grid
 from freebody.motion.optimal.path_samples import sampled
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.targets import in_turn
@@ -398,7 +399,7 @@ def toppra_duration(model: fb.Model, path: CubicSpline, points: int, effort: np.
     toppra.setup_logging("ERROR")
     scheme = {"discretization_scheme": limits.DiscretizationType.Interpolation}
     speed, torque = (np.stack([-x, x], axis=-1) for x in (model.limits.velocity, effort))
-    friction = np.zeros(model.nv)
+    friction, s = np.zeros(model.nv), grid(PiecewisePolynomial(path.x, path.c), points - 1)
     problem = algorithm.TOPPRA(
         [
             limits.JointVelocityConstraint(speed),
@@ -407,10 +408,10 @@ def toppra_duration(model: fb.Model, path: CubicSpline, points: int, effort: np.
             ),
         ],
         toppra.SplineInterpolator(path.x, path(path.x), bc_type="natural"),
-        gridpoints=np.linspace(0.0, 1.0, points),
+        gridpoints=s,
     )
     _, speeds, _ = problem.compute_parameterization(0, 0)
-    return float(np.sum(2.0 / (points - 1) / (speeds[1:] + speeds[:-1])))
+    return float(np.sum(2.0 * np.diff(s) / (speeds[1:] + speeds[:-1])))
 
 
 def compared(model: fb.Model, count: int, points: int, seed: int) -> np.ndarray:
