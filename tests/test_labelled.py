@@ -40,7 +40,8 @@ BY_NAME = {
     **dict.fromkeys(("inertia", "stiffness", "damping"), "rows"), "w_ext": "wrench",
     "v": "rates", "rates": "rates", "accelerations": "rates", "torque": "rates", "V": "rows",
     "A": "rows", "restitution": "rates",
-    "waypoints": "positions", "wrenches": "wrench", "point": "point", "about": "point",
+    "waypoints": "positions", "wrenches": "wrench", "wrench_tables": "wrench",
+    "point": "point", "about": "point",
 }  # fmt: skip
 """Arguments whose entries have names, and which."""
 

@@ -2,8 +2,8 @@
 
 Positions move on their manifold: q ⊕ x is where the constant rates x lead in unit time
 (`kinematics.moved`), and of q = q₀ ⊕ x the rates of x are those of the joint behind the
-exponential's differential, ẋ = dexp⁻¹(x) v. External wrenches are held over the step; torques
-depend on the time and the state as their law says.
+exponential's differential, ẋ = dexp⁻¹(x) v. Torques and external wrenches
+depend on the time, torques on the state too, as their law says.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ State = tuple[Vector, Vector]
 Acceleration = Callable[[float, Vector, Vector], Vector]
 """q̈ of the part of the step that has passed (0 to 1), q and q̇."""
 
-Loads = Callable[[Vector], Sequence[External]]
-"""External wrenches on the bodies, of q."""
+Loads = Callable[[float, Vector], Sequence[External]]
+"""External wrenches on the bodies, of the part of the step that has passed and q."""
 
 FRICTION_WIDTH = 1e-3
 """rad/s or m/s: where `implicit` takes c q̇ / sqrt(q̇² + width²) for Coulomb friction c
@@ -134,7 +134,7 @@ def implicit(
 
     def euler(state: State, start: float, end: float, length: Scalar) -> State:
         given = law(start, end, *state)
-        return _implicit_euler(tree, *state, length, loads(state[0]), given, rows, width)
+        return _implicit_euler(tree, *state, length, loads(end, state[0]), given, rows, width)
 
     rough = euler((q, qd), 0.0, 1.0, h)
     middle = euler((q, qd), 0.0, 0.5, half)

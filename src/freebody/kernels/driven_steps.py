@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 from freebody.algorithms import simulation_steps
@@ -57,11 +58,14 @@ STEP_METHODS = {
 Torque = Callable[[float, Vector, Vector], Vector]
 """Of the part of the step that has passed, q and q̇."""
 
+Loads = tuple[Vector, ...]
+
 
 def driven_step(
     model: Model,
     method: str,
     wrench_frames: Sequence[str] = (),
+    varying: Sequence[bool] = (),
     law: Program | None = None,
     holds: bool = False,
 ) -> Bound:
@@ -70,42 +74,47 @@ def driven_step(
     Then follow, without a law, two torques (nv,) and which parts of the way from the one to the
     other the step begins and ends at (2,), else the law's inputs besides `STATE` in its order;
     then, where the step `holds` coordinates, torques that push besides (nv,) and which coordinates
-    are held (nv,), 1 or 0; then the wrenches. width: of Coulomb friction. With the model's numbers
-    as last input, as in `structural.fetch`.
+    are held (nv,), 1 or 0; then the wrenches, of one that is `varying` two and the parts, like the
+    torques. width: of Coulomb friction. With the model's numbers as last input, as in
+    `structural.fetch`.
     """
     record = STEP_METHODS[method]
-    option, given, taken = _taken(model, record.formula, wrench_frames, law, holds)
+    option, given, taken = _taken(model, record.formula, wrench_frames, law, holds, tuple(varying))
     reached = (Argument("q1", (model.nq,)), Argument("qd1", (model.nv,)))
 
     def evaluate(tree: Tree, *scalars: Any) -> tuple[Any, ...]:
         q, qd, h, width, t, *more = scalars
         own, more = more[:given], more[given:]
-        torque = _of_law(law, t, h, own) if law else _line(*own)
+        torque = _of_law(law, t, h, own) if law else _of_line(*own)
         held, loads = (more[:2], more[2:]) if holds else ((), more)
-        step = _DrivenStep(tree, option, method, width, torque, tuple(loads), *held)
+        step = _DrivenStep(tree, option, method, width, torque, _loads(varying, loads), *held)
         end = step.implicit(q, qd, h) if record.implicit else step.explicit(q, qd, h)
         return simulation_steps.on_loops(tree, q, end, option.equations)
 
-    key = ("driven step", method, law.digest if law else "", "holds" if holds else "")
+    key = ("driven step", method, law.digest if law else "", "holds" if holds else "", str(varying))
     return _fetched(model, key, option, evaluate, taken, reached)
 
 
-def driven_rates(model: Model, wrench_frames: Sequence[str], law: Program | None) -> Bound:
+def driven_rates(
+    model: Model,
+    wrench_frames: Sequence[str],
+    varying: Sequence[bool],
+    law: Program | None,
+) -> Bound:
     """What a step that holds coordinates meets in a state: a kernel of the same inputs -> (q̈ (nv,),
     what holds (nv,), M (nv, nv))."""
-    option, given, taken = _taken(model, "rk4_step", wrench_frames, law, True)
+    option, given, taken = _taken(model, "rk4_step", wrench_frames, law, True, tuple(varying))
     nv = model.nv
     found = (Argument("qdd", (nv,)), Argument("reaction", (nv,)), Argument("M", (nv, nv)))
 
     def evaluate(tree: Tree, *scalars: Any) -> HeldMotion:
         q, qd, h, width, t, *more = scalars
         own, (push, held, *loads) = more[:given], more[given:]
-        torque = _of_law(law, t, h, own) if law else _line(*own)
-        return _DrivenStep(tree, option, "rk4", width, torque, tuple(loads), push, held).rates(
-            q, qd
-        )
+        torque = _of_law(law, t, h, own) if law else _of_line(*own)
+        on_frames = _loads(varying, loads)
+        return _DrivenStep(tree, option, "rk4", width, torque, on_frames, push, held).rates(q, qd)
 
-    key = ("driven rates", law.digest if law else "")
+    key = ("driven rates", law.digest if law else "", str(varying))
     return _fetched(model, key, option, evaluate, taken, found)
 
 
@@ -115,12 +124,12 @@ def _taken(
     wrench_frames: Sequence[str],
     law: Program | None,
     holds: bool,
+    varying: tuple[bool, ...],
 ) -> tuple[Option, int, tuple[Argument, ...]]:
     """The option of a formula, how many inputs say what the torque is, and all inputs but the
     model's numbers."""
     _, option = chosen_option(model, formula, wrench_frames=wrench_frames, function="simulate")
-    line = (Argument("first", (model.nv,)), Argument("last", (model.nv,)), Argument("parts", (2,)))
-    given = tuple(x for x in law.inputs if x.name not in STATE) if law else line
+    given = tuple(x for x in law.inputs if x.name not in STATE) if law else _line_of("", model.nv)
     size = 6 if model.dim == 3 else 3
     taken = (
         Argument("q", (model.nq,)),
@@ -130,7 +139,11 @@ def _taken(
         Argument("t", ()),
         *(Argument(f"given{k}", x.shape) for k, x in enumerate(given)),
         *(Argument(name, (model.nv,)) for name in ("push", "held") if holds),
-        *(Argument(f"wrench{k}", (size,)) for k in range(len(option.wrench_frames))),
+        *(
+            x
+            for k, varies in enumerate(varying)
+            for x in (_line_of(f"wrench{k}", size) if varies else [Argument(f"wrench{k}", (size,))])
+        ),
     )
     return option, len(given), taken
 
@@ -160,14 +173,33 @@ def _fetched(
     return fetch_own(model, key, option, made)
 
 
-def _line(first: Vector, last: Vector, parts: Vector) -> Torque:
+def _line_of(name: str, size: int) -> tuple[Argument, ...]:
+    """What a line takes."""
+    ends = (Argument(f"{name}{end}", (size,)) for end in ("first", "last"))
+    return *ends, Argument(f"{name}parts", (2,))
+
+
+def _line(first: Vector, last: Vector, parts: Vector) -> Callable[[float], Vector]:
+    """Of the part of the step that has passed."""
     begin, end = parts
 
-    def at(part: float, q: Vector, qd: Vector) -> Vector:
+    def at(part: float) -> Vector:
         way = begin + part * (end - begin) if 0.0 < part < 1.0 else parts[int(part)]
         return add(first, scale(way, sub(last, first)))
 
     return at
+
+
+def _of_line(*own: Vector) -> Torque:
+    line = _line(*own)
+    return lambda part, q, qd: line(part)
+
+
+def _loads(varying: Sequence[bool], given: Sequence[Vector]) -> Callable[[float], Loads]:
+    """Wrenches on frames, of the part of the step that has passed."""
+    rest = iter(given)
+    lines = [_line(*islice(rest, 3)) if varies else next(rest) for varies in varying]
+    return lambda part: tuple(x(part) if callable(x) else x for x in lines)
 
 
 def _of_law(law: Program, t: Scalar, h: Scalar, own: Sequence[Any]) -> Torque:
@@ -195,7 +227,7 @@ class _DrivenStep:
     method: str
     width: Scalar
     torque: Torque
-    loads: tuple[Vector, ...]
+    loads: Callable[[float], Loads]
     push: Vector = ()
     held: Vector = ()
 
@@ -205,8 +237,8 @@ class _DrivenStep:
         return walk(self.tree, q, qd, h, self._holding if self.held else self._free)
 
     def implicit(self, q: Vector, qd: Vector, h: Scalar) -> simulation_steps.State:
-        def on_bodies(q: Vector) -> Any:
-            return external(self.tree, self.option, q, self.loads)
+        def on_bodies(part: float, q: Vector) -> Any:
+            return external(self.tree, self.option, q, self.loads(part))
 
         law, rows = _linearised(self.tree, self.torque), self.option.equations
         return simulation_steps.implicit(self.tree, q, qd, h, on_bodies, law, rows, self.width)
@@ -214,7 +246,7 @@ class _DrivenStep:
     def rates(self, q: Vector, qd: Vector, part: float = 0.0) -> HeldMotion:
         """What the state meets."""
         smooth = without(self.tree, "coulomb")
-        loads = external(self.tree, self.option, q, self.loads)
+        loads = external(self.tree, self.option, q, self.loads(part))
         tau = add(self._tau(part, q, qd), self.push)
         return held_motion(self.tree, q, sub(tau, bias(smooth, q, qd, loads)), self.held)
 
@@ -223,7 +255,7 @@ class _DrivenStep:
 
     def _free(self, part: float, q: Vector, qd: Vector) -> Vector:
         smooth = without(self.tree, "coulomb")
-        return forward(smooth, self.option, q, qd, self._tau(part, q, qd), self.loads)[0]
+        return forward(smooth, self.option, q, qd, self._tau(part, q, qd), self.loads(part))[0]
 
     def _tau(self, part: float, q: Vector, qd: Vector) -> Vector:
         return sub(self.torque(part, q, qd), _friction(self.tree, qd, self.width))

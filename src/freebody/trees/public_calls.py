@@ -322,29 +322,33 @@ def check_quaternions(function: str, model: Model, q: Array) -> None:
 
 
 def wrenches_by_frame(
-    function: str, model: Model, wrenches: Wrenches, single: bool = False
+    function: str,
+    model: Model,
+    wrenches: Wrenches,
+    single: bool = False,
+    name: str = "wrenches",
 ) -> dict[str, Array]:
     """External wrenches (..., six) by frame, one by names fx, fy, … put in order; `single`: no
-    batch."""
+    batch; name: of the argument."""
     if wrenches is None:
         return {}
     names = labels(model, "wrenches")
     given = wrenches if isinstance(wrenches, Mapping) else {model.frame().name: wrenches}
     loads = {}
     for frame, value in given.items():
-        name = model.frame(frame).name
-        if name in loads:
+        known = model.frame(frame).name
+        if known in loads:
             raise FreebodyError(
-                f"{function}: wrenches holds frame {name!r} twice; add the two wrenches up."
+                f"{function}: {name} holds frame {known!r} twice; add the two wrenches up."
             )
-        argument = f"wrenches[{name!r}]"
-        loads[name] = as_floats(
+        argument = f"{name}[{known!r}]"
+        loads[known] = as_floats(
             function, argument, aligned(function, argument, value, names, _VECTORS["six"].dims)
         )
         order = "force, then moment, world axes"
-        check_core(function, argument, loads[name], (len(names),), order)
-        if single and loads[name].ndim > 1:
+        check_core(function, argument, loads[known], (len(names),), order)
+        if single and loads[known].ndim > 1:
             raise ShapeError(
-                function, argument, loads[name].shape, f"({len(names)},)", f"one wrench: {order}"
+                function, argument, loads[known].shape, f"({len(names)},)", f"one wrench: {order}"
             )
     return loads

@@ -42,7 +42,7 @@ def _implicit(
     wrenches: Any = (),
     **feedback: Vector,
 ) -> tuple[Any, ...]:
-    def loads(q: Vector) -> list[External]:
+    def loads(part: float, q: Vector) -> list[External]:
         return external(tree, o, q, wrenches)
 
     tree = lightened(tree)

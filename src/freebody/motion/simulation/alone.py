@@ -13,12 +13,12 @@ from freebody.loops.equations import require_closed
 from freebody.model.families import member_at
 from freebody.motion.simulation.closed_chain_integration import closed_chain_scheme
 from freebody.motion.simulation.compiled_torque import CompiledTorque, one_lane
-from freebody.motion.simulation.first_order_system import constant_loads, suited_method, system
+from freebody.motion.simulation.first_order_system import loads_over, suited_method, system
 from freebody.motion.simulation.integration import integrated, open_scheme, step_tolerance
 from freebody.motion.simulation.motion_lanes import MotionLanes, some_of
 from freebody.motion.simulation.simulation import Simulated, Simulation
 from freebody.motion.simulation.stiffness_watch import StiffnessWatch
-from freebody.motion.simulation.torques import schedule
+from freebody.motion.simulation.torques import schedule, with_edges
 
 
 def alone(asked: Simulation, method: str, result: Simulated, told: bool = False) -> bool:
@@ -27,8 +27,10 @@ def alone(asked: Simulation, method: str, result: Simulated, told: bool = False)
     told: whether it has been said that motions are stiff. Returns whether it has by now.
     """
     model, t = asked.model, asked.t
-    whole = system(model, asked.width, *constant_loads(asked.wrenches))
+    whole = system(model, asked.width, *loads_over(t, asked.wrenches))
     planned = schedule(model, t, asked.torque, asked.breakpoints, asked.sample_time)
+    if any(w.shape[-2] > 1 for w in asked.wrenches.values()):
+        planned = with_edges(planned, t)
     state = np.concatenate([asked.q, asked.qd])
 
     def decay() -> float:
@@ -90,7 +92,7 @@ def one_by_one(asked: Simulation, method: str, result: Simulated) -> None:
             q=q[k],
             qd=qd[k],
             torque=_torque_of(asked, k),
-            wrenches={n: some_of(lanes.each(w, 1), 1, k) for n, w in asked.wrenches.items()},
+            wrenches={n: some_of(lanes.each(w, 2), 2, k) for n, w in asked.wrenches.items()},
             lanes=MotionLanes(()),
             tell=lambda done, k=k: asked.tell((k + done) / lanes.count),
         )

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from freebody.arrays import Array
 from freebody.motion.simulation.simulation import Simulated
 from freebody.motion.simulation.steppers import State
+from freebody.motion.simulation.torques import merged
 
 _ULPS = 8.0  # more than the rounding of a sum of steps
 
@@ -34,11 +35,7 @@ def course(t: Array, every: int, others: Array, calls: Array) -> Course:
     """Of the times t, of which every so many are kept, other times at which steps end, and those of
     a controller's calls; those within rounding of each other are one."""
     near = 1e-9 * min(np.diff(t).min(), np.diff(calls).min() if len(calls) > 1 else np.inf)
-    more = np.concatenate([others, calls])
-    more = more[(more > t[0] + near) & (more < t[-1] - near)]
-    places = np.clip(np.searchsorted(t, more), 1, len(t) - 1)
-    apart = np.minimum(np.abs(more - t[places - 1]), np.abs(more - t[places]))
-    edges = np.unique(np.concatenate([t, more[apart > near]]))
+    edges = merged(t, np.concatenate([others, calls]), near)
     rows = np.full(len(edges), -1)
     rows[np.searchsorted(edges, t[::every])] = np.arange(len(t[::every]))
     inner = _ULPS * np.spacing(edges) * np.isin(edges, others)

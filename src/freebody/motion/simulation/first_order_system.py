@@ -23,7 +23,7 @@ from freebody.trees.position_rates import CoordinateLayout, layout, normalised, 
 Drive = Callable[[Array, Array, Array], Array]
 """(t, q, qd) -> tau, all with the same leading shape."""
 Loads = Callable[[Array], tuple[Array, ...]]
-"""External wrenches, one array (..., six) a frame, at times t (...)."""
+"""External wrenches, one array (*t.shape, ..., six) a frame, at times t."""
 
 _STEP = 1e-6  # of central differences, relative to 1 + |y|
 _IMPLICIT_FROM = 1e3
@@ -158,7 +158,16 @@ def suited_method(
     return "LSODA" if decay() * duration > _IMPLICIT_FROM else "DOP853"
 
 
-def constant_loads(wrenches: Mapping[str, Array]) -> tuple[tuple[str, ...], Loads]:
-    """(frames, loads) of wrenches that do not change."""
-    arrays = tuple(wrenches.values())
-    return tuple(wrenches), lambda t: arrays
+def loads_over(t: Array, wrenches: Mapping[str, Array]) -> tuple[tuple[str, ...], Loads]:
+    """(frames, loads) of wrenches (..., T, six) at the times t (T,), linear between them, or (...,
+    1, six), which do not change."""
+    return tuple(wrenches), lambda now: tuple(_at(now, t, rows) for rows in wrenches.values())
+
+
+def _at(now: Array, t: Array, rows: Array) -> Array:
+    if rows.shape[-2] == 1:
+        return rows[..., 0, :]
+    k = np.clip(np.searchsorted(t, now, side="right") - 1, 0, len(t) - 2)
+    by_time, part = np.moveaxis(rows, -2, 0), np.asarray((now - t[k]) / (t[k + 1] - t[k]))
+    first = by_time[k]
+    return first + part.reshape(part.shape + (1,) * (rows.ndim - 1)) * (by_time[k + 1] - first)

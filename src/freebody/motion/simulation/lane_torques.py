@@ -35,8 +35,8 @@ class LaneTorque(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class TableTorque:
-    """Straight lines between the rows at the times t (T,); rows (T, nv), or (lanes, T, nv), or one
-    row for all times."""
+    """Straight lines between the rows at the times t (T,), of torques or of a wrench; rows (T, nv),
+    or (lanes, T, nv), or one row for all times."""
 
     t: Array
     rows: Array
@@ -92,6 +92,19 @@ class HeldTorque:
     def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
         """It, held."""
         return steady(self.tau[lanes])
+
+    in_turn = inputs
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyWrench:
+    """A wrench that does not change (lanes, six), or (six,) for all."""
+
+    value: Array
+
+    def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
+        """It alone."""
+        return (some_of(self.value, 1, lanes),)
 
     in_turn = inputs
 

@@ -13,7 +13,7 @@ from freebody.model.families import member_at
 from freebody.model.model import Model
 from freebody.motion.friction import smooth_friction
 from freebody.motion.simulation.compiled_torque import CompiledTorque, one_lane
-from freebody.motion.simulation.first_order_system import Drive, System, constant_loads, system
+from freebody.motion.simulation.first_order_system import Drive, System, loads_over, system
 from freebody.motion.simulation.motion_lanes import some_of
 from freebody.motion.simulation.simulation import Simulation
 from freebody.motion.simulation.steppers import State
@@ -85,9 +85,9 @@ class ShortSteps:
 def lane_system(asked: Simulation, k: int, model: Model | None = None) -> System:
     """The system of one motion of a batch, perhaps of another model."""
     lanes, chosen = asked.lanes, asked.model if model is None else model
-    loads = {n: some_of(lanes.each(w, 1), 1, k) for n, w in asked.wrenches.items()}
+    loads = {n: some_of(lanes.each(w, 2), 2, k) for n, w in asked.wrenches.items()}
     member = member_at(chosen, lanes.index(k))
-    return system(member, asked.width, *constant_loads(loads))
+    return system(member, asked.width, *loads_over(asked.t, loads))
 
 
 def lane_drive(asked: Simulation, k: int, drive: Drive) -> Drive:

@@ -26,8 +26,9 @@ from freebody.motion.simulation.simulation import Simulated, Simulation
 from freebody.motion.simulation.simulation_dataset import dataset, recorded
 from freebody.motion.simulation.stepped import stepped
 from freebody.motion.simulation.torques import Torque, breakpoints_of, torque_of
+from freebody.motion.simulation.wrench_tables import all_wrenches, warn_of_tables
 from freebody.trees.massless_joints import refuse_massless
-from freebody.trees.public_calls import Vector, Wrenches, vector, wrenches_by_frame
+from freebody.trees.public_calls import Vector, Wrenches, vector
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -55,6 +56,7 @@ def simulate(
     breakpoints: ArrayLike = (),
     sample_time: float | None = None,
     torque_inputs: Mapping[str, Any] | None = None,
+    wrench_tables: Wrenches = None,
     record: str | Sequence[str] | None = None,
     every: int = 1,
     threads: int | None = None,
@@ -67,10 +69,12 @@ def simulate(
     linear between them, integrated from row to row; a function f(t, q, qd) -> (..., nv), called
     with all states; or a kernel of `fb.compile` with inputs t, q, qd or some of them, which is
     compiled into the steps; what else it takes is given by name in torque_inputs, arrays (...,
-    *core). A function must be smooth except at its `breakpoints` (s), where the integration
-    restarts, so that no jump or kink is stepped over; max_step (s) bounds the steps elsewhere. With
+    *core). A function or law must be smooth except at its `breakpoints` (s), where the integration
+    restarts, so that no jump or kink is stepped over; max_step (s) bounds the steps elsewhere:
+    without either, a pulse between two of the times at which it is evaluated is not seen. With
     sample_time (s) it is a controller: called once at t[0], t[0] + sample_time, …, with the state
-    there, its torque held until the next. wrenches: constant, as for `inverse_dynamics`.
+    there, its torque held until the next. wrenches: constant, as for `inverse_dynamics`;
+    wrench_tables: (..., T, six) at the times t, given and integrated as a table of torques.
 
     method: "rk4", "semi-implicit" and "implicit" take equal steps of at most `step` (s; None: from
     each time of t to the next) without error control. One of scipy's integrators, and "auto",
@@ -118,7 +122,7 @@ def simulate(
         (q, qd),
         times,
         torque_of(model, times, torque, torque_inputs, ends, sample_time),
-        wrenches,
+        all_wrenches(model, times, wrenches, wrench_tables),
         contacts=contacts,
         tolerance=_TOLERANCE if tolerance is None else tolerance,
         width=friction_width,
@@ -186,7 +190,7 @@ def _asked(
     state: tuple[Vector, Vector],
     t: Array,
     torque: Any,
-    wrenches: Wrenches,
+    wrenches: Mapping[str, tuple[str, Array]],
     **others: Any,
 ) -> Simulation:
     """The arrays checked, and the batch that they make."""
@@ -194,11 +198,11 @@ def _asked(
         name: vector("simulate", model, name, value)
         for name, value in zip(("q", "qd"), state, strict=True)
     }
-    loads = wrenches_by_frame("simulate", model, wrenches)
-    for name, array in (named | {f"wrenches[{n!r}]": w for n, w in loads.items()}).items():
+    for name, array in named.items():
         refuse_not_finite("simulate", name, array, 1)
     batches = {name: x.shape[:-1] for name, x in named.items()}
-    batches |= {f"wrenches[{name!r}]": x.shape[:-1] for name, x in loads.items()}
+    batches |= {name: w.shape[:-2] for name, w in wrenches.values()}
+    warn_of_tables(t, wrenches, named["q"])
     if isinstance(torque, np.ndarray):
         batches["torque"] = torque.shape[:-2]
         if torque.shape[:-1] == (len(t),) == batches["q"]:
@@ -221,6 +225,7 @@ def _asked(
         raise FreebodyError(
             f"simulate: the batch shapes do not broadcast together: {said}."
         ) from None
+    loads = {frame: w for frame, (_, w) in wrenches.items()}
     return Simulation(
         model, named["q"], named["qd"], t, torque, loads, MotionLanes(shape), **others
     )

@@ -21,9 +21,10 @@ from freebody.motion.simulation.torques import TorqueFunction
 class Simulation:
     """The arguments of `simulate`, as arrays of the right shapes.
 
-    q (..., nq), qd (..., nv), wrenches by frame (..., six), contacts (..., nv): their leading axes
-    and the model's family broadcast to `lanes`. torque: a table (..., T or 1, nv), a Python
-    function, or compiled. contacts: dry friction, which the model then is without, and stops.
+    q (..., nq), qd (..., nv), wrenches by frame (..., T or 1, six), contacts (..., nv): their
+    leading axes and the model's family broadcast to `lanes`. torque: a table (..., T or 1, nv), a
+    Python function, or compiled. contacts: dry friction, which the model then is without, and
+    stops.
     """
 
     model: Model

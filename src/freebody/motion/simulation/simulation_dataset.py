@@ -18,7 +18,7 @@ from freebody.lazy import cached_property
 from freebody.loops.equations import gaps, scaled_rate, scaled_residual
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
-from freebody.motion.simulation.first_order_system import System, constant_loads, system
+from freebody.motion.simulation.first_order_system import System, loads_over, system
 from freebody.motion.simulation.joint_contacts import JointContacts
 from freebody.motion.simulation.simulation import Simulated, Simulation
 
@@ -28,9 +28,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class States:
-    """Times first, so that a family comes last: q (R, ..., nq), qd and tau (R, ..., nv)."""
+    """Times first, t (R,), so that a family comes last: q (R, ..., nq), qd and tau (R, ..., nv)."""
 
     asked: Simulation
+    t: Array
     q: Array
     qd: Array
     tau: Array | None = None
@@ -44,15 +45,17 @@ class States:
     def qdd(self) -> Array:
         """Accelerations (R, ..., nv)."""
         asked = self.asked
-        whole = system(asked.model, asked.width, *constant_loads(asked.wrenches))
+        axes = len(asked.lanes.shape) + 2  # all: times come first, what is common to motions last
+        loads = {n: np.expand_dims(w, [*range(axes - w.ndim)]) for n, w in asked.wrenches.items()}
+        whole = system(asked.model, asked.width, *loads_over(asked.t, loads))
         assert self.tau is not None
         if asked.contacts is None:
-            return whole.acceleration(np.asarray(0.0), self.q, self.qd, self.tau)
+            return whole.acceleration(self.t, self.q, self.qd, self.tau)
         return self._under_contact(whole, asked.contacts, self.tau)
 
     def _under_contact(self, whole: System, contacts: JointContacts, tau: Array) -> Array:
         """Those with dry friction and stops."""
-        forces = tau - whole.torque(np.asarray(0.0), self.q, self.qd, np.zeros(self.qd.shape))
+        forces = tau - whole.torque(self.t, self.q, self.qd, np.zeros(self.qd.shape))
         M = _kernel(self.model, "mass_matrix")(self.q)
         times, nv = len(self.q), self.model.nv
         own = contacts.lanes(self.asked.lanes).repeated(times)
@@ -136,7 +139,7 @@ def dataset(asked: Simulation, result: Simulated, names: Sequence[str]) -> xr.Da
     found = [result.q, result.qd]
     if any(RECORDED[name].of_torque for name in names):
         found.append(result.torques())
-    states = States(asked, *(np.moveaxis(x, axis, 0) for x in found))
+    states = States(asked, result.t, *(np.moveaxis(x, axis, 0) for x in found))
     dims = (*_batch_dims(model, batch), "time")
     variables = {}
     with np.errstate(invalid="ignore"):

@@ -16,12 +16,13 @@ from freebody.motion.simulation.compiled_steps import STAYING, CompiledSteps
 from freebody.motion.simulation.compiled_torque import CompiledTorque
 from freebody.motion.simulation.contact_events import ContactEvents
 from freebody.motion.simulation.course import Course, Track, course
-from freebody.motion.simulation.first_order_system import Drive, System, constant_loads, system
+from freebody.motion.simulation.first_order_system import Drive, System, loads_over, system
 from freebody.motion.simulation.integration import step_tolerance
 from freebody.motion.simulation.lane_torques import (
     HeldTorque,
     LaneTorque,
     LawTorque,
+    SteadyWrench,
     TableTorque,
     steady,
 )
@@ -129,13 +130,22 @@ def _events(asked: Simulation, torque: LaneTorque | None, drive: Drive, qd: Arra
             f"a Python function is called with all motions at once: {_REMEDY}."
         )
     law = None if torque is None else torque.law
-    kernel = _lane_kernel(asked, driven_rates(asked.model, tuple(asked.wrenches), law))
+    kernel = _lane_kernel(asked, driven_rates(asked.model, *_frames(asked), law))
     rates = FunctionRates(kernel, drive) if torque is None else KernelRates(kernel, torque)
     return ContactEvents.of(asked.contacts, asked.lanes, rates, asked.duration, qd)
 
 
 def _lane_kernel(asked: Simulation, kernel: Bound) -> LaneKernel:
-    return LaneKernel.of(kernel, asked.width, asked.lanes, list(asked.wrenches.values()))
+    rows = [asked.lanes.each(w, 2) for w in asked.wrenches.values()]
+    loads = [
+        SteadyWrench(w[..., 0, :]) if w.shape[-2] == 1 else TableTorque(asked.t, w) for w in rows
+    ]
+    return LaneKernel.of(kernel, asked.width, asked.lanes, loads)
+
+
+def _frames(asked: Simulation) -> tuple[tuple[str, ...], tuple[bool, ...]]:
+    """Of wrenches, and whether each changes."""
+    return tuple(asked.wrenches), tuple(w.shape[-2] > 1 for w in asked.wrenches.values())
 
 
 def _stepper(
@@ -145,10 +155,10 @@ def _stepper(
     drive: Drive,
     events: ContactEvents | None,
 ) -> Stepper:
-    model, frames = asked.model, tuple(asked.wrenches)
+    model, (frames, varying) = asked.model, _frames(asked)
     holding = None if events is None else (events.push, events.held)
     if torque is not None:
-        kernel = driven_step(model, method, frames, torque.law, holding is not None)
+        kernel = driven_step(model, method, frames, varying, torque.law, holding is not None)
         return KernelStepper(_lane_kernel(asked, kernel), torque, asked.lanes.count, holding)
     if model.loops:
         raise FreebodyError(
@@ -159,7 +169,7 @@ def _stepper(
             f"simulate: method 'implicit' needs the derivatives of the torque, which a Python "
             f"function does not give: {_REMEDY}."
         )
-    whole = system(model, asked.width, *constant_loads(asked.wrenches))
+    whole = system(model, asked.width, *loads_over(asked.t, asked.wrenches))
     if holding is not None:
         whole = _holding(asked, whole, holding)
     return FunctionStepper(whole, drive, asked.lanes.shape, classical=method == "rk4")
@@ -167,11 +177,13 @@ def _stepper(
 
 def _holding(asked: Simulation, whole: System, holding: tuple[Array, Array]) -> System:
     """The system of one motion some of whose coordinates are held."""
-    kernel = _lane_kernel(asked, driven_rates(asked.model, tuple(asked.wrenches), None))
+    frames, _ = _frames(asked)
+    kernel = _lane_kernel(asked, driven_rates(asked.model, frames, (False,) * len(frames), None))
 
     def forward(q: Array, qd: Array, tau: Array, *loads: Array) -> Array:
         given = (*steady(tau), *(x[0] for x in holding))
-        return kernel(0, (q, qd), 0.0, 0.0, given)[0]
+        now = replace(kernel, wrenches=[SteadyWrench(w) for w in loads])
+        return now(0, (q, qd), 0.0, 0.0, given)[0]
 
     return replace(whole, forward=forward)
 

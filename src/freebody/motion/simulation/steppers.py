@@ -12,7 +12,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.kernels.structural import Bound
 from freebody.motion.simulation.first_order_system import Drive, System
-from freebody.motion.simulation.lane_torques import LaneTorque, steady
+from freebody.motion.simulation.lane_torques import LaneTorque, SteadyWrench, TableTorque, steady
 from freebody.motion.simulation.motion_lanes import MotionLanes, Some, some_of
 from freebody.targets import Kernel
 from freebody.targets.in_turn import Placed, in_turn
@@ -21,29 +21,31 @@ from freebody.trees.position_rates import position_rate
 State = tuple[Array, Array]
 """q (lanes, nq), q̇ (lanes, nv)."""
 
+LaneWrench = TableTorque | SteadyWrench
+
 _SLICE = 400  # of what a thread is woken for: some 20 ms
 
 
 @dataclass(frozen=True, eq=False)
 class LaneKernel:
-    """What a kernel of `driven_steps` runs, with the arrays of a batch: wrenches (lanes, six) or
-    (six,), the model's numbers (lanes, k) or (k,)."""
+    """A kernel of `driven_steps` with what a batch gives it: wrenches, and the model's numbers
+    (lanes, k) or (k,)."""
 
     kernel: Kernel
     width: Array
-    wrenches: Sequence[Array]
+    wrenches: Sequence[LaneWrench]
     numbers: Array
 
     @staticmethod
     def of(
-        kernel: Bound, width: float, lanes: MotionLanes, wrenches: Sequence[Array]
+        kernel: Bound, width: float, lanes: MotionLanes, wrenches: Sequence[LaneWrench]
     ) -> LaneKernel:
-        """With the wrenches and the model's numbers of a batch."""
+        """With the model's numbers of a batch."""
         (numbers,) = kernel.numbers
-        loads, numbers = [lanes.each(w, 1) for w in wrenches], lanes.each(numbers, 1)
+        numbers = lanes.each(numbers, 1)
         assert isinstance(kernel.kernel, Kernel)
         own = kernel.kernel if numbers.ndim == 1 else kernel.kernel.per_sample
-        return LaneKernel(own, np.asarray(width), loads, numbers)
+        return LaneKernel(own, np.asarray(width), wrenches, numbers)
 
     @property
     def at_once(self) -> int:
@@ -60,8 +62,10 @@ class LaneKernel:
         given: tuple[Array, ...],
     ) -> Any:
         """Of some lanes; given: the torque, and what is held."""
+        loads = [x for w in self.wrenches for x in w.inputs(lanes, start, start + h)]
+        p = some_of(self.numbers, 1, lanes)
         # what comes is checked, and blocks are short: a call as plain as there is
-        return self.kernel.ufunc(*state, h, self.width, start, *given, *self._own(lanes))
+        return self.kernel.ufunc(*state, h, self.width, start, *given, *loads, p)
 
     def in_turn(
         self,
@@ -74,11 +78,9 @@ class LaneKernel:
         """Steps that follow one another, h (k,) after `start` (k,); places: of q and q̇ before each,
         and of those after it."""
         before, after, times = places[:2], places[2:], (h[:, None], self.width, start[:, None])
-        arrays = (*before, *times, *given, *self._own(lanes), *after)
+        loads = (x for w in self.wrenches for x in w.in_turn(lanes, start, start + h))
+        arrays = (*before, *times, *given, *loads, some_of(self.numbers, 1, lanes), *after)
         in_turn(self.kernel, arrays, len(h), lanes.stop - lanes.start)
-
-    def _own(self, lanes: Some) -> list[Array]:
-        return [some_of(x, 1, lanes) for x in (*self.wrenches, self.numbers)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ there."""
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -101,6 +101,28 @@ def schedule(
     return _sampled(function, instants(float(t[0]), float(t[-1]), sample_time), sample_time, t[-1])
 
 
+def with_edges(plan: Schedule, times: Array) -> Schedule:
+    """The same in pieces that end at these times too."""
+    edges = merged(plan.edges, times, _SAME * np.diff(plan.edges).min())
+    piece = np.searchsorted(plan.edges, edges, side="right") - 1
+    drives: list[Drive] = []
+
+    def begin(k: int, q: Array, qd: Array) -> Drive:
+        if edges[k] == plan.edges[piece[k]]:
+            drives[:] = [plan.begin(int(piece[k]), q, qd)]
+        return drives[0]
+
+    return replace(plan, edges=edges, begin=begin)
+
+
+def merged(times: Array, others: Array, near: float) -> Array:
+    """Increasing: times, and what lies between them of others, but for those that are near one."""
+    inside = others[(others > times[0]) & (others < times[-1])]
+    k = np.searchsorted(times, inside)
+    apart = np.minimum(inside - times[k - 1], times[k] - inside)
+    return np.unique(np.concatenate([times, inside[apart > near]]))
+
+
 def _of_table(t: Array, table: Array) -> Schedule:
     """Straight lines from row to row."""
     slopes = np.diff(table, axis=0) / np.diff(t)[:, None]
@@ -188,17 +210,23 @@ def _table(model: Model, t: Array, torque: ArrayLike) -> Array:
                 f"{model.nv}) or a function. Of many motions at once it is (..., {len(t)}, "
                 f"{model.nv}), or (..., 1, {model.nv}) where it does not change."
             )
-    if table.ndim == 2 and rows is not None and np.abs(rows - t).max() > _SAME * (t[-1] - t[0]):
-        k = int(np.argmax(np.abs(rows - t)))
-        label, time = compared(rows[k], t[k], digits=6)
-        raise FreebodyError(
-            f"simulate: the rows of torque are labelled with other times than t: row {k} with "
-            f"{label}, where t[{k}] = {time} s. Interpolate the table at t, or give its plain "
-            f"array if its rows are those at t."
-        )
+    if table.ndim == 2:
+        refuse_other_times("torque", rows, t)
     refuse_not_finite("simulate", "torque", table, 1, model.velocity_names)
     refuse_passive("simulate", model, table)
     return table
+
+
+def refuse_other_times(name: str, rows: Array | None, t: Array) -> None:
+    """Refuse a table of (T, …) whose rows carry other times than t (T,)."""
+    if rows is not None and np.abs(rows - t).max() > _SAME * (t[-1] - t[0]):
+        k = int(np.argmax(np.abs(rows - t)))
+        label, time = compared(rows[k], t[k], digits=6)
+        raise FreebodyError(
+            f"simulate: the rows of {name} are labelled with other times than t: row {k} with "
+            f"{label}, where t[{k}] = {time} s. Interpolate the table at t, or give its plain "
+            f"array if its rows are those at t."
+        )
 
 
 def batched(model: Model, function: TorqueFunction, batch: tuple[int, ...]) -> Drive:
