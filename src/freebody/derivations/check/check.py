@@ -15,6 +15,7 @@ from freebody.derivations.check.claims import statements
 from freebody.derivations.check.documents import FORMS, AnswerDocument, form_of
 from freebody.derivations.check.equation_verdict import Judge
 from freebody.derivations.check.letters_for_numbers import as_written
+from freebody.derivations.check.load_names import named_in
 from freebody.derivations.check.number_verdict import NumberJudge
 from freebody.derivations.check.right_equations import equations_of, in_notation
 from freebody.derivations.check.verdict import EquationVerdict, UnreadEquation, Verdict
@@ -86,7 +87,8 @@ def check(
     style = notation_of(notation)
     document = document_of(answer, form)
     written = as_written(model, document.formulas)
-    where = in_notation(equations_of(written), style, absolute)
+    loads = named_in(written, document.formulas)
+    where = in_notation(equations_of(written, loads), style, absolute)
     said = statements(where, document, names or {}, style, at)
     velocity = any(claim.target.family == "h" for claim in said.claims)
     targets = Targets(where, velocity, style.all_letters)

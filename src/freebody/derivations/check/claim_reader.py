@@ -33,6 +33,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         self.of_bodies = self.setting.is_free_body or any(
             self._tells_of_bodies(token) for side in line for token in side
         )
+        self.begin(line)
         if self.is_solved(line):
             return [self.solved_for(line)]
         subjects = [self._subject(side) for side in line]

@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
-from freebody.derivations.check import own_names
+from freebody.derivations.check import loaded_lines, own_names
 from freebody.derivations.check.answer_lines import DocumentReader, Line
 from freebody.derivations.check.answer_text import AnswerError
 from freebody.derivations.check.answer_tree import Named
@@ -84,6 +84,7 @@ def statements(
             if claimed.says_that_the_base_moves(line):
                 claimed.targets = replace(targets, based=True)
     claimed.letters_of_vectors = claimed.letters_given_as_vectors(lines)
+    claimed.load = loaded_lines.loads(lines, vocabulary, targets)
     own = _definitions(claimed, reading, lines, pending)
     stated = [line[1:] if line in own else line for line in lines if line not in reading.failed]
     by_line: dict[Line, list[Claim]] = {}

@@ -4,8 +4,8 @@ difference."""
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from freebody.derivations.check import (
     coriolis,
@@ -14,6 +14,7 @@ from freebody.derivations.check import (
     undriven_joints,
 )
 from freebody.derivations.check.answer_tree import Named
+from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked_quantities import Targets
 from freebody.derivations.check.claim import Claim
 from freebody.derivations.check.explanation import Explanation, first
@@ -24,7 +25,7 @@ from freebody.derivations.check.free_motion import FreeMotion
 from freebody.derivations.check.misconceptions import Misconceptions
 from freebody.derivations.check.misreadings import misread
 from freebody.derivations.check.number_verdict import NumberJudge
-from freebody.derivations.check.quotients import difference
+from freebody.derivations.check.quotients import Value, difference
 from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.rounded_numbers import MEASURED, Rounded
 from freebody.derivations.check.units import misfit, unit_text
@@ -35,6 +36,8 @@ from freebody.derivations.expressions.nodes import Number, nodes
 from freebody.derivations.expressions.printed_names import sym
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
+
+_OTHER_SENSE = "The force at the tip has the other sense here than in other lines."
 
 
 @dataclass(frozen=True)
@@ -72,11 +75,13 @@ class Judge:
         number = self.numbers.verdict(claim, explain)
         if number is not None:
             return number
+        claim = replace(claim, target=self._in_its_sense(claim))
         right = claim.target.compute()
         title = claim.target.title
         if difference(claim.value, right).is_zero:
             meant = f"It is read as {title}." if re.fullmatch(r"P[_{}0-9]*", claim.label) else ""
-            return EquationVerdict(claim.label, title, True, note=meant or self._zeros(claim))
+            note = " ".join(filter(None, (meant, claim.target.note, self._zeros(claim))))
+            return EquationVerdict(claim.label, title, True, note=note)
         special = quotient_verdict.verdict(self, claim, right, explain)
         if special is not None:
             return special
@@ -93,6 +98,32 @@ class Judge:
             or self._in_numbers(claim, claim.value, right)
             or self._wrong(claim, claim.value, right, explain)
         )
+
+    def _in_its_sense(self, claim: Claim) -> AskedQuantity:
+        """Of a quantity that has two right values, such as a torque that holds a force of either
+        sense, the one that fits the answer."""
+        target = claim.target
+        if not target.also:
+            return target
+        ((note, other),) = target.also
+        second = self._senses.index(max(self._senses)) if any(self._senses) else self._nearer(claim)
+        if not second:
+            return replace(target, thoughts=((_OTHER_SENSE, other), *target.thoughts))
+        first = (_OTHER_SENSE, target.compute)
+        return replace(target, compute=other, note=note, thoughts=(first, *target.thoughts))
+
+    @cached_property
+    def _senses(self) -> tuple[int, int]:
+        """How many claims are right in the first sense, and in the second."""
+        told = [claim for claim in self.claims if claim.target.also]
+        first = sum(_is_right(claim, claim.target.compute) for claim in told)
+        return first, sum(_is_right(claim, claim.target.also[0][1]) for claim in told)
+
+    def _nearer(self, claim: Claim) -> int:
+        """The sense in which fewer terms differ."""
+        values = (claim.target.compute(), claim.target.also[0][1]())
+        sizes = [len(difference(claim.value, x)) for x in values]
+        return sizes.index(min(sizes))
 
     def _wrong(self, claim: Claim, yours: Trig, right: Trig, explain: bool) -> EquationVerdict:
         findings, causes = self._explained(claim, yours, right) if explain else ([], [])
@@ -214,3 +245,7 @@ class Judge:
         term, unit, expected = found
         text = f"The units do not fit: {quoted(self.setting.form(term))} has {unit_text(unit)}"
         return [f"{text}, where {unit_text(expected)} is needed."]
+
+
+def _is_right(claim: Claim, value: Callable[[], Value]) -> bool:
+    return difference(claim.value, value()).is_zero

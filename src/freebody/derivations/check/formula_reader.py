@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from freebody.derivations.check import loaded_lines
 from freebody.derivations.check.answer_lines import Line
 from freebody.derivations.check.answer_text import AnswerText
 from freebody.derivations.check.answer_tree import Named
+from freebody.derivations.check.asked.loads import held
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked_quantities import Targets
 from freebody.derivations.check.circular_answers import uses
@@ -44,6 +46,12 @@ class FormulaReader:
         self.replaced: dict[str, Trig] = {}
         self.letters_of_vectors: frozenset[str] = frozenset()
         """Letters such as v that other lines give as vectors: v1 = 0 is one too."""
+        self.load: frozenset[str] = frozenset()
+        """The components of a force at the tip that the answer has."""
+        self.is_loaded = False
+        """Whether the line has some of them."""
+        self.families: frozenset[str] = frozenset()
+        """Of the line's quantities."""
         self.of_bodies = False
         """Whether the line is about bodies, so that g is the gravitational acceleration and J that
         of the tip's position; else they are what stands in the equations of motion."""
@@ -62,6 +70,8 @@ class FormulaReader:
     def table(self, name: str, span: Span) -> Matrix | None:
         """The entries of a vector or matrix, each with its name."""
         meant = _OF_BODIES.get(name, name) if self.of_bodies else name
+        if name == "J" and self.is_loaded and not any(x.startswith("n") for x in self.load):
+            meant = "JP"
         table = self.targets.tables.get(meant)
         if table is None:
             return None
@@ -89,12 +99,25 @@ class FormulaReader:
         return self._value_of(self.targets.single[name])
 
     def _value_of(self, target: AskedQuantity) -> Value:
-        return self.setting.zero if target.idle else target.compute()
+        return self.setting.zero if target.idle else self.with_load(target).compute()
+
+    def with_load(self, target: AskedQuantity) -> AskedQuantity:
+        """Of a torque in a line that has a force at the tip, the torque that holds it."""
+        if not self.is_loaded or target.family != "tau" or target.idle:
+            return target
+        return held(self.setting, self.targets.single, target, self.load, self.families)
+
+    def begin(self, line: Line) -> None:
+        """Note what a line is about."""
+        if self.load:
+            self.is_loaded = bool(loaded_lines.loads([line], self.vocabulary, self.targets))
+            self.families = loaded_lines.families(line, self.vocabulary, self.targets)
 
     def claim(self, label: str, target: AskedQuantity, node: Expression) -> Claim:
         """What a tree says of a quantity."""
         used = tuple(uses(node, self.targets.single, self.vocabulary))
-        return Claim(label, target, node, self.quotient(node), self.source, used)
+        asked = self.with_load(target)
+        return Claim(label, asked, node, self.quotient(node), self.source, used)
 
     def says_that_the_base_moves(self, line: Line) -> bool:
         """Whether it is v̇0 = -g: gravity as an acceleration of the base."""

@@ -66,6 +66,8 @@ _TRANSPOSE = re.compile(
     rf"{_S}\{{T\}}){_S}\}})"
 )
 """J^T."""
+_INVERSE_TRANSPOSE = re.compile(rf"\^{_S}\{{{_S}[-−]{_S}(?:T|\\top|1{_S}\\top|1{_S}T){_S}\}}")
+"""J^{-T}."""
 _DETACHED = re.compile(
     r"(?:\((?P<inside>[^\W\d_]_?\d?)\s?\)|(?P<letter>(?<![\w\\])[^\W\d_]))\s"
     r"(?P<dots>[\u0307\u0308])(?P<below>(?:_\{?)?\d{1,2}\}?)?"
@@ -126,6 +128,7 @@ def _in_brackets(match: re.Match[str]) -> str:
 
 
 _SPELLINGS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
+    (_INVERSE_TRANSPOSE, lambda match: f"⁻¹{TRANSPOSED}"),
     (_TRANSPOSE, lambda match: TRANSPOSED),
     (_DETACHED, _attached),
     (_WORD_BRACKETS, _in_brackets),

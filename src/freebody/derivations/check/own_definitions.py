@@ -42,6 +42,7 @@ class OwnDefinitions(SolvedQuantities):
         value is noted."""
         first = line[0]
         name = first[0].text if len(first) == 1 and first[0].kind == "name" else ""
+        self.begin(line)
         if self.is_solved(line):
             return []
         if name in self.vocabulary.waves and self._is_wave(name, line):

@@ -96,6 +96,13 @@ class RightEquations:
         return _is_free_body(symbols.given or symbols.model)
 
     @property
+    def loads(self) -> tuple[str, ...]:
+        """Symbols of a force and a moment at the tip, where an answer has them."""
+        symbols = self.equations.symbols
+        plain = not (symbols.model.loops or self.is_free_body)
+        return symbols.extra if plain else ()
+
+    @property
     def joints(self) -> int:
         """The highest number a joint's coordinate carries."""
         return max(
@@ -271,16 +278,16 @@ def _bad(name: str, formula: str, problem: FreebodyError) -> FreebodyError:
     return FreebodyError(f"check: the parameter {name} = {formula}: {own.rstrip('.')}.")
 
 
-def equations_of(model: Model) -> Equations:
+def equations_of(model: Model, loads: tuple[str, ...] = ()) -> Equations:
     """The closed-form equations; of a closed chain those of the tree that is left when its loops
-    are cut, over a ring that holds the multipliers."""
+    are cut, over a ring that holds the multipliers. loads: symbols of a load on the tip."""
     if _is_free_body(model):
         lettered = with_letters(model)
         return Equations(
             symbols_of_bodies("check", lettered, (*velocity_names(model), *FORCES), euler=True)
         )
     if not model.loops:
-        return equations(model)
+        return Equations(symbols(model, extra=loads)) if loads else equations(model)
     return Equations(symbols(model, extra=multipliers(model)))
 
 

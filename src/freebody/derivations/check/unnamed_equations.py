@@ -65,7 +65,8 @@ class UnnamedEquations(FormulaReader):
         nodes = map(self.parse, line)
         used = [use for side in nodes for use in uses(side, self.targets.single, self.vocabulary)]
         used = [use for use in used if use.target != target]
-        return [Claim(name, target, node, rest / -slope, self.source, tuple(used))]
+        asked = self.with_load(target)
+        return [Claim(name, asked, node, rest / -slope, self.source, tuple(used))]
 
     def _closing(self, line: Line) -> Claim | None:
         """A loop equation without its name, l1 c1 + l2 c12 - d - l3 c3 = 0, with either sign; None

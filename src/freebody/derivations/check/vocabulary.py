@@ -10,7 +10,7 @@ from copy import copy
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NoReturn
 
-from freebody.derivations.check import free_body_names
+from freebody.derivations.check import free_body_names, load_names
 from freebody.derivations.check.answer_tree import Angle
 from freebody.derivations.check.dotted_names import spellings
 from freebody.derivations.check.quotients import Value
@@ -179,6 +179,7 @@ class Vocabulary:
         if self.setting.is_planar:
             yield from self._absolute_rates()
         yield from self._sums()
+        yield from load_names.symbols(self.setting, self.quantities)
         gravity = self.setting.order.gravity
         if gravity:
             yield "g", ring[gravity]

@@ -30,6 +30,10 @@ class AskedQuantity:
     """What it is, where its family alone does not tell."""
     thoughts: tuple[Mistaken, ...] = ()
     """What it is often mistaken for: a sentence that says so, and its value."""
+    note: str = ""
+    """What is said of an answer that is right."""
+    also: tuple[Mistaken, ...] = ()
+    """Other values that are right, each with what is said of it."""
 
     def polynomial(self) -> Trig:
         """The right value of what is none of the quotients."""

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.inverses import MOST_ROWS, inverse
+from freebody.derivations.check.asked.loads import vectors
 from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity, Table
 from freebody.derivations.check.dotted_names import spellings
 from freebody.derivations.equations.kinematics import Kinematics
@@ -31,6 +32,7 @@ class TipQuantities(QuantityGroup):
         position = J[: self.setting.symbols.model.dim]
         found = {"J": J, **self._tip_vectors(self._tip), "JP": position}
         names = (f"{name}{INVERSE}" for name in ("J", "JP"))
+        found |= {x: table for x, table in vectors(self.setting, single).items() if x not in single}
         return found | (dict.fromkeys(names, self._inverse) if self._inverse else {})
 
     @cached_property

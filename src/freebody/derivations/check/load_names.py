@@ -1,0 +1,36 @@
+"""What answers call a force and a moment at the tip."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator
+
+from freebody.derivations.check.right_equations import RightEquations
+from freebody.model.model import Model
+from freebody.scalars.trig import Trig
+
+LOADS = {2: ("fx", "fy", "nz"), 3: ("fx", "fy", "fz", "nx", "ny", "nz")}
+"""Force and moment at the tip, in the order of the Jacobian's rows."""
+_WRITTEN = re.compile(
+    r"(?<![A-Za-z\\])(?:[Ff](?:_?\{?(?:[PpEe]|tip)?_?\{?[xyz]|(?:_?\{?(?:[PpEe]|tip)\}?)?(?!\w))"
+    r"|W(?!\w)|[MnN]_?\{?[xyz])"
+)
+_SPELT = {"f": ("f", "F", "fP", "FP", "fE", "FE", "fe", "Fe", "ftip", "Ftip"), "n": ("n", "M", "N")}
+VECTORS = tuple(name for name in _SPELT["f"] if not name.endswith("tip"))
+
+
+def named_in(model: Model, text: str) -> tuple[str, ...]:
+    """Symbols for the load on the tip, where a text has one."""
+    names = LOADS[model.dim]
+    if model.tip is None or model.loops or not _WRITTEN.search(text):
+        return ()
+    return () if set(names) & set(model.parameters) else names
+
+
+def symbols(setting: RightEquations, taken: Collection[str]) -> Iterator[tuple[str, Trig]]:
+    """Spellings of the load's components, with their values; none that is taken."""
+    for name in setting.loads:
+        letter, axis = name
+        for spelling in (f"{x}{axis}" for x in _SPELT[letter]):
+            if spelling not in taken:
+                yield spelling, setting.ring[name]

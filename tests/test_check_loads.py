@@ -1,0 +1,75 @@
+"""Forces at the tip in answers: τ = Jᵀ F, with weights and motion, in either sense."""
+
+from __future__ import annotations
+
+import pytest
+
+import freebody as fb
+
+ARM = fb.planar("RR")
+BY_THE_TIP = "F is the force that the tip exerts on its surroundings."
+ON_THE_TIP = "F is a force on the tip, from outside."
+FIRST = "tau_1 = (-l1 s1 - l2 s12) Fx + (l1 c1 + l2 c12) Fy"
+FORCE = "τ2 = -l2 s12 fx + l2 c12 fy"
+LINES = [  # of a model a right line, and a piece of it whose sign is changed
+    (ARM, FIRST, "(-l1 s1 - l2 s12)", "(-l1 s1 + l2 s12)"),
+    (ARM, FIRST, "+ (l1 c1", "- (l1 c1"),
+    (ARM, f"{FORCE} + M_z", "+ M_z", "- M_z"),
+    (ARM, f"{FORCE} + m2 g lc2 c12", "+ m2", "- m2"),
+    (ARM, "τ = g + Jᵀ F", "= g", "= -g"),
+    (ARM, "τ = M q̈ + c + g + Jᵀ F", "+ c", "- c"),
+    (ARM, r"\tau = J^T \begin{bmatrix} F_x \\ F_y \end{bmatrix}", r"\\ F_y", r"\\ -F_y"),
+    (ARM, "τ2 = [-l2 s12, l2 c12] [Fx; Fy]", ", l2 c12", ", -l2 c12"),
+    (fb.planar("RP"), "f2 = Fx c1 + Fy s1", "+ Fy", "- Fy"),
+    (fb.planar("RRR"), "τ3 = -l3 s123 Fx + l3 c123 Fy", "+ l3", "- l3"),
+]
+
+
+@pytest.mark.parametrize(("model", "line", "piece", "other"), LINES)
+def test_torques_that_hold_a_force(model, line: str, piece: str, other: str):
+    assert BY_THE_TIP in fb.check(model, line).text
+    assert piece in line
+    verdict = fb.check(model, line.replace(piece, other, 1))
+    assert not verdict
+    assert "sign" in verdict.text
+
+
+def test_the_force_of_either_sense_is_told():
+    left, _, right = FIRST.partition("=")
+    told = fb.check(ARM, f"{left} = -({right})")
+    assert told
+    assert ON_THE_TIP in told.text
+    assert ON_THE_TIP in fb.check(ARM, "τ = -Jᵀ F").text
+    assert ON_THE_TIP in fb.check(ARM, "τ = M q̈ + c + g - Jᵀ F").text
+
+
+def test_lines_of_one_answer_have_one_sense():
+    verdict = fb.check(ARM, f"{FIRST}\ntau_2 = l2 s12 Fx - l2 c12 Fy")
+    assert [x.equal for x in verdict.equations] == [True, False]
+    assert verdict.causes == ("The force at the tip has the other sense here than in other lines.",)
+
+
+def test_what_is_left_out_is_told():
+    assert "The links' weights are left out." in fb.check(ARM, FIRST).text
+    assert "left out" not in fb.check(ARM, "τ = g + Jᵀ F").text
+    assert "It has no other component than x." in fb.check(ARM, "τ2 = -l2 s12 Fx").text
+    assert not fb.check(ARM, f"{FIRST}\nτ2 = -l2 s12 Fx")
+
+
+def test_forces_by_torques_and_the_transpose():
+    assert fb.check(ARM, "F = J^{-T} τ")
+    assert "This is Jᵀ τ" in fb.check(ARM, "F = Jᵀ τ").causes[0]
+    assert "This is J F" in fb.check(ARM, "τ = J F").causes[0]
+
+
+def test_absolute_angles():
+    assert fb.check(ARM, "τ2 = -l2 s2 Fx + l2 c2 Fy", absolute=True)
+    assert not fb.check(ARM, "τ2 = -l2 s12 Fx + l2 c12 Fy", absolute=True)
+
+
+def test_the_notes_numbers():
+    """(2.52): l1 = 3.5, l2 = 3, θ1 = θ2 = π/6, f = [-4.5, -3]."""
+    arm = fb.planar("RR", l=[3.5, 3.0])
+    line = "τ2 = -3 sin(θ1 + θ2) fx + 3 cos(θ1 + θ2) fy"
+    assert fb.check(arm, line)
+    assert not fb.check(arm, line.replace("+ 3", "- 3"))
