@@ -24,6 +24,14 @@ class JointQuantities(QuantityGroup):
     """τ_i, M_ij, C_ij, c_i, g_i, whole vectors and matrices, and q."""
 
     def single(self) -> Iterator[Named]:
+        yield from self._named
+
+    @cached_property
+    def _named(self) -> list[Named]:
+        """Made once: a quantity is the same in a vector and alone."""
+        return list(self._made())
+
+    def _made(self) -> Iterator[Named]:
         alone = self.count == 1
         for i in self.numbers:
             yield (
@@ -62,7 +70,7 @@ class JointQuantities(QuantityGroup):
         return [x + INVERSE for x in self.letters["M"] if x.isupper()]
 
     def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
-        asked = {(target.family, target.index): target for _, target in self.single()}
+        asked = {(target.family, target.index): target for _, target in self._named}
         n = self.numbers
         found: dict[str, Table] = {}
         for family in ("tau", "g", "bias", "c"):
