@@ -231,6 +231,35 @@ def test_the_recursion_of_a_long_arm_runs_in_its_page(driver, tmp_path, name):
     assert values(driver) != found
 
 
+def test_the_quadrotor_follows_its_four_thrusts(driver, tmp_path):
+    """Its accelerations are those for which the kernel finds the force and moment of the
+    thrusts."""
+    model = fb.load("quadrotor")
+    opened(driver, tmp_path, fb.derive(model))
+    for thrusts in ((12.0, 15.0, 9.0, 14.5), (0.0, 3.0, 20.0, 30.0)):
+        for k, thrust in enumerate(thrusts, 1):
+            driver.execute_script(MOVE, f"T{k}", thrust)
+        at = dict(driver.execute_script(NUMBERS))
+        quat = np.array([1.0, 0.0, 0.0, 0.0])
+        for k, axis in ((4, 2), (5, 1), (6, 0)):  # yaw, pitch, roll
+            c, turn = np.cos(at[f"theta{k}"] / 2), np.sin(at[f"theta{k}"] / 2) * np.eye(3)[axis]
+            w, v = quat[0], quat[1:]
+            quat = np.array([w * c - v @ turn, *(w * turn + c * v + np.cross(v, turn))])
+        moving = [
+            [at[f"{letter}_{x}{dots}"] for letter in ("v", "omega") for x in "xyz"]
+            for dots in ("", "_d")
+        ]
+        found = fb.inverse_dynamics(model, [at["x"], at["y"], at["z"], *quat], *moving)
+        a, b, c, d = (at[f"T{k}"] for k in (1, 2, 3, 4))
+        right = [0.0, 0.0, a + b + c + d, 0.5 * (b - d), -0.5 * (a - c), 0.0]
+        np.testing.assert_allclose(found, right, rtol=1e-9, atol=1e-9)
+        shown = values(driver)
+        told = [shown[f"{letter}_{x}"][0][0] for letter in "fn" for x in "xyz"]
+        np.testing.assert_allclose(told, right, rtol=1e-9, atol=1e-9)
+    shown = driver.find_elements("css selector", "#bodies .external-text")
+    assert [x.text for x in shown] == ["T₂", "T₃", "T₄"]  # T₁ is zero
+
+
 def test_an_arm_in_space_is_seen_from_where_one_likes(driver, tmp_path):
     opened(driver, tmp_path, fb.derive(fb.load("elbow_arm"), "newton-euler"))
     arrows, before = np.array(driver.execute_script(ARROWS)), values(driver)

@@ -113,7 +113,7 @@ function drawArm(svg, bodies, rods, y) {
   for (const body of shown) {
     const from = body.parent < 0 ? [180, 125] : at(bodies[body.parent].joint);
     const [u, v] = body.slides || body.parent >= 0 ? from : at(body.joint);
-    if (body.parent < 0) line(svg, "hatch", [u - 30, v], [u + 30, v]);
+    if (body.parent < 0 && body.held) line(svg, "hatch", [u - 30, v], [u + 30, v]);
     if (body.slides) line(svg, "rail", from, at(body.joint));
     bars(svg, body, at, y);
   }
@@ -147,18 +147,20 @@ function drawBodies(svg, bodies, y) {
   const turning = round(largest(whole.flatMap((one) => one.moments.map((moment) => moment.is))));
   const drawn = (v, unit) => seen(v).map((u, k) => (k ? -1 : 1) * LONGEST_ARROW * u / unit);
   const ways = (body) => body.ends.map((end) => minus(vector(y, end), vector(y, body.joint)));
-  const size = largest(every.flatMap(ways)) || 1;
+  const spots = (body) => [body.joint, ...body.ends].map((places) => vector(y, places));
+  const size = largest(every.flatMap((body) =>
+    spots(body).flatMap((one) => spots(body).map((other) => minus(one, other))))) || 1;
   const names = [], taken = [[0, 4, 72, 20]];  // there is the scale
   all.forEach(({body, forces, moments}, k) => {
     const far = body.ends.reduce((one, other, i) => length(ways(body)[i]) > length(ways(body)[body.ends.indexOf(one)]) ? other : one);
-    const [a, b] = [body.joint, far].map((places) => seen(vector(y, places))), scale = LARGEST_BODY / size;
+    const scale = LARGEST_BODY / size, places = spots(body).map(seen);
+    const centred = [0, 1].map((i) => (Math.min(...places.map((at) => at[i])) + Math.max(...places.map((at) => at[i]))) / 2);
     const middle = [(k % 2 + 0.5) * cell[0], (Math.floor(k / 2) + 0.5) * cell[1]];
-    const at = (places) => seen(vector(y, places)).map((u, i) =>
-      middle[i] + (i ? -1 : 1) * scale * (u - (a[i] + b[i]) / 2));
+    const at = (places) => seen(vector(y, places)).map((u, i) => middle[i] + (i ? -1 : 1) * scale * (u - centred[i]));
     const group = put(svg, "g", {});
     bars(group, body, at, y);
     for (const pin of body.pins) joint(group, at(pin), false);
-    joint(group, at(body.joint), body.slides);
+    if (body.held) joint(group, at(body.joint), body.slides);
     centre(group, at(body.centre));
     const [from, to] = [at(body.joint), at(far)], away = unit(minus(to, from));
     taken.push(...along(from, to, 6));

@@ -113,7 +113,7 @@ def traced_values(
     hidden = {scalar_name(x): program.inputs[x] for x in values if x in program.inputs}
     found = Quantities(_with_parts(values) | hidden, derivation.equations.layout)
     while new := _defined((line for _, line in waiting), found):
-        found |= _with_parts(new)
+        found = Quantities(_with_parts(new) | found | new, found.layout)
     world = world_axes(found) if derivation.equations.symbols.model.dim == 3 else found
     told: list[ValuedLine] = []
     sides: list[list[Any]] = []
@@ -137,7 +137,7 @@ def _with_parts(values: Mapping[str, Any]) -> dict[str, Any]:
         for name, x in vectors.items()
         for axis, part in zip("xyz", x, strict=True)
     }
-    return {**values, **parts}
+    return {**parts, **values}
 
 
 def _unlike(lines: Iterable[list[Any]], program: PageProgram) -> set[int]:

@@ -19,6 +19,7 @@ from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.living.body_quantities import body_quantities
 from freebody.derivations.living.closed_chain import ClosedChain
 from freebody.derivations.living.drawn_bodies import DrawnBodies
+from freebody.derivations.living.free_flight import FreeFlight
 from freebody.derivations.living.free_joints import FreeJoints
 from freebody.derivations.living.kernel import PageProgram
 from freebody.derivations.living.line_values import (
@@ -50,6 +51,9 @@ MOST_BODIES = 12
 _WIDEST: dict[str, float] = {"rad": math.pi, "rad/s": 5.0, "rad/s²": 20.0, "m/s": 3.0, "N": 100.0}
 """The end of a slider, by unit; of other units three times the value, at least 1."""
 
+Following = ClosedChain | FreeFlight | FreeJoints
+"""What follows in a page from what is set."""
+
 _LOAD = dict(zip(LOADS[3], (20.0, -10.0, -10.0), strict=True))
 """The force on the tip at first, N."""
 
@@ -60,44 +64,71 @@ def living(derivation: Derivation, start: Sequence[float] = ()) -> LivingParts |
 
     start: coordinates at which the loops of a closed chain are closed; it needs them.
     """
-    told, letters = derivation, derivation.lettering
-    derivation = told.plain or told
-    symbols = derivation.equations.symbols
-    few = 0 < len(symbols.model.bodies) <= MOST_BODIES
-    if not few or are_free(symbols.given or symbols.model):
+    plain = derivation.plain or derivation
+    symbols = plain.equations.symbols
+    if not 0 < len(symbols.model.bodies) <= MOST_BODIES:
         return None
-    layout = derivation.equations.layout
-    kernel = PageProgram(symbols.ring.names, layout.form)
-    setting = _setting(derivation, kernel)
+    kernel = PageProgram(symbols.ring.names, plain.equations.layout.form)
+    if are_free(symbols.given or symbols.model):
+        return _flying(derivation, kernel)
     if symbols.model.loops and not len(start):
         return None
+    setting = _setting(plain, kernel)
     closed = ClosedChain(setting, kernel, start) if symbols.model.loops else None
     if closed and not closed.is_served:
         return None
-    found, drawn = _values(derivation, setting, closed, kernel)
-    naming = Naming(symbols.model, letters=letters)
+    found, drawn = _values(plain, setting, closed, kernel)
+    naming = Naming(symbols.model, letters=derivation.lettering)
+    bodies = DrawnBodies(kernel, drawn, naming, setting.tree, closed).all()
+    given = dict(zip(symbols.coordinates, map(float, start), strict=True)) if closed else {}
+    following = closed or FreeJoints(plain, drawn)
+    return _parts(derivation, kernel, found, bodies, following, given)
+
+
+def _flying(derivation: Derivation, kernel: PageProgram) -> LivingParts | None:
+    plain = derivation.plain or derivation
+    symbols = TracedSymbols.of(plain.equations.symbols, kernel.inputs)
+    flight = FreeFlight(TracedSetting(symbols))
+    if not flight.is_served:
+        return None
+    found = traced_values(plain, flight.quantities(), kernel)
+    if not flight.need(found.quantities):
+        return None
+    bodies = [flight.body(kernel, derivation.lettering)]
+    return _parts(derivation, kernel, found, bodies, flight, flight.start())
+
+
+def _parts(
+    derivation: Derivation,
+    kernel: PageProgram,
+    found: LineValues,
+    bodies: list[dict[str, Any]],
+    following: Following,
+    given: Mapping[str, float],
+) -> LivingParts:
+    """given: first values of some symbols."""
+    plain, letters = derivation.plain or derivation, derivation.lettering
     page: dict[str, Any] = {
-        "bodies": DrawnBodies(kernel, drawn, naming, setting.tree, closed).all(),
+        "bodies": bodies,
         "lines": [_line(kernel, found, line, letters) for line in found.lines],
     }
     spoken = dict.fromkeys(name for line in found.lines for name in line.names)
     readable = {name: x for name in spoken if rank(x := found.quantities[name]) <= 1}
     page["names"] = {name: kernel.places(x) for name, x in readable.items()}
-    following = closed or FreeJoints(derivation, drawn)
     following.page(
         kernel, dict.fromkeys(following.names, 0)
     )  # first: it needs places in the kernel
-    given = dict(zip(symbols.coordinates, map(float, start), strict=True)) if closed else {}
-    inputs = _inputs(derivation, kernel, following, given)
+    inputs = _inputs(plain, kernel, following, given)
     if following.names:
         indices = {x["name"]: k for k, x in enumerate(inputs)}
         page[following.key] = following.page(kernel, indices)
     page |= {"inputs": inputs, "size": kernel.size}
     page |= _notation(letters, [*readable, *(x["name"] for x in inputs)])
-    own = dict(zip(derivation.steps, told.steps, strict=True))
+    own = dict(zip(plain.steps, derivation.steps, strict=True))
     script = _script().replace("PAGE", _json(page), 1)
+    dim, alone = plain.equations.symbols.model.dim, sum(body["alone"] for body in bodies)
     return LivingParts(
-        panel(inputs, symbols.model.dim, sum(body["alone"] for body in page["bodies"]), letters),
+        panel(inputs, dim, alone, letters),
         {own[step]: rows for step, rows in below(found.lines, letters).items()},
         f"{kernel.source([x['name'] for x in inputs])}\n{script}",
     )
@@ -163,7 +194,7 @@ def is_diagnosed(line: ValuedLine, found: LineValues) -> bool:
 def _inputs(
     derivation: Derivation,
     kernel: PageProgram,
-    following: ClosedChain | FreeJoints,
+    following: Following,
     start: Mapping[str, float],
 ) -> list[dict[str, Any]]:
     """The symbols that have a slider: name, value, range, kind; start: values for some."""
@@ -190,9 +221,15 @@ def _inputs(
     return made
 
 
+_VELOCITY = re.compile(r"(v|omega)_[xyz](_d)?")
+"""Of a free body, by components."""
+
+
 def _group(name: str, coordinates: Iterable[str]) -> str:
     if name.startswith(MULTIPLIER):
         return "lam"
+    if _VELOCITY.fullmatch(name):
+        return "qdd" if name.endswith(RATE) else "qd"
     endings = (("q", ""), ("qd", RATE), ("qdd", SECOND))
     found = (key for key, ending in endings for x in coordinates if name == x + ending)
     return next(found, "p")
@@ -214,6 +251,9 @@ def _units(derivation: Derivation) -> dict[str, str]:
         for k, symbol in enumerate(row.symbols):
             if isinstance(symbol, Symbol):
                 found[symbol.name] = units[min(k // each, len(units) - 1)]
+    for name in derivation.equations.symbols.extra:
+        if _VELOCITY.fullmatch(name):
+            found[name] = ("rad/s" if "omega" in name else "m/s") + "²" * name.endswith(RATE)
     return found
 
 
