@@ -146,3 +146,16 @@ def test_a_component_of_the_tip_is_not_said_to_be_its_motion():
     told = "only ẋ is counted of the tip"
     assert told in " ".join(fb.derive(fb.load("four_bar"), "kinematics").text().split())
     assert "counted" not in fb.derive(fb.load("five_bar"), "kinematics").text()
+
+
+def test_many_coordinates_are_not_a_column():
+    stewart, small = fb.derive(fb.load("stewart")), fb.derive(fb.load("four_bar"))
+    assert not stewart.steps[0].equations
+    assert "q holds the joint variables" in stewart.steps[0].reason
+    assert len(small.steps[0].equations) == 2
+
+
+def test_a_count_below_one_is_not_the_last_word():
+    told = "With redundant ones it moves all the same"
+    assert told in " ".join(fb.derive(fb.load("bricard")).text().split())
+    assert told not in fb.derive(fb.load("four_bar")).text()

@@ -412,3 +412,12 @@ def test_kinematics_draws_the_motion_of_the_tip():
 def test_a_body_without_mass_is_not_said_to_have_its_weight_elsewhere():
     assert not drawn("gyro", "newton-euler")["free-body 1"].notes
     assert drawn("gyro", "recursive")["free-body 2"].notes
+
+
+@pytest.mark.parametrize(
+    ("name", "figure", "missing"),
+    [("cart_pole", "free-body 1", "n_{0,1}"), ("slider_crank", "free-body 3", "n_{0,3}")],
+)
+def test_forces_that_are_not_drawn_are_said_to_be_zero(name, figure, missing):
+    assert drawn(name, "newton-euler")[figure].notes == [f"Zero in the drawn state: {missing}"]
+    assert not drawn("2R", "newton-euler")["free-body 1"].notes

@@ -91,6 +91,7 @@ def illustrations(derivation: Derivation, labels: str = "names") -> dict[str, Dr
             loaded = name.startswith(("free-body", "carried"))
             if loaded and not weights and _is_heavy(seen, name):
                 drawing.notes = ["No weights: gravity is in the accelerations"]
+            drawing.notes += _vanishing(step, drawing) if step else []
             if labels != "names" and step is None:
                 drawing.notes += _state(seen)
             drawing.labels = labels
@@ -124,6 +125,17 @@ def _has_weights(step: Step) -> bool:
     """Whether weights are among a step's forces; not where the accelerations contain gravity."""
     used = (x for line in step.equations for x in nodes(line) if isinstance(x, Symbol) and x.bold)
     return any(x.name.rstrip("0123456789") == "g" for x in used)
+
+
+def _vanishing(step: Step, drawing: Drawing) -> list[str]:
+    """Forces and moments in the equations of a free body that are not drawn, in words."""
+    if not step.operation.startswith("Free body "):
+        return []
+    shown = {canonical(e.name.removeprefix("−")) for e in drawing.elements}
+    used = (x for line in step.equations for x in nodes(line) if isinstance(x, Symbol))
+    loads = dict.fromkeys(x for x in used if x.letter in ("f", "n", "τ") and not x.dots)
+    missing = [label(x) for x in loads if canonical(label(x)) not in shown]
+    return [f"Zero in the drawn state: {', '.join(missing)}"] if missing else []
 
 
 def _is_heavy(seen: Snapshot, name: str) -> bool:

@@ -26,6 +26,8 @@ from freebody.spatial import Vector, add, scale
 
 LONG = 90
 """Numbers and symbols up to which a matrix is written out."""
+FEW = 9
+"""Coordinates up to which they are listed in a column."""
 _ENTRIES = 16
 """Entries up to which it is."""
 LONGEST = 500
@@ -100,6 +102,12 @@ class Loops:
         motors = [s.motor(i) for i in s.order]
         if any(x == ex.ZERO for x in motors):
             reason += " A passive joint has no motor and its force is 0."
+        if len(motors) > FEW:
+            reason += (
+                " q holds the joint variables in the order of the joints, Q the torques and forces "
+                "of their motors."
+            )
+            return Step("Cut the loops: dependent coordinates", reason)
         lines = [eq(sym("q"), ex.Vector(tuple(sym(s.coordinate(i)) for i in s.order)))]
         if not s.load:
             lines.append(eq(sym("Q"), ex.Vector(tuple(motors))))
@@ -156,6 +164,10 @@ class Loops:
             f"It assumes that all equations are independent; whether they are depends on lengths "
             f"and position."
         )
+        if f < 1:
+            reason += (
+                " With redundant ones it moves all the same; fb.mobility tells whether it does."
+            )
         return Step("Degrees of freedom", reason, (eq("f", ex.sub("n", "m"), ex.sub(n, m), f),))
 
     def rates(self) -> Step:

@@ -50,10 +50,10 @@ def velocity_names(model: Model) -> tuple[str, ...]:
         return ()
     moving = [
         f"{letter}{mark_of(model, k)}_{axis}{dots}"
+        for dots in (RATE, "")  # accelerations stand first in equations
         for k in range(len(model.bodies))
         for letter in UNITS
         for axis in XYZ
-        for dots in ("", RATE)
     ]
     return (*moving, *thrusts_of(model))
 
