@@ -16,6 +16,7 @@ import pytest
 import freebody as fb
 from freebody.derivations.derive import compare
 from freebody.derivations.expressions.expression import Equation, Symbol, nodes
+from freebody.derivations.render import page
 from freebody.derivations.render.equation_numbers import cited
 from freebody.model.model import Model
 from support.printed_values import evaluate
@@ -441,3 +442,17 @@ def test_no_equation_repeats_a_rule_as_a_number_of_terms():
     said = str(fb.derive(fb.load("bricard")))
     assert "T₄ = ½ m₄ vc₄² + ½ (ω₄ · I₄ ω₄)\n" in said
     assert "((" not in said
+
+
+def test_long_lists_are_several_tables():
+    """A printed page ends between tables only; one of ninety rows was cut."""
+    vectors = next(x for x in fb.derive(fb.load("ur5e")).steps if x.operation == "The vectors")
+    assert page.html([vectors.equations]).count("<math ") == 3
+    short = fb.derive(fb.load("2R"), "lagrange").steps
+    assert all(page.html([step.equations]).count("<math ") == 1 for step in short)
+
+
+def test_no_comma_begins_a_line_of_the_table():
+    table = re.findall(r"<table.*?</table>", fb.derive(fb.load("3R")).html(), re.DOTALL)[0]
+    assert ",</span> " in table
+    assert "</math>, " not in table

@@ -46,6 +46,8 @@ class _Document:
     prose: Medium
     symbol: Callable[[Expression], str]
     equations: Callable[[Step], str]
+    listed: Callable[[list[str]], str] = ", ".join
+    """Symbols of one meaning."""
     wrap: Callable[[str, str], str] = lambda words, indent: words
     rows: Callable[[_Document, Rows], str] = lambda self, rows: "".join(
         self.row.format(*row) for row in rows
@@ -77,7 +79,7 @@ class _Document:
         blocks = [self.title.format(title), self.underline * _cells(title)]
         if derivation.given:
             rows = [
-                (", ".join(map(self.symbol, m.symbols)), prose(m.words), prose(m.unit))
+                (self.listed(list(map(self.symbol, m.symbols))), prose(m.words), prose(m.unit))
                 for m in derivation.glossary
             ]
             blocks.append(self.given.format(self.wrap(prose(derivation.given), "")))
@@ -229,9 +231,7 @@ def latex(derivation: Derivation) -> str:
 
 
 # ---------------------------------------------------------------- HTML
-NOTEBOOK_STYLE = (
-    f"{page.STYLE}{term_sources.STYLE}section>details>summary>h2{{display:inline-block}}"
-)
+NOTEBOOK_STYLE = f"{page.STYLE}{term_sources.STYLE}section>details>summary>h2{{display:inline}}"
 """What steps need where they stand in a page of others, such as a notebook."""
 
 body = _Document(
@@ -240,6 +240,9 @@ body = _Document(
     equations=lambda step: (
         f'<div class="equations{" result" * step.result}">{page.html([step.equations])}</div>'
         f"{term_sources.legend(step.equations)}"
+    ),
+    listed=lambda symbols: " ".join(
+        [*(f"<span>{x},</span>" for x in symbols[:-1]), *symbols[-1:]]  # no comma begins a line
     ),
     title="<h1>{}</h1>",
     given="<p>{}</p>",
@@ -293,13 +296,13 @@ body{font:17px/1.6 system-ui,sans-serif;margin:0;color:#1b2430;background:#fff}
 main{max-width:60rem;margin:0 auto;padding:2rem 1.2rem 4rem}
 h1{font-size:1.9rem;line-height:1.25}
 h2{font-size:1.2rem;margin:2.4rem 0 .3rem}h2 span{color:#8a94a3;margin-right:.4em}
-summary{cursor:pointer}summary h2{display:inline-block;margin-bottom:.3rem}
+summary{cursor:pointer}section>details>summary{margin:2.4rem 0 .3rem}summary h2{display:inline}
 h2 .notes{font-weight:400;color:#5a6675;font-size:.85rem;margin-left:.4em}
 p{max-width:44rem}.equations{overflow-x:auto;padding:.3rem 0}
 .result{border:1.5px solid #8a94a3;border-radius:.4rem;padding:.8rem;margin-top:.8rem}
 .symbols{border-collapse:collapse;font-size:.92rem;margin:1rem 0}
 .symbols td{padding:.12rem 1.2rem .12rem 0;vertical-align:baseline}
-.symbols td:last-child{white-space:nowrap}
+.symbols td:last-child,.symbols span{white-space:nowrap}
 math{font-size:1.2rem}p math,td math{font-size:1.1em}
 figure{margin:1rem 0;text-align:center}figure svg{max-width:100%;height:auto}
 .source{color:#5a6675;font-size:.9rem;margin-top:3rem}
@@ -307,7 +310,8 @@ figure{margin:1rem 0;text-align:center}figure svg{max-width:100%;height:auto}
 .source,h2 .notes{color:#9aa6b5}}
 @media print{body{font-size:11pt}main{max-width:none;padding:0}
 math{font-size:1rem}.equations math{font-size:13.8px}.equations{overflow:visible}
-section{break-inside:avoid-page}}
+p,figure,math,.result{break-inside:avoid-page}summary,section p{break-after:avoid-page}
+h1{margin-top:0}.source{margin-top:1rem;break-before:avoid-page}}
 """
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import groupby
+from itertools import accumulate, groupby
 
 from freebody.derivations.expressions.nodes import (
     Derivative,
@@ -14,6 +14,7 @@ from freebody.derivations.expressions.nodes import (
     Sum,
     Symbol,
     Vector,
+    nodes,
 )
 from freebody.derivations.render import mathml
 from freebody.derivations.render.latex import LATEX, width_of
@@ -33,6 +34,8 @@ Groups = Sequence[Sequence[Equation]]
 
 WIDE = 0.25
 """The part of a line from which on a left side is wide."""
+TALL = 24
+"""About the rows of a table where there are many: a printed page breaks between tables."""
 
 
 # ---------------------------------------------------------------- text
@@ -116,19 +119,36 @@ def html(groups: Groups, width: int = 74, alone: bool = False) -> str:
     return "".join(_table(table, width, alone) for table in _tables(groups, width))
 
 
+def _parts(group: Sequence[Equation]) -> list[tuple[int, Equation]]:
+    """Each equation with the number of its part: parts of about `TALL` rows, one of few that are
+    not twice as many."""
+    heights = [_height(line) for line in group]
+    total = sum(heights)
+    count = total // TALL if total > 2 * TALL else 1
+    before = accumulate(heights, initial=0)
+    return [(count * row // total, line) for line, row in zip(group, before, strict=False)]
+
+
+def _height(line: Equation) -> int:
+    """Rows of the tallest array in an equation."""
+    arrays = (x for x in nodes(line) if isinstance(x, Vector | Matrix))
+    return max((len(x.rows if isinstance(x, Matrix) else x.entries) for x in arrays), default=1)
+
+
 def _tables(groups: Groups, width: float) -> list[list[list[Equation]]]:
-    """The groups, in the same order, in tables of left sides that are all wide or all narrow."""
+    """The groups, in the same order, in tables of left sides that are all wide or all narrow, and
+    not of very many rows."""
     tables: list[list[list[Equation]]] = []
     last = None
     for group in groups:
-        runs = groupby(group, lambda line: span(left_side(line)) > WIDE * width)
-        for k, (wide, lines) in enumerate(runs):
-            if wide != last:
+        runs = groupby(_parts(group), lambda row: (row[0], span(left_side(row[1])) > WIDE * width))
+        for k, (kind, lines) in enumerate(runs):
+            if kind != last:
                 tables.append([])
-            if wide != last or not k:
+            if kind != last or not k:
                 tables[-1].append([])
-            tables[-1][-1] += lines
-            last = wide
+            tables[-1][-1] += [line for _, line in lines]
+            last = kind
     return tables
 
 
