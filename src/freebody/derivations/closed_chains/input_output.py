@@ -97,10 +97,8 @@ def input_output(
     if not len(J_a) == len(chosen) == len(driven):
         raise FreebodyError(
             f"input_output: {len(driven)} joints of {model.name!r} are driven, {len(chosen)} rows "
-            f"of the tip's motion "
-            f"chosen, and {len(J_a)} equations hold between them; these must be equal. Choose "
-            f"rows=[...], or other "
-            "drives with model.replace(actuated=[...])."
+            f"of the tip's motion chosen, and {len(J_a)} equations hold between them; these must "
+            f"be equal. Choose rows=[...], or other drives with model.replace(actuated=[...])."
         )
     return ClosedInputOutput(loops, name, chosen, driven, J_a, J_b)
 
@@ -182,8 +180,7 @@ def _eliminated(loops: LoopEquations, system: _MotionEquations) -> tuple[Entries
             if weights is None:
                 raise FreebodyError(
                     f"input_output: passive joints of {loops.model.name!r} move though tip and "
-                    f"drives stand still; "
-                    "drive another joint with model.replace(actuated=[...])."
+                    f"drives stand still; drive another joint with model.replace(actuated=[...])."
                 )
             combined = zip(times(weights, a, s), times(weights, b, s), strict=True)
             short = [without_common([*x, *y]) for x, y in combined]

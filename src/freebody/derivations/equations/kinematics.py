@@ -85,8 +85,7 @@ class Kinematics(InTextbookForm):
         if len(chosen) != len(columns):
             raise FreebodyError(
                 f"determinant: {len(chosen)} rows of the Jacobian of frame {self.frame!r} and "
-                f"{len(columns)} joint "
-                f"coordinates make no square; choose {len(columns)} rows."
+                f"{len(columns)} joint coordinates make no square; choose {len(columns)} rows."
             )
         return determinant([[self.J[r][k] for k in columns] for r in chosen], self.symbols)
 

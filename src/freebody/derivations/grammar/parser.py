@@ -209,8 +209,7 @@ class Parser(ABC):
     def _number_behind(self, token: Token) -> None:
         before = self.source[self.tokens[self.at - 1].span]
         self.source.fail(
-            f"the number {token.text} follows {before!r}: write {before}^{token.text} for a "
-            f"power, "
+            f"the number {token.text} follows {before!r}: write {before}^{token.text} for a power, "
             f"{before}*{token.text} for a product",
             token.span,
         )

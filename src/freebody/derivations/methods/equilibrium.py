@@ -26,8 +26,7 @@ class Equilibrium:
         return Step(
             "The load",
             f"f is the force on the {robot} at its tip P. What the {robot} exerts there on its "
-            f"surroundings is -f; "
-            "formulas for the one and for the other differ in sign.",
+            f"surroundings is -f; formulas for the one and for the other differ in sign.",
             (eq(vec("f"), ex.Vector(tuple(sym(name) for name in self.s.load))),),
         )
 

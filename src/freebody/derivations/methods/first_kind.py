@@ -137,9 +137,8 @@ class _FirstKindSteps:
         """M, n and the system of both (5.25-5.27, 5.29)."""
         reason = (
             "Sorted by accelerations: M is the matrix of the kinetic energy, a quadratic form of "
-            "the rates, and n "
-            "holds the generalized forces less all terms without accelerations. Entries that are "
-            "not listed are 0."
+            "the rates, and n holds the generalized forces less all terms without accelerations. "
+            "Entries that are not listed are 0."
         )
         rate = ex.Symbol("q_d", "q", dots=1)
         rests = [self._named_rest(k, i) for k, i in self._by_coordinate()]
@@ -157,9 +156,8 @@ class _FirstKindSteps:
         both = Step(
             "Accelerations and multipliers together",
             f"{n} equations of motion and {m} of the loops, for {n} accelerations and {m} "
-            f"multipliers. The matrix can "
-            "be inverted where Φ_q has full rank and M is positive definite on the motions that "
-            "the loops allow.",
+            f"multipliers. The matrix can be inverted where Φ_q has full rank and M is positive "
+            f"definite on the motions that the loops allow.",
             (block_system(),),
             ("5.29",),
             result=True,
@@ -234,9 +232,7 @@ class _FirstKindSteps:
         reason = (
             f"The velocity constraints are solved for the rates of all coordinates but {names}: "
             f"the columns of N are the motions that the loops allow, K its entries that depend on "
-            f"the position. This fails where the "
-            f"denominator vanishes; there "
-            f"{names} "
+            f"the position. This fails where the denominator vanishes; there {names} "
             f"{'does' if len(chosen) == 1 else 'do'} not determine the motion."
         )
         return Step("Independent coordinates", reason, tuple(lines), ("5.22",))
@@ -291,10 +287,8 @@ class _FirstKindSteps:
     def _written(self, r: Reduction) -> list[Equation]:
         """The reduced equations by entries of M, n, N and γ; the mass matrix H = NᵀM N by its
         entries if it is one."""
-        f, names = (
-            len(r.independent),
-            [self.s.symbols.coordinates[k] + SECOND for k in r.independent],
-        )
+        f = len(r.independent)
+        names = [self.s.symbols.coordinates[k] + SECOND for k in r.independent]
         if f == 1:
             return [eq(ex.mul(self._quadratic(r, 0, 0), names[0]), self._driving(r, 0))]
         lines = []

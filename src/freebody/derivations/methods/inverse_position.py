@@ -17,12 +17,10 @@ def inverse_position(s: Setting) -> list[Step]:
     if lengths is None:
         return []
     a, b = lengths
-    x, y, one, two = (
-        sym("x"),
-        sym("y"),
-        sym(s.coordinate(s.order[0])),
-        sym(s.coordinate(s.order[1])),
-    )
+    x = sym("x")
+    y = sym("y")
+    one = sym(s.coordinate(s.order[0]))
+    two = sym(s.coordinate(s.order[1]))
     square = ex.add(ex.power(x, 2), ex.power(y, 2))
     over = ex.sub(square, ex.add(ex.power(a, 2), ex.power(b, 2)))
     reach, aside = ex.add(a, ex.mul(b, ex.cos(two))), ex.mul(b, ex.sin(two))

@@ -42,8 +42,7 @@ def _speeds(s: Setting) -> Step:
     rates = ex.Vector(tuple(sym(s.coordinate(i) + RATE) for i in s.order))
     many = (
         "The generalized speeds describe the motion, one for each degree of freedom. The rates of "
-        "the joints are "
-        "chosen: velocities are linear in them, and each can be varied alone."
+        "the joints are chosen: velocities are linear in them, and each can be varied alone."
     )
     one = (
         "One generalized speed describes the motion of one degree of freedom. "
@@ -62,9 +61,8 @@ def _inertia_forces(s: Setting) -> Step:
     return Step(
         "Inertia forces of the bodies",
         "By d'Alembert's principle the motion of a body counts as a load on it: an inertia force "
-        "at its centre of "
-        "mass, the opposite of f_ci, and an inertia torque, the opposite of the rate of its "
-        "angular momentum.",
+        "at its centre of mass, the opposite of f_ci, and an inertia torque, the opposite of the "
+        "rate of its angular momentum.",
         tuple(lines),
     )
 
@@ -107,9 +105,8 @@ class _JointRate:
         )
         if self.is_first:
             what = (
-                "A partial velocity is the factor of one joint's rate in the velocity of a point, "
-                "a partial angular "
-                f"velocity its factor in the angular velocity of a body. {what}"
+                f"A partial velocity is the factor of one joint's rate in the velocity of a point, "
+                f"a partial angular velocity its factor in the angular velocity of a body. {what}"
             )
         rest = "; those that are not listed are zero" if self.s.order[1:] else ""
         figure = f"partial {self.number}" if any(map(_some, self.centres.values())) else None
@@ -169,13 +166,10 @@ class _JointRate:
             )
         return (
             f"The generalized active force F_{self.number} is the sum of all forces, each times "
-            f"the partial velocity "
-            "of the point where it acts, and of all torques, each times the partial angular "
-            "velocity of its body; in "
-            f"it: {found}. The reactions in the joints do not occur, for together they do no work "
-            f"in any motion of "
-            "the joints. The generalized inertia force is the same sum over the inertia forces and "
-            "torques."
+            f"the partial velocity of the point where it acts, and of all torques, each times the "
+            f"partial angular velocity of its body; in it: {found}. The reactions in the joints do "
+            f"not occur, for together they do no work in any motion of the joints. The generalized "
+            f"inertia force is the same sum over the inertia forces and torques."
         )
 
     @property

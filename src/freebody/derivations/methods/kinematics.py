@@ -73,10 +73,8 @@ class _Tip:
     def position(self) -> Step:
         """Sum of the vectors along the arm."""
         s, position = self.s, self.s.column(tuple(self.closed.position))
-        told, lines = (
-            "The frames of the bodies, followed one after the other,",
-            [eq(vec("r_P"), position)],
-        )
+        told = "The frames of the bodies, followed one after the other,"
+        lines = [eq(vec("r_P"), position)]
         if s.planar:
             told, chain = "The vectors along the bodies, added one after the other,", self._chain()
             first = s.column(s.world[self._path()[0]][1])

@@ -79,8 +79,7 @@ def _coordinates(s: Setting) -> Step:
         f"The joint's variable fixes the pose of the body; its motor's {motor} does work along it."
         if one
         else "The joint variables fix the pose of every body and can be varied one by one; "
-        "along each only its own "
-        f"motor's {motor} does work."
+        f"along each only its own motor's {motor} does work."
     )
     reason += step_reasons.motorless(s)
     lines = (eq(sym("q"), names), eq(sym("Q"), forces)) if not s.load else (eq(sym("q"), names),)
@@ -193,8 +192,7 @@ def derivatives(s: Setting, energies: Energies, i: int) -> LagrangianDerivatives
     step = Step(
         f"Derivatives for {sym(x)}",
         "In the partial derivatives coordinates and rates count as independent; the derivative "
-        "with respect to time "
-        "brings in the accelerations.",
+        "with respect to time brings in the accelerations.",
         lines,
     )
     others = {} if friction.is_zero else {"friction": friction}

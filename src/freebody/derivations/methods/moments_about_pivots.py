@@ -45,10 +45,8 @@ def _fixed_axis(s: Setting, drive: Expression) -> Step:
     return Step(
         "Moments about the pivot",
         "The body turns about a fixed pivot, where the reaction f_0,1 has no moment: one equation "
-        "gives the torque, "
-        "with the moment of inertia about the pivot by the parallel-axis theorem. (The notes print "
-        "(3.3) and (3.4) "
-        "with the opposite sign of the weight.)",
+        "gives the torque, with the moment of inertia about the pivot by the parallel-axis "
+        "theorem. (The notes print (3.3) and (3.4) with the opposite sign of the weight.)",
         (eq("I_A", about), eq(ex.add(*moments), ex.mul("I_A", sym("omega1_d")))),
         ("1.19", "3.3", "3.4"),
         figure="free-body 1",
@@ -72,16 +70,13 @@ def _carried(s: Setting, i: int, drive: Expression) -> Step:
             )
         reason = (
             f"Take all that joint {n} carries as one system: the reactions inside it cancel, and "
-            f"the "
-            f"reaction {held} at the joint {none}."
+            f"the reaction {held} at the joint {none}."
         )
     else:
         reason = (
             f"Take all that joint {n} carries as one system: the reactions inside it cancel, and "
-            f"of "
-            f"the reaction {held} at "
-            f"the joint {'only the motor' if s.driven(i) else 'nothing'} acts along the slide, so "
-            f"that one force equation gives {found}."
+            f"of the reaction {held} at the joint {'only the motor' if s.driven(i) else 'nothing'} "
+            f"acts along the slide, so that one force equation gives {found}."
         )
     return Step(f"All that joint {n} carries", reason, tuple(lines), figure=f"carried {n}")
 

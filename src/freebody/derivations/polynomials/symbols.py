@@ -232,9 +232,8 @@ def _require_whole_ratios(model: Model) -> None:
         if mimic is not None and any(body.kind.angular) and mimic.ratio != round(mimic.ratio):
             raise FreebodyError(
                 f"joint {body.joint.name!r} of {model.name!r} turns {mimic.ratio:g} times as far "
-                f"as "
-                f"{mimic.joint!r}: closed forms need a whole number, since sines and cosines of a "
-                f"fraction of an angle "
+                f"as {mimic.joint!r}: closed forms need a whole number, since sines and cosines of "
+                f"a fraction of an angle "
                 'are not polynomials in its own. Load with mimic="free", '
                 "or let the slower joint lead."
             )
