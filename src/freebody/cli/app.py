@@ -46,16 +46,12 @@ def _command(function: Callable[..., None], example: str, **more: Any) -> None:
     app.command(epilog=example, help=terminal.paragraphs(function.__doc__), **more)(function)
 
 
-_command(study.study, study.EXAMPLE)
-_command(plan.plan, plan.EXAMPLE)
-_command(simulate.simulate, simulate.EXAMPLE)
-_command(sweep.sweep, sweep.EXAMPLE)
-_command(show.show, show.EXAMPLE)
-_command(derive.derive, derive.EXAMPLE, cls=derive.Command)
-_command(check.check, check.EXAMPLE)
-_command(fbd.fbd, fbd.EXAMPLE)
-_command(export.export, export.EXAMPLE)
-_command(models.models, models.EXAMPLE)
+COMMANDS = (study, plan, simulate, sweep, show, derive, check, fbd, export, models)
+"""Modules, each with a function of its name, an EXAMPLE, and where it writes its own help a
+`Command`."""
+for _module in COMMANDS:
+    _own = vars(_module)
+    _command(_own[_module.__name__.rpartition(".")[2]], _module.EXAMPLE, cls=_own.get("Command"))
 
 BESIDE = {"notes": "freebody_notes.command"}
 """Commands of packages that build on freebody, each with the module that has the function of this
