@@ -383,4 +383,4 @@ def test_derive_replaces_a_universal_and_a_spherical_joint(tmp_path, capsys):
     text = path.read_text(encoding="utf-8").replace("spherical", "universal")
     path.write_text(text, encoding="utf-8")
     assert run(["derive", str(path), "--method", "lagrange"]) == 0
-    assert "is replaced by joint 1 and joint 2" in capsys.readouterr().out.replace("\n", " ")
+    assert "is replaced by joints 1 and 2" in capsys.readouterr().out.replace("\n", " ")
