@@ -22,7 +22,8 @@ from freebody.derivations.methods.cut_loops import Loops, block_system, dotted
 from freebody.derivations.methods.energies import HALF
 from freebody.derivations.methods.method import Worked
 from freebody.derivations.methods.reactions import drive_part
-from freebody.derivations.methods.setting import LONGEST, Setting
+from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.shown_mechanism import LONGEST
 from freebody.derivations.methods.step_reasons import Efforts
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.errors import FreebodyError, listed

@@ -63,7 +63,7 @@ def measured(s: Setting, i: int, inertia: bool) -> list[Equation]:
     return [
         eq(name, value)
         for name, value in rows
-        if isinstance(value, ex.Matrix) or name.name not in names
+        if isinstance(value, ex.Matrix) or not (isinstance(name, ex.Symbol) and name.name in names)
     ]
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from freebody.derivations.methods.setting import require_single_joints
+from freebody.derivations.methods.mechanism import require_single_joints
 from freebody.derivations.polynomials.symbols import Symbols, symbols
 from freebody.derivations.render.literal import literal
 from freebody.elementary import Scalar
