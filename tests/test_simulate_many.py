@@ -469,6 +469,13 @@ def test_progress_is_told():
         assert 0.0 < parts[0] <= parts[-1] <= 1.0
 
 
+def test_progress_of_many_steps_between_two_times_is_that_of_the_steps():
+    parts: list[float] = []
+    options = {"step": 1e-4, "threads": 1, "progress": lambda text, x: parts.append(x)}
+    fb.simulate(ARM, Q, np.zeros(2), [0.0, 10.0], **WIDE, **options)
+    assert 0.0 < parts[0] < 0.5
+
+
 # ---------------------------------------------------------------- printed results of others
 def baby_boot() -> fb.Model:
     """A plate that turns about a pendulum's rod (Kane 1974)."""

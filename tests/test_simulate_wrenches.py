@@ -3,6 +3,8 @@ same for many as for each, and what is refused."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -20,7 +22,7 @@ Q = np.array([0.3, 0.4])
 LAW = fb.compile(lambda t, q: [-3.0 * x + t for x in q], {"t": (), "q": 2}, {"tau": 2})
 
 
-def oracle(table: np.ndarray, torque=None) -> np.ndarray:
+def oracle(table: Any, torque: Any = None) -> np.ndarray:
     return fb.simulate(ARM, Q, [0, 0], T, torque, method="DOP853", wrench_tables=table).q.values
 
 

@@ -55,7 +55,7 @@ class CompiledSteps:
                 start,
                 h,
             )
-            yield float(way.edges[first + 1 + span[-1]])
+            yield float(start[-1] + h[-1])
         if row >= 0:
             for x, every in places:
                 x[0] = every[row]
