@@ -304,6 +304,19 @@ def test_other_methods_name_those_for_closed_chains():
         fb.derive(fb.load("four_bar"), "recursive")
 
 
+def test_of_legs_that_are_alike_the_lines_of_one_are_told():
+    """Six legs of the Stewart platform; three of the 3RRR robot have lines of their own."""
+    steps = fb.derive(fb.load("stewart")).steps
+    spoken = {str(line.lhs) for step in steps for line in step.equations}
+    assert {"∂L/∂θ₇", "∂L/∂d₉", "τ₉", "ω₈", "V₉"} <= spoken
+    assert not {"∂L/∂θ₁₀", "∂L/∂d₁₂", "τ₂₄", "ω₁₁", "V₁₂"} & spoken
+    told = [step.reason for step in steps if "the same" in step.reason]
+    assert sum("bodies 10 to 12" in reason for reason in told) == 1
+    assert len(told) > 10
+    operations = [step.operation for step in fb.derive(fb.load("3RRR")).steps]
+    assert {"The equation of θ₄", "The equation of θ₆", "The equation of θ₈"} <= {*operations}
+
+
 def test_a_platform_on_six_legs_is_derived_as_far_as_print_allows():
     """With yaw, pitch and roll in the place of the quaternion; from rest, where rates do not count,
     legs and multipliers are those of the kernels."""
@@ -317,7 +330,7 @@ def test_a_platform_on_six_legs_is_derived_as_far_as_print_allows():
     rates = next(s for s in derivation.steps if s.operation == "Velocity constraints")
     names = [str(line.lhs) for line in rates.equations]
     assert len(set(names)) == len(names), "row 4, column 11 is not row 41, column 1"
-    assert "Φ_q,₄,₁₁" in names
+    assert "Φ_q,₁₀,₄" in names
     q = fb.assemble(model)
     w, x, y, z = q[3:7]
     yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))

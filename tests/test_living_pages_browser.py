@@ -231,6 +231,69 @@ def test_the_recursion_of_a_long_arm_runs_in_its_page(driver, tmp_path, name):
     assert values(driver) != found
 
 
+def quaternion(*angles: float) -> list[float]:
+    """Of yaw, pitch and roll."""
+    quat = np.array([1.0, 0.0, 0.0, 0.0])
+    for angle, axis in zip(angles, (2, 1, 0), strict=True):
+        c, turn = np.cos(angle / 2), np.sin(angle / 2) * np.eye(3)[axis]
+        w, v = quat[0], quat[1:]
+        quat = np.array([w * c - v @ turn, *(w * turn + c * v + np.cross(v, turn))])
+    return quat.tolist()
+
+
+def in_body_axes(p_d, angles, rates):
+    """Velocity and angular velocity by components in the body's axes."""
+    (c4, c5, c6), (s4, s5, s6) = np.cos(angles), np.sin(angles)
+    R = np.array([
+        [c4 * c5, c4 * s5 * s6 - s4 * c6, c4 * s5 * c6 + s4 * s6],
+        [s4 * c5, s4 * s5 * s6 + c4 * c6, s4 * s5 * c6 - c4 * s6],
+        [-s5, c5 * s6, c5 * c6],
+    ])  # fmt: skip
+    E = np.array([[-s5, 0.0, 1.0], [c5 * s6, c6, 0.0], [c5 * c6, -s6, 0.0]])
+    return np.concatenate([R.T @ p_d, E @ rates])
+
+
+@pytest.mark.long
+def test_the_platform_on_six_legs_moves_in_its_page(driver, tmp_path):
+    """The page closes the loops; its forces are those of the kernels, to 1e-9 of the largest."""
+    model = fb.load("stewart")
+    derivation = fb.derive(model)
+    opened(driver, tmp_path, derivation)
+    legs, names = range(9, 25, 3), derivation.equations.symbols.coordinates
+    for k, n in enumerate(legs):
+        start = dict(driver.execute_script(NUMBERS))[f"d{n}"]
+        for dots, value in (("", start + 0.02 * k - 0.04), ("_d", 0.1 * k - 0.2), ("_dd", 0.3 - k)):
+            driver.execute_script(MOVE, f"d{n}{dots}", value)
+    at, shown = dict(driver.execute_script(NUMBERS)), values(driver)
+    assert driver.execute_script(OPEN) == ""
+    q, qd, qdd = (np.array([at[x + dots] for x in names]) for dots in ("", "_d", "_dd"))
+    step = 1e-30j  # the derivative of an analytic function, exactly
+    body = in_body_axes(qd[:3], q[3:6], qd[3:6])
+    moved = in_body_axes(
+        qd[:3] + step * qdd[:3], q[3:6] + step * qd[3:6], qd[3:6] + step * qdd[3:6]
+    )
+    held = fb.reactions(
+        model,
+        [*q[:3], *quaternion(*q[3:6]), *q[6:]],
+        [*body, *qd[6:]],
+        qdd=[*(moved.imag / 1e-30), *qdd[6:]],
+    )
+    size = np.abs(held.multipliers).max()
+    found = [at[f"lam{k}"] for k in range(1, 19)]
+    np.testing.assert_allclose(found, held.multipliers, rtol=0, atol=1e-9 * size)
+    driven = [at for at in range(model.nv) if at not in model.passive]
+    for one in shown["tau9"]:
+        np.testing.assert_allclose(one, [held.tau[driven[0]]], rtol=1e-9)
+    for part in ("arm", "bodies"):
+        assert driver.find_elements("css selector", f"#{part} .bar")
+    first = driver.execute_script(ARROWS)
+    driver.execute_script(
+        """const slider = document.getElementById('first'); slider.value = 5;
+        slider.dispatchEvent(new Event('input'));"""
+    )
+    assert driver.execute_script(ARROWS) != first
+
+
 def test_the_quadrotor_follows_its_four_thrusts(driver, tmp_path):
     """Its accelerations are those for which the kernel finds the force and moment of the
     thrusts."""
@@ -240,11 +303,7 @@ def test_the_quadrotor_follows_its_four_thrusts(driver, tmp_path):
         for k, thrust in enumerate(thrusts, 1):
             driver.execute_script(MOVE, f"T{k}", thrust)
         at = dict(driver.execute_script(NUMBERS))
-        quat = np.array([1.0, 0.0, 0.0, 0.0])
-        for k, axis in ((4, 2), (5, 1), (6, 0)):  # yaw, pitch, roll
-            c, turn = np.cos(at[f"theta{k}"] / 2), np.sin(at[f"theta{k}"] / 2) * np.eye(3)[axis]
-            w, v = quat[0], quat[1:]
-            quat = np.array([w * c - v @ turn, *(w * turn + c * v + np.cross(v, turn))])
+        quat = quaternion(*(at[f"theta{k}"] for k in (4, 5, 6)))
         moving = [
             [at[f"{letter}_{x}{dots}"] for letter in ("v", "omega") for x in "xyz"]
             for dots in ("", "_d")

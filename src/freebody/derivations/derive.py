@@ -12,6 +12,7 @@ from freebody.derivations.closed_chains.first_kind import MULTIPLIER
 from freebody.derivations.derivation import Comparison, Derivation, Step, written_in
 from freebody.derivations.expressions.nodes import Equation, Words, nodes
 from freebody.derivations.methods import METHODS
+from freebody.derivations.methods.alike_legs import told_once
 from freebody.derivations.methods.free_bodies import velocity_names
 from freebody.derivations.methods.method import Method
 from freebody.derivations.methods.overview import overview
@@ -66,7 +67,7 @@ def undrawn_derivation(
         record.name,
         worked.title or record.title,
         setting.equations,
-        _with_lengths(worked.steps),
+        _with_lengths(told_once(setting, worked.steps)),
         worked.tau,
         given,
         glossary,

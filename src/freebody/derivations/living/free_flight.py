@@ -81,9 +81,9 @@ class FreeFlight:
         centre = sub(self.s.centre_position(self._body), at)
         weight = scale(self.s.mass(self._body), self.s.tree.gravity)
         given = self.s.symbols.given or self.s.symbols.model
-        acting = [("weight", f"{letters.symbol(mass_symbol(given, 0))} g", weight, centre)]
+        acting = [("weight", f"{letters(mass_symbol(given, 0))} g", weight, centre)]
         acting += [
-            ("external", str(letters.symbol(sym(name))), times(R, force), times(R, p))
+            ("external", str(letters(sym(name))), times(R, force), times(R, p))
             for name, force, p in self._pushes()
         ]
         return {

@@ -46,7 +46,7 @@ from freebody.derivations.render.living_parts import LivingParts
 MOST_JOINTS = 4
 """Of robots with more, lines are evaluated one after the other, as the recursion goes; of others
 as polynomials, which proves them."""
-MOST_BODIES = 12
+MOST_BODIES = 30
 """Of robots with more, numbers would make a page too large."""
 _WIDEST: dict[str, float] = {"rad": math.pi, "rad/s": 5.0, "rad/s²": 20.0, "m/s": 3.0, "N": 100.0}
 """The end of a slider, by unit; of other units three times the value, at least 1."""
