@@ -159,3 +159,9 @@ def test_a_count_below_one_is_not_the_last_word():
     told = "With redundant ones it moves all the same"
     assert told in " ".join(fb.derive(fb.load("bricard")).text().split())
     assert told not in fb.derive(fb.load("four_bar")).text()
+
+
+def test_one_body_is_spoken_of_as_one():
+    text = fb.derive(fb.load("pendulum"), "lagrange-first-kind", coordinates="absolute").text()
+    assert "1 body has 3 coordinates; 2 constraints leave 1" in text
+    assert re.search(r"φ̇₁, φ̈₁ +its velocity and acceleration", text)

@@ -75,7 +75,11 @@ class _Absolute:
         ):
             yield Meaning(tuple(map(sym, chosen)), words, unit)
             rates = tuple(sym(x + dots) for dots in (RATE, SECOND) for x in chosen)
-            yield Meaning(rates, "their velocities and accelerations", f"{unit}/s, {unit}/s²")
+            one = len(chosen) == 1
+            theirs = (
+                "its velocity and acceleration" if one else "their velocities and accelerations"
+            )
+            yield Meaning(rates, theirs, f"{unit}/s, {unit}/s²")
         yield Meaning((sym("T"), sym("V")), "kinetic and potential energy", glossary.JOULE)
         yield Meaning((sym("Phi_k"),), "a constraint, zero where joint or loop hold together", "")
         yield Meaning((sym("lam_k"),), "its multiplier: a force in a joint or a loop", "")
@@ -143,7 +147,8 @@ class _Absolute:
         """f = n - m."""
         n, m = len(self.given.names), len(self.given.Phi)
         reason = (
-            f"{len(self.bodies)} bodies have {n} coordinates; {m} constraints leave {n - m} of "
+            f"{'1 body has' if len(self.bodies) == 1 else f'{len(self.bodies)} bodies have'} {n} "
+            f"coordinates; {m} constraints leave {n - m} of "
             "them free, if none follows from the others."
         )
         return Step("Degrees of freedom", reason, (eq("f", ex.sub("n", "m"), ex.sub(n, m), n - m),))

@@ -27,7 +27,8 @@ def arms_of_pivots(s: Setting) -> Iterator[Meaning]:
     if s.cited == "R":
         yield Meaning((sym("I_A"),), "moment of inertia about the pivot", INERTIA)
     elif any(s.turns(i) and s.tree.children(i) for i in s.order):
-        yield Meaning((sym("r_i,ck", True),), "joint i to the centre of mass of body k", METER)
+        words = "vector from joint i to the centre of mass of body k"
+        yield Meaning((sym("r_i,ck", True),), words, METER)
 
 
 def _fixed_axis(s: Setting, drive: Expression) -> Step:
