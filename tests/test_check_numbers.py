@@ -36,6 +36,7 @@ G2 = WEIGHT * math.cos(math.radians(75))
         ("g mm^2", 1e-9, (1, 2, 0)), ("°/s", math.pi / 180, (0, 0, -1)),
         ("rpm", math.pi / 30, (0, 0, -1)), ("rad s^{-1}", 1, (0, 0, -1)), ("m/s²", 1, (0, 1, -2)),
         ("N/(m s)", 1, (1, 0, -3)), ("J", 1, (1, 2, -2)), ("cm", 1e-2, (0, 1, 0)),
+        ("Newton-metres", 1, (1, 2, -2)), ("N-m", 1, (1, 2, -2)),
         (r"\metre\per\second\squared", 1, (0, 1, -2)), ("N. The", 1, (1, 1, -2)),
     ],
 )  # fmt: skip
@@ -46,7 +47,9 @@ def test_units_are_read(text: str, factor: float, dimension: tuple[int, int, int
     assert found[0].dimension == dimension
 
 
-@pytest.mark.parametrize("text", ["m2 g", "m₂ g", "m_2", "Newton", "s1", " and", "{N", "", "(N m)"])
+@pytest.mark.parametrize(
+    "text", ["m2 g", "m₂ g", "m_2", "Newtonian", "s1", " and", "{N", "", "(N m)"]
+)
 def test_names_and_words_are_no_units(text: str):
     assert unit_at(text, 0) is None
 
@@ -59,6 +62,9 @@ RIGHT = [
     (f"At {STATE}:\ntau_1 = {TAU[0]:.4f}\ntau_2 = {TAU[1]:.4f} Nm", "text"),
     (f"G2 ≈ {G2:.2f} N m (θ1 = π/6, θ2 = 0.25π)", "text"),
     (f"G2 = m2 g lc2 c12 = 1.5*9.81*0.15*cos(75°) = {G2:.3f} N m at {POSTURE}", "text"),
+    (f"G2 = m2 g lc2 cos 75° = {G2 * 100:.1f}·10^{{-2}} N-m at {POSTURE} at rest", "text"),
+    ("At θ2 = 45° and at rest:\nH12 = m2 (lc2² + l1 lc2 cos(pi/4)) + I2\nv_2 = 0", "text"),
+    ("H12 = m2 (lc2² + l1 lc2/√2) + I2 at θ2 = 45°".replace("/√2", " sin 45°"), "text"),
     (f"G2 = {G2 + 0.04:.2f} ± 0.05 N m, {POSTURE}", "text"),
     (f"M = [{MASS[0, 0]:.3f}, {MASS[0, 1]:.3f}; {MASS[1, 0]:.3f}, 0.046] kg m², θ2 = 45°", "text"),
     ("H22 = 45750 kg mm^2", "text"),
@@ -155,6 +161,7 @@ def test_the_verdict_on_a_number_reads_like_this():
         ("G2 = 0.57 N m at θ₁ = 0, θ₂ = 0, m2 = 3 kg", None, "m₂ is 3 here, and 1.5 in 'RR'"),
         ("G2 = 0,57 N m at θ₁ = 30°, θ₂ = 45°", None, "a decimal comma: write a point"),
         ("G2 = m2 g lc2 (c12) kN", None, "stands behind what is no number"),
+        ("G2 = 0.57 N m at θ1 = 0,5, θ2 = 0", None, "a decimal comma: write a point"),
         ("G2 = m2 g lc2 cos(θ1+θ2)\nr2 = 200 mm", None, "stands behind what is no result"),
         ("H22 = m2 lc2^2 + I2", {"theta1": 0.2}, "at: a state is given, but none of the results"),
         ("G2 = 0.57", {"theta9": 1}, "at: 'theta9' gives no symbol of 'RR' a value"),

@@ -78,6 +78,11 @@ _DEGREES = re.compile(rf"\^{_S}(?:\{{{_S}\\circ{_S}\}}|\\circ(?![A-Za-z]))|\\deg
 _SIUNITX = re.compile(
     r"\\(?:SI|qty)\s?\{([^{}]{1,30})\}\s?\{([^{}]{1,60})\}|\\ang\s?\{([^{}]{1,30})\}"
 )
+_POWER_OF_TEN = re.compile(
+    rf"(?<=[0-9.]){_S}(?:[·*×⋅]|\\cdot|\\times){_S}10{_S}"
+    rf"(?:\^{_S}(?:\{{{_S}([-−]?\d{{1,2}}){_S}\}}|([-−]?\d{{1,2}}))|(⁻?[⁰¹²³⁴-⁹]{{1,2}}))(?![\w.])"
+)
+_LOWERED = str.maketrans("⁻−⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789")
 _EMPTY = re.compile(r"\{\s{0,9}\}")
 _ENTRY = re.compile(
     r"(?<![\w\\}])(?P<name>\\?[A-Za-z]+|[Α-ω])(?:"
@@ -122,6 +127,11 @@ def _attached(match: re.Match[str]) -> str:
     return f"{name[0]}{match['dots']}{name[1:]}{match['below'] or ''}"
 
 
+def _exponent(match: re.Match[str]) -> str:
+    """2.5·10⁻³ as 2.5e-3."""
+    return "e" + "".join(filter(None, match.groups())).translate(_LOWERED)
+
+
 def _in_brackets(match: re.Match[str]) -> str:
     """What Word's brackets hold together; around a function they say nothing."""
     return match[1] if match[1].strip() in ("sin", "cos", "tan") else f"({match[1]})"
@@ -134,6 +144,7 @@ _SPELLINGS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] =
     (_WORD_BRACKETS, _in_brackets),
     (_DEGREES, lambda match: "°"),
     (_SIUNITX, lambda match: f"{match[1]} {match[2]}" if match[1] else f"{match[3]}°"),
+    (_POWER_OF_TEN, _exponent),
     (_EMPTY, lambda match: ""),
     (_ENTRY, lambda match: match["name"] + "".join(filter(None, match.groups()[1:]))),
     (_OF_TIME, lambda match: match[1]),

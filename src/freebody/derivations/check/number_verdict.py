@@ -4,15 +4,17 @@ degrees taken for radians."""
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from freebody.derivations.check.asked_quantities import Targets
 from freebody.derivations.check.claim import Claim
-from freebody.derivations.check.number_at_state import NumberAtState
+from freebody.derivations.check.number_at_state import EXACT, NumberAtState
 from freebody.derivations.check.number_reasons import reasons
+from freebody.derivations.check.real_point import RealPoint
 from freebody.derivations.check.right_equations import RightEquations
-from freebody.derivations.check.states import in_words
+from freebody.derivations.check.states import State, in_words
 from freebody.derivations.check.units import unit_of_quantity
 from freebody.derivations.check.verdict import EquationVerdict, Example, Mistake
 from freebody.derivations.check.written_numbers import WrittenNumber, WrittenNumbers
@@ -38,9 +40,7 @@ class NumberJudge:
         written = self.numbers.of(claim.node.span)
         given = self.numbers.state_at(claim.node.span)
         if not (isinstance(claim.value, Trig) and claim.value.is_constant):
-            if written is not None:
-                self._refuse_unit_of_symbols(claim, written)
-            return None
+            return self._in_symbols(claim, written, given)
         no_result = (
             claim.target.family in ("identity", "0") and claim.value.is_zero and written is None
         )
@@ -49,18 +49,48 @@ class NumberJudge:
         number = NumberAtState(self.setting, claim, written, given, self.tolerance)
         return _NumberVerdict(number).verdict(self.targets if explain else None)
 
-    def _refuse_unit_of_symbols(self, claim: Claim, written: WrittenNumber) -> None:
-        """Behind symbols only the unit may stand that the quantity has, no state and tolerance."""
-        needed = unit_of_quantity(self.setting, claim.target, claim.target.compute())
-        unit = written.unit
-        fits = unit is None or (unit.factor == 1 and needed in (None, unit.dimension))
-        if not fits or written.within or written.state:
-            claim.source.fail(
-                "a state, a tolerance or a unit other than the quantity's stands behind what is no "
-                "number",
-                written.said,
-                "Give the result in numbers, or the equation in symbols without them.",
-            )
+    def _in_symbols(
+        self, claim: Claim, written: WrittenNumber | None, given: State
+    ) -> EquationVerdict | None:
+        """The verdict on an answer in symbols that holds at its state only, m₂ g lc₂ cos 75°; None
+        of one that is right in general, or wrong."""
+        right = claim.target.compute()
+        if written is not None:
+            needed, unit = unit_of_quantity(self.setting, claim.target, right), written.unit
+            other = unit and (unit.factor != 1 or needed not in (None, unit.dimension))
+            if other or written.within:
+                claim.source.fail(
+                    "a tolerance, or a unit other than the quantity's, stands behind what is no "
+                    "number",
+                    written.said,
+                    "Give the result in numbers, or the equation in symbols without them.",
+                )
+        if not given or not isinstance(right, Trig) or not isinstance(claim.value, Trig):
+            return None
+        yours, put = (self._rows(x, given) for x in (claim.value, right))
+        largest = max(map(abs, put.values()), default=0.0)
+        same = all(
+            abs(yours.get(key, 0.0) - put.get(key, 0.0)) <= EXACT * largest for key in yours | put
+        )
+        if not same or (claim.value - right).is_zero or _names(claim.value) & set(given):
+            return None
+        used = in_words({name: x for name, x in given.items() if name in _names(right)})
+        return EquationVerdict(claim.label, claim.target.title, True, note=f"At {used}.")
+
+    def _rows(self, x: Trig, given: State) -> dict[frozenset[tuple[str, int]], float]:
+        """The terms of a polynomial with the values of a state put in."""
+        values = {name: value.value for name, value in given.items()}
+        point = RealPoint.of_state(self.setting.ring, values)
+        found: dict[frozenset[tuple[str, int]], float] = {}
+        for powers, coefficient in x.terms():
+            known = {
+                n: k
+                for n, k in powers.items()
+                if n.removeprefix("sin_").removeprefix("cos_") in given
+            }
+            key = frozenset((n, k) for n, k in powers.items() if n not in known)
+            found[key] = found.get(key, 0.0) + point.term(known, coefficient)
+        return found
 
     def unused(self, claims: Sequence[Claim]) -> Iterator[Span]:
         """Where something is said of numbers that are no result of the robot's."""
@@ -156,3 +186,13 @@ class _NumberVerdict:
         text = f"The units do not fit: {unit}, where {self._unit()} is needed."
         other = self.number.better_unit()
         return f"{text} In {other} the number is right." if other else text
+
+
+def _names(x: Trig) -> set[str]:
+    """The symbols in a polynomial."""
+    return {_symbol(name) for powers, _ in x.terms() for name in powers}
+
+
+def _symbol(name: str) -> str:
+    """Of a sine or cosine the angle."""
+    return re.sub("^(sin|cos)_", "", name)

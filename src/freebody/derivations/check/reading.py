@@ -261,7 +261,7 @@ class AnswerParser(Parser):
                 if token.text == "-":
                     factors.append(Number(Fraction(-1), span=token.span))
             else:
-                factors.append(self.primary())
+                factors.append(self.degrees(self.primary()))
         if self.token.kind == "name":
             factors.append(self.name())
         if not factors:

@@ -21,6 +21,7 @@ from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import tokens
 from freebody.derivations.grammar.source import Source
+from freebody.derivations.polynomials.symbols import RATE
 from freebody.errors import FreebodyError
 from freebody.outputs.numbers import shortest
 from freebody.scalars.trig import Trig
@@ -36,6 +37,8 @@ VALUE = re.compile(
 _BLANK = re.compile(r"(?:[\s~$&]|\\[,;:! ()\[\]])*")
 _EQUALS = re.compile(r"(?:[\s~$&]|\\[,;:! ])*=(?!=)(?:[\s~$&]|\\[,;:! ])*")
 _GOES_ON = re.compile(r"[\w(_]|\s?(?:[+*/^·×]|[-−](?!\s)|\\(?:cdot|times))")
+_AT_REST = re.compile(r"(?:at\s)?rest\b")
+_COMMA = re.compile(r",\d")
 _NEXT = re.compile(r"(?:[\s~$]|\\[,;:! ()])*(?:,|;|and(?![\w]))?(?:[\s~$]|\\[,;:! ()])*(?:and\s)?")
 
 
@@ -127,7 +130,11 @@ class StateReader:
         return found, end
 
     def _one(self, source: Source, at: int) -> tuple[dict[str, GivenValue], int] | None:
-        """θ1 = θ2 = 30°."""
+        """θ1 = θ2 = 30°, or at rest."""
+        rest = _AT_REST.match(source.text, _after(_BLANK, source.text, at))
+        if rest:
+            rates = [x + RATE for x in self.vocabulary.setting.symbols.coordinates]
+            return dict.fromkeys(rates, GivenValue(0.0, 0.0)), rest.end()
         names: list[str] = []
         while (named := self._names(source, _after(_BLANK, source.text, at))) is not None:
             own, end = named
@@ -139,6 +146,8 @@ class StateReader:
         if value is None:
             return None
         number = self._number(source, value.span())
+        if _COMMA.match(source.text, value.end()):
+            source.fail("a decimal comma: write a point", (value.start(), value.end() + 2))
         unit = unit_at(source.text, value.end())
         end = unit[1] if unit else value.end()
         if number is None or _GOES_ON.match(source.text, end):

@@ -24,12 +24,15 @@ _RESULT = re.compile(
 """The end of a number or of a vector, and a tolerance behind it."""
 _CLAUSE = re.compile(
     r"(?:[\s~$]|\\[,;:! ()\]]|\\(?:text|mbox|textrm)\s?\{)*"
-    r"(?:(?:at|for|when|where|with|if)\b|[@,;(])[\s~}$]*(?:the\s)?(?:state\s|posture\s|rest\s)?"
+    r"(?:(?:at|for|when|where|with|if)\b|[@,;(])[\s~}$]*(?:the\s)?(?:state\s|posture\s)?"
 )
 _SENTENCE = re.compile(r"(?:^|(?<=[.:;]\s))[^\S\n]{0,12}(?:[-*>][^\S\n])?", re.MULTILINE)
 _WORD = re.compile(r"[^\W\d_]{1,20}[,:]?(?=\s?[$\s])[^\S\n]?")
 _MOST_WORDS = 8
 _KEYWORDS = ("at", "for", "with", "when", "given", "let", "if")
+_WHERE = re.compile(r"(?<=[\w)}\]²³])[\s~$]{1,4}(?=(?:at|for|when|where|with|if)[\s~$])")
+_COLON = re.compile(r"[\s~$]{0,3}:")
+_ALONE = re.compile(r"(?:[=\[;]|,\s)[\s~$&]{0,4}[-−+]?\s?$")
 _SENTENCE_END = re.compile(r"(?:[\s~$}]|\\[,;:! )])*(?:[.:,;)]|$)", re.MULTILINE)
 _LONE = re.compile(
     r"=[\s~$&\[({]{0,6}[-+−]?\s?(?:\d{1,30}(?:\.\d{0,30})?|\.\d{1,30})(?:[eE][-+]?\d{1,3})?"
@@ -119,7 +122,9 @@ class _NumberSearch:
         if "=" not in self.text:
             return []
         self._read_standing()
-        found = [x for match in _RESULT.finditer(self.text) if (x := self._number(match))]
+        places = [*_RESULT.finditer(self.text), *_WHERE.finditer(self.text)]
+        places.sort(key=lambda match: match.start())
+        found = [x for match in places if (x := self._said_behind(match))]
         for k in reversed(range(len(found) - 1)):  # τ1 = 1 N m, τ2 = 2 N m at …
             x, behind = found[k], found[k + 1]
             between = self.text[x.span[1] : behind.span[0]]
@@ -129,7 +134,9 @@ class _NumberSearch:
 
     @property
     def has_result(self) -> bool:
-        """Whether a quantity of the robot's is said to be a number."""
+        """Whether a quantity is said to be a number, or a state is one for what follows."""
+        if any(_COLON.match(self.text, end) for end, _ in self.standing):
+            return True
         quantities = self.reader.targets.names - self.reader.vocabulary.symbols.keys()
         marks = asked_marks(self.text, (0, len(self.text)), quantities.__contains__)
         return any(_LONE.match(self.text, mark) for _, mark in marks)
@@ -173,6 +180,9 @@ class _NumberSearch:
         return name.partition("_d")[0] not in symbols.coordinates
 
     # ------------------------------------------------------------ numbers
+    def _said_behind(self, match: re.Match[str]) -> WrittenNumber | None:
+        return self._number(match) if match.re is _RESULT else self._expression(match)
+
     def _number(self, match: re.Match[str]) -> WrittenNumber | None:
         """What is said behind a number, if it is a result."""
         start, end = match.start(), match.end()
@@ -184,13 +194,12 @@ class _NumberSearch:
         own, behind = self._clause(stop)
         if not (own or unit or match["pm"]):
             return None
-        first = max(0, start - _LONGEST)
-        line = max((m.end() for m in _SEPARATOR.finditer(self.text, first, start)), default=first)
+        line = self._begin(start)
         if match[0] == "]" or match[0].startswith("\\"):
             line = self.text.rfind("=", 0, start) + 1
         begun = max(self.text.rfind("=", line, start) + 1, line)
         inside = self.text.count("(", begun, end) > self.text.count(")", begun, end)
-        if inside or begun == first:
+        if inside or begun == max(0, start - _LONGEST):
             return None
         if unit and "," in match[0]:
             self.source.fail("a decimal comma: write a point", (start, end))
@@ -199,6 +208,22 @@ class _NumberSearch:
         within = match["within"] or ""
         return WrittenNumber((begun, end), line, (end, behind), unit and unit[0], within, own)
 
+    def _expression(self, match: re.Match[str]) -> WrittenNumber | None:
+        """The state behind an expression in symbols."""
+        end = match.start()
+        own, behind = self._clause(end)
+        line = self._begin(end)
+        begun = self.text.rfind("=", line, end) + 1
+        if not own or not begun or any(a <= end < b for a, b in self.taken):
+            return None
+        self._take(end, behind)
+        return WrittenNumber((begun, end), line, (end, behind), state=own)
+
+    def _begin(self, at: int) -> int:
+        """Where the equation begins that goes on there."""
+        first = max(0, at - _LONGEST)
+        return max((m.end() for m in _SEPARATOR.finditer(self.text, first, at)), default=first)
+
     def _unit(self, at: int, number: int) -> tuple[WrittenUnit, int] | None:
         """The unit there. Where its words are symbols too, as m of a pendulum, it is one where the
         quantity has it."""
@@ -206,6 +231,8 @@ class _NumberSearch:
         if found is None:
             return None
         unit, end = found
+        if unit.text == "°" and not _ALONE.search(self.text, max(0, number - 12), number):
+            return None  # cos 75°
         if _GOES_ON.match(self.text, end) and not self._clause(end)[0]:
             return None
         if set(unit.words) <= self.reader.vocabulary.known and unit.dimension != self._needed(

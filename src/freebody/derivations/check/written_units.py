@@ -24,9 +24,8 @@ _KNOWN = _BASE | {
     for prefix, factor in _PREFIXES.items()
 }
 _SYNONYMS = {
-    "deg": "°", "degs": "°", "degree": "°", "degrees": "°", "radian": "rad", "radians": "rad",
-    "newton": "N", "metre": "m", "meter": "m", "kilogram": "kg", "gram": "g", "second": "s",
-    "joule": "J", "watt": "W", "sec": "s",
+    "deg": "°", "degree": "°", "radian": "rad", "newton": "N", "metre": "m", "meter": "m",
+    "kilogram": "kg", "gram": "g", "second": "s", "sec": "s", "joule": "J", "watt": "W",
 }  # fmt: skip
 _SIUNITX = {"kilo": "k", "milli": "m", "centi": "c", "micro": "µ", "mega": "M"}
 _TOGETHER = re.compile(r"((?:[kmcM]?N)|kg)((?:mm|cm|m)?)((?:/?s|/?rad)?)")
@@ -34,7 +33,7 @@ _WORD = re.compile(r"\\?[A-Za-zµμ]+(?![A-Za-z0-9_'₀-ₜ\u0300-\u036f])|°")
 _POWER = re.compile(r"\s?\^\s?(?:\{\s?([-−]?\d)\s?\}|([-−]?\d))|([⁻]?[²³¹])|\s?\\(squared|cubed)")
 _RAISED = {"²": 2, "³": 3, "¹": 1, "⁻¹": -1, "⁻²": -2, "⁻³": -3, "squared": 2, "cubed": 3}
 _BLANK = re.compile(r"(?:[\s~$]|\\[,;:! ])*")
-_TIMES = re.compile(r"[*·⋅.×∙]|\\(?:cdot|times)(?![A-Za-z])")
+_TIMES = re.compile(r"[*·⋅.×∙]|-(?=[A-Za-z])|\\(?:cdot|times)(?![A-Za-z])")
 _PER = re.compile(r"/|\\per(?![A-Za-z])|per\s")
 _OPEN = re.compile(r"\\(?:mathrm|text|textrm|mbox|mathsf|si|unit|rm)\s?\{|[{\[(]")
 _CLOSING = {"{": "}", "[": "]", "(": ")"}
@@ -128,9 +127,9 @@ class _UnitReader:
             return False
         word, end = match[0].lstrip("\\"), match.end()
         if word in _SIUNITX and (following := _WORD.match(self.text, end)):
-            word = _SIUNITX[word] + _SYNONYMS.get(following[0].lstrip("\\"), "")
+            word = _SIUNITX[word] + _named(following[0].lstrip("\\"))
             end = following.end()
-        parts = self._parts(_SYNONYMS.get(word, word))
+        parts = self._parts(_named(word))
         if not parts:
             return False
         power = _POWER.match(self.text, end)
@@ -171,3 +170,8 @@ class _UnitReader:
         )
         below = f"({below})" if " " in below else below
         return f"{above or '1'}/{below}" if below else above
+
+
+def _named(word: str) -> str:
+    """The symbol of a unit that is spelt out, Newtons."""
+    return _SYNONYMS.get(word.lower().removesuffix("s") if len(word) > 2 else word, word)

@@ -227,10 +227,16 @@ class Parser(ABC):
             elif self.token.kind == "transpose":
                 node = Transposed(node, span=(node.span[0], self.take().end))
             elif self.token.kind == "degree":
-                span = (node.span[0], self.take().end)
-                node = Product((node, Number(PI / 180, span=span)), span=span)
+                node = self.degrees(node)
             else:
                 return node
+
+    def degrees(self, node: Expression) -> Expression:
+        """A number in radians, where ° stands behind it."""
+        if self.token.kind != "degree":
+            return node
+        span = (node.span[0], self.take().end)
+        return Product((node, Number(PI / 180, span=span)), span=span)
 
     def exponent(self) -> int:
         """The number behind ^, or written as superscript."""
