@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from freebody.derivations.check import load_names
 from freebody.derivations.check.asked.bodies import QuantitiesOfBodies
 from freebody.derivations.check.asked.energies import EnergyQuantities
 from freebody.derivations.check.asked.free_body import FreeBodyQuantities
@@ -86,4 +87,4 @@ class Targets:
     @cached_property
     def soft(self) -> frozenset[str]:
         """Names of vectors of bodies that users often give to things of their own."""
-        return soft_names(len(self.setting.symbols.coordinates))
+        return soft_names(len(self.setting.symbols.coordinates)) | {*load_names.VECTORS, "W"}

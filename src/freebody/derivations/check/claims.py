@@ -85,6 +85,7 @@ def statements(
                 claimed.targets = replace(targets, based=True)
     claimed.letters_of_vectors = claimed.letters_given_as_vectors(lines)
     claimed.load = loaded_lines.loads(lines, vocabulary, targets)
+    pending |= claimed.own_scalars(lines)
     own = _definitions(claimed, reading, lines, pending)
     stated = [line[1:] if line in own else line for line in lines if line not in reading.failed]
     by_line: dict[Line, list[Claim]] = {}

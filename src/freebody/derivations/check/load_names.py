@@ -6,6 +6,7 @@ import re
 from collections.abc import Collection, Iterator
 
 from freebody.derivations.check.right_equations import RightEquations
+from freebody.derivations.polynomials.symbols import symbols as symbols_of
 from freebody.model.model import Model
 from freebody.scalars.trig import Trig
 
@@ -24,7 +25,8 @@ def named_in(model: Model, text: str) -> tuple[str, ...]:
     names = LOADS[model.dim]
     if model.tip is None or model.loops or not _WRITTEN.search(text):
         return ()
-    return () if set(names) & set(model.parameters) else names
+    slides = {f"f{x}" for x in symbols_of(model).coordinates}  # of a cart the drive's own force
+    return () if set(names) & {*slides, *model.parameters} else names
 
 
 def symbols(setting: RightEquations, taken: Collection[str]) -> Iterator[tuple[str, Trig]]:

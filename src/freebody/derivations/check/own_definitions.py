@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 
 from freebody.derivations.check.answer_lines import Line
+from freebody.derivations.check.answer_text import AnswerError
 from freebody.derivations.check.answer_tree import Wave
 from freebody.derivations.check.asked_quantities import AMBIGUOUS
 from freebody.derivations.check.circular_answers import refuse_itself, uses
@@ -36,6 +38,16 @@ class OwnDefinitions(SolvedQuantities):
             and line[0][0].text in self.targets.soft
             and any(self.is_matrix(side) for side in line[1:])
         )
+
+    def own_scalars(self, lines: Sequence[Line]) -> set[str]:
+        """Names of vectors that lines give as one number, wherever these stand."""
+        found = set[str]()
+        for line in lines:
+            name = line[0][0].text if len(line[0]) == 1 and len(line) > 1 else ""
+            with suppress(AnswerError):  # told where the line is read
+                if self._is_own_scalar(name, line):
+                    found.add(name)
+        return found
 
     def definitions(self, line: Line, lines: Sequence[Line]) -> list[Line]:
         """The line, if it introduces a name of the user's own, or an h that other lines use: its

@@ -235,22 +235,23 @@ class _NumberSearch:
             return None  # cos 75°
         if _GOES_ON.match(self.text, end) and not self._clause(end)[0]:
             return None
-        if set(unit.words) <= self.reader.vocabulary.known and unit.dimension != self._needed(
-            number
-        ):
+        is_name = set(unit.words) <= self.reader.vocabulary.known
+        if is_name and not self._may_have(unit, number):
             return None
         return unit, end
 
-    def _needed(self, at: int) -> tuple[int, int, int] | None:
-        """The unit of the quantity that stands before the last equals sign."""
+    def _may_have(self, unit: WrittenUnit, at: int) -> bool:
+        """Whether a quantity that stands before the last equals signs there has such a unit."""
         start = max(self.text.rfind("\n", 0, at) + 1, at - _LONGEST)
-        single = self.reader.targets.single
+        single, setting = self.reader.targets.single, self.reader.vocabulary.setting
         for left, mark in asked_marks(self.text, (start, at), single.__contains__):
-            target = single.get(re.sub(r"[_{}\\\s]", "", self.text[left:mark]))
-            if target is not None:
-                setting = self.reader.vocabulary.setting
-                return unit_of_quantity(setting, target, target.compute())
-        return None
+            name = re.sub(r"[_{}\\\s]", "", self.text[left:mark])
+            for target in (single.get(name), single.get(name.replace("P", "power"))):
+                if target is not None:
+                    needed = unit_of_quantity(setting, target, target.compute())
+                    if needed == unit.dimension:
+                        return True
+        return False
 
     def _clause(self, at: int) -> tuple[dict[str, GivenValue], int]:
         """The state behind a number: at θ₁ = 30°, θ₂ = 45°, and where it ends."""
