@@ -18,6 +18,7 @@ from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.gravity import gravity_of
 from freebody.model.placement import Placement, Shift
 from freebody.motion.simulation import compiled_steps, side_by_side, stepped
+from freebody.motion.simulation.course import course
 from support import generate
 
 T = np.linspace(0.0, 0.1, 6)
@@ -234,6 +235,24 @@ def test_jumps_at_breakpoints(method: str):
         np.testing.assert_allclose(found.qd.values[:, -1, 0], 0.5, rtol=1e-10)
 
 
+@pytest.mark.parametrize("method", ["rk4", "auto"])
+@pytest.mark.parametrize("t", [np.linspace(-0.3, 0.7, 11) + 0.3, np.linspace(-1.0, 1.0, 21)])
+def test_a_jump_at_a_time_of_the_result_but_for_rounding(method: str, t: np.ndarray):
+    """0.3 is not the fourth of these times, but 6e-17 off; a sum of steps from -1 passes 0."""
+    at = 0.3 if t[0] == 0.0 else 0.0
+    push = fb.compile(lambda t: [100.0 * less(t, at)], {"t": ()}, {"tau": 1})
+    step = {"step": 0.1} if method == "rk4" else {}
+    for breaks in ([at], [at, np.nextafter(at, 1.0), at + 1e-16]):
+        found = fb.simulate(ROD, np.zeros((2, 1)), [0.0], t, push, breakpoints=breaks, **step)
+        np.testing.assert_allclose(found.qd.values[:, -1, 0], 100.0 * (at - t[0]), rtol=1e-13)
+
+
+def test_instants_of_a_long_run_are_found_at_once():
+    """Of a controller of 1 kHz in 200 s."""
+    calls = 1e-3 * np.arange(200_000)
+    assert course(np.array([0.0, 200.0]), 1, np.zeros(0), calls).calls == tuple(range(200_000))
+
+
 def test_a_double_pendulum_for_100_s_keeps_its_energy():
     model = fb.planar("RR", l=[1, 1], lc=[1, 1], m=[1, 1], I=[0, 0])
     t = np.linspace(0, 100, 11)
@@ -375,6 +394,34 @@ def test_an_interrupt_keeps_what_was_computed():
 
 
 @pytest.mark.usefixtures("interrupts")
+def test_an_interrupt_after_the_last_step_keeps_all():
+    """While powers and energies are computed."""
+    left = [T[-1], 0.0]  # once the last time was reached, and the first one is asked for again
+
+    def torque(t, q, qd):
+        if t in left[:1]:
+            left.pop(0)
+            if not left:
+                signal.raise_signal(signal.SIGINT)
+        return np.zeros(2)
+
+    whole = fb.simulate(ARM, Q, QD, T, step=1e-3, **WIDE)
+    with pytest.raises(KeyboardInterrupt, match=r"up to t = 0\.1 s") as kept:
+        fb.simulate(ARM, Q, QD, T, torque, step=1e-3, **WIDE)
+    np.testing.assert_allclose(kept.value.result.power, whole.power, atol=1e-10)
+
+
+@pytest.mark.usefixtures("interrupts")
+def test_an_interrupt_before_the_first_step_keeps_the_start():
+    def torque(t, q, qd):
+        signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt) as kept:
+        fb.simulate(ARM, Q, QD, T, torque, sample_time=0.01, record=["q", "qd"], **WIDE)
+    np.testing.assert_array_equal(kept.value.result.q[:, 0], Q)
+
+
+@pytest.mark.usefixtures("interrupts")
 def test_an_interrupt_ends_threads():
     model = fb.load("2R")
     q, qd, _ = fb.random_state(model, 1, (2000,))
@@ -398,6 +445,7 @@ EQUAL = {"step": 1e-3}
 GIVEN = {"torque": LAW, "torque_inputs": {"goal": [1.0], "gain": 1.0}}
 REFUSED = [
     ({"step": 0.0}, FreebodyError, "step is 0, expected a number of seconds above 0"),
+    ({"step": 1e-300}, FreebodyError, "step is 1e-300 s, 1e+299 steps in this run; 1e+12 are"),
     ({"step": "1 ms"}, FreebodyError, "step holds <U4 values, expected real"),
     ({"tolerance": -1.0}, FreebodyError, "tolerance is -1, expected a number above 0"),
     ({"max_step": np.nan}, FreebodyError, "max_step is nan, expected a number of"),

@@ -35,12 +35,24 @@ def course(t: Array, every: int, others: Array, calls: Array) -> Course:
     """Of the times t, of which every so many are kept, other times at which steps end, and those of
     a controller's calls; those within rounding of each other are one."""
     near = 1e-9 * min(np.diff(t).min(), np.diff(calls).min() if len(calls) > 1 else np.inf)
-    edges = merged(t, np.concatenate([others, calls]), near)
+    jumps = np.unique(others)
+    apart = jumps[np.diff(jumps, prepend=-np.inf) > near]
+    edges = merged(t, np.concatenate([apart, calls]), near)
     rows = np.full(len(edges), -1)
     rows[np.searchsorted(edges, t[::every])] = np.arange(len(t[::every]))
-    inner = _ULPS * np.spacing(edges) * np.isin(edges, others)
-    called = sorted({int(np.abs(edges - x).argmin()) for x in calls})
+    place = _nearest(edges, jumps)
+    off = np.abs(edges[place] - jumps)
+    at = off <= near
+    inner = np.zeros(len(edges))
+    np.maximum.at(inner, place[at], off[at] + _ULPS * np.spacing(np.abs(edges).max()))
+    called = np.unique(_nearest(edges, calls)).tolist()
     return Course(edges, (edges + inner)[:-1], (edges - inner)[1:], rows, tuple(called))
+
+
+def _nearest(edges: Array, times: Array) -> NDArray[np.intp]:
+    """Which of the increasing edges is nearest to each time."""
+    after = np.clip(np.searchsorted(edges, times), 1, len(edges) - 1)
+    return after - (times - edges[after - 1] < edges[after] - times)
 
 
 @dataclass(eq=False)

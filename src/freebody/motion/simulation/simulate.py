@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _TOLERANCE = 1e-10
+_MOST = 1e12  # equal steps: beyond these a run would take days
 _FRICTION = ("smooth", "dry")
 _TO_EVENTS = ("auto", "rk4", "semi-implicit")
 
@@ -115,6 +116,10 @@ def simulate(
     _require_sizes(step, tolerance, friction_width, max_step)
     names = recorded(model, record)
     times = _times(t)
+    if step is not None and (count := float(times[-1] - times[0]) / step) > _MOST:
+        raise FreebodyError(
+            f"simulate: step is {step:g} s, {count:.3g} steps in this run; {_MOST:g} are the most."
+        )
     ends = breakpoints_of(breakpoints, sample_time)
     contacts = _contacts(model, friction, restitution)
     asked = _asked(
@@ -142,9 +147,9 @@ def simulate(
     result = _nothing_yet(asked, _used(model, asked, chosen, friction))
     try:
         _run(asked, chosen, result)
+        return dataset(asked, result, names)
     except KeyboardInterrupt:
         raise SimulationInterrupted(dataset(asked, result.until_now(), names)) from None
-    return dataset(asked, result, names)
 
 
 def _nothing_yet(asked: Simulation, used: dict[str, Any]) -> Simulated:
@@ -154,6 +159,7 @@ def _nothing_yet(asked: Simulation, used: dict[str, Any]) -> Simulated:
         np.full((*asked.lanes.shape, len(kept), n), np.nan)
         for n in (asked.model.nq, asked.model.nv)
     )
+    q[..., 0, :], qd[..., 0, :] = asked.q, asked.qd
     return Simulated(kept, q, qd, used)
 
 
