@@ -19,7 +19,7 @@ from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.notations.notation import USUAL_LETTERS
 from freebody.lazy import cached_property
 
-AMBIGUOUS = frozenset(("B", "b", "d", "k", "phi", "v"))
+AMBIGUOUS = frozenset(("B", "D", "b", "d", "k", "phi", "v"))
 """Letters that some books have for these quantities, and others for something else."""
 
 _GROUPS: tuple[type[QuantityGroup], ...] = (

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from freebody.derivations.check import (
     coriolis,
     numeric_example,
+    position_verdict,
     quotient_verdict,
     undriven_joints,
 )
@@ -72,6 +73,8 @@ class Judge:
 
     def verdict(self, claim: Claim, explain: bool = True) -> EquationVerdict:
         """The verdict on one claim, with its mistakes named or only with an example."""
+        if claim.target.family == "position":
+            return position_verdict.verdict(self.setting, claim, self.claims, explain)
         number = self.numbers.verdict(claim, explain)
         if number is not None:
             return number

@@ -12,7 +12,7 @@ from freebody.derivations.check.answer_tree import Angle, Named, Wave
 from freebody.derivations.check.quotients import Value, inverted, negative, pair, plus, times
 from freebody.derivations.closed_chains.linear import Ratio
 from freebody.derivations.expressions.evaluate import NoValue, Rules, arithmetic, evaluate
-from freebody.derivations.expressions.nodes import Expression, Matrix, Power, Quotient
+from freebody.derivations.expressions.nodes import Expression, Function, Matrix, Power, Quotient
 from freebody.derivations.grammar.parser import PI
 from freebody.derivations.grammar.source import Source
 from freebody.scalars.trig import Trig, TrigRing
@@ -45,6 +45,7 @@ class PolynomialReader:
             Named: lambda node, at: node.value,
             Wave: lambda node, at: self._wave(node),
             Matrix: _no_matrix,
+            Function: _no_function,
         }
 
     def read(self, node: Expression) -> Trig:
@@ -129,6 +130,14 @@ class PolynomialReader:
         if sum(abs(k) for _, k in multiples) > MOST_TURNS or abs(turn) > 1000:
             self.source.fail("a multiple of an angle this large is not read", node.span)
         return tuple(sorted(multiples, key=lambda row: self.ring.angles.index(row[0]))), turn
+
+
+def _no_function(node: Function, at: object) -> Trig:
+    raise NoValue(
+        f"{node.name} does not occur in these equations: write them with sin and cos; by it "
+        "coordinates are told, as in θ2 = arccos(…)",
+        node,
+    )
 
 
 def _no_matrix(node: Matrix, at: object) -> Trig:

@@ -66,6 +66,11 @@ _TRANSPOSE = re.compile(
     rf"{_S}\{{T\}}){_S}\}})"
 )
 """J^T."""
+_EITHER = re.compile(
+    rf"(?:±|\\pm(?![A-Za-z]))(?={_S}\\?(?:operatorname\{{|mathrm\{{)?"
+    r"(?:sqrt|a(?:rc)?(?:cos|sin|tan)|(?:cos|sin|tan)\^))"
+)
+"""± in front of a function of two values: each is looked at."""
 _INVERSE_TRANSPOSE = re.compile(rf"\^{_S}\{{{_S}[-−]{_S}(?:T|\\top|1{_S}\\top|1{_S}T){_S}\}}")
 """J^{-T}."""
 _DETACHED = re.compile(
@@ -138,6 +143,7 @@ def _in_brackets(match: re.Match[str]) -> str:
 
 
 _SPELLINGS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
+    (_EITHER, lambda match: "+"),
     (_INVERSE_TRANSPOSE, lambda match: f"⁻¹{TRANSPOSED}"),
     (_TRANSPOSE, lambda match: TRANSPOSED),
     (_DETACHED, _attached),

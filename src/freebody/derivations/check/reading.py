@@ -15,9 +15,11 @@ from freebody.derivations.check.exact_polynomials import LARGEST_EXPONENT, Polyn
 from freebody.derivations.check.quotients import Value
 from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.expressions.nodes import (
+    Arguments,
     Cross,
     Dot,
     Expression,
+    Function,
     Matrix,
     Number,
     Power,
@@ -30,6 +32,9 @@ from freebody.derivations.grammar.parser import PI, Parser, around, product_of
 from freebody.derivations.grammar.source import Source
 from freebody.errors import FreebodyError
 from freebody.scalars.trig import Trig
+
+INVERSE_FUNCTIONS = ("arccos", "arcsin", "arctan", "atan2", "sqrt")
+"""Functions by which coordinates are told."""
 
 
 def inverse_behind(tokens: Sequence[Token]) -> int:
@@ -232,7 +237,11 @@ class AnswerParser(Parser):
             return self.table()
         if function == "cross":
             return self._cross(token)
+        if function in INVERSE_FUNCTIONS:
+            return self._inverse_function(token, function)
         exponent = self.exponent() if self.token.kind == "power" or self.is_operator("^") else 1
+        if exponent == -1 and function in ("sin", "cos", "tan"):
+            return self._inverse_function(token, f"arc{function}")
         argument = self._argument(token)
         span = self.since(token.start)
         if function == "sgn":
@@ -240,6 +249,22 @@ class AnswerParser(Parser):
         else:
             node = self._wave(function, argument, span)
         return node if exponent == 1 else Power(node, exponent, span=span)
+
+    def _inverse_function(self, token: Token, function: str) -> Expression:
+        """arccos(x), atan2(y, x), √x."""
+        if self.token.kind == "fraction" and function != "atan2":
+            return Function(function, self.primary(), span=self.since(token.start))
+        if self.token.kind != "open":
+            self.fail_here(f"a bracket behind {token.text}")
+        if function != "atan2":
+            return Function(function, self.bracket(), span=self.since(token.start))
+        first = self.take()
+        y = self.expression()
+        self.expect("comma", "the comma of atan2(y, x)")
+        x = self.expression()
+        self.expect("close", "')'")
+        arguments = Arguments((y, x), span=self.since(first.start))
+        return Function(function, arguments, span=self.since(token.start))
 
     def _wave(self, function: str, argument: Expression, span: Span) -> Expression:
         """sin, cos or tan of a sum of angles."""

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from freebody.derivations.check.answer_lines import Line
-from freebody.derivations.check.answer_tree import Named
+from freebody.derivations.check.answer_tree import Named, Wave
 from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.check.circular_answers import uses
 from freebody.derivations.check.claim import Claim
 from freebody.derivations.check.formula_reader import FormulaReader
 from freebody.derivations.check.quotients import Value, pair
-from freebody.derivations.expressions.nodes import Matrix, nodes
+from freebody.derivations.check.reading import INVERSE_FUNCTIONS
+from freebody.derivations.expressions.nodes import Expression, Function, Matrix, nodes
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.scalars.trig import Trig
 
@@ -22,6 +24,8 @@ class SolvedQuantities(FormulaReader):
         first = line[0][0]
         if len(line) != 2 or len(line[0]) != 1 or self.is_matrix(line[1]):
             return False
+        if self._is_position(line):
+            return True
         names = {token.text for token in line[1] if token.kind == "name"}
         by_quantities = any(
             x in self.targets.names and x not in self.vocabulary.symbols for x in names
@@ -37,6 +41,16 @@ class SolvedQuantities(FormulaReader):
         if self.setting.is_free_body:
             return bool(names)
         return by_quantities or (moving.endswith(SECOND) and bool(names))
+
+    def _is_position(self, line: Line) -> bool:
+        """Whether a line tells a coordinate, or the sine or cosine of one, by inverse functions."""
+        first, functions = line[0][0].text, self.vocabulary.functions
+        if not any(
+            x.kind == "function" and functions[x.text] in INVERSE_FUNCTIONS for x in line[1]
+        ):
+            return False
+        moving = self._moving(self.vocabulary.symbols.get(first))
+        return first in self.vocabulary.waves or moving in self.setting.symbols.coordinates
 
     def _moving(self, value: Value | None) -> str:
         """The coordinate, rate or acceleration that a value is, or nothing."""
@@ -61,6 +75,19 @@ class SolvedQuantities(FormulaReader):
                 self.source.fail(
                     f"{self.source[first.span]} stands on both sides: solve for it", part.span
                 )
+        if any(isinstance(x, Function) for x in nodes(node)):
+            return self._position(line, name, value, node)
         words = "solved for it by the robot's quantities"
         target = AskedQuantity("solved", (), lambda: value, words=words)
         return self.claim(self.source[first.span], target, node)
+
+    def _position(self, line: Line, name: str, value: Value, node: Expression) -> Claim:
+        """What a line tells of a coordinate by inverse functions."""
+        label = self.source[line[0][0].span]
+        for part in nodes(node):
+            if isinstance(part, Wave) and any(x == name for x, _ in part.angle):
+                self.source.fail(f"{label} stands on both sides: solve for it", part.span)
+        target = AskedQuantity("position", (), lambda: value, words="told by the robot's position")
+        left = self.parse(line[0])
+        used = tuple(uses(node, self.targets.single, self.vocabulary))
+        return Claim(label, target, node, value, self.source, used, whole=left)

@@ -14,7 +14,15 @@ from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.small_changes import Repair
 from freebody.derivations.check.verdict import Mistake
 from freebody.derivations.expressions import expression as ex
-from freebody.derivations.expressions.nodes import Expression, Number, Power, Product, Sum, nodes
+from freebody.derivations.expressions.nodes import (
+    Expression,
+    Function,
+    Number,
+    Power,
+    Product,
+    Sum,
+    nodes,
+)
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar.source import Source
 from freebody.scalars.trig import Trig
@@ -82,7 +90,10 @@ class Wording:
     def _opposite(self, repair: Repair) -> str:
         """A piece with the other sign as it is written, where it holds quantities by name; their
         values would fill lines."""
-        named = (x for x in nodes(repair.node) if isinstance(x, Named) and not self._name(x))
+        named = (
+            isinstance(x, Function) or (isinstance(x, Named) and not self._name(x))
+            for x in nodes(repair.node)
+        )
         if repair.kind != "sign" or not any(named):
             return ""
         text = self.source[repair.node.span]

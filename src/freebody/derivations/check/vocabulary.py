@@ -31,8 +31,11 @@ FUNCTIONS = {
     "tan": "tan", "Tan": "tan", "sgn": "sgn", "sign": "sgn",
     "Derivative": "Derivative", "diff": "Derivative", "Matrix": "Matrix", "array": "Matrix",
     "cross": "cross",
+    "acos": "arccos", "arccos": "arccos", "Acos": "arccos", "asin": "arcsin", "arcsin": "arcsin",
+    "Asin": "arcsin", "atan": "arctan", "arctan": "arctan", "Atan": "arctan", "atan2": "atan2",
+    "Atan2": "atan2", "ATAN2": "atan2", "arctan2": "atan2", "sqrt": "sqrt",
 }  # fmt: skip
-_NOT_POLYNOMIAL = word_set("cot sqrt exp log ln arctan atan atan2 asin acos arcsin arccos")
+_NOT_POLYNOMIAL = word_set("cot exp log ln")
 _SYNONYMS = {
     "lc": ("lC", "lG", "lg"),
     "I": ("Ic", "IC", "IG", "Izz", "IC"),

@@ -1,0 +1,100 @@
+"""Inverse kinematics in answers: coordinates by arccos, atan2 and roots, on their branches."""
+
+from __future__ import annotations
+
+import pytest
+
+import freebody as fb
+from freebody.derivations.check.answer_text import AnswerError
+
+ARM, SLIDE = fb.planar("RR"), fb.planar("RP")
+COSINE = "(x² + y² - l1² - l2²)/(2 l1 l2)"
+D = f"D = {COSINE}; "
+ELBOWS = "are the two postures"
+LINES = [  # right lines of textbooks, and a piece of them that is changed, with what is said
+    (ARM, f"theta2 = acos({COSINE})", "- l2²", "+ l2²", "‘l2²’ has the wrong sign"),
+    (ARM, f"theta2 = acos({COSINE})", "acos", "asin", "It is the arccosine of that."),
+    (
+        ARM,
+        r"\theta_2 = \arccos\frac{x^2+y^2-l_1^2-l_2^2}{2 l_1 l_2}",
+        "2 l_1", "l_1", "is not right",
+    ),
+    (
+        ARM,
+        r"\theta_2 = \cos^{-1}\left(\frac{x^2+y^2-l_1^2-l_2^2}{2 l_1 l_2}\right)",
+        "-l_1^2", "+l_1^2", "has the wrong sign",
+    ),
+    (ARM, "θ2 = π - acos((l1² + l2² - x² - y²)/(2 l1 l2))", "π - ", "", "is not right"),
+    (ARM, D + "θ2 = atan2(sqrt(1 - D²), D)", "1 - D²", "1 + D²", "‘D²’ has the wrong sign"),
+    (
+        ARM,
+        D + r"\theta_2 = \operatorname{atan2}\left(\pm\sqrt{1-D^2}, D\right)",
+        r"\pm\sqrt{1-D^2}, D", r"D, \pm\sqrt{1-D^2}", "atan2(y, x)",
+    ),
+    (ARM, "θ1 = atan2(y, x) - atan2(l2 s2, l1 + l2 c2)", ") - ", ") + ", "has the wrong sign"),
+    (ARM, "θ1 = atan2(y, x) - atan2(l2 s2, l1 + l2 c2)", "y, x", "x, y", "atan2(y, x)"),
+    (ARM, "θ1 = atan2(y, x) - atan2(l2 s2, l1 + l2 c2)", "2(l2", "2(l1", "‘l1’ must be l₂"),
+    (ARM, "θ1 = atan2(-l2 s2 x + (l1 + l2 c2) y, l2 s2 y + (l1 + l2 c2) x)", "2(-", "2(", "sign"),
+    (
+        ARM,
+        "θ1 = atan2(y, x) - acos((x² + y² + l1² - l2²)/(2 l1 sqrt(x² + y²)))",
+        "- l2²", "+ l2²", "‘l2²’ has the wrong sign",
+    ),
+    (SLIDE, "θ1 = atan2(y, x)", "y, x", "x, y", "atan2(y, x)"),
+    (SLIDE, "d2 = sqrt(x² + y²) - l1", "+ y²", "- y²", "has the wrong sign"),
+    (
+        fb.planar("RRR"),
+        "xw = x - l3 cos(θ1+θ2+θ3); yw = y - l3 sin(θ1+θ2+θ3);"
+        "θ2 = acos((xw² + yw² - l1² - l2²)/(2 l1 l2))",
+        "- l2²", "+ l2²", "‘l2²’ has the wrong sign",
+    ),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("model", "line", "piece", "other", "reason"), LINES)
+def test_inverse_kinematics(model, line: str, piece: str, other: str, reason: str):
+    told = fb.check(model, line)
+    assert told, line
+    assert "Compared in numbers at 24 positions" in told.text
+    assert "proved" not in told.text
+    assert piece in line
+    verdict = fb.check(model, line.replace(piece, other, 1))
+    assert not verdict
+    assert reason in verdict.text
+
+
+def test_the_branch_is_told():
+    up, down = (fb.check(ARM, f"θ2 = {sign}acos({COSINE})") for sign in ("", "-"))
+    assert up
+    assert down
+    counts = [int(x.text.split("stands at ")[1].split(",")[0]) for x in (up, down)]
+    assert sum(counts) == 24
+    assert ELBOWS in up.text
+    assert ELBOWS not in fb.check(ARM, "θ1 = atan2(y, x) - atan2(l2 s2, l1 + l2 c2)").text
+    quadrant = fb.check(ARM, "θ1 = arctan(y/x) - arctan(l2 s2/(l1 + l2 c2))")
+    assert quadrant
+    assert "arctan loses the quadrant" in quadrant.text
+
+
+def test_two_lines_are_of_one_posture():
+    first = "θ1 = atan2(y, x) {} acos((x² + y² + l1² - l2²)/(2 l1 sqrt(x² + y²)))"
+    assert fb.check(ARM, f"θ2 = acos({COSINE})\n{first.format('-')}")
+    assert fb.check(ARM, f"θ2 = -acos({COSINE})\n{first.format('+')}")
+    mixed = fb.check(ARM, f"θ2 = acos({COSINE})\n{first.format('+')}")
+    assert [x.equal for x in mixed.equations] == [True, False]
+    assert "the other posture than the line before" in mixed.causes[0]
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("θ1 = atan2(s1, c1)", "θ1 stands on both sides"),
+        ("τ1 = sqrt(m1)", "sqrt does not occur in these equations"),
+        ("θ2 = " + "acos(" * 6 + "0" + ")" * 6, "at most 5 inverse functions"),
+        ("θ1 = atan2(y)", "the comma of atan2"),
+        ("θ2 = arccos x", "a bracket behind arccos"),
+    ],
+)
+def test_what_is_no_position_is_refused(line: str, words: str):
+    with pytest.raises(AnswerError, match=words):
+        fb.check(ARM, line)
