@@ -12,10 +12,9 @@ from freebody.scalars.trig import Trig
 
 LOADS = {2: ("fx", "fy", "nz"), 3: ("fx", "fy", "fz", "nx", "ny", "nz")}
 """Force and moment at the tip, in the order of the Jacobian's rows."""
-_WRITTEN = re.compile(
-    r"(?<![A-Za-z\\])(?:[Ff](?:_?\{?(?:[PpEe]|tip)?_?\{?[xyz]|(?:_?\{?(?:[PpEe]|tip)\}?)?(?!\w))"
-    r"|W(?!\w)|[MnN]_?\{?[xyz])"
-)
+_COMPONENT = re.compile(r"(?<![A-Za-z\\])(?:[Ff]_?\{?(?:[PpEe]|tip)?_?\{?[xyz]|[MnN]_?\{?[xyz])")
+_VECTOR = re.compile(r"(?<![A-Za-z\\])(?:[Ff](?:_?\{?(?:[PpEe]|tip)\}?)?|W)(?!\w)")
+"""A force without its components: in an answer with the Jacobian."""
 _SPELT = {"f": ("f", "F", "fP", "FP", "fE", "FE", "fe", "Fe", "ftip", "Ftip"), "n": ("n", "M", "N")}
 VECTORS = tuple(name for name in _SPELT["f"] if not name.endswith("tip"))
 
@@ -23,7 +22,9 @@ VECTORS = tuple(name for name in _SPELT["f"] if not name.endswith("tip"))
 def named_in(model: Model, text: str) -> tuple[str, ...]:
     """Symbols for the load on the tip, where a text has one."""
     names = LOADS[model.dim]
-    if model.tip is None or model.loops or not _WRITTEN.search(text):
+    if model.tip is None or model.loops:
+        return ()
+    if not _COMPONENT.search(text) and not ("J" in text and _VECTOR.search(text)):
         return ()
     slides = {f"f{x}" for x in symbols_of(model).coordinates}  # of a cart the drive's own force
     return () if set(names) & {*slides, *model.parameters} else names
