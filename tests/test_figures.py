@@ -12,6 +12,7 @@ import freebody as fb
 from freebody.cli.app import run
 from freebody.errors import FreebodyError, MissingValueError, ShapeError, UnknownNameError
 from freebody.figures.drawing import Arc, Arrow, Dimension, Line, Mark, Prism, Turn
+from freebody.figures.illustrate import illustrations
 from freebody.figures.label_placement import Crowd, Wanted, overlaps
 from freebody.figures.layers import forces
 from freebody.figures.plots import Plot, plot, thin, ticks
@@ -351,11 +352,20 @@ def test_forces_of_all_bodies_are_drawn_to_one_scale(name, hanging):
     np.testing.assert_allclose(true, true[0], rtol=1e-9)
 
 
+def test_arrows_whose_heads_meet_are_drawn_side_by_side():
+    """The reactions that press the rocker of the four-bar from both ends."""
+    drawn = illustrations(fb.derive(fb.load("four_bar"), "newton-euler"))["free-body 3"]
+    asides = {a.name: a.aside for a in drawn.arrows}
+    assert asides["f_{0,3}"] != asides["−f_{3,2}"]
+
+
 def test_arrows_on_one_line_are_drawn_side_by_side():
     """On an upright link weight and reactions are on one line."""
     drawing = fb.free_body_diagram(fb.load("2R"), [math.pi / 2, 0.0]).drawings[0]
     asides = {a.name: a.aside for a in drawing.arrows}
-    assert asides == {"f_{0,1}": 0.0, "−f_{1,2}": 0.0, "m_1 g": asides["m_1 g"]}
+    assert asides.keys() == {"f_{0,1}", "−f_{1,2}", "m_1 g"}
+    assert asides["f_{0,1}"] == 0.0
+    assert abs(asides["−f_{1,2}"]) > 5, "its head meets that of the other reaction"
     assert abs(asides["m_1 g"]) > 5, "it goes down beside the reaction that goes up"
     free = fb.free_body_diagram(fb.load("2R"), [0.3, 0.4]).drawings[0]
     assert not any(a.aside for a in free.arrows)

@@ -191,3 +191,14 @@ def test_every_name_in_a_sentence_is_literal():
                 assert node.value.attr != "name" or owner == "body.kind.name", (
                     f"{path.name}: {owner}"
                 )
+
+
+@pytest.mark.parametrize(
+    ("robot", "mark", "tex"), [("RP", "i", "n_{"), ("polar_arm", "b", r"\mathbf{n}_{")]
+)
+def test_moments_look_alike_in_sentences_and_equations(robot, mark, tex):
+    """Scalars in the plane, vectors in space."""
+    derivation = fb.derive(fb.load(robot), "newton-euler")
+    marked = set(re.findall("<(b|i)>n</[bi]><sub>", derivation.html()))
+    assert marked == {mark}
+    assert f"moment ${tex}" in derivation.markdown()

@@ -128,7 +128,7 @@ def _of_chapter(
     assert derivation.enliven is not None
     living = derivation.enliven(derivation)
     assert living is not None
-    body = documents.tried(living)
+    body = documents.tried(living).of(derivation)
     steps = "".join(
         body.step(step, f"{k} ").replace('<details open="">', "<details>")
         for k, step in enumerate(derivation.steps, 1)

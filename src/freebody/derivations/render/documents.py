@@ -74,6 +74,14 @@ class _Document:
 
     def __call__(self, derivation: Derivation, figures: Figures | None = None) -> str:
         """The document; a figure stands where a step first asks for it."""
+        return self.of(derivation)._written(derivation, figures)
+
+    def of(self, derivation: Derivation) -> _Document:
+        """The same with symbols in sentences as the equations have them."""
+        planar = derivation.equations.symbols.model.dim == 2
+        return replace(self, prose=self.prose.planar) if planar else self
+
+    def _written(self, derivation: Derivation, figures: Figures | None) -> str:
         left, prose = dict(figures or {}), self.prose
         title = prose(_title(derivation))
         blocks = [self.title.format(title), self.underline * _cells(title)]

@@ -6,15 +6,12 @@ from __future__ import annotations
 import html
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from freebody.derivations.render import literal
 
 _SYMBOL = re.compile(r"(?<![\w.])(-?)([A-Za-zα-ωΑ-Ω])_([A-Za-z0-9]+(?:,[A-Za-z0-9]+)?)")
 """A letter with a subscript, such as f_0,1."""
-
-_VECTORS = frozenset("sfvruzn")
-"""Letters that are vectors in sentences."""
 
 _LOW = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
@@ -32,11 +29,19 @@ _TEX = {
 
 @dataclass(frozen=True)
 class Medium:
-    """How a sentence is set: its words, its symbols (sign, letter, subscript), names of others."""
+    """How a sentence is set: its words, its symbols (sign, letter, subscript, whether it is a
+    vector), names of others."""
 
     words: Callable[[str], str]
-    symbol: Callable[[str, str, str], str]
+    symbol: Callable[[str, str, str, bool], str]
     name: Callable[[str], str]
+    vectors: frozenset[str] = frozenset("sfvruzn")
+    """Letters that are vectors."""
+
+    @property
+    def planar(self) -> Medium:
+        """The same where moments are scalars."""
+        return replace(self, vectors=self.vectors - {"n"})
 
     def __call__(self, sentence: str) -> str:
         """The sentence set."""
@@ -46,7 +51,8 @@ class Medium:
         pieces = _SYMBOL.split(words)
         string = self.words(pieces[0])
         for k in range(1, len(pieces), 4):
-            string += self.symbol(*pieces[k : k + 3]) + self.words(pieces[k + 3])
+            sign, letter, low, words = pieces[k : k + 4]
+            string += self.symbol(sign, letter, low, letter in self.vectors) + self.words(words)
         return string
 
 
@@ -54,20 +60,19 @@ def _with_minus(words: str) -> str:
     return re.sub(r"(?<=[ (])-(?=[\w])", "−", words)
 
 
-def _tex_symbol(sign: str, letter: str, low: str) -> str:
-    name = literal.GREEK_COMMANDS.get(letter, letter)
-    bold = f"\\mathbf{{{letter}}}" if letter in _VECTORS else name
-    return f"${sign}{bold}_{{{low}}}$"
+def _tex_symbol(sign: str, letter: str, low: str, bold: bool) -> str:
+    name = f"\\mathbf{{{letter}}}" if bold else literal.GREEK_COMMANDS.get(letter, letter)
+    return f"${sign}{name}_{{{low}}}$"
 
 
-def _text_symbol(sign: str, letter: str, low: str) -> str:
+def _text_symbol(sign: str, letter: str, low: str, bold: bool) -> str:
     if re.fullmatch(r"\d|\d,\d", low):
         return sign.replace("-", "−") + letter + low.replace(",", "").translate(_LOW)
     return f"{sign}{letter}_{low}"
 
 
-def _web_symbol(sign: str, letter: str, low: str) -> str:
-    mark = "b" if letter in _VECTORS else "i"
+def _web_symbol(sign: str, letter: str, low: str, bold: bool) -> str:
+    mark = "b" if bold else "i"
     return f"{sign.replace('-', '−')}<{mark}>{letter}</{mark}><sub>{low}</sub>"
 
 

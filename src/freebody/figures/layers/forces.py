@@ -211,7 +211,8 @@ def _side_by_side(drawing: Drawing, longest: float) -> None:
             low, high = sorted(place.real for place in seen)
             overlap = min(high, abs(b - a)) - max(low, 0.0)
             across = max(abs(place.imag) for place in seen)
-            return across < 0.04 * longest and overlap > 0.06 * longest
+            beside = across < 0.04 * longest and overlap > 0.06 * longest
+            return beside or abs(d - b) < 0.05 * longest  # or head to head
 
         taken = {lane for c, d, lane in lanes if on(c, d)}
         outwards = sorted(range(-len(lanes), len(lanes) + 1), key=abs)
