@@ -109,11 +109,11 @@ class FreeFlight:
     def need(self, quantities: Mapping[str, Any]) -> bool:
         """Keep what force and moment are missing, by the lines that tell f and n; whether there
         are such lines."""
-        if "f_x" not in quantities:
-            return False
         force = moment = vector(self.s, (0.0, 0.0, 0.0))
         for _, push, p in self._pushes():
             force, moment = add(force, push), add(moment, self.s.tree.space.moment(p, push))
-        needed = tuple(quantities[f"{letter}_{x}"] for letter in "fn" for x in _AXES)
+        needed = tuple(quantities.get(f"{letter}_{x}") for letter in "fn" for x in _AXES)
+        if any(x is None for x in needed):
+            return False
         self._missing = sub(needed, (*force, *moment))
         return True
