@@ -366,7 +366,7 @@ UNREADABLE = [
     ("H12 = lc2 2", "write lc2^2 for a power, lc2*2 for a product"),
     ("H12 = theta1dd2", "may be theta1·dd2 or theta1d·d2: put spaces"),
     ("l1 = 2", "is a symbol of the model, not a result"),
-    ("lc2 = l2/2", "uniform bars, stand below [parameters] in a notation of your own"),
+    ("lc2 = l2/2", "uniform bars, are told by parameters="),
     ("tau1 + tau2 = 0", "neither side is one of the quantities"),
     ("M = l1", "M is a vector or matrix"),
     ("M = [[1, 2], [3]]", "M has 2 × 2 entries here"),

@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import freebody as fb
 from freebody.cli.app import run
+from freebody.derivations.derivation import Derivation
 from freebody.derivations.notations.notation import PRESETS, BookNotation
 
 ARM = fb.planar("RR")
 DERIVED = [
-    ("2R", "newton-euler"), ("2R", "lagrange"), ("2R", "kane"), ("RP", "lagrange"),
+    ("2R", "newton-euler"), ("2R", "lagrange"), ("2R", "kane"), ("RP", "newton-euler"),
     ("pendulum", "lagrange"), ("furuta", "recursive"), ("cart_pole", "lagrange"),
     ("four_bar", "lagrange-first-kind"), ("slider_crank", "newton-euler"),
 ]  # fmt: skip
 
 
-def lines(derivation: fb.Derivation) -> list[str]:
+def lines(derivation: Derivation) -> list[str]:
     return [str(line) for step in derivation.steps for line in step.equations]
 
 
@@ -152,3 +155,155 @@ def test_the_commands_take_a_notation(tmp_path: Path, capsys: pytest.CaptureFixt
     assert "ml1 g" in capsys.readouterr().out
     assert run(["derive", "RR", "--notation", "crag"]) == 2
     assert "Did you mean 'craig'" in capsys.readouterr().err
+
+
+ROD = {"lc": "l/2", "I": "m*l^2/12"}
+
+
+@pytest.mark.parametrize("method", ["newton-euler", "recursive", "lagrange", "kane"])
+def test_parameters_by_formulas_are_put_in(method: str):
+    """Uniform bars: the mass matrix of a textbook, and everything that is printed is right."""
+    told = fb.derive(ARM, method, parameters=ROD)
+    assert "Here lc₁ = ½ l₁, lc₂ = ½ l₂, I₁ = 1/12 m₁ l₁² and I₂ = 1/12 m₂ l₂²." in told.given
+    closed = lines(told)[-8:]
+    assert "H₂₂ = ⅓ m₂ l₂²" in closed
+    assert "G₂ = ½ m₂ g l₂ cos(θ₁+θ₂)" in closed
+    assert fb.check(ARM, closed, parameters=ROD)
+    assert not fb.check(ARM, closed)
+    plain = fb.derive(ARM, method).equations.symbols
+    values = {"l1": 0.7, "l2": 0.4, "m1": 2.0, "m2": 1.5, "g": 9.81}
+    rods = values | {f"lc{k}": values[f"l{k}"] / 2 for k in (1, 2)}
+    rods |= {f"I{k}": values[f"m{k}"] * values[f"l{k}"] ** 2 / 12 for k in (1, 2)}
+    state = {x + end: 0.3 + 0.2 * k for k, x in enumerate(plain.coordinates)
+             for end in ("", "_d", "_dd")}  # fmt: skip
+    own = fb.derive(ARM, method).tau
+    for a, b in zip(told.tau, own, strict=True):
+        assert a.evaluate(values | state) == pytest.approx(b.evaluate(rods | state), rel=1e-12)
+
+
+def test_zeros_are_zeros_and_numbers_are_numbers():
+    """Point masses at the ends of the links."""
+    told = fb.derive(ARM, "lagrange", parameters={"lc": "l", "I": 0})
+    assert "H₂₂ = m₂ l₂²" in lines(told)
+    assert "T₂ = ½ m₂ vc₂² = " in " ".join(told.steps[4].text().split())
+    assert "H₂₂ = ¼ m₂ + I₂" in lines(fb.derive(ARM, parameters={"lc2": 0.5, "l1": 1}))
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"lc9": "l1"}, "no parameter 'lc9'"),
+        ({"lc": "l/"}, "derive 'newton-euler': the parameter lc = l/: the line ends"),
+        ({"lc1": "theta1"}, "changes with the motion"),
+        ({"lc1": "lc2", "lc2": "l2"}, "names a parameter that is given by a formula"),
+        ({"lc1": "k9"}, "k9"),
+    ],
+)
+def test_a_formula_that_cannot_be_is_refused(given: dict[str, str], words: str):
+    with pytest.raises(fb.FreebodyError, match=words):
+        fb.derive(ARM, parameters=given)
+
+
+def test_the_commands_take_parameters(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    rod = ["--parameter", "lc=l/2", "--parameter", "I=m*l^2/12"]
+    assert run(["derive", "RR", *rod]) == 0
+    assert "H₂₂ = ⅓ m₂ l₂²" in capsys.readouterr().out
+    assert run(["check", "RR", "H22 = m2*l2^2/3", *rod]) == 0
+    assert run(["check", "RR", "H22 = m2*l2^2/4", *rod]) == 1
+    capsys.readouterr()
+    assert run(["check", "RR", "H22 = 0", "--parameter", "lc"]) == 2
+    assert "--parameter lc: write a name, =, and what it stands for" in capsys.readouterr().err
+    file = tmp_path / "rods.toml"
+    file.write_text("[parameters]\nlc = 'l/2'\nI = 'm*l^2/12'", encoding="utf-8")
+    assert run(["derive", "RR", "--notation", str(file), "--out", str(tmp_path / "a.html")]) == 0
+
+
+OWN = """angles = "{angles}"
+zero = "{zero}"
+terms = "vector"
+[names]
+phi = "theta"
+[letters]
+mass = "B"
+velocity = "C"
+"""
+
+
+def own(folder: Path, angles: str = "relative", zero: str = "x axis") -> Path:
+    file = folder / "mine.toml"
+    file.write_text(OWN.format(angles=angles, zero=zero), encoding="utf-8")
+    return file
+
+
+@pytest.mark.parametrize("zero", ["down", "up"])
+@pytest.mark.parametrize(
+    ("angles", "robot", "method"),
+    [
+        ("relative", "2R", "newton-euler"),
+        ("relative", "2R", "kane"),
+        ("relative", "RP", "recursive"),
+        ("absolute", "2R", "lagrange"),
+        ("absolute", "RP", "lagrange"),
+        ("absolute", "3R", "lagrange"),
+    ],
+)
+def test_angles_are_those_of_the_notation(
+    tmp_path: Path, angles: str, zero: str, robot: str, method: str
+):
+    """Every line is read as right where angles are those of the file, and the closed form is that
+    of the model at θ = B φ + b."""
+    model, file = fb.load(robot), own(tmp_path, angles, zero)
+    told = fb.derive(model, method, notation=file)
+    printed, places = lines(told), read_in_the_notes(robot, method)[0]
+    chosen = [printed[k] for k in places] if angles == "relative" else printed[4:]
+    assert [x for x in chosen[:-1] if not is_right(model, x, str(file))] == []
+    assert "φ" in told.given
+    assert f"{zero}ward vertical" in told.given
+    symbols = told.equations.symbols
+    phi = np.array([0.4, 0.9, -0.3][: model.nv])
+    turns = [body.kind.turns for body in model.bodies]
+    first, q = True, phi.copy()
+    for i, turning in enumerate(turns):
+        if turning:
+            q[i] += {"down": -np.pi / 2, "up": np.pi / 2}[zero] * first
+            if angles == "absolute" and not first:
+                q[i] = phi[i] - max((phi[k] for k in range(i) if turns[k]), key=list(phi).index)
+            first = False
+    M = fb.mass_matrix(model, q)
+    B = np.eye(model.nv)
+    if angles == "absolute":
+        turning = [i for i, x in enumerate(turns) if x]
+        for before, after in pairwise(turning):
+            B[after, before] = -1.0
+    found = symbols.evaluate(told.equations.M, phi)
+    np.testing.assert_allclose(found, B.T @ M @ B, atol=1e-12)
+    gravity = symbols.evaluate(told.equations.g, phi)
+    np.testing.assert_allclose(gravity, B.T @ fb.gravity_torque(model, q), atol=1e-12)
+
+
+def test_absolute_angles_are_refused_where_they_are_not_written_out(tmp_path: Path):
+    file = own(tmp_path, "absolute")
+    with pytest.raises(fb.FreebodyError, match=r"goes from joint to joint.*take 'lagrange'"):
+        fb.derive(ARM, "newton-euler", notation=file)
+    with pytest.raises(fb.FreebodyError, match="has joints without motor"):
+        fb.derive(fb.load("acrobot"), "lagrange", notation=file)
+    with pytest.raises(fb.FreebodyError, match="belong to robots in the plane"):
+        fb.derive(fb.load("elbow_arm"), "lagrange", notation=file)
+    down = own(tmp_path, zero="down")
+    steps = fb.derive(ARM, "kinematics", notation=down).steps
+    assert not any("x² + y²" in step.text() for step in steps)  # solved for the joint's angle
+    with pytest.raises(fb.FreebodyError, match="has angles or parameters of its own"):
+        fb.equations(ARM).text(names=str(file))
+
+
+def test_drawings_show_the_angles_of_the_notation(tmp_path: Path):
+    q = [0.3, 0.5]
+    arm = fb.load("2R")
+    for angles, zero, sweeps in (
+        ("relative", "down", (0.3 + np.pi / 2, 0.5)),
+        ("absolute", "x axis", (0.3, 0.8)),
+        ("absolute", "down", (0.3 + np.pi / 2, 0.8 + np.pi / 2)),
+    ):
+        figure = fb.kinematic_diagram(arm, q, notation=own(tmp_path, angles, zero))
+        arcs = [figure.named(f"φ_{k}") for k in (1, 2)]
+        assert [getattr(arc, "sweep", None) for arc in arcs] == pytest.approx(sweeps)

@@ -44,6 +44,7 @@ def check(
         ),
     ] = False,
     notation: options.Notation = None,
+    parameters: options.Parameters = None,
     form: Annotated[
         str | None,
         typer.Option(
@@ -81,7 +82,7 @@ def check(
     from freebody.derivations.check.check import check as verdict_on
 
     own = _answer(answer)
-    meanings = dict(map(_renaming, names or []))
+    meanings = options.pairs("--name", names, "L1=l1")
     model = robot.load()
     try:
         with terminal.progress("comparing"):
@@ -94,6 +95,7 @@ def check(
                 notation=notation,
                 at=", ".join(at) if at else None,
                 tolerance=tolerance,
+                parameters=options.pairs("--parameter", parameters, "lc=l/2"),
             )
     except FileError as error:
         if error.path != str(own):
@@ -123,13 +125,3 @@ def _answer(answer: str) -> str | Path:
             )
         return read_file.decoded("standard input", data)
     return answer if "=" in answer or "\n" in answer else Path(answer)
-
-
-def _renaming(text: str) -> tuple[str, str]:
-    """L1=l1."""
-    name, equals, meaning = text.partition("=")
-    if not (name.strip() and equals and meaning.strip()):
-        raise FreebodyError(
-            f"--name {text}: write your name, =, and what it stands for, such as L1=l1."
-        )
-    return name.strip(), meaning.strip()

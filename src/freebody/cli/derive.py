@@ -125,6 +125,7 @@ def derive(
         typer.Option(help="Labels in the drawings of a page. Default: names."),
     ] = None,
     notation: options.Notation = None,
+    parameters: options.Parameters = None,
 ) -> None:
     """Derive a robot's equations of motion step by step. Exit status 1 if two methods disagree."""
     from freebody.derivations.derive import compare as compared
@@ -134,9 +135,10 @@ def derive(
     model = robot.load()
     record = method_named(method) if method else default_method(model)
     with terminal.progress(f"deriving by {record.name}"):
-        own = context.meta.get(_CHOSEN, {})
-        first = derivation_of(model, record.name, load=load, notation=notation, **own)
-        other = derivation_of(model, compare, load=load) if compare is not None else None
+        given = options.pairs("--parameter", parameters, "lc=l/2")
+        how = {"load": load, "notation": notation, "parameters": given}
+        first = derivation_of(model, record.name, **how, **context.meta.get(_CHOSEN, {}))
+        other = derivation_of(model, compare, **how) if compare is not None else None
         comparison = compared(first, other) if other is not None else None
         form = form or _ENDINGS.get(out.suffix.lower() if out else "", "text")
         text = _text(first, form, out, labels)

@@ -68,6 +68,29 @@ Notation = Annotated[
         "murray-li-sastry, lynch-park, featherstone; or as a TOML file of your own says.",
     ),
 ]
+Parameters = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--parameter",
+        metavar="NAME=FORMULA",
+        help="A parameter given by others or a number, such as lc=l/2 for all links, or I1=0.",
+    ),
+]
+
+
+def pairs(option: str, texts: list[str] | None, example: str) -> dict[str, str]:
+    """What stands left and right of the = in the values of an option."""
+    found = {}
+    for text in texts or ():
+        name, equals, meaning = text.partition("=")
+        if not (name.strip() and equals and meaning.strip()):
+            raise FreebodyError(
+                f"{option} {text}: write a name, =, and what it stands for, such as {example}."
+            )
+        found[name.strip()] = meaning.strip()
+    return found
+
+
 _READING: dict[str, tuple[Any, Any]] = {
     "tip": (Tip, None),
     "base": (

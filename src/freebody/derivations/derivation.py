@@ -160,7 +160,7 @@ class Derivation(Titled):
 
 def written_in(lettering: Lettering, made: Derivation) -> Derivation:
     """A derivation in the letters of a notation."""
-    if lettering.notation is PLAIN.notation:
+    if lettering is PLAIN:
         return made
     lines = [line for step in made.steps for line in step.equations]
     own = lettered_for(lettering, [*lines, *(x for row in made.glossary for x in row.symbols)])

@@ -14,19 +14,19 @@ from freebody.derivations.expressions.nodes import Equation, Words, nodes
 from freebody.derivations.methods import METHODS
 from freebody.derivations.methods.alike_legs import told_once
 from freebody.derivations.methods.free_bodies import velocity_names
-from freebody.derivations.methods.method import Method
+from freebody.derivations.methods.method import LOADS, Method
 from freebody.derivations.methods.overview import overview
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.whole_bodies import symbols_of_bodies, told
+from freebody.derivations.notations.angles import angles_of
 from freebody.derivations.notations.lettering import lettering_of
 from freebody.derivations.notations.notation import BookNotation, notation_of
+from freebody.derivations.parameter_formulas import as_terms, formulas_of
+from freebody.derivations.parameter_formulas import told as told_formulas
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.model import Model
 from freebody.spatial import of_dimension
-
-LOADS = {2: ("fx", "fy"), 3: ("fx", "fy", "fz")}
-"""Names of the components of the force on the tip."""
 
 
 def undrawn_derivation(
@@ -35,6 +35,7 @@ def undrawn_derivation(
     *,
     load: bool | None = None,
     notation: str | PathLike[str] | BookNotation | None = None,
+    parameters: Mapping[str, str | float] | None = None,
     **options: Any,
 ) -> Derivation:
     """A derivation of the model's equations as an ordered list of steps.
@@ -42,8 +43,9 @@ def undrawn_derivation(
     method: a name from the list below. Default: the first that applies to the model. load: whether
     a force f, with world components fx, fy (fz), acts on the tip. Default: in a method for robots
     at rest, where the model has a tip that moves. notation: whose letters are printed, as for
-    `check`, which reads the lines in the same notation; default: those of the notes. options: the
-    method's own. A joint of several coordinates is taken apart into joints of one, a quaternion
+    `check`, which reads the lines in the same notation; default: those of the notes. parameters:
+    those given by formulas or numbers, {"lc": "l/2"} of all links, {"I1": "m1*l1^2/12"}. options:
+    the method's own. A joint of several coordinates is taken apart into joints of one, a quaternion
     into yaw, pitch and roll (R = R_z R_y R_x). Bodies that nothing holds, such as the quadrotor,
     are derived in their own axes by the first method. Raises FreebodyError for followers, for a
     load on a model without a tip, for a notation that calls two things by one name, and for
@@ -57,12 +59,18 @@ def undrawn_derivation(
         load = record.at_rest and _has_moving_tip(model)
     names = LOADS[model.dim] if load else ()
     extra = (*names, *multipliers(model), *velocity_names(model))
-    made = symbols_of_bodies(f"derive {record.name!r}", model, extra, euler=True)
-    lettering = lettering_of(notation_of(notation), made.model, made.coordinates)
+    style, caller = notation_of(notation, parameters), f"derive {record.name!r}"
+    made = symbols_of_bodies(caller, model, extra, euler=True)
+    _require_angles(record, style, model)
+    angles = angles_of(caller, style, made.model)
+    if style.parameters or any(angles):
+        formulas = as_terms(formulas_of(caller, made, style.parameters))
+        made = symbols_of_bodies(caller, model, extra, True, formulas, *angles)
+    lettering = lettering_of(style, made.model, made.coordinates)
     setting = Setting(made, names, record.at_rest, lettering)
     worked = record(setting, **options)
     given, glossary = overview(setting, record, worked)
-    given = " ".join([given, *told(model, made)])
+    given = " ".join([given, *told(model, made), *told_formulas(made, setting.layout)])
     derivation = Derivation(
         record.name,
         worked.title or record.title,
@@ -136,7 +144,7 @@ def _require_options(method: Method, load: bool | None, options: Mapping[str, An
     for name in options:
         owners = [m.name for m in METHODS.values() if name in (option.name for option in m.options)]
         if not owners:
-            known = ("load", "notation", *own)
+            known = ("load", "notation", "parameters", *own)
             raise UnknownNameError("option", name, f"derive {method.name!r}", known)
         if name not in own:
             owner = " and ".join(map(repr, owners))
@@ -145,6 +153,23 @@ def _require_options(method: Method, load: bool | None, options: Mapping[str, An
             )
     if load and not method.finds_torques:
         raise FreebodyError(f"derive {method.name!r}: forces do not occur in it; leave load out.")
+
+
+def _require_angles(method: Method, notation: BookNotation, model: Model) -> None:
+    """Refuse angles of links where joints are what is spoken of."""
+    if notation.absolute and (model.passive or model.loops):
+        what = "is a closed chain" if model.loops else "has joints without motor"
+        raise FreebodyError(
+            f"derive {method.name!r}: the notation {notation.name!r} has all angles from one "
+            f"direction, which is not written out where a robot {what}, as {model.name!r}."
+        )
+    if notation.absolute and not method.absolute:
+        others = " or ".join(repr(other.name) for other in METHODS.values() if other.absolute)
+        raise FreebodyError(
+            f"derive {method.name!r}: the notation {notation.name!r} has all angles from one "
+            "direction, and this method goes from joint to joint, to the torque of each joint's "
+            f"motor; take {others}."
+        )
 
 
 def multipliers(model: Model) -> tuple[str, ...]:
@@ -169,6 +194,8 @@ def compare(first: Derivation, second: Derivation) -> Comparison:
             raise FreebodyError(
                 f"compare: a derivation by {derivation.method} does not give joint torques."
             )
+    if (a.formulas, a.turned, a.quarters) != (b.formulas, b.turned, b.quarters):
+        raise FreebodyError("compare: the derivations have other angles or parameters.")
     if a.ring != b.ring:
         raise FreebodyError("compare: one derivation has a load on the tip, the other has none.")
     return Comparison(first, second)

@@ -219,6 +219,8 @@ class TomlTable:
             if is_name(value):
                 return Parameter(value)
             hint = "; angles also as text such as '30 deg'" if kind == "angle" else ""
+            if re.search(r"[-+*/^]", value):
+                hint += "; a formula is given to derive and check: parameters=, --parameter"
             self.refuse(
                 f"{_label(at)} is {shown(value)}, expected a number or a name such as 'l1'{hint}.",
                 *at,

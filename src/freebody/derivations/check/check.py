@@ -42,6 +42,7 @@ def check(
     notation: str | PathLike[str] | BookNotation | None = None,
     at: Mapping[str, float | str] | str | None = None,
     tolerance: float | None = None,
+    parameters: Mapping[str, str | float] | None = None,
 ) -> Verdict:
     """Whether an answer is equal to the model's own equations, and if not, where and why.
 
@@ -66,6 +67,7 @@ def check(
     "featherstone", which say what letters stand for, or a TOML file of one's own: [names] as in
     names=, [letters] of quantities (mass = "B"), angles = "absolute", zero = "down" (angles from
     the vertical), [parameters] by formulas (lc = "l/2", I1 = "m1*l1^2/12").
+    parameters: the same without a file, {"lc": "l/2", "I": 0}.
 
     Where joints are passive, "0 = …" is the equation of one of them (up to a factor that does not
     move) and "u = …" the only drive. C may be any matrix with C q̇ = c, given by whole rows. Where
@@ -84,7 +86,7 @@ def check(
     """
     if tolerance is not None and not 0 <= tolerance < 1:
         raise AnswerError(f"tolerance is a share from 0 to 1, such as 0.01, not {tolerance}")
-    style = notation_of(notation)
+    style = notation_of(notation, parameters)
     document = document_of(answer, form)
     written = as_written(model, document.formulas)
     loads = named_in(written, document.formulas)

@@ -10,7 +10,7 @@ from freebody.derivations.check.answer_lines import Line
 from freebody.derivations.check.answer_tree import Named
 from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity
 from freebody.derivations.check.claim import Claim
-from freebody.derivations.check.formula_reader import entry_label
+from freebody.derivations.check.formula_reader import BODY_FAMILIES, entry_label
 from freebody.derivations.check.own_definitions import OwnDefinitions
 from freebody.derivations.check.quotients import difference
 from freebody.derivations.check.reading import inverse_behind
@@ -22,17 +22,13 @@ from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.scalars.trig import Trig
 
-_BODY_FAMILIES = frozenset(("of body", "tip", "tip_d", "tip_dd", "T", "V", "L", "Ti", "Vi", "J_d"))
-
 
 class ClaimReader(OwnDefinitions, UnnamedEquations):
     """Lines into claims."""
 
     def claims(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
         """What one equation states, after others."""
-        self.of_bodies = self.setting.is_free_body or any(
-            self._tells_of_bodies(token) for side in line for token in side
-        )
+        self.of_bodies = self.is_about_bodies(line)
         self.begin(line)
         if self.is_solved(line):
             return [self.solved_for(line)]
@@ -59,24 +55,12 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         own = isinstance(subject, Token) and subject.text.startswith("Phi")
         return own and count > 1 and len(side) == 1 and side[0].text == "0"
 
-    def _tells_of_bodies(self, token: Token) -> bool:
-        """Whether a name is that of a vector of a body or the tip, or of an energy."""
-        if token.kind != "name" or token.text in self.vocabulary.symbols:
-            return False
-        single = self.targets.single.get(token.text)
-        if single is not None:
-            return single.family in _BODY_FAMILIES
-        if token.text in self.vocabulary.waves:
-            return False
-        table = self.targets.tables.get(token.text)
-        return table is not None and table[0][0].family in _BODY_FAMILIES
-
     def _is_of_joints(self, subject: Token | Named | Matrix) -> bool:
         """Whether it is a whole vector or matrix of the equations of motion, in which g is too."""
         if not isinstance(subject, Token) or subject.text in self.targets.single:
             return False
         family = self.targets.tables[subject.text][0][0].family
-        return family != "q" and family not in _BODY_FAMILIES
+        return family != "q" and family not in BODY_FAMILIES
 
     def _shape_of(self, subject: Token | Named | Matrix) -> Shape | None:
         """The shape of a vector or matrix that cannot be one number."""

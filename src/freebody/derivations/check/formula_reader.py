@@ -28,6 +28,8 @@ from freebody.scalars.trig import Trig
 
 _OF_BODIES = {"g": "gravity", "J": "JP"}
 """What names stand for in equations of bodies."""
+BODY_FAMILIES = frozenset(("of body", "tip", "tip_d", "tip_dd", "T", "V", "L", "Ti", "Vi", "J_d"))
+"""Families that only equations of bodies have."""
 
 
 class FormulaReader:
@@ -66,6 +68,23 @@ class FormulaReader:
             return worked_out(node, parser.others, shape)
         except NoValue as problem:
             self.source.fail(problem.problem, (problem.node or node).span)
+
+    def is_about_bodies(self, line: Line) -> bool:
+        """Whether a line has a name of a body's quantity in it."""
+        found = any(self._tells_of_bodies(token) for side in line for token in side)
+        return found or self.setting.is_free_body
+
+    def _tells_of_bodies(self, token: Token) -> bool:
+        """Whether a name is that of a vector of a body or the tip, or of an energy."""
+        if token.kind != "name" or token.text in self.vocabulary.symbols:
+            return False
+        single = self.targets.single.get(token.text)
+        if single is not None:
+            return single.family in BODY_FAMILIES
+        if token.text in self.vocabulary.waves:
+            return False
+        table = self.targets.tables.get(token.text)
+        return table is not None and table[0][0].family in BODY_FAMILIES
 
     def table(self, name: str, span: Span) -> Matrix | None:
         """The entries of a vector or matrix, each with its name."""

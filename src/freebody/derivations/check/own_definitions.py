@@ -19,8 +19,8 @@ from freebody.derivations.expressions.nodes import Matrix
 from freebody.derivations.grammar.lexer import Token
 
 _BY_FORMULA = (
-    "Parameters that formulas give, as lc = l/2 of uniform bars, stand below [parameters] in a "
-    "notation of your own: --notation FILE.toml, notation='FILE.toml'."
+    "Parameters that formulas give, as lc = l/2 of uniform bars, are told by parameters=, "
+    "--parameter lc=l/2, or stand below [parameters] in a notation of your own."
 )
 _NO_QUOTIENTS = ("K", "gamma")
 """Letters of quantities that are no quotients, which name ratios in other lines."""
@@ -54,6 +54,7 @@ class OwnDefinitions(SolvedQuantities):
         value is noted."""
         first = line[0]
         name = first[0].text if len(first) == 1 and first[0].kind == "name" else ""
+        self.of_bodies = self.is_about_bodies(line)
         self.begin(line)
         if self.is_solved(line):
             return []

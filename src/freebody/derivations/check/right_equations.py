@@ -4,7 +4,7 @@ by mistake."""
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from types import MappingProxyType
@@ -17,18 +17,16 @@ from freebody.derivations.closed_chains.linear import Ratio
 from freebody.derivations.closed_chains.loops import LoopEquations
 from freebody.derivations.derive import multipliers
 from freebody.derivations.equations.equations import Equations, equations
-from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.grammar.parser import PI
 from freebody.derivations.methods.free_bodies import are_free, velocity_names
 from freebody.derivations.methods.free_body_steps import XYZ
 from freebody.derivations.methods.whole_bodies import symbols_of_bodies
+from freebody.derivations.notations.angles import Weights, angles_of
 from freebody.derivations.notations.notation import BookNotation
+from freebody.derivations.parameter_formulas import formulas_of
 from freebody.derivations.polynomials.symbol_order import Order
 from freebody.derivations.polynomials.symbols import RATE, SECOND, Symbols, symbols
 from freebody.derivations.polynomials.textbook_form import Layout
-from freebody.derivations.relations.formula import FormulaError, names_in, parse
-from freebody.derivations.relations.formula_values import value
-from freebody.errors import FreebodyError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.scalars.trig import Trig, TrigRing
@@ -38,9 +36,6 @@ FAMILIES = ("l", "lc", "m", "I")
 
 FORCES = tuple(f"{letter}_{axis}" for letter in "fn" for axis in XYZ)
 """Force and moment on a free body."""
-
-Weights = tuple[tuple[int, ...], ...]
-"""A matrix of whole numbers."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +54,7 @@ class RightEquations:
     quarters: tuple[int, ...] = ()
     """Of angles that are not measured from the x axis: by how many right angles each coordinate of
     the answer is 0 elsewhere."""
-    formulas: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    formulas: Mapping[str, str | float] = field(default_factory=lambda: MappingProxyType({}))
     """Parameters that are given by formulas."""
 
     @cached_property
@@ -155,27 +150,7 @@ class RightEquations:
     @cached_property
     def given(self) -> dict[str, Trig]:
         """The values of parameters that are given by formulas."""
-        symbols = {name: self.ring[name] for name in self.ring.names}
-        found: dict[str, Trig] = {}
-        for name, formula in self.formulas.items():
-            parsed = _formula(name, formula)
-            try:
-                made = value(parsed, symbols)
-            except FreebodyError as problem:
-                raise _bad(name, formula, problem) from None
-            if not isinstance(made, Trig):
-                made = self.zero + made
-            if any(set(powers) & set(self.formulas) for powers, _ in made.terms()):
-                raise FreebodyError(
-                    f"check: {name} = {formula} names a parameter that is given by a formula; "
-                    "write it with the others."
-                )
-            if not made.along(self.symbols.rates).is_zero:
-                raise FreebodyError(
-                    f"check: {name} = {formula} changes with the motion; a parameter is constant."
-                )
-            found[name] = made
-        return found
+        return formulas_of("check", self.symbols, self.formulas)
 
     def all_of(self, name: str) -> Any:
         """tau, c or g (Bᵀ τ), M or C (Bᵀ M B), T or V of the equations, for the answer's
@@ -219,63 +194,15 @@ def _combined(factors: Sequence[int], values: Sequence[Any]) -> Any:
     return sum((x * k for x, k in zip(values, factors, strict=True) if k), values[0] * 0)
 
 
-def turned_by(model: Model) -> Weights:
-    """B of θ = B φ for absolute angles: each turn of a planar tree is that of its body less that of
-    the body before."""
-    if model.dim != 2:
-        raise FreebodyError(
-            f"check: absolute angles belong to robots in the plane; {model.name!r} is in space."
-        )
-    rows: list[list[int]] = []
-    for i, body in enumerate(model.bodies):
-        row = [int(i == k) for k in range(len(model.bodies))]
-        above = body.parent
-        while above >= 0 and not model.bodies[above].kind.turns:
-            above = model.bodies[above].parent
-        if body.kind.turns and above >= 0:
-            row[above] = -1
-        if body.joint.mimic is not None or (body.kind.turns and body.joint.axis != (1.0,)):
-            raise FreebodyError(
-                f"check: absolute angles are not read where a joint follows another or turns "
-                f"clockwise, as {body.joint.name!r} of {model.name!r} does."
-            )
-        rows.append(row)
-    return tuple(map(tuple, rows))
-
-
 def in_notation(
     equations: Equations, notation: BookNotation, absolute: bool = False
 ) -> RightEquations:
     """The setting of a model's equations for answers in a notation."""
     model, given = equations.symbols.model, equations.symbols.given or equations.symbols.model
     zeros = [name for name, value in given.parameters.items() if value == 0]
-    turned = turned_by(model) if absolute or notation.absolute else None
+    turned, quarters = angles_of("check", notation, model, absolute)
     plain = setting(equations, zeros, turned)
-    quarters: list[int] = []
-    if notation.quarter_turns:
-        first = [not any(row[:i]) for i, row in enumerate(turned_by(model))]
-        quarters = [
-            notation.quarter_turns * int(body.kind.turns and (alone or turned is not None))
-            for body, alone in zip(model.bodies, first, strict=True)
-        ]
-    formulas = {
-        own: own_formula
-        for name, formula in notation.parameters.items()
-        for own, own_formula in _of_each_link(plain, name, formula)
-    }
-    return replace(plain, quarters=tuple(quarters), formulas=formulas)
-
-
-def _formula(name: str, formula: str) -> Expression:
-    try:
-        return parse(formula)
-    except FormulaError as problem:
-        raise _bad(name, formula, problem) from None
-
-
-def _bad(name: str, formula: str, problem: FreebodyError) -> FreebodyError:
-    own = problem.bare if isinstance(problem, FormulaError) else str(problem)
-    return FreebodyError(f"check: the parameter {name} = {formula}: {own.rstrip('.')}.")
+    return replace(plain, quarters=quarters, formulas=notation.parameters)
 
 
 def equations_of(model: Model, loads: tuple[str, ...] = ()) -> Equations:
@@ -293,26 +220,6 @@ def equations_of(model: Model, loads: tuple[str, ...] = ()) -> Equations:
 
 def _is_free_body(model: Model) -> bool:
     return len(model.bodies) == 1 and are_free(model)
-
-
-def _of_each_link(plain: RightEquations, name: str, formula: str) -> Iterator[tuple[str, str]]:
-    """A formula for one parameter, or that of a family for every link."""
-    if name in plain.ring.index:
-        yield name, formula
-        return
-    numbers = [k for k in range(1, plain.joints + 1) if f"{name}{k}" in plain.ring.index]
-    if not numbers:
-        raise UnknownNameError(
-            "parameter", name, repr(plain.symbols.model.name), plain.symbols.model.parameters
-        )
-    families = set(names_in(_formula(name, formula)))
-    for k in numbers:
-        own = re.sub(
-            r"[^\W\d_]+(?![\w(])",
-            lambda m, k=k: f"{m[0]}{k}" if m[0] in families else m[0],
-            formula,
-        )
-        yield f"{name}{k}", own
 
 
 def setting(

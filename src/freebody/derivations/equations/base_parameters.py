@@ -234,7 +234,7 @@ def base_view(equations: ClosedForm, names: Letters = NOTES) -> list[list[Equati
 
 def short_by_base(equations: Equations, names: Letters = NOTES) -> list[list[Equation]] | None:
     """The view in base parameters, if that fits on about a page."""
-    if not by_base_parameters(equations).is_short:
+    if equations.symbols.is_rewritten or not by_base_parameters(equations).is_short:
         return None
     groups = base_view(equations, names)
     return groups if sum(ex.size(line) for group in groups for line in group) <= SHORT else None
@@ -243,6 +243,7 @@ def short_by_base(equations: Equations, names: Letters = NOTES) -> list[list[Equ
 def by_base_parameters(equations: ClosedForm) -> BaseEquations:
     """The same equations by base parameters."""
     before = equations.symbols
+    before.require_plain("equations by base parameters")
     bases = base_parameters(before)
     ranks = {base.name: (base.body, base.kind) for base in bases}
     after = symbols(before.model, before.reader.numbers, inertial=ranks)

@@ -11,7 +11,7 @@ from freebody.algorithms.rnea import friction_and_spring
 from freebody.derivations.equations import equation_views
 from freebody.derivations.expressions.expression import size
 from freebody.derivations.polynomials.arithmetic import inner
-from freebody.derivations.polynomials.symbols import Symbols
+from freebody.derivations.polynomials.symbols import RATE, SECOND, Symbols
 from freebody.derivations.polynomials.textbook_form import InTextbookForm
 from freebody.lazy import cached_property
 from freebody.model.tree import Tree
@@ -34,7 +34,8 @@ class ClosedForm(InTextbookForm, ByValue):
     def M(self) -> list[list[Trig]]:
         """Mass matrix, rotors included."""
         s = self.symbols
-        return [[s.element(x) for x in row] for row in crba(s.tree, s.q)]
+        rows = [s.of_angles([s.element(x) for x in row]) for row in crba(s.tree, s.q)]
+        return [list(row) for row in zip(*map(s.of_angles, zip(*rows, strict=True)), strict=True)]
 
     @cached_property
     def christoffel(self) -> list[list[list[Trig]]]:
@@ -69,7 +70,7 @@ class ClosedForm(InTextbookForm, ByValue):
         return [self._along_rates(row) for row in self.C]
 
     def _along_rates(self, row: Sequence[Trig]) -> Trig:
-        return inner(row, self.symbols.qd, self.symbols)
+        return inner(row, self.symbols.own(RATE), self.symbols)
 
     @cached_property
     def g(self) -> list[Trig]:
@@ -88,14 +89,15 @@ class ClosedForm(InTextbookForm, ByValue):
             if body.drive is not None:
                 k = body.coordinates.v[0]
                 total[k] = total[k] + body.coordinates.ratio * friction_and_spring(body, s.q, s.qd)
-        return total
+        return s.of_angles(total)
 
     @cached_property
     def tau(self) -> list[Trig]:
         """Joint torques M q̈ + c + g + friction and springs."""
         s = self.symbols
         parts = zip(self.M, self.c, self.g, self.drives, strict=True)
-        return [c + g + drive + inner(row, s.qdd, s) for row, c, g, drive in parts]
+        qdd = s.own(SECOND)
+        return [c + g + drive + inner(row, qdd, s) for row, c, g, drive in parts]
 
     @cached_property
     def T(self) -> Trig:

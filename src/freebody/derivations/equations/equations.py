@@ -21,7 +21,7 @@ from freebody.derivations.polynomials.symbols import symbols
 from freebody.derivations.render import page
 from freebody.derivations.render.mathml import MATHML, NAMESPACE
 from freebody.derivations.render.sympy import to_sympy
-from freebody.errors import UnknownNameError
+from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.model import Model
 from freebody.model.parameters import finite, with_parameters
 from freebody.outputs.display import Titled
@@ -54,6 +54,7 @@ class Equations(Titled, ClosedForm):
     def intermediates(self) -> list[Equation]:
         """Inverse dynamics by named intermediates, each line in terms of those before: see
         `intermediates`."""
+        self.symbols.require_plain("intermediates")
         return intermediates(self.symbols)
 
     def groups(self, view: str = "named", names: Names = "notes") -> list[list[Equation]]:
@@ -62,6 +63,11 @@ class Equations(Titled, ClosedForm):
         if isinstance(names, str) and not (names.endswith(".toml") or names in NAMINGS):
             raise UnknownNameError("naming", names, "Equations", NAMINGS)
         notation = preset("notes") if standard else notation_of(names)
+        if notation.parameters or notation.absolute or notation.quarter_turns:
+            raise FreebodyError(
+                f"Equations: the notation {notation.name!r} has angles or parameters of its own; "
+                "fb.derive(model, notation=...) writes equations with them."
+            )
         letters = equation_views.STANDARD if standard else in_terms(notation.terms)
         if view == "intermediates":
             groups = [self.intermediates()]
@@ -163,6 +169,7 @@ class Equations(Titled, ClosedForm):
 
     def substitute(self, **numbers: float) -> Equations:
         """The equations with numbers in place of some parameters."""
+        self.symbols.require_plain("substitute")
         known = self.parameters
         for name in numbers:
             if name not in known:

@@ -16,7 +16,7 @@ from typing import Any
 from freebody.algorithms import kinematics as algorithms
 from freebody.derivations.polynomials.arithmetic import inner
 from freebody.derivations.polynomials.determinant import columns_of, determinant
-from freebody.derivations.polynomials.symbols import Symbols, symbols
+from freebody.derivations.polynomials.symbols import RATE, SECOND, Symbols, symbols
 from freebody.derivations.polynomials.textbook_form import InTextbookForm
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
@@ -55,25 +55,25 @@ class Kinematics(InTextbookForm):
         """Jacobian, rows linear then angular (plane: ẋ, ẏ, ω); the notes' J (2.19) is its first
         rows."""
         s = self.symbols
-        return [[s.element(x) for x in row] for row in algorithms.jacobian(s.tree, s.q, self.frame)]
+        rows = algorithms.jacobian(s.tree, s.q, self.frame)
+        return [s.of_angles([s.element(x) for x in row]) for row in rows]
 
     @cached_property
     def J_dot(self) -> Entries:
         """Time derivative of J, by its entries' (2.24)."""
-        rates = dict(zip(self.symbols.coordinates, self.symbols.qd, strict=True))
-        return [[x.along(rates) for x in row] for row in self.J]
+        return [[x.along(self.symbols.rates) for x in row] for row in self.J]
 
     @cached_property
     def velocity(self) -> list[Trig]:
         """J q̇ (2.18)."""
-        return [inner(row, self.symbols.qd, self.symbols) for row in self.J]
+        return [inner(row, self.symbols.own(RATE), self.symbols) for row in self.J]
 
     @cached_property
     def acceleration(self) -> list[Trig]:
         """J q̈ + J̇ q̇ (2.24)."""
-        s = self.symbols
-        rows = zip(self.J, self.J_dot, strict=True)
-        return [inner(row, s.qdd, s) + inner(change, s.qd, s) for row, change in rows]
+        s, rows = self.symbols, zip(self.J, self.J_dot, strict=True)
+        qd, qdd = s.own(RATE), s.own(SECOND)
+        return [inner(row, qdd, s) + inner(change, qd, s) for row, change in rows]
 
     def determinant(self, rows: Sequence[int] | None = None) -> Trig:
         """det of chosen rows of J (default all) and of the columns that move the frame (2.20).

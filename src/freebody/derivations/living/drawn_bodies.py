@@ -6,10 +6,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from freebody.derivations.derive import LOADS
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.living.closed_chain import ClosedChain
 from freebody.derivations.living.kernel import PageProgram
+from freebody.derivations.methods.method import LOADS
 from freebody.derivations.naming import Naming
 from freebody.model.tree import Tree, TreeBody
 from freebody.spatial import times

@@ -13,7 +13,6 @@ from typing import Any
 
 from freebody.derivations.closed_chains.first_kind import MULTIPLIER
 from freebody.derivations.derivation import Derivation
-from freebody.derivations.derive import LOADS
 from freebody.derivations.expressions.expression import Symbol
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.living.body_quantities import body_quantities
@@ -32,6 +31,7 @@ from freebody.derivations.living.panel import below, panel
 from freebody.derivations.living.traced import TracedSetting, TracedSymbols
 from freebody.derivations.methods import METHODS
 from freebody.derivations.methods.free_bodies import are_free
+from freebody.derivations.methods.method import LOADS
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.naming import Naming
@@ -66,7 +66,7 @@ def living(derivation: Derivation, start: Sequence[float] = ()) -> LivingParts |
     """
     plain = derivation.plain or derivation
     symbols = plain.equations.symbols
-    if not 0 < len(symbols.model.bodies) <= MOST_BODIES:
+    if not 0 < len(symbols.model.bodies) <= MOST_BODIES or symbols.is_rewritten:
         return None
     kernel = PageProgram(symbols.ring.names, plain.equations.layout.form)
     if are_free(symbols.given or symbols.model):

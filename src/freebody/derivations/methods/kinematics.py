@@ -35,7 +35,7 @@ def work_out(setting: Setting) -> Worked:
         work.acceleration(),
         *work.back(),
     ]
-    steps += inverse_position(setting)
+    steps += inverse_position(setting) if not setting.symbols.is_rewritten else []
     return Worked(
         tuple(steps), (), _symbols(setting), "Kinematics of the tip", loop_kinematics.SOUGHT
     )

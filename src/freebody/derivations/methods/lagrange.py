@@ -81,6 +81,8 @@ def _coordinates(s: Setting) -> Step:
         else "The joint variables fix the pose of every body and can be varied one by one; "
         f"along each only its own motor's {motor} does work."
     )
+    if s.symbols.turned:
+        reason = f"The angles of the links fix the pose of every body. {step_reasons.ABSOLUTE}"
     reason += step_reasons.motorless(s)
     lines = (eq(sym("q"), names), eq(sym("Q"), forces)) if not s.load else (eq(sym("q"), names),)
     return Step("Choose independent coordinates", reason, lines)
@@ -105,7 +107,7 @@ def _angular_velocities(s: Setting, moving: BodyMotions) -> Step:
     lines = []
     for i in s.order:
         parent = s.tree.bodies[i].parent
-        rate = sym(s.coordinate(i) + RATE)
+        rate = s.show(s.symbols.qd[s.index(i)])
         chain: list[Expression] = [s.angular_name("omega", parent)] if parent >= 0 else []
         if s.turns(i):
             chain.append(rate if s.planar else ex.mul(rate, s.name("z", i)))
@@ -211,7 +213,9 @@ def _equation(s: Setting, i: int, found: LagrangianDerivatives, work: Trig) -> t
     )
     motor = s.words(i).effort
     reason = f"Lagrange's equation; the generalized force is the {motor} of the joint's motor"
-    if not s.driven(i):
+    if s.symbols.turned:
+        reason = "Lagrange's equation; the generalized force is the torque on the body"
+    elif not s.driven(i):
         reason = "Lagrange's equation; the joint has no motor and no generalized force"
     if s.load:
         reason = "Lagrange's equation; the generalized force is that of motor and load, found above"
@@ -244,4 +248,5 @@ METHOD = Method(
     "lecture notes, chapter 5 and section 6.2",
     work_out,
     aliases=("lagrange-second-kind",),
+    absolute=True,
 )

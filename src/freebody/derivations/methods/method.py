@@ -13,6 +13,9 @@ from freebody.derivations.methods.setting import Setting
 from freebody.errors import UnknownNameError
 from freebody.scalars.trig import Trig
 
+LOADS = {2: ("fx", "fy"), 3: ("fx", "fy", "fz")}
+"""Names of the components of the force on the tip."""
+
 
 @dataclass(frozen=True)
 class Worked:
@@ -57,7 +60,8 @@ class Method:
     which it serves open and closed chains; closed_first: whether closed chains are derived by it
     where no method is asked for; elsewhere: the functions that give numbers for closed
     chains which it does not serve. at_rest: whether the robot stands still, and a force acts on the
-    tip unless it is left out. finds_torques: whether it ends in the torques of the motors; forces
+    tip unless it is left out. absolute: whether it can be told in angles of the links themselves.
+    finds_torques: whether it ends in the torques of the motors; forces
     do not occur in one that does not.
     """
 
@@ -75,6 +79,7 @@ class Method:
     elsewhere: str = ""
     at_rest: bool = False
     finds_torques: bool = True
+    absolute: bool = False
 
     def __call__(self, setting: Setting, **chosen: str) -> Worked:
         """The derivation of a setting; an option that is not chosen has its default."""

@@ -7,7 +7,7 @@ from freebody.derivations.derivation import Meaning
 from freebody.derivations.methods.glossary import glossary
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.methods.step_reasons import Efforts
+from freebody.derivations.methods.step_reasons import ABSOLUTE, Efforts
 from freebody.derivations.render.literal import literal
 from freebody.errors import listed
 from freebody.model.gravity import axis_of
@@ -202,14 +202,19 @@ def _angles(s: Setting) -> list[str]:
     turning = [i for i in s.order if s.turns(i)]
     if not turning:
         return []
+    zero = {"down": "downward vertical", "up": "upward vertical"}
+    zero = zero.get(s.letters.notation.zero, "x axis")
     subject = "The angle is" if len(turning) == 1 else "Angles are"
     if not all(_begins_along(s, i) for i in turning):
         where = "; the drawing and the vectors show from which line"
+    elif s.symbols.turned:
+        where = f", those of the links themselves, all measured from the {zero}"
     elif all(s.tree.bodies[i].parent < 0 for i in turning):
-        where = ", measured from the x axis"
+        where = f", measured from the {zero}"
     else:
-        where = ", each measured from the previous link, at the ground from the x axis"
-    return [f"{subject} positive anticlockwise{where}."]
+        where = f", each measured from the previous link, at the ground from the {zero}"
+    forces = f" {ABSOLUTE}" if s.symbols.turned else ""
+    return [f"{subject} positive anticlockwise{where}.{forces}"]
 
 
 def _begins_along(s: Setting, i: int) -> bool:

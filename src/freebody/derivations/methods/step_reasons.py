@@ -18,6 +18,12 @@ GYROSCOPIC = (
     "it takes a moment at right angles to ω, even at constant rates."
 )
 
+ABSOLUTE = (
+    "The torque τ_i of such an angle is that on body i: of its joint's motor, less those of the "
+    "motors of the joints that it carries."
+)
+"""What torques are where angles are those of the links."""
+
 
 def gyroscopic(s: Setting, i: int, moment: Vector) -> str:
     """What a bearing carries at constant rates where no centre of mass moves, as a sentence with a

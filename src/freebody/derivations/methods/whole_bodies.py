@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from freebody.derivations.methods.mechanism import require_single_joints
-from freebody.derivations.polynomials.symbols import Symbols, symbols
+from freebody.derivations.polynomials.symbols import Formulas, Symbols, symbols
 from freebody.derivations.render.literal import literal
 from freebody.elementary import Scalar
 from freebody.errors import listed
@@ -29,11 +29,19 @@ _ENTRIES = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # of a tensor, as i
 
 
 def symbols_of_bodies(
-    what: str, model: Model, extra: tuple[str, ...] = (), euler: bool = False
+    what: str,
+    model: Model,
+    extra: tuple[str, ...] = (),
+    euler: bool = False,
+    formulas: Formulas = (),
+    turned: tuple[tuple[int, ...], ...] | None = None,
+    quarters: tuple[int, ...] = (),
 ) -> Symbols:
     """The symbols of a model that is told body by body, each body's parts as one; refuses what is
     not written for. Arguments as of `symbols`."""
-    made = symbols(model, extra=extra, euler=euler)
+    how = {"extra": extra, "euler": euler, "formulas": formulas}
+    how |= {"turned": turned, "quarters": quarters}
+    made = symbols(model, **how)
     require_single_joints(made, what)
     masses = {body.name: body.masses for body in made.tree.bodies}
     if all(len(own) < 2 for own in masses.values()):
@@ -46,7 +54,7 @@ def symbols_of_bodies(
         else body
         for body in model.bodies
     )
-    return symbols(replace(model, bodies=bodies), extra=extra, euler=euler)
+    return symbols(replace(model, bodies=bodies), **how)
 
 
 def told(model: Model, made: Symbols) -> list[str]:

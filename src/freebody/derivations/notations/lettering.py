@@ -208,7 +208,8 @@ def lettering_of(notation: BookNotation, model: Model, coordinates: tuple[str, .
 
     Raises FreebodyError for a notation that calls two things by one name.
     """
-    if notation is PLAIN.notation:
+    own = notation.names, notation.letters, notation.absolute, notation.quarter_turns
+    if not any(own) and notation.terms == PLAIN.notation.terms:
         return PLAIN
     return Lettering(notation, frozenset(model.parameters), coordinates).printable()
 

@@ -4,7 +4,7 @@ are given by formulas. The presets are TOML files beside this one, and so are a 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from importlib import resources
 from os import PathLike, fspath
@@ -70,7 +70,7 @@ class BookNotation:
     """A key of `ZEROS`."""
     names: Mapping[str, str] = field(default_factory=_nothing)
     """What a name stands for: {"a": "l"} for all that are numbered, {"C": "cos"}."""
-    parameters: Mapping[str, str] = field(default_factory=_nothing)
+    parameters: Mapping[str, str | float] = field(default_factory=_nothing)
     """Parameters given by formulas, {"lc": "l/2"} for all links or {"lc1": "l1/2"}."""
     letters: Mapping[str, tuple[str, ...]] = field(
         default_factory=lambda: MappingProxyType[str, tuple[str, ...]]({})
@@ -161,8 +161,15 @@ def preset(name: str) -> BookNotation:
     return read(file, folder.joinpath(file).read_text(encoding="utf-8"), name)
 
 
-def notation_of(given: str | PathLike[str] | BookNotation | None) -> BookNotation:
-    """A notation by name, a user's own by its file, or itself; None for that of the notes."""
+def notation_of(
+    given: str | PathLike[str] | BookNotation | None,
+    parameters: Mapping[str, str | float] | None = None,
+) -> BookNotation:
+    """A notation by name, a user's own by its file, or itself; None for that of the notes.
+    parameters: further ones that are given by formulas or numbers."""
+    if parameters:
+        style = notation_of(given)
+        return replace(style, parameters={**style.parameters, **parameters})
     if given is None:
         return preset("notes")
     if isinstance(given, BookNotation):

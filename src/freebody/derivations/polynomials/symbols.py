@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.derivations.grammar.parser import PI
 from freebody.elementary import Scalar
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
@@ -24,6 +25,8 @@ from freebody.scalars.trig import Trig, TrigRing
 from freebody.spatial import Matrix, Vector
 from freebody.values import ByValue, key
 
+Formulas = tuple[tuple[str, tuple[tuple[tuple[tuple[str, int], ...], Fraction], ...]], ...]
+"""Names, and the terms of the polynomials that they stand for."""
 RATE, SECOND = "_d", "_dd"
 """What the names of velocities and accelerations end with."""
 
@@ -33,13 +36,20 @@ class TrigReader(QuantityReader):
 
     combines = False
 
-    def __init__(self, ring: TrigRing, numbers: bool):
+    def __init__(self, ring: TrigRing, numbers: bool, formulas: Formulas = ()):
         self.ring = ring
         self.numbers = numbers
+        self.formulas = {
+            name: ring.polynomial((dict(powers), x) for powers, x in terms)
+            for name, terms in formulas
+        }
 
     def quantity(self, q: Quantity) -> Scalar:
         if isinstance(q, Parameter) and not self.numbers:
-            return self.ring[q.name]
+            formula = self.formulas.get(q.name)
+            if formula is None:
+                return self.ring[q.name]
+            return 0.0 if formula.is_zero else formula
         number = float(super().quantity(q))
         return 0.0 if number == 0.0 else Trig(self.ring, self.ring.constant(number), 0)
 
@@ -81,6 +91,12 @@ class Symbols(ByValue):
     """The model as it was given; `model` is that with parameters of value 0 put in."""
     euler: bool = False
     """Whether three angles stand for each quaternion."""
+    formulas: Formulas = ()
+    """Parameters that are no symbols but given by others."""
+    turned: tuple[tuple[int, ...], ...] | None = None
+    """B of θ = B φ, where the joints' coordinates are θ and the symbols stand for φ."""
+    quarters: tuple[int, ...] = ()
+    """By how many right angles each of φ is 0 elsewhere than on the x axis."""
 
     def _key(self) -> tuple[Any, ...]:
         return tuple(map(key, self._recipe))
@@ -91,7 +107,8 @@ class Symbols(ByValue):
     @property
     def _recipe(self) -> tuple[Any, ...]:
         given = self.given or self.model
-        return given, self.reader.numbers, self.extra, self.inertial, self.euler
+        others = self.formulas, self.turned, self.quarters
+        return given, self.reader.numbers, self.extra, self.inertial, self.euler, *others
 
     @cached_property
     def tree(self) -> Tree:
@@ -99,19 +116,54 @@ class Symbols(ByValue):
         return lower(self.model, self.reader)
 
     @property
+    def is_rewritten(self) -> bool:
+        """Whether the symbols are others than the model's: by formulas, or of other angles."""
+        return bool(self.formulas or self.turned or any(self.quarters))
+
+    def require_plain(self, what: str) -> None:
+        """Refuse what is written in the model's own symbols only."""
+        if self.is_rewritten:
+            raise FreebodyError(
+                f"{what}: the derivation of {self.model.name!r} has angles or parameters of a "
+                "notation; fb.equations(model) gives these in the model's own."
+            )
+
+    @property
     def q(self) -> tuple[Trig, ...]:
-        """Coordinates."""
-        return tuple(self.ring[x] for x in self.coordinates)
+        """The joints' coordinates."""
+        plain = self.own("")
+        if self.quarters:
+            plain = [x + PI / 2 * k for x, k in zip(plain, self.quarters, strict=True)]
+        return self.of_joints(plain)
 
     @property
     def qd(self) -> tuple[Trig, ...]:
-        """Rates."""
-        return tuple(self.ring[x + RATE] for x in self.coordinates)
+        """Their rates."""
+        return self.of_joints(self.own(RATE))
 
     @property
     def qdd(self) -> tuple[Trig, ...]:
-        """Accelerations."""
-        return tuple(self.ring[x + SECOND] for x in self.coordinates)
+        """Their accelerations."""
+        return self.of_joints(self.own(SECOND))
+
+    def own(self, ending: str) -> list[Trig]:
+        """The symbols of the coordinates, their rates or their accelerations."""
+        return [self.ring[x + ending] for x in self.coordinates]
+
+    def of_joints(self, values: Sequence[Trig]) -> tuple[Trig, ...]:
+        """B φ."""
+        rows = self.turned
+        return tuple(values) if rows is None else tuple(self._sum(row, values) for row in rows)
+
+    def of_angles(self, forces: Sequence[Trig]) -> list[Trig]:
+        """Forces along the joints' coordinates as those along φ: Bᵀ τ."""
+        rows = self.turned
+        if rows is None:
+            return list(forces)
+        return [self._sum(column, forces) for column in zip(*rows, strict=True)]
+
+    def _sum(self, factors: Sequence[int], values: Sequence[Trig]) -> Trig:
+        return sum((x * k for k, x in zip(factors, values, strict=True) if k), self.zero())
 
     @property
     def rates(self) -> dict[str, Trig]:
@@ -161,12 +213,15 @@ def symbols(
     extra: tuple[str, ...] = (),
     inertial: Mapping[str, tuple[int, int]] | None = None,
     euler: bool = False,
+    formulas: Formulas = (),
+    turned: tuple[tuple[int, ...], ...] | None = None,
+    quarters: tuple[int, ...] = (),
 ) -> Symbols:
     """The model in symbols; `numbers` puts in the values of parameters that have one.
 
     A parameter whose value is 0 is no symbol: it is 0, in whatever is written about the model.
-    extra, inertial: further symbols, see `Symbols`. euler: put yaw, pitch and roll in the place of
-    quaternions, which are refused otherwise.
+    extra, inertial, formulas, turned, quarters: see `Symbols`. euler: put yaw, pitch and roll in
+    the place of quaternions, which are refused otherwise.
     """
     given, model = model, with_parameters(model, lambda p: 0.0 if p.value == 0 else p)
     model = with_single_joints(model, euler)
@@ -178,7 +233,9 @@ def symbols(
         for name, is_angle in zip(own, body.kind.angular, strict=False)
         if is_angle
     ]
+    given_by_formulas = {name for name, _ in formulas}
     names = list(dict.fromkeys(p.name for p in each_parameter(model))) if not numbers else []
+    names = [name for name in names if name not in given_by_formulas]
     angles = [x for x in names if x in _angle_parameters(model)]
     others = [
         *(x for x in coordinates if x not in turning),
@@ -191,7 +248,17 @@ def symbols(
     ]
     ring = TrigRing([*turning, *angles], others)
     return Symbols(
-        model, ring, coordinates, TrigReader(ring, numbers), extra, inertial or {}, given, euler
+        model,
+        ring,
+        coordinates,
+        TrigReader(ring, numbers, formulas),
+        extra,
+        inertial or {},
+        given,
+        euler,
+        formulas,
+        turned,
+        quarters,
     )
 
 

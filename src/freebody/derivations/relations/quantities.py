@@ -10,11 +10,11 @@ from typing import Any
 
 from freebody.algorithms.kinematics import frame_motion
 from freebody.algorithms.rnea import Recursion
-from freebody.derivations.derive import LOADS
 from freebody.derivations.equations.kinematics import Kinematics
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.methods.energies import Energies
+from freebody.derivations.methods.method import LOADS
 from freebody.derivations.methods.recursive import GRAVITIES
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.whole_bodies import symbols_of_bodies

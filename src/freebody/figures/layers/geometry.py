@@ -40,12 +40,25 @@ def angles(drawing: Drawing, seen: Snapshot, body: BodyPlace, longest: float = m
     name = seen.names.coordinate(body)
     if not body.kind.turns or not name:
         return
-    before = math.atan2(body.carrier_rotation[1, 0], body.carrier_rotation[0, 0])
+    before = _zero_of_angle(seen, body)
     now = math.atan2(body.rotation[1, 0], body.rotation[0, 0])
     turned, reach = math.remainder(now - before, 2 * math.pi), min(_ARC * seen.size, longest)
     end = body.origin + 1.5 * reach * np.array([math.cos(before), math.sin(before)])
     drawing.line((body.origin, end), f"reference {name}", "guide")
     drawing.add(Arc(point(body.origin), reach, before, turned, name, label=name))
+
+
+def _zero_of_angle(seen: Snapshot, body: BodyPlace) -> float:
+    """The direction in which the angle of a joint is 0: along the body before, or as its notation
+    has it."""
+    notation, at = seen.names.naming.letters.notation, body.index
+    above, first = seen.model.bodies[at].parent, at
+    while above >= 0:
+        first = above if seen.model.bodies[above].kind.turns else first
+        above = seen.model.bodies[above].parent
+    carrier = seen.pose.bodies[first if notation.absolute else at].carrier_rotation
+    turned = notation.absolute or first == at
+    return math.atan2(carrier[1, 0], carrier[0, 0]) + turned * notation.quarter_turns * math.pi / 2
 
 
 @of_each
