@@ -406,7 +406,7 @@ def test_forces_in_the_loops_of_a_motion_are_reactions(name):
 def test_printed_multipliers_solve_their_system():
     """λ by k over Δ, as they stand in the lines, against A λ = k."""
     derivation = fb.derive(fb.load("five_bar"), "newton-euler")
-    (step,) = [x for x in derivation.steps if x.operation == "The forces in the loops"]
+    (step,) = [x for x in derivation.steps if x.operation == "The forces in the loop"]
     lines = {str(x.lhs): x for x in step.equations}
     symbols = derivation.equations.symbols
     q = np.array([2.1, 1.0, -1.4, 1.4])

@@ -26,7 +26,7 @@ _BASE = (
 
 
 _LOOPS = (
-    " The bodies form a tree when the loops are cut; what the loops add is Φ_qᵀ λ, as in "
+    " The bodies form a tree when {loops} cut; what the closing forces add is Φ_qᵀ λ, as in "
     "Lagrange's equations of the first kind, which are these."
 )
 
@@ -49,7 +49,8 @@ def closed_form(setting: Setting, through_loops: Sequence[Expression] = ()) -> S
             "ones."
         )
     if through_loops:
-        reason += _LOOPS
+        one = len(setting.tree.loops) == 1
+        reason += _LOOPS.format(loops="the loop is" if one else "the loops are")
         groups = [_with(groups[0], through_loops), *groups[1:]]
     if setting.load:
         reason += (

@@ -107,11 +107,11 @@ class Loops:
                 " q holds the joint variables in the order of the joints, Q the torques and forces "
                 "of their motors."
             )
-            return Step("Cut the loops: dependent coordinates", reason)
+            return Step(f"Cut {self.named}: dependent coordinates", reason)
         lines = [eq(sym("q"), ex.Vector(tuple(sym(s.coordinate(i)) for i in s.order)))]
         if not s.load:
             lines.append(eq(sym("Q"), ex.Vector(tuple(motors))))
-        return Step("Cut the loops: dependent coordinates", reason, tuple(lines))
+        return Step(f"Cut {self.named}: dependent coordinates", reason, tuple(lines))
 
     def closed(self) -> Step:
         """Φ(q) = 0."""

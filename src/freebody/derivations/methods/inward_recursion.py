@@ -50,10 +50,22 @@ class Inward:
             if self._is_first(i)
             else ""
         )
-        letters = step_reasons.drive(s, i) + letters
+        letters = step_reasons.drive(s, i) + self._unborne(i) + letters
         if s.driven(i):
             return f"{needed} come through joint {n}; the motor gives {part}.{letters}"
         return f"{needed} come through joint {n}, which has no motor to give {part}.{letters}"
+
+    def _unborne(self, i: int) -> str:
+        """Of a planar slide that bears no other moment than that of a child without motor, which is
+        0."""
+        s = self.s
+        if not s.planar or s.is_pin(i):
+            return ""
+        held = s.angular(self.record.n[i])
+        for k in s.tree.children(i):
+            if not s.driven(k) and held == s.show(self.record.tau[s.index(k)]) != ex.ZERO:
+                return f" {s.joint_moment(i)} is 0 by the equation of joint {s.numbers[k]}."
+        return ""
 
     def _is_first(self, i: int) -> bool:
         """Whether a planar arm's steps inward begin with body i."""

@@ -77,7 +77,8 @@ class LoopForces:
             f"{'It' if one else 'Each'} is replaced by the force of one body on the other and its "
             f"opposite; its components are the unknowns.{along}{more}"
         )
-        return Step("Cut the loops: their forces are the unknowns", reason, tuple(lines))
+        title = f"Cut {self.loops.named}: {'its force is' if one else 'their forces are'} unknown"
+        return Step(title, reason, tuple(lines))
 
     def system(self, needs: LoopStatics) -> list[Equation]:
         """A λ = k of the joints without motor."""

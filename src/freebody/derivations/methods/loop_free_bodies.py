@@ -96,7 +96,7 @@ class _LoopedBodies(FreeBodies):
         for k in carried:
             carried += self.s.tree.children(k)
         looped = any(self.loop_forces.on(k) for k in carried)
-        return f"nothing unknown{' but forces in the loops' if looped else ''}"
+        return f"nothing unknown{f' but forces in {self.loops.named}' if looped else ''}"
 
     def loops_cut(self) -> Step:
         """What stands for each loop."""
@@ -107,14 +107,14 @@ class _LoopedBodies(FreeBodies):
 
     def count(self, bodies: list[int]) -> Step:
         """As many equations as unknowns?"""
-        s = self.s
+        s, loops = self.s, self.loops.named
         n, m = len(bodies), len(self.loop_forces.unknowns)
         free = [f"body {s.numbers[i]}" for i in bodies if not s.is_held(i)]
         motors = sum(map(s.driven, s.order))
         unknown = 2 * (n - len(free)) + m + motors
         reason = (
             f"Each of the {n} bodies has two equations of forces and one of moments. Unknown are "
-            f"two components of what each joint's bearing transmits, {m} of the loops, and "
+            f"two components of what each joint's bearing transmits, {m} of {loops}, and "
             f"{motors} of the {'motor' if motors == 1 else 'motors'}: {unknown} for {3 * n} "
             f"equations.{f' No joint holds {listed(free)}.' if free else ''} "
         )
@@ -123,7 +123,7 @@ class _LoopedBodies(FreeBodies):
         elif unknown > 3 * n:
             reason += (
                 "There are more drives than degrees of freedom: for a given motion the drives can "
-                "work against one another, and the forces in the loops are not determined."
+                f"work against one another, and the forces in {loops} are not determined."
             )
         else:
             reason += (
@@ -140,7 +140,7 @@ class _LoopedBodies(FreeBodies):
             joints.insert(0, k)
         reason = (
             f"No joint holds body {n}: its equations, of the forces along x and y and of the "
-            "moments, contain no other unknowns than the forces in the loops."
+            f"moments, contain no other unknowns than the forces in {self.loops.named}."
         )
         lines = tuple(eq(s.motor(j), s.show(self.tau[j])) for j in joints)
         return Step(f"Substitute the motion: body {n}", reason, lines)
@@ -155,14 +155,15 @@ class _LoopedBodies(FreeBodies):
         joints = listed([f"joint {s.numbers[i]}" for i in free])
         theirs = "its equation holds" if len(free) == 1 else "their equations hold"
         reason = (
-            f"No motor acts at {joints}: {theirs} no unknown but the forces in the "
-            "loops, which occur linearly. As a system, A λ = k; k holds what the motion"
-            f"{' and the weights ask for' if s.weighs else ' asks for'}."
+            f"No motor acts at {joints}: {theirs} no unknown but the forces in "
+            f"{self.loops.named}, which occur linearly. As a system, A λ = k; k holds what the "
+            f"motion{' and the weights ask for' if s.weighs else ' asks for'}."
         )
         lines = self.loop_forces.system(self.system)
         more, found = self._solved()
         unlisted = self.loops.unlisted(self.system.A)
-        return [Step("The forces in the loops", f"{reason}{more}{unlisted}", (*lines, *found))]
+        title = f"The forces in {self.loops.named}"
+        return [Step(title, f"{reason}{more}{unlisted}", (*lines, *found))]
 
     def _solved(self) -> tuple[str, list[Equation]]:
         """λ by the entries of k, where that is short."""

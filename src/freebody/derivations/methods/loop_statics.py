@@ -97,6 +97,7 @@ class _Balance(Equilibrium):
 
     def _loop_forces(self) -> Step:
         system, names = self.system, self.forces.unknowns
+        title = f"The forces in {self.loops.named}"
         if len(names) > FEW:
             reason = (
                 "As a system: A λ = k. It is solved with numbers; the quotients would fill pages. "
@@ -104,7 +105,7 @@ class _Balance(Equilibrium):
                 f"locked (a singular position of the second type).{self.loops.unlisted(system.A)}"
             )
             lines = self.forces.system(system)
-            return Step("The forces in the loops", reason, tuple(lines), result=True)
+            return Step(title, reason, tuple(lines), result=True)
         if system.multipliers is None:
             reason = (
                 f"There are {len(system.passive)} equations for {len(names)} multipliers: there "
@@ -113,7 +114,7 @@ class _Balance(Equilibrium):
             )
             lines = [*self.loops.matrix(sym("A"), system.A), eq(ex.mul("A", "lam"), "k")]
             lines += [eq("k", ex.Vector(tuple(map(self.s.show, system.right))))]
-            return Step("The forces in the loops", reason, tuple(lines))
+            return Step(title, reason, tuple(lines))
         lines = [
             eq(name, self.loops.ratio(x)) for name, x in zip(names, system.multipliers, strict=True)
         ]
@@ -122,7 +123,7 @@ class _Balance(Equilibrium):
             "can move although its drives are locked (a singular position of the second type), "
             "and no finite forces give equilibrium."
         )
-        return Step("The forces in the loops", reason, tuple(lines), result=True)
+        return Step(title, reason, tuple(lines), result=True)
 
     def torques(self) -> Step:
         """τ of the motors."""
