@@ -5,6 +5,7 @@ compiled dynamics."""
 from __future__ import annotations
 
 import math
+import random
 from pathlib import Path
 
 import numpy as np
@@ -36,7 +37,7 @@ G2 = WEIGHT * math.cos(math.radians(75))
         ("g mm^2", 1e-9, (1, 2, 0)), ("°/s", math.pi / 180, (0, 0, -1)),
         ("rpm", math.pi / 30, (0, 0, -1)), ("rad s^{-1}", 1, (0, 0, -1)), ("m/s²", 1, (0, 1, -2)),
         ("N/(m s)", 1, (1, 0, -3)), ("J", 1, (1, 2, -2)), ("cm", 1e-2, (0, 1, 0)),
-        ("Newton-metres", 1, (1, 2, -2)), ("N-m", 1, (1, 2, -2)),
+        ("Newton-metres", 1, (1, 2, -2)), ("N-m", 1, (1, 2, -2)), ("kg m2", 1, (1, 2, 0)),
         (r"\metre\per\second\squared", 1, (0, 1, -2)), ("N. The", 1, (1, 1, -2)),
     ],
 )  # fmt: skip
@@ -67,12 +68,17 @@ RIGHT = [
     ("H12 = m2 (lc2² + l1 lc2/√2) + I2 at θ2 = 45°".replace("/√2", " sin 45°"), "text"),
     (f"G2 = {G2 + 0.04:.2f} ± 0.05 N m, {POSTURE}", "text"),
     (f"M = [{MASS[0, 0]:.3f}, {MASS[0, 1]:.3f}; {MASS[1, 0]:.3f}, 0.046] kg m², θ2 = 45°", "text"),
+    (f"detJ = 0 at θ2 = 180°\nx = 0 m at θ1 = 90°, θ2 = 0\nG2 = 0.571 N m at {POSTURE}", "text"),
     ("H22 = 45750 kg mm^2", "text"),
     ("ω₂ = 1.00 rad/s, x = 0.7 m at θ₁ = θ₂ = 0, θ̇₁ = 120 °/s, θ̇₂ = -62.704 °/s", "text"),
     ("Given q = 0, q̇ = 0 and q̈ = 0.\nT = 0 J; G2 = 2.207 N m", "text"),
     (rf"$\tau_1 = {TAU[0]:.2f}\,\mathrm{{N\,m}}$ at ${STATE}$.".replace("°", r"^\circ"), "latex"),
     (rf"\[ G_2 = \SI{{{G2:.3f}}}{{\newton\metre}} \] for $\theta_1 = \ang{{30}}$, $\theta_2 = "
      r"\frac{\pi}{4}$", "latex"),
+    (f"**Given:** ${STATE.replace(', ', '$, $')}$.\n\n1. It is $\\tau_1 = {TAU[0]:.2f}$ N m.\n"
+     f"2. $\\tau_2 = {TAU[1]:.3f}\\,\\text{{Nm}}$", "markdown"),
+    ("Given: m1 = 2 kg, l1 = 400 mm, I1 = 0.031 kg m2\na) H22 = 0.0458 kg m²\n"
+     "b) at θ2 = 45°: H12 = 0.10939 kgm²\nc) At θ1 = 45°, θ2 = 45°: G2 = 0 Nm", "text"),
     (f"With ${POSTURE.replace(', ', '$ and $')}$ the torque is $G_2 = {G2:.3f}$ N m.\n\nNow "
      "$θ_1 = θ_2 = 0$: $G_2 = 2.21~\\text{N m}$.", "markdown"),
 ]  # fmt: skip
@@ -160,6 +166,7 @@ def test_the_verdict_on_a_number_reads_like_this():
         ("G2 = 0.57 N m at θ₁ = 30 mm, θ₂ = 0", None, "θ₁ is given in mm, and has the unit rad"),
         ("G2 = 0.57 N m at θ₁ = 0, θ₂ = 0, m2 = 3 kg", None, "m₂ is 3 here, and 1.5 in 'RR'"),
         ("G2 = 0,57 N m at θ₁ = 30°, θ₂ = 45°", None, "a decimal comma: write a point"),
+        ("J^{-1} = [1, 2; 3, 4] at θ1 = 30°, θ2 = 0", None, "has no value at θ₁ = 30°, θ₂ = 0"),
         ("G2 = m2 g lc2 (c12) kN", None, "stands behind what is no number"),
         ("G2 = 0.57 N m at θ1 = 0,5, θ2 = 0", None, "a decimal comma: write a point"),
         ("G2 = m2 g lc2 cos(θ1+θ2)\nr2 = 200 mm", None, "stands behind what is no result"),
@@ -214,3 +221,69 @@ def test_the_command_takes_the_state(capsys: pytest.CaptureFixture[str], tmp_pat
     capsys.readouterr()
     assert run(["check", "2R", str(file)]) == 2
     assert "depends on θ₁, θ₂, which are not given" in capsys.readouterr().err
+
+
+# ---------------------------------------------------------------- from a seed
+WHERE = (" at {}", " ({})", ", with {}", " where {}", " when the arm is at {}", " (state: {})")
+WORDS = ("R", "RR", "RP", "PR", "RRR")
+
+
+def random_answer(rng: random.Random) -> tuple[fb.Model, str, str, float, float]:
+    """An arm, a result with its state, and the exact value with the unit in which it is written."""
+    word = rng.choice(WORDS)
+    n = len(word)
+    numbers = {k: [round(rng.uniform(0.2, 2.0), 2) for _ in word] for k in ("l", "lc", "m", "I")}
+    arm = fb.planar(word, **numbers)  # type: ignore[arg-type]
+    state, written = [], []
+    for dots, mark in enumerate(("", "\u0307", "\u0308")):
+        values = []
+        for i, kind in enumerate(word, 1):
+            degrees = kind == "R" and rng.random() < 0.5
+            unit = ("°" if degrees else "rad" if kind == "R" else "cm") + ("", "/s", "/s²")[dots]
+            value = rng.randrange(-90, 90) if degrees else round(rng.uniform(-2, 2), 1)
+            values.append(value * (math.pi / 180 if degrees else 1 if kind == "R" else 0.01))
+            written.append(f"{'θ' if kind == 'R' else 'd'}{mark}{i} = {value} {unit}")
+        state.append(values)
+    i, j = rng.randrange(n), rng.randrange(n)
+    q, qd, qdd = state
+    turns = word[i] == "R"
+    name, exact, units = rng.choice([
+        (f"tau_{i + 1}", fb.inverse_dynamics(arm, q, qd, qdd)[i], FORCES[turns]),
+        (f"G_{i + 1}", fb.gravity_torque(arm, q)[i], FORCES[turns]),
+        (f"H_{i + 1}{j + 1}", fb.mass_matrix(arm, q)[i, j], {"": 1.0}),
+        ("T", fb.kinetic_energy(arm, q, qd), {"J": 1.0, "kJ": 1e3, "N m": 1.0}),
+        ("x", fb.forward_kinematics(arm, q)[0, -1], {"m": 1.0, "mm": 1e-3, "centimetres": 1e-2}),
+    ])  # fmt: skip
+    unit, factor = rng.choice(list(units.items()))
+    rng.shuffle(written)
+    where = rng.choice(WHERE).format(", ".join(written))
+    return (
+        arm,
+        f"{name} = {{}} {unit}{where}",
+        name,
+        float(exact),
+        factor,
+    )
+
+
+FORCES = ({"N": 1.0, "kN": 1e3}, {"Nm": 1.0, "N·mm": 1e-3, "kN m": 1e3, "N m": 1.0})
+
+
+def rounded(value: float, digits: int) -> str:
+    """Without an exponent, to so many significant digits."""
+    size = math.floor(math.log10(abs(value))) if value else 0
+    return f"{value:.{max(digits - 1 - size, 1)}f}"
+
+
+@pytest.mark.usefixtures("numpy_kernels")
+@pytest.mark.parametrize("seed", range(40))
+def test_random_results_are_right_and_planted_errors_are_found(seed: int):
+    rng = random.Random(f"numbers {seed}")
+    arm, answer, name, exact, factor = random_answer(rng)
+    verdict = fb.check(arm, answer.format(rounded(exact / factor, rng.choice((4, 5, 6)))))
+    assert verdict, verdict
+    if abs(exact) > 1e-6:
+        for wrong in (exact * 1.03, -exact, exact * 1000):
+            verdict = fb.check(arm, answer.format(rounded(wrong / factor, 5)))
+            assert not verdict, verdict
+        assert verdict.findings[0].kind == "number", name

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -61,7 +62,8 @@ class NumberAtState:
     @cached_property
     def right(self) -> float:
         """The right number, in SI units."""
-        return self.point.of(self.right_value)
+        right = self.point.of(self.right_value)
+        return 0.0 if abs(right) <= self._noise else right
 
     @property
     def unit(self) -> WrittenUnit | None:
@@ -87,8 +89,15 @@ class NumberAtState:
     def point(self) -> RealPoint:
         """The state, and how far numbers may be apart there."""
         point = RealPoint.of_state(self.setting.ring, self.values)
-        largest = abs(self.yours) + abs(point.of(self.right_value))
-        return replace(point, slack=self._slack(point) + EXACT * largest)
+        return replace(point, slack=self._slack(point) + self._noise)
+
+    @cached_property
+    def _noise(self) -> float:
+        """What floating point leaves where terms cancel, as cos 90°."""
+        point = RealPoint.of_state(self.setting.ring, self.values)
+        above, below = pair(self.right_value)
+        size = sum(abs(point.term(powers, c)) for powers, c in above.terms())
+        return EXACT * (size / (abs(point.of(below)) or math.nan) + abs(self.yours))
 
     def _slack(self, point: RealPoint) -> float:
         """Half a unit of the last digit, or the tolerance that is given."""

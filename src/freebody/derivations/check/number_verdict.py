@@ -109,6 +109,10 @@ class _NumberVerdict:
         number, claim = self.number, self.number.claim
         if number.fits:
             self._refuse_missing()
+        if number.fits and math.isnan(number.right):
+            claim.source.fail(
+                f"{claim.label} has no value {self._where()}: a division by 0", claim.node.span
+            )
         if number.fits and number.point.agree(number.yours, number.right):
             return EquationVerdict(claim.label, claim.target.title, True, note=self._note())
         causes = [] if number.fits else [self._other_kind()]

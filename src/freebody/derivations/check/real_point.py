@@ -11,6 +11,7 @@ from typing import Any
 
 from freebody.derivations.check.finite_field import Point
 from freebody.derivations.check.quotients import Value, pair
+from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import TrigRing
 
 
@@ -25,9 +26,13 @@ class RealPoint(Point):
 
     @classmethod
     def of_state(cls, ring: TrigRing, state: Mapping[str, float]) -> RealPoint:
-        """The point where names have these values."""
+        """The point where names have these values; cos 90° is 0."""
         values = {name: state.get(name, math.nan) for name in ring.names}
-        turns = {name: (math.sin(values[name]), math.cos(values[name])) for name in ring.angles}
+        turns = {
+            name: tuple(map(float, rational_sin_cos(x))) if math.isfinite(x) else (x, x)
+            for name in ring.angles
+            for x in (values[name],)
+        }
         return cls(values, turns)
 
     def agree(self, a: Any, b: Any) -> bool:

@@ -24,10 +24,13 @@ _RESULT = re.compile(
 """The end of a number or of a vector, and a tolerance behind it."""
 _CLAUSE = re.compile(
     r"(?:[\s~$]|\\[,;:! ()\]]|\\(?:text|mbox|textrm)\s?\{)*"
-    r"(?:(?:at|for|when|where|with|if)\b|[@,;(])[\s~}$]*(?:the\s)?(?:state\s|posture\s)?"
+    r"(?:,?\s?(?:at|for|when|where|with|if)\b|[@,;(])[\s~}$]*"
 )
-_SENTENCE = re.compile(r"(?:^|(?<=[.:;]\s))[^\S\n]{0,12}(?:[-*>][^\S\n])?", re.MULTILINE)
-_WORD = re.compile(r"[^\W\d_]{1,20}[,:]?(?=\s?[$\s])[^\S\n]?")
+_SENTENCE = re.compile(
+    r"(?:^|(?<=[.:;]\s))[^\S\n]{0,12}(?:(?:[-*>]|\(?\w{1,2}[.)])[^\S\n]{1,4})?(?:\*\*|__)?",
+    re.MULTILINE,
+)
+_WORD = re.compile(r"[^\W\d_]{1,20}[,:]?(?:\*\*|__)?(?=\s?[$\s])[^\S\n]?")
 _MOST_WORDS = 8
 _KEYWORDS = ("at", "for", "with", "when", "given", "let", "if")
 _WHERE = re.compile(r"(?<=[\w)}\]²³])[\s~$]{1,4}(?=(?:at|for|when|where|with|if)[\s~$])")
@@ -147,28 +150,26 @@ class _NumberSearch:
         for match in _SENTENCE.finditer(self.text):
             if self.taken and match.end() < self.taken[-1][1]:
                 continue
-            start, values, end = self._list_behind_words(match.end())
-            if values:
+            start, values, end, word = self._list_behind_words(match.end())
+            if values and (word in _KEYWORDS or _SENTENCE_END.match(self.text, end)):
                 begun = {} if not self.standing else self.standing[-1][1]
                 moving = {name for name in values if not self._is_constant(name)}
                 if moving & set(begun):  # another state
                     begun = {name: x for name, x in begun.items() if self._is_constant(name)}
                 self.standing.append((end, {**begun, **values}))
-                self._take(start, end)
+                colon = _COLON.match(self.text, end)
+                self._take(match.start() if colon else start, colon.end() if colon else end)
 
-    def _list_behind_words(self, at: int) -> tuple[int, dict[str, GivenValue], int]:
-        """A list of values behind a few words; all of a sentence, or behind At, For, Given."""
+    def _list_behind_words(self, at: int) -> tuple[int, dict[str, GivenValue], int, str]:
+        """A list of values behind a few words, where it stands, and the last of the words."""
         word = ""
         for _ in range(_MOST_WORDS):
             values, end = self.reader.list_at(self.source, at)
-            if values:
-                is_state = word in _KEYWORDS or _SENTENCE_END.match(self.text, end)
-                return (at, values, end) if is_state else (at, {}, at)
             match = _WORD.match(self.text, at)
-            if match is None:
-                break
-            word, at = match[0].strip(" ,:").lower(), match.end()
-        return at, {}, at
+            if values or match is None:
+                return at, values, end, word
+            word, at = match[0].strip(" ,:*_").lower(), match.end()
+        return at, {}, at, word
 
     def _take(self, start: int, end: int) -> None:
         while self.text[end : end + 1] == FILL:
@@ -258,7 +259,7 @@ class _NumberSearch:
         match = _CLAUSE.match(self.text, at)
         if match is None:
             return {}, at
-        values, end = self.reader.list_at(self.source, match.end())
+        _, values, end, _ = self._list_behind_words(match.end())
         if not values:
             return {}, at
         closing = re.compile(r"\s?\)").match(self.text, end) if "(" in match[0] else None

@@ -29,8 +29,10 @@ _SYNONYMS = {
 }  # fmt: skip
 _SIUNITX = {"kilo": "k", "milli": "m", "centi": "c", "micro": "µ", "mega": "M"}
 _TOGETHER = re.compile(r"((?:[kmcM]?N)|kg)((?:mm|cm|m)?)((?:/?s|/?rad)?)")
-_WORD = re.compile(r"\\?[A-Za-zµμ]+(?![A-Za-z0-9_'₀-ₜ\u0300-\u036f])|°")
-_POWER = re.compile(r"\s?\^\s?(?:\{\s?([-−]?\d)\s?\}|([-−]?\d))|([⁻]?[²³¹])|\s?\\(squared|cubed)")
+_WORD = re.compile(r"\\?[A-Za-zµμ]+[23]?(?![A-Za-z0-9_'₀-ₜ\u0300-\u036f])|°")
+_POWER = re.compile(
+    r"(?:\s?\^\s?|(?=[23]))(?:\{\s?([-−]?\d)\s?\}|([-−]?\d))|([⁻]?[²³¹])|\s?\\(squared|cubed)"
+)
 _RAISED = {"²": 2, "³": 3, "¹": 1, "⁻¹": -1, "⁻²": -2, "⁻³": -3, "squared": 2, "cubed": 3}
 _BLANK = re.compile(r"(?:[\s~$]|\\[,;:! ])*")
 _TIMES = re.compile(r"[*·⋅.×∙]|-(?=[A-Za-z])|\\(?:cdot|times)(?![A-Za-z])")
@@ -126,6 +128,10 @@ class _UnitReader:
         if match is None:
             return False
         word, end = match[0].lstrip("\\"), match.end()
+        if word[-1].isdigit():  # kg m2
+            word, end = word[:-1], end - 1
+            if not self.shown:
+                return False
         if word in _SIUNITX and (following := _WORD.match(self.text, end)):
             word = _SIUNITX[word] + _named(following[0].lstrip("\\"))
             end = following.end()
@@ -173,5 +179,8 @@ class _UnitReader:
 
 
 def _named(word: str) -> str:
-    """The symbol of a unit that is spelt out, Newtons."""
-    return _SYNONYMS.get(word.lower().removesuffix("s") if len(word) > 2 else word, word)
+    """The symbol of a unit that is spelt out, Newtons, millimetres."""
+    plain = word.lower().removesuffix("s") if len(word) > 2 else word
+    prefix = next((x for x in _SIUNITX if plain.startswith(x) and plain not in _SYNONYMS), "")
+    name = _SYNONYMS.get(plain.removeprefix(prefix), "")
+    return _SIUNITX.get(prefix, "") + name if name else word
