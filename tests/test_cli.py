@@ -47,8 +47,8 @@ def test_study_writes_a_report_and_data(capsys: pytest.CaptureFixture[str]):
     assert said.err == ""
     lines = said.out.splitlines()
     assert lines.pop(0) == (
-        "Not judged: not given are an effort limit, a speed limit and a position range of joint1 "
-        "and joint2."
+        "Not judged: the description lacks an effort limit, a speed limit and a position range of "
+        "joint1 and joint2."
     )
     assert lines[0] == (
         "2R: 2 coordinates. Motion: by default every joint swings within its limits, from rest to "

@@ -70,7 +70,7 @@ def test_a_line_in_a_shell(arm):
             assert "\n" not in repr(value)
             assert "array(" not in repr(value)
     assert repr(arm["study"]) == "<Study of '3R': 402 samples in 5 s; Not judged>"
-    assert repr(arm["solutions of a batch"]).startswith("<Solutions: (2,) targets, ")
+    assert repr(arm["solutions of a batch"]).startswith("<Solutions: 2 targets, ")
 
 
 def test_a_table_in_a_notebook(arm):

@@ -574,7 +574,7 @@ def test_refusals():
 def test_prints_as_a_table():
     text = str(fb.inverse_kinematics(planar("RR", [1.0, 0.7]), [[1.0, 0.5], [9.0, 0.0]]))
     assert text.startswith(
-        "(2,) targets, 0 to 2 solutions each; closed form: RR across parallel axes (2.14, 2.15)"
+        "2 targets, 0 to 2 solutions each; closed form: planar RR, notes (2.14), (2.15)"
     )
     assert (
         "Target 1: Out of reach: the target is 7.3 m from the nearest point that frame 'tip' of "

@@ -45,7 +45,7 @@ def test_a_pendulum_by_hand():
     assert weak.mass == 0.0
     assert weak.overloaded
     assert weak.joint == 0
-    assert "1 postures overload a joint without payload." in weak._table().notes
+    assert "A joint is overloaded without payload in 1 posture." in weak._table().notes
 
 
 def test_limits_of_the_model_are_taken():
@@ -53,7 +53,7 @@ def test_limits_of_the_model_are_taken():
     q, _, _ = fb.random_state(model, 0, 50)
     efforts = model.limits.effort
     assert fb.payload_map(model, q) == fb.payload_map(model, q, effort=efforts)
-    assert repr(fb.payload_map(model, q)).startswith("<PayloadMap: 50 postures, ")
+    assert repr(fb.payload_map(model, q)).startswith("<Payload map: 50 postures, ")
     limits = [fb.Limits(effort=50.0), fb.Limits(effort=0.0)]  # 0 in files is "not given"
     arm = fb.planar("RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1], limits=limits)
     found = fb.payload_map(arm, [0.0, 0.0])

@@ -182,7 +182,9 @@ def test_prints():
         r"\theta_2 = 0 \quad\text{or}\quad \theta_2 = \pi \end{gathered}"
     )
     assert [(str(f), e) for f, e in found.factors] == [("l₁", 1), ("l₂", 1), ("sin θ₂", 1)]
-    assert "never singular" in str(fb.singularities(fb.planar("PP")))
+    never = fb.singularities(fb.planar("PP"))
+    assert "singular nowhere" in str(never)
+    assert repr(never) == "<Singularities of 'tip' of 'PP': nowhere>"
 
 
 def test_puma():

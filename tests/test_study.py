@@ -319,5 +319,5 @@ def test_a_floating_robot_says_what_drives_its_base():
     study = fb.study(fb.load("quadrotor"))
     assert study.checked
     assert not study.passed
-    assert study.verdict.text.startswith("Not judged: not given are what moves flight")
+    assert study.verdict.text.startswith("Not judged: the description lacks what moves flight")
     assert study.warnings[0].startswith("Joint 'flight' has no motor of its own")

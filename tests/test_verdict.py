@@ -88,7 +88,9 @@ def test_limits_of_zero_are_not_given_and_nothing_is_called_feasible(
 ):
     assert run(["study", arm(velocity=0, effort=0)]) == 0
     out = capsys.readouterr().out
-    assert out.startswith("Not judged: not given are an effort limit and a speed limit of lift.")
+    assert out.startswith(
+        "Not judged: the description lacks an effort limit and a speed limit of lift."
+    )
     study = fb.study(fb.load("arm.urdf"))
     assert not study.passed
     assert not study.finding
@@ -192,7 +194,8 @@ def test_a_pace_is_not_promised_where_limits_are_not_given():
     model = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.1], limits=limits)
     text = fb.study(model, swing(model)).verdict.text
     assert text.startswith(
-        "Not judged: not given are an effort limit of joint1. The limits that are given are kept; "
+        "Not judged: the description lacks an effort limit of joint1. The limits that are given "
+        "are kept; "
     )
     assert text.endswith(" They would be kept up to 3.81 times that speed.")
 

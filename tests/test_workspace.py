@@ -20,7 +20,9 @@ def test_two_links_reach_an_annulus_in_two_ways():
     assert not found.redundant
     away = np.maximum(np.maximum(RADIUS - 1.6, 0.4 - RADIUS), 0.0)
     assert np.abs(found.distance - away).max() < 1e-12
-    assert repr(found).startswith(f"<WorkspaceMap: {inside.sum()} of {inside.size} points of frame")
+    assert repr(found).startswith(
+        f"<Workspace: frame 'tip' reaches {inside.sum()} of {inside.size} points"
+    )
 
 
 def test_a_direction_of_the_last_link_moves_the_annulus():

@@ -45,8 +45,13 @@ class Singularities(Titled):
     notes: tuple[str, ...]
 
     def _title(self) -> str:
-        where = "; ".join(map(str, self.conditions)) or "no closed form"
-        return f"Singularities of {self.frame!r} of {self.model.name!r}: {where}"
+        return f"Singularities of {self.frame!r} of {self.model.name!r}: {self._where()}"
+
+    def _where(self) -> str:
+        if self.closed is None:
+            return "no closed form"
+        everywhere = "everywhere" if self.closed.polynomial.is_zero else "nowhere"
+        return "; ".join(map(str, self.conditions)) or everywhere
 
     @property
     def determinant(self) -> Expression | None:
@@ -80,11 +85,7 @@ class Singularities(Titled):
         lines = []
         if self.closed is not None:
             lines.append(f"det J = {self.determinant}")
-            where = "; ".join(map(str, self.conditions))
-            if self.closed.polynomial.is_zero:
-                lines.append("singular everywhere")
-            else:
-                lines.append(f"singular where {where}" if where else "never singular")
+            lines.append(f"singular {'where ' if self.conditions else ''}{self._where()}")
         return "\n".join([*lines, *self.notes])
 
     # ------------------------------------------------------------ numbers

@@ -136,7 +136,9 @@ class Solutions(Tabled, ByValue):
         if self.q.ndim > 2:
             least, most = int(self.count.min()) if self.count.size else 0, len(self)
             span = f"{most}" if least == most else f"{least} to {most}"
-            return f"{self.q.shape[:-2]} targets, {span} solutions each; {self.method}"
+            shape = self.q.shape[:-2]
+            targets = counted(shape[0], "target") if len(shape) == 1 else f"{shape} targets"
+            return f"{targets}, {span} solutions each; {self.method}"
         return f"{counted(len(self), 'solution')}; {self.method}"
 
     def _title(self) -> str:

@@ -86,12 +86,13 @@ class Reactions(Tabled, ByValue):
             )
             for name, wrench, told in zip(self.names, self.wrenches, self.determined, strict=True)
         ]
+        head = (f"{x} ({'N' if x[0] == 'f' else 'N m'})" for x in axes)
         undetermined = (
             ()
             if self.determined.all()
             else ("* not determined by the equations: the smallest possible value.",)
         )
-        return TextTable(("N, N m", *axes), rows, undetermined)
+        return TextTable(("", *head), rows, undetermined)
 
     def __getitem__(self, name: str) -> Array:
         """The wrench (..., six) of one joint or loop."""

@@ -63,15 +63,17 @@ class JointLimits(Tabled, ByValue):
     effort: Array
 
     def _title(self) -> str:
-        return "Joint limits (rad or m, per s, N m or N)"
+        return "Joint limits"
 
     def _table(self) -> TextTable:
-        head = ("coordinate", "lower", "upper", "velocity", "effort")
+        angle, rate, effort = "(rad, m)", "(rad/s, m/s)", "(N m, N)"
+        head = ("", f"lower {angle}", f"upper {angle}", f"velocity {rate}", f"effort {effort}")
         columns = (
             np.moveaxis(x, -1, 0) for x in (self.lower, self.upper, self.velocity, self.effort)
         )
         rows = [
-            (str(k), *(_spread(x) for x in row)) for k, row in enumerate(zip(*columns, strict=True))
+            (f"[{k}]", *(_spread(x) for x in row))
+            for k, row in enumerate(zip(*columns, strict=True))
         ]
         return TextTable(head, rows)
 

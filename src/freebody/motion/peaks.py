@@ -39,7 +39,8 @@ class Peaks(Tabled, ByValue):
             for name, found in named.items()
             for k, *entries in found._table().rows
         ]
-        return TextTable(("", "lowest", "at t (s)", "highest", "at t (s)"), rows)
+        units = ("Units: rad or m, and s.",)
+        return TextTable(("", "lowest", "at t (s)", "highest", "at t (s)"), rows, units)
 
 
 def peaks_of(curve: PiecewisePolynomial, where: CoordinateLayout) -> Peaks:

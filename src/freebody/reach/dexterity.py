@@ -16,7 +16,7 @@ from freebody.inverse.task import row_names, rows_of
 from freebody.kernels import structural
 from freebody.kernels.formulas import Option
 from freebody.model.model import Model
-from freebody.outputs.display import Tabled, TextTable
+from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.program import Argument, trace
 from freebody.reach.labelled_maps import axes_of, labelled
 from freebody.targets import Kernel, compile_program
@@ -86,8 +86,8 @@ class Dexterity(Tabled, ByValue):
         )
 
     def _title(self) -> str:
-        count = self.smallest.size
-        return f"Dexterity: {count} postures of frame {self.frame!r}, rows {', '.join(self.rows)}"
+        postures = counted(self.smallest.size, "posture")
+        return f"Dexterity: {postures} of frame {self.frame!r}, rows {', '.join(self.rows)}"
 
     def _table(self) -> TextTable:
         if not self.smallest.size:

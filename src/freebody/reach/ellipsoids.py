@@ -14,7 +14,7 @@ from freebody.kernels import structural
 from freebody.kernels.formulas import Option
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
-from freebody.outputs.display import Tabled, TextTable
+from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.trees.public_calls import Vector, finite_vector
 from freebody.values import ByValue
 
@@ -53,8 +53,8 @@ class Ellipsoids(Tabled, ByValue):
         return np.where(lost, along, self.directions / np.where(lost, 1.0, size))
 
     def _title(self) -> str:
-        count = self.singular_values[..., 0].size
-        return f"Ellipsoids: {count} postures of frame {self.frame!r}, rows {', '.join(self.rows)}"
+        postures = counted(self.singular_values[..., 0].size, "posture")
+        return f"Ellipsoids: {postures} of frame {self.frame!r}, rows {', '.join(self.rows)}"
 
     def _table(self) -> TextTable:
         if self.singular_values.ndim > 1:

@@ -14,7 +14,7 @@ from freebody.errors import FreebodyError, PassiveJointError
 from freebody.kernels.scalar_formulas import formula
 from freebody.labels import aligned
 from freebody.model.model import Model
-from freebody.outputs.display import Tabled, TextTable
+from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.program import Argument, trace
 from freebody.reach.labelled_maps import axes_of, labelled
 from freebody.spatial import dot, of_dimension, times, transposed
@@ -66,10 +66,10 @@ class PayloadMap(Tabled, ByValue):
     def _title(self) -> str:
         count = self.mass.size
         if not count:
-            return f"PayloadMap: no postures; frame {self.frame!r}"
+            return f"Payload map: no postures; frame {self.frame!r}"
         return (
-            f"PayloadMap: {count} postures, {self.mass.min():.4g} to {self.mass.max():.4g} kg at "
-            f"frame {self.frame!r}"
+            f"Payload map: {counted(count, 'posture')}, {self.mass.min():.4g} to "
+            f"{self.mass.max():.4g} kg at frame {self.frame!r}"
         )
 
     def _table(self) -> TextTable:
@@ -80,7 +80,8 @@ class PayloadMap(Tabled, ByValue):
                 rows.append((name, str(mass.size), f"{mass.min():.4g}", f"{mass.max():.4g}"))
         notes = []
         if self.overloaded.any():
-            notes.append(f"{int(self.overloaded.sum())} postures overload a joint without payload.")
+            count = counted(int(self.overloaded.sum()), "posture")
+            notes.append(f"A joint is overloaded without payload in {count}.")
         return TextTable(("limiting joint", "postures", "least (kg)", "largest (kg)"), rows, notes)
 
 

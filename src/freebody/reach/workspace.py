@@ -16,7 +16,7 @@ from freebody.inverse.numerical_solver import NumericalSolver
 from freebody.inverse.problem import Problem
 from freebody.inverse.task import Task, read_target
 from freebody.model.model import Model
-from freebody.outputs.display import Tabled, TextTable
+from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.reach.labelled_maps import axes_of, labelled
 from freebody.values import ByValue
 
@@ -97,8 +97,8 @@ class WorkspaceMap(Tabled, ByValue):
             many = self.ways.shape[self._axis] if self._several else 0
             how = f"{many} orientations" if self._several else "one orientation"
         members = f" of {int(np.prod(self.family))} members" if self.family else ""
-        points = f"{int(self.reached.sum())} of {count} points{members}"
-        return f"WorkspaceMap: {points} of frame {self.frame!r}, {how}"
+        points = f"{int(self.reached.sum())} of {counted(count, 'point')}{members}"
+        return f"Workspace: frame {self.frame!r} reaches {points}, {how}"
 
     def _table(self) -> TextTable:
         if not self.ways.size:

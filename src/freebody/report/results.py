@@ -89,7 +89,8 @@ class MotionVerdict(Tabled):
         for x in self.uses:
             value, limit = (f"{text} {x.unit}" for text in x.in_print())
             rows.append((x.quantity, x.coordinate, value, limit, percent(x.fraction)))
-        notes = [f"Not given: {x}." for x in self.missing] + list(self.masses)
+        notes = [f"Not given: {x}." for x in self.missing if x not in self.reason]
+        notes += [x for x in self.masses if x.rstrip(".") not in self.reason]
         return TextTable(("quantity", "joint", "value", "limit", "share"), rows, notes)
 
     @property

@@ -228,8 +228,8 @@ def _reasons(
     if outcome == "feasible":
         yield f"the motion stays within every limit; nearest: {uses[0].text}."
     elif missing:
-        opening = "not given are " if outcome == "not judged" else "Not given, besides: "
-        yield f"{opening}{'; '.join(missing)}."
+        the = "the" if outcome == "not judged" else "The"
+        yield f"{the} description lacks {'; '.join(missing)}."
         if outcome == "not judged" and uses:
             yield f"The limits that are given are kept; nearest: {uses[0].text}."
 

@@ -9,7 +9,7 @@ from freebody.outputs.display import TextTable
 
 
 class Models(dict[str, str]):
-    """Names of models and what is told of each, printed as a table."""
+    """Names of models and the sources of their numbers, printed as a table."""
 
     def __str__(self) -> str:
         width = max(map(len, self), default=0)
@@ -18,18 +18,18 @@ class Models(dict[str, str]):
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
-        return TextTable(("name", "description"), list(self.items())).html(most=len(self))
+        return TextTable(("name", "source"), list(self.items())).html(most=len(self))
 
 
 def models() -> Models:
     """The bundled models: name -> where its numbers come from. `load` takes the names."""
-    return _told("source")
+    return Models(_told("source"))
 
 
-def abouts() -> Models:
-    """The same: name -> what is worth seeing in it."""
+def abouts() -> dict[str, str]:
+    """Name of each bundled model -> what is worth seeing in it."""
     return _told("about")
 
 
-def _told(key: str) -> Models:
-    return Models({name: tomllib.loads(bundled_text(name))[key] for name in bundled_names()})
+def _told(key: str) -> dict[str, str]:
+    return {name: tomllib.loads(bundled_text(name))[key] for name in bundled_names()}

@@ -41,8 +41,8 @@ class Across(Recipe):
     def title(self) -> str:
         word = "".join("R" if self.screws[i].turning else "P" for i in self.across)
         lifted = " and a lift" if self.lift is not None else ""
-        source = " (2.14, 2.15)" if word.startswith("RR") else ""
-        return f"{word} across parallel axes{lifted}{source}"
+        source = ", notes (2.14), (2.15)" if word.startswith("RR") else ""
+        return f"planar {word}{lifted}{source}"
 
     def reached(self, X: WantedMotion) -> Reached:
         if len(self.across) == 3:
