@@ -51,8 +51,9 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         return found
 
     def _closes(self, subject: Token | Named | Matrix, side: Sequence[Token], count: int) -> bool:
-        """Whether a side is the 0 of Φ1 = … = 0, which says that the loop is closed."""
-        own = isinstance(subject, Token) and subject.text.startswith("Phi")
+        """Whether a side is the 0 of Φ1 = … = 0, which says that the loop is closed, or of
+        det J = … = 0, which says where the arm is singular."""
+        own = isinstance(subject, Token) and subject.text.startswith(("Phi", "detJ"))
         return own and count > 1 and len(side) == 1 and side[0].text == "0"
 
     def _is_of_joints(self, subject: Token | Named | Matrix) -> bool:

@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
-from freebody.derivations.check import loaded_lines, own_names
+from freebody.derivations.check import loaded_lines, own_names, singular_poses
 from freebody.derivations.check.answer_lines import DocumentReader, Line
 from freebody.derivations.check.answer_text import AnswerError
 from freebody.derivations.check.answer_tree import Named
@@ -60,6 +60,7 @@ def statements(
     own_names.of_notation(vocabulary, targets, notation)
     own_names.of_user(vocabulary, targets, names)
     states = StateReader(vocabulary, targets)
+    document, poses = singular_poses.taken_from(document, vocabulary, targets)
     document, numbers = taken_from(document, states)
     numbers = replace(numbers, at=states.given(at))
     reading = DocumentReader(document, vocabulary, targets.names)
@@ -69,7 +70,7 @@ def statements(
     for name in pending:  # known as words; no line is read with one before it has its value
         vocabulary.define(name, setting.zero)
     lines = reading.lines()
-    if not lines and not reading.unread:
+    if not lines and not reading.unread and not poses:
         raise AnswerError(
             "the answer is empty; write an equation such as H12 = m2*(lc2^2 + l1*lc2*cos(theta2)) "
             "+ I2"
@@ -101,14 +102,14 @@ def statements(
         if line in reading.failed:
             del by_line[line]
     found = [claim for claims in by_line.values() for claim in claims]
-    if not found:
+    if not found and not poses:
         _refuse_nothing(source, own, reading.unread)
     if document.strict:
         refuse_circles(source, found)
     else:
         found = _without_circles(reading, found)
     unread = sorted(reading.unread, key=lambda row: row.at)
-    return Statements(found, _unused(source, own, lines), tuple(unread), numbers)
+    return Statements([*found, *poses], _unused(source, own, lines), tuple(unread), numbers)
 
 
 def _definitions(

@@ -12,6 +12,7 @@ from freebody.derivations.check import (
     numeric_example,
     position_verdict,
     quotient_verdict,
+    singular_poses,
     undriven_joints,
 )
 from freebody.derivations.check.answer_tree import Named
@@ -73,6 +74,8 @@ class Judge:
 
     def verdict(self, claim: Claim, explain: bool = True) -> EquationVerdict:
         """The verdict on one claim, with its mistakes named or only with an example."""
+        if claim.target.family == singular_poses.FAMILY:
+            return singular_poses.verdict(claim)
         if claim.target.family == "position":
             return position_verdict.verdict(self.setting, claim, self.claims, explain)
         number = self.numbers.verdict(claim, explain)
