@@ -55,8 +55,8 @@ def work_out(setting: Setting, coordinates: str) -> Worked:
 
 def _symbols(s: Setting, energies: Energies) -> Iterator[Meaning]:
     yield from lagrange.symbols(s, energies)
-    yield glossary.loop_equations()
-    yield Meaning((sym("lam_k"),), "its multiplier: the loop's constraint force", "")
+    yield glossary.loop_equations(s)
+    yield glossary.multipliers(s)
     yield glossary.joint_forces()
     yield Meaning(
         (sym("u"), sym("N")), "independent coordinates; matrix that gives all rates from theirs", ""

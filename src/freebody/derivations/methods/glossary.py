@@ -247,13 +247,24 @@ def joint_moments(s: Setting) -> Iterator[Meaning]:
         )
 
 
-def loop_equations() -> Meaning:
+def loop_equations(s: Setting) -> Meaning:
     """A loop equation."""
-    return Meaning((sym("Phi_k"),), "a loop equation, zero where the loop is closed", "")
+    meaning = "a loop equation, zero where the loop is closed"
+    return Meaning((sym("Phi_k"),), meaning, _loop_units(s, "m", "m²", "1"))
 
 
-def multipliers() -> Meaning:
+def multipliers(s: Setting) -> Meaning:
     """The unknown components of what a loop does."""
-    return Meaning(
-        (sym("lam_k"),), "multiplier of loop equation k: the loop's constraint force", ""
-    )
+    meaning = "multiplier of loop equation k: the loop's constraint force"
+    return Meaning((sym("lam_k"),), meaning, _loop_units(s, "N", "N/m", "N m"))
+
+
+def _loop_units(s: Setting, point: str, rod: str, turn: str) -> str:
+    """Of equations that hold points, a rod's distance squared and directions: those that occur."""
+    closures = [loop.closure for loop in s.tree.loops]
+    occurring = {
+        point: any(x.point or x.slides for x in closures),
+        rod: any(x.distance for x in closures),
+        turn: any(x.turns for x in closures),
+    }
+    return ", ".join(unit for unit, occurs in occurring.items() if occurs)

@@ -64,7 +64,8 @@ class Inward:
         held = s.angular(self.record.n[i])
         for k in s.tree.children(i):
             if not s.driven(k) and held == s.show(self.record.tau[s.index(k)]) != ex.ZERO:
-                return f" {s.joint_moment(i)} is 0 by the equation of joint {s.numbers[k]}."
+                on = f"{s.numbers.get(s.tree.bodies[i].parent, 0)},{s.numbers[i]}"
+                return f" n_{on} is 0 by the equation of joint {s.numbers[k]}."
         return ""
 
     def _is_first(self, i: int) -> bool:

@@ -63,8 +63,8 @@ def work_out(s: Setting, route: str) -> Worked:
 def _symbols(s: Setting) -> Iterator[Meaning]:
     yield from glossary.vectors(s)
     yield from glossary.moving(s)
-    yield glossary.loop_equations()
-    yield glossary.multipliers()
+    yield glossary.loop_equations(s)
+    yield glossary.multipliers(s)
     yield glossary.joint_forces()
     yield from glossary.joint_moments(s)
 

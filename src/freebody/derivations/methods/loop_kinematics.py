@@ -38,11 +38,11 @@ def work_out(setting: Setting) -> Worked:
     work = _TipAndDrives(setting, loops, loops.equations.input_output())
     steps = [loops.cut(), loops.closed(), loops.freedom(), loops.rates()]
     steps += [work.between(), work.jacobian(), work.singular()]
-    return Worked(tuple(steps), (), _symbols(), sought=SOUGHT)
+    return Worked(tuple(steps), (), _symbols(setting), sought=SOUGHT)
 
 
-def _symbols() -> Iterator[Meaning]:
-    yield glossary.loop_equations()
+def _symbols(s: Setting) -> Iterator[Meaning]:
+    yield glossary.loop_equations(s)
     yield Meaning((vec("v"),), "rates of the tip", "m/s, rad/s")
     yield Meaning((sym("J"),), "Jacobian of the tip with respect to the driven joints", "m or 1")
 

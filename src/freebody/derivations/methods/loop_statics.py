@@ -41,7 +41,7 @@ def work_out(setting: Setting) -> Worked:
 
 def _symbols(s: Setting) -> Iterator[Meaning]:
     yield from glossary.vectors(s)
-    yield glossary.multipliers()
+    yield glossary.multipliers(s)
     yield glossary.joint_forces()
     yield from glossary.joint_moments(s)
 
