@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import re
 import signal
-import threading
 
 import numpy as np
 import pytest
@@ -425,10 +424,14 @@ def test_an_interrupt_before_the_first_step_keeps_the_start():
 def test_an_interrupt_ends_threads():
     model = fb.load("2R")
     q, qd, _ = fb.random_state(model, 1, (2000,))
-    timer = threading.Timer(0.3, signal.raise_signal, (signal.SIGINT,))
-    timer.start()
+    t = np.linspace(0, 50, 501)
+
+    def soon(text, part):
+        if part > 0.01:
+            signal.raise_signal(signal.SIGINT)
+
     with pytest.raises(KeyboardInterrupt) as kept:
-        fb.simulate(model, q, qd, np.linspace(0, 50, 501), step=1e-4, threads=2, record="q")
+        fb.simulate(model, q, qd, t, step=1e-4, threads=2, record="q", progress=soon)
     assert 1 < kept.value.result.sizes["time"] < 501
 
 
