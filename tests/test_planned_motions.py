@@ -157,6 +157,13 @@ def test_motions_in_a_row():
     np.testing.assert_allclose(thrice.at(2 * both.duration + 0.3)[0], there.at(0.3)[0], atol=1e-12)
     assert np.isin(thrice.t, thrice.knots).all()
     assert np.diff(thrice.knots).min() > 1e-9 * thrice.duration
+    for times in (6, 7):
+        found, one = both.repeated(times), both
+        for _ in range(times - 1):
+            one = one.then(both)
+        np.testing.assert_allclose(found.t, one.t, rtol=1e-14)
+        for name in ("q", "qd", "qdd"):
+            np.testing.assert_array_equal(getattr(found, name), getattr(one, name))
     slow = both.faster(0.5)
     np.testing.assert_allclose(slow.at(1.0)[1], 0.5 * both.at(0.5)[1], atol=1e-12)
     with pytest.raises(fb.FreebodyError, match=r"^then: the first motion ends with q\[\d\] ="):
@@ -368,6 +375,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: fb.dwell(ARM, WAY[0], 0.0), "duration is 0, expected a number of seconds above 0"),
     (lambda: PLANNERS["quintic"](WAY).faster(-1.0), "factor is -1, expected a number above 0"),
     (lambda: PLANNERS["quintic"](WAY).repeated(0), "times is 0, expected a whole number"),
+    (lambda: PLANNERS["quintic"](WAY).repeated(True), "times is True, expected a whole number"),
     (lambda: PLANNERS["quintic"](WAY).then("it"), "then: other is str 'it', expected a Motion"),
     (lambda: fb.quintic(ARM, WAY, acceleration=1e-300), "is 1e-300, expected a limit above 0"),
     (lambda: fb.quintic(ARM, np.nan * WAY), "quintic: waypoints is nan at sample 0"),

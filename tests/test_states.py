@@ -95,6 +95,7 @@ def test_planar_and_one_axis_joints_add():
 def test_batches_broadcast():
     model = generate.model(4)
     q, v, _ = fb.random_state(model, 1, (3, 1))
+    assert (q[:, 0] == fb.random_state(model, 1, np.int64(3))[0]).all()
     assert fb.integrate(model, q, v[0]).shape == (3, 1, model.nq)
     assert fb.integrate(model, q[0, 0], np.zeros((5, model.nv))).shape == (5, model.nq)
     assert fb.difference(model, q, q[0]).shape == (3, 1, model.nv)

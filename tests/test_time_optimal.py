@@ -213,7 +213,7 @@ def test_the_motion_is_that_of_the_path_whatever_s_is_counted_in(length: float):
 
 
 def test_no_limit_is_exceeded_as_the_motion_itself_tells():
-    motion = fb.time_optimal(arm(), WAY, points=101)
+    motion = fb.time_optimal(arm(), WAY, points=np.int64(101))
     assert fb.exceeded_limits(arm(), motion) == ()
     rng = np.random.default_rng(5)
     for motion in fb.time_optimal(arm(), rng.uniform(-1.0, 1.0, (30, 5, 2)), points=301):

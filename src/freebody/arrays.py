@@ -47,6 +47,12 @@ def above_zero(function: str, argument: str, value: float, unit: str = "") -> fl
     return float(array)
 
 
+def is_count(value: object, least: int = 1) -> bool:
+    """Whether a value is a whole number from `least` up, NumPy's too; True and False are none."""
+    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    return whole and value >= least
+
+
 def check_core(
     function: str, argument: str, array: Array, core: tuple[int, ...], because: str
 ) -> None:

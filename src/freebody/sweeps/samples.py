@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from freebody.arrays import Array, as_floats
+from freebody.arrays import Array, as_floats, is_count
 from freebody.errors import FreebodyError, KindError, UnknownNameError, listed
 from freebody.lazy import cached_property
 from freebody.outputs.display import Titled
@@ -184,9 +184,9 @@ def samples(
     """
     if method not in SAMPLERS:
         raise UnknownNameError("method", method, "samples", SAMPLERS)
-    if not isinstance(count, int | np.integer) or isinstance(count, bool) or count < 1:
+    if not is_count(count):
         raise KindError("samples", "count", count, "a whole number from 1 up")
-    if not isinstance(seed, int | np.integer) or isinstance(seed, bool) or seed < 0:
+    if not is_count(seed, 0):
         raise KindError("samples", "seed", seed, "a whole number from 0 up")
     if not isinstance(ranges, Mapping) or not ranges:
         raise KindError("samples", "ranges", ranges, "a dict, as {'link2.mass': (1.0, 3.0)}")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from freebody.arrays import is_count
 from freebody.errors import FreebodyError, KindError, UnknownNameError, listed
 from freebody.model.model import Model
 from freebody.sweeps.axes import SweepAxis, SweepGrid, read_axes
@@ -286,7 +287,7 @@ def _block(
     if block is None:
         rows, columns = grid.shape
         block = min(max(_BLOCK, 1 << (rows * columns // _BLOCKS).bit_length()), _LARGEST_BLOCK)
-    if not isinstance(block, int) or isinstance(block, bool) or block < 1:
+    if not is_count(block):
         raise KindError("sweep", "block", block, "a whole number of points from 1 up")
     largest = max(int(np.prod(core)) for _, core in outputs)
     return block if chosen else max(1, min(block, _LARGEST // largest))

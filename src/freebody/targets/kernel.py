@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody import locks
+from freebody.arrays import is_count
 from freebody.lazy import cached_property
 from freebody.program.hoist import hoist
 from freebody.program.program import Argument, Program, verify
@@ -198,7 +199,7 @@ class Kernel:
         return outs[0] if len(outs) == 1 else outs
 
     def _require_threads(self, threads: int | None) -> None:
-        if threads is not None and (not isinstance(threads, int) or threads < 1):
+        if threads is not None and not is_count(threads):
             raise KernelError(
                 f"{self.program.name}: threads={threads!r}, expected a whole number from 1 up."
             )

@@ -82,7 +82,7 @@ def _states(
     model: Model, seed: int | None, batch: int | tuple[int, ...], limits: Sequence[Limits]
 ) -> tuple[Array, Array, Array]:
     rng = np.random.default_rng(seed)
-    shape = (batch,) if isinstance(batch, int) else tuple(batch)
+    shape = (batch,) if isinstance(batch, int | np.integer) else tuple(batch)
     q = np.empty((*shape, model.nq))
     for body, at, allowed in zip(model.bodies, model.coordinates, limits, strict=True):
         if body.joint.mimic is not None:

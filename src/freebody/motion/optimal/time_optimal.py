@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import PPoly
 
-from freebody.arrays import Array, as_floats, refuse_not_finite
+from freebody.arrays import Array, as_floats, is_count, refuse_not_finite
 from freebody.errors import FreebodyError, listed, shown
 from freebody.labels import is_labelled
 from freebody.model.model import Model
@@ -87,7 +87,7 @@ def time_optimal(
         refuse_not_finite(_NAME, f"wrenches[{frame!r}]", load, 1)
     limits.torque[list(model.passive)] = np.inf  # what nothing drives has no torque
     robot = RobotLimits(model, limits.velocity, limits.acceleration, limits.torque, loads)
-    if isinstance(points, bool) or not isinstance(points, int) or points < 2:
+    if not is_count(points, 2):
         raise FreebodyError(
             f"{_NAME}: points is {shown(points)}, expected a whole number from 2 up."
         )

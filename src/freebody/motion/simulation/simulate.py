@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.arrays import Array, above_zero, as_floats, refuse_not_finite
+from freebody.arrays import Array, above_zero, as_floats, is_count, refuse_not_finite
 from freebody.errors import FreebodyError, UnknownNameError, listed, shown, warn
 from freebody.kernels.driven_steps import STEP_METHODS
 from freebody.labels import is_labelled
@@ -176,7 +176,7 @@ def _run(asked: Simulation, method: str, result: Simulated) -> None:
 
 def _require_counts(**given: Any) -> None:
     for name, value in given.items():
-        if value is not None and not (isinstance(value, int | np.integer) and value > 0):
+        if value is not None and not is_count(value):
             raise FreebodyError(
                 f"simulate: {name} is {shown(value)}, expected a whole number above 0."
             )
