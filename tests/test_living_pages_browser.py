@@ -217,6 +217,8 @@ def test_the_recursion_of_a_long_arm_runs_in_its_page(driver, tmp_path, name):
     coordinates = derivation.equations.symbols.coordinates
     motion = [[at.get(x + dots, 0.0) for x in coordinates] for dots in ("", "_d", "_dd")]
     tau, forces = fb.inverse_dynamics(arm, *motion), fb.joint_wrenches(arm, *motion)
+    if name != "gantry_crane":
+        assert {f"omega{k}" for k in range(1, model.nv + 1)} <= found.keys()
     told = 0
     for k in range(model.nv):
         for one in found.get(f"tau{k + 1}", ()):
@@ -292,6 +294,15 @@ def test_the_platform_on_six_legs_moves_in_its_page(driver, tmp_path):
         slider.dispatchEvent(new Event('input'));"""
     )
     assert driver.execute_script(ARROWS) != first
+
+
+@pytest.mark.parametrize(("name", "count"), [("elbow_arm", 45), ("stanford", 58)])
+def test_lines_have_values_where_gravity_is_an_acceleration_of_the_base(name, count):
+    derivation = fb.derive(fb.load(name), "recursive")
+    text = derivation.html()
+    assert text.count('class="value"') >= count
+    for k in range(1, len(derivation.tau) + 1):
+        assert f'data-name="vc{k}_d"' in text
 
 
 def test_the_quadrotor_follows_its_four_thrusts(driver, tmp_path):

@@ -20,14 +20,16 @@ def scalar_name(name: str) -> str:
 
 
 def own_axes(values: Quantities, parameters: dict[str, Any]) -> Quantities:
-    """Each vector in the axes of its body, n0_1 for the moment n1 at its joint; axes of joints are
-    left to the lines that define them."""
+    """Each vector in the axes of its body, n0_1 for the moment n1 at its joint; R1_2 is printed as
+    what turns components of body 1 to those of body 2; axes of joints are left to the lines that
+    define them."""
     found = {name: x for name, x in values.items() if not re.fullmatch(r"[zw]\d+", name)}
     found |= {
         f"n{int(name[1:]) - 1}_{name[1:]}": x
         for name, x in values.items()
         if re.fullmatch(r"n[1-9]", name)
     }
+    found |= {name: transposed(x) for name, x in values.items() if re.fullmatch(r"R\d_\d", name)}
     found |= {
         f"R0_{name[1:]}": transposed(x)
         for name, x in values.items()

@@ -55,7 +55,7 @@ def _of_body(s: Setting, reactions: SolvedReactions, i: int) -> dict[str, Any]:
     else:
         R = s.motion.joints[i][0]
         for name, matrix in (
-            (f"R{n}", s.world[i][0]), (f"R{above}_{n}", R), (f"R{n}_{above}", transposed(R)),
+            (f"R{n}", s.world[i][0]), (f"R{above}_{n}", transposed(R)), (f"R{n}_{above}", R),
         ):  # fmt: skip
             made[name] = tuple(vector(s, row) for row in matrix)
         made[f"I{n}"] = tuple(vector(s, row) for row in s.inertia(i))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -108,7 +109,14 @@ def traced_values(
     derivation: Derivation, values: Mapping[str, Any], program: PageProgram
 ) -> LineValues:
     """The same over the scalars of a program, in whose symbols `values` are: all sides of a line
-    that have a value must be equal at random states."""
+    that have a value must be equal at random states. Where gravity is an acceleration of the base,
+    the lines themselves tell the accelerations."""
+    bare = {name: x for name, x in values.items() if not re.fullmatch(r"vc\d+_d", name)}
+    found = [_traced(derivation, known, program) for known in (values, bare)]
+    return max(found, key=lambda one: len(one.lines))
+
+
+def _traced(derivation: Derivation, values: Mapping[str, Any], program: PageProgram) -> LineValues:
     waiting = [(step, line) for step in derivation.steps for line in step.equations]
     hidden = {scalar_name(x): program.inputs[x] for x in values if x in program.inputs}
     found = Quantities(_with_parts(values) | hidden, derivation.equations.layout)
