@@ -72,7 +72,7 @@ def test_the_table_of_a_chapter_and_of_a_verdict(capsys):
 def test_one_item_says_all_about_it(capsys):
     text = said(capsys, "3.22")
     for words in (
-        "H₁₁ — equation (3.22)",
+        "H₁₁, inertia at the base joint — equation (3.22)",
         "printed     H₁₁ = m₁ lc₁² + I₁ + I₂ + m₂ (l₁² + lc₂² + 2 l₁ lc₂ cos θ₂) + I₂",
         "corrected   H₁₁ = m₁ lc₁² + I₁ + m₂ (l₁² + lc₂² + 2 l₁ lc₂ cos θ₂) + I₂",
         "‘I2’ should not be there",
