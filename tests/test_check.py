@@ -341,7 +341,7 @@ UNREADABLE = [
     ("G1 = 0\nH12 = m2 L1", "no symbol 'L1' in 'RR' (line 2, column 10). Did you mean 'l1'?"),
     ("H12 = m3 l1", "no symbol 'm3' in 'RR' (line 1, column 7). Did you mean 'm2'?"),
     ("G2 = m2 g lc2 cos(t1+t2)", "For a name of your own: names={'t1': 'theta1'}, --name t1="),
-    ("H22 = I2 (parallel axis)", "Words that are not part of an equation go behind a #."),
+    ("H22 = I2 (parallel axis)", "Words that are not part of an equation go after a #."),
     ("H12 = __import__('os').system('true')", "no symbol '__import__'"),
     ("H12 = exec(chr(1))", "no symbol 'exec'"),
     ("H12 = lambda: 0", "no symbol 'lambda'"),

@@ -92,7 +92,7 @@ def test_two_lines_are_of_one_posture():
         ("τ1 = sqrt(m1)", "sqrt does not occur in these equations"),
         ("θ2 = " + "acos(" * 6 + "0" + ")" * 6, "at most 5 inverse functions"),
         ("θ1 = atan2(y)", "the comma of atan2"),
-        ("θ2 = arccos x", "a bracket behind arccos"),
+        ("θ2 = arccos x", "a bracket after arccos"),
     ],
 )
 def test_what_is_no_position_is_refused(line: str, words: str):

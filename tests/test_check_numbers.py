@@ -167,9 +167,9 @@ def test_the_verdict_on_a_number_reads_like_this():
         ("G2 = 0.57 N m at θ₁ = 0, θ₂ = 0, m2 = 3 kg", None, "m₂ is 3 here, and 1.5 in 'RR'"),
         ("G2 = 0,57 N m at θ₁ = 30°, θ₂ = 45°", None, "a decimal comma: write a point"),
         ("J^{-1} = [1, 2; 3, 4] at θ1 = 30°, θ2 = 0", None, "has no value at θ₁ = 30°, θ₂ = 0"),
-        ("G2 = m2 g lc2 (c12) kN", None, "stands behind what is no number"),
+        ("G2 = m2 g lc2 (c12) kN", None, "follows what is not a number"),
         ("G2 = 0.57 N m at θ1 = 0,5, θ2 = 0", None, "a decimal comma: write a point"),
-        ("G2 = m2 g lc2 cos(θ1+θ2)\nr2 = 200 mm", None, "stands behind what is no result"),
+        ("G2 = m2 g lc2 cos(θ1+θ2)\nr2 = 200 mm", None, "follows what is not a result"),
         ("H22 = m2 lc2^2 + I2", {"theta1": 0.2}, "at: a state is given, but none of the results"),
         ("G2 = 0.57", {"theta9": 1}, "at: 'theta9' gives no symbol of 'RR' a value"),
         ("G2 = 0.57", "theta1 = 1, theta1 = 2", "θ₁ is given twice, 1 and 2"),
@@ -197,7 +197,7 @@ def test_in_a_document_what_cannot_be_judged_is_told():
     assert not verdict
     assert [x.equal for x in verdict.equations] == [True]
     assert "depends on θ₁, θ₂" in verdict.text
-    assert any("stands behind what is no result" in x.reason for x in verdict.left_out)
+    assert any("follows what is not a result" in x.reason for x in verdict.left_out)
 
 
 def test_letters_of_a_pendulum_are_units_only_where_they_fit():

@@ -238,7 +238,7 @@ def test_which_tip_is_studied():
     )
     assert chosen_tip(replace(panda, tip=None), None)[0] == "panda_leftfinger"
     assert chosen_tip(replace(panda, tip=None), None)[1] == (
-        "The tip is 'panda_leftfinger', the first in the file of the 2 ends behind 8 movable "
+        "The tip is 'panda_leftfinger', the first in the file of the 2 ends after 8 movable "
         "joints "
         "(panda_leftfinger, panda_rightfinger); another is chosen with --tip or tip=."
     )

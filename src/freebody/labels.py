@@ -118,8 +118,7 @@ def refuse_other_times(function: str, given: Mapping[str, Any]) -> None:
         elif not np.array_equal(first[1], times):
             raise FreebodyError(
                 f"{function}: the rows of {name} are labelled with other times than those of "
-                f"{first[0]}; "
-                "align them first."
+                f"{first[0]}; align them first."
             )
 
 

@@ -52,14 +52,12 @@ def errata(findings: Sequence[ExecutedItem]) -> str:
         "With thanks for the notes, which were a pleasure to work through.",
         "",
         "Every numbered equation, formula, worked example and figure of chapters 1 to 6 was "
-        "checked by computation with freebody: "
-        f"{len(findings)} items, of which {len(findings) - len(wrong)} hold as printed. The other "
-        f"{len(wrong)} are "
-        f"listed here in the order of the notes, in {len(listed)} entries, since an example stands "
-        f"with the equation that is its result: {counts['misprint']} misprints, "
-        f"{counts['inconsistent']} places where the notes contradict themselves, and "
-        f"{counts['incomplete']} places that need an addition, exercises included. "
-        "`freebody notes ID` repeats the check of an item.",
+        f"checked by computation with freebody: {len(findings)} items, of which "
+        f"{len(findings) - len(wrong)} hold as printed. The other {len(wrong)} are listed here in "
+        f"the order of the notes, in {len(listed)} entries, since an example stands with the "
+        f"equation that is its result: {counts['misprint']} misprints, {counts['inconsistent']} "
+        f"places where the notes contradict themselves, and {counts['incomplete']} places that "
+        "need an addition, exercises included. `freebody notes ID` repeats the check of an item.",
     ]
     chapter = 0
     for number, entry in enumerate(listed, 1):

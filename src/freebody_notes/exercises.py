@@ -112,9 +112,8 @@ def five_bar() -> str:
     )
     forward = (
         "Forward kinematics: the crank angles determine B and D, and P lies where the circles "
-        f"about them intersect. fb.assembly_modes finds {len(modes)} positions for "
-        f"θ = {number(q[:2])}: "
-        f"{' and '.join(number(x, 4) for x in modes)}."
+        f"about them intersect. fb.assembly_modes finds {len(modes)} positions for θ = "
+        f"{number(q[:2])}: {' and '.join(number(x, 4) for x in modes)}."
     )
     poses = (
         "Singular poses of the first type, where an entry of J_b is zero: AB and BP (or CD and DP) "

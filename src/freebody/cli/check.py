@@ -60,7 +60,7 @@ def check(
             "--at",
             metavar="STATE",
             help="The state of results that are numbers, such as 'theta1 = 30 deg, theta2 = 0, "
-            "theta1_d = 2 rad/s'; the answer may say it itself.",
+            "theta1_d = 2 rad/s'; the answer may contain it instead.",
         ),
     ] = None,
     tolerance: Annotated[
@@ -68,7 +68,7 @@ def check(
         typer.Option(
             "--tolerance",
             metavar="SHARE",
-            help="How far numbers may be off, 0.01 for 1 %; without it as their digits tell.",
+            help="Tolerance of numbers, 0.01 for 1 %. Default: half a unit of the last digit.",
         ),
     ] = None,
 ) -> None:

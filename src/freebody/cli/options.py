@@ -28,7 +28,7 @@ Robot = Annotated[
 ]
 Tip = Annotated[
     str | None,
-    typer.Option(help="The frame that is the tip. Default: the end behind the most joints."),
+    typer.Option(help="The frame that is the tip. Default: the end after the most joints."),
 ]
 Labels = Literal["names", "values", "both"]
 """What stands beside arrows, angles and lengths."""

@@ -24,10 +24,10 @@ def chosen_tip(model: Model, tip: str | None) -> tuple[str, str]:
     joints = counted(depths[best], "movable joint")
     if len(equals) > 1:
         why = (
-            f"the first in the file of the {len(equals)} ends behind {joints} ({', '.join(equals)})"
+            f"the first in the file of the {len(equals)} ends after {joints} ({', '.join(equals)})"
         )
     else:
-        why = f"the end behind the most joints, {joints} (ends: {', '.join(leaves)})"
+        why = f"the end after the most joints, {joints} (ends: {', '.join(leaves)})"
     return best, f"The tip is {best!r}, {why}; another is chosen with --tip or tip=."
 
 

@@ -218,7 +218,7 @@ def reader(model: Model, inputs: Mapping[str, tuple[int, ...]] | None) -> Callab
 
 
 def _check(name: str, array: Array, core: tuple[int, ...], axes: int) -> None:
-    check_core("sweep", name, array, core, "the shape of one point, behind the points")
+    check_core("sweep", name, array, core, "the shape of one point, after the axes of the points")
     if array.ndim != axes + len(core):
         raise ShapeError(
             "sweep",

@@ -94,7 +94,7 @@ def refuse_dependent_rows(function: str, model: Model, q: Vector, option: Option
         raise SingularError(
             f"{function}: frame {option.frame!r} of {model.name!r} is at a "
             f"singularity{at_sample(singular[0])}: "
-            "the rows of its Jacobian depend. Choose fewer rows, or another q."
+            "the rows of its Jacobian are linearly dependent. Choose fewer rows, or another q."
         )
 
 

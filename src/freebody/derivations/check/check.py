@@ -106,7 +106,7 @@ def check(
     for span in numbers.unused(said.claims):
         source = said.claims[0].source
         with _leaving_out(document, source, span, unread):
-            source.fail("a unit, a tolerance or a state stands behind what is no result", span)
+            source.fail("a unit, a tolerance or a state follows what is not a result", span)
     if at and not any(isinstance(x.value, Trig) and x.value.is_constant for x in said.claims):
         raise AnswerError("at: a state is given, but none of the results is a number")
     return Verdict(

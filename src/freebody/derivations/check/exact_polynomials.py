@@ -54,7 +54,7 @@ class PolynomialReader:
         if isinstance(found, Trig):
             return found
         self.source.fail(
-            "a quotient that is no polynomial stands where one is expected: write numbers only "
+            "this quotient is not a polynomial, and a polynomial is expected here: write only numbers "
             "below a fraction bar",
             node.span,
         )
@@ -116,7 +116,7 @@ class PolynomialReader:
             name = next(iter(powers))
             if powers != {name: 1} or name not in self.ring.angles:
                 self.source.fail(
-                    "sin and cos need a sum of angles: close the bracket behind the angle, "
+                    "sin and cos need a sum of angles: close the bracket after the angle, "
                     "and put powers before it, cos²(θ) or cos^2(theta)",
                     node.span,
                 )

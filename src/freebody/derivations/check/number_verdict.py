@@ -60,7 +60,7 @@ class NumberJudge:
             other = unit and (unit.factor != 1 or needed not in (None, unit.dimension))
             if other or written.within:
                 claim.source.fail(
-                    "a tolerance, or a unit other than the quantity's, stands behind what is no "
+                    "a tolerance, or a unit other than the quantity's, follows what is not a "
                     "number",
                     written.said,
                     "Give the result in numbers, or the equation in symbols without them.",
@@ -137,7 +137,7 @@ class _NumberVerdict:
                 f"{claim.label} is a number here, but depends on {names}, which "
                 f"{'are' if len(missing) > 1 else 'is'} not given",
                 claim.node.span,
-                f"Say the state behind the number, at {sym(missing[0])} = …, or by --at "
+                f"State them after the number, at {sym(missing[0])} = …, or by --at "
                 f"'{missing[0]} = …', at={{'{missing[0]}': …}}.",
             )
 

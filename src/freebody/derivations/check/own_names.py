@@ -79,7 +79,7 @@ def _rename(
     here: what the meaning is written with."""
     plain = _plain(name)
     if plain in (*FUNCTIONS, "pi", "t"):
-        raise AnswerError(f"names: {name!r} has its own meaning and can be no other name")
+        raise AnswerError(f"names: {name!r} has a meaning of its own and cannot be another name")
     target = _plain(meaning) if re.fullmatch(r"[\w\\{}']+", meaning) else ""
     if target in _NUMBERED and target not in here.symbols:
         numbers = [k for k in range(1, here.setting.joints + 1) if f"{target}{k}" in here.symbols]
@@ -118,5 +118,5 @@ def _plain(name: str) -> str:
         raise AnswerError(f"names: {name!r} is not a name")
     word = words.spell(source, 0)
     if word.end != len(source.text):
-        raise AnswerError(f"names: {name!r} is no single name")
+        raise AnswerError(f"names: {name!r} is not a single name")
     return word.plain

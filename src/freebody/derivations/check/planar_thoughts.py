@@ -27,8 +27,7 @@ class PlanarThoughts(Thoughts):
             wrong = ", ".join(f"l{k} for lc{k}" for k in group)
             yield (
                 f"You wrote {wrong}: masses and weights act at the centre of mass, {which} from "
-                f"the joint, "
-                "not at the end of the link.",
+                "the joint, not at the end of the link.",
                 self.at({f"lc{k}": v[f"l{k}"] for k in group}),
             )
             half = self.point.number(Fraction(1, 2))
@@ -63,9 +62,8 @@ class PlanarThoughts(Thoughts):
             )
             yield (
                 "The parallel-axis theorem is missing: this would be right for moments of inertia "
-                "about the joints; "
-                f"here {names} {'is' if len(group) == 1 else 'are'} about the centre of mass, "
-                f"and {lacking} must be added.",
+                f"about the joints; here {names} {'is' if len(group) == 1 else 'are'} about the "
+                f"centre of mass, and {lacking} must be added.",
                 self.at({f"I{k}": v[f"I{k}"] - x for k, x in steiner.items()}),
             )
             yield (
@@ -84,8 +82,7 @@ class PlanarThoughts(Thoughts):
             quarter: Turn = (sign, 0)
             text = (
                 f"This would be right if {sym(first)} were measured from the vertical "
-                f"({where}wards); "
-                "here it is measured from the x axis."
+                f"({where}wards); here it is measured from the x axis."
             )
             yield text, self.at(turns={first: self.point.plus(self.point.turns[first], quarter)})
         if len(turning) > 1:
@@ -103,9 +100,8 @@ class PlanarThoughts(Thoughts):
                 )
         names = ", ".join(str(sym(x)) for x in turning[1:])
         text = (
-            f"This would be right if {names} were measured from the x axis; "
-            "here each angle is measured from the previous link, so the direction of a link is a "
-            "sum of angles."
+            f"This would be right if {names} were measured from the x axis; here each angle is "
+            "measured from the previous link, so the direction of a link is a sum of angles."
         )
         yield text, self.point.changed(turns=turns).of(self.right)
         moved = self.point.changed(values, turns)

@@ -255,7 +255,7 @@ class AnswerParser(Parser):
         if self.token.kind == "fraction" and function != "atan2":
             return Function(function, self.primary(), span=self.since(token.start))
         if self.token.kind != "open":
-            self.fail_here(f"a bracket behind {token.text}")
+            self.fail_here(f"a bracket after {token.text}")
         if function != "atan2":
             return Function(function, self.bracket(), span=self.since(token.start))
         first = self.take()
@@ -282,7 +282,7 @@ class AnswerParser(Parser):
             if self.is_operator("-", "*"):
                 token = self.take()
                 if token.text == "*" and not factors:
-                    self.source.fail(f"{function.text} needs an angle behind it", token.span)
+                    self.source.fail(f"{function.text} needs an angle after it", token.span)
                 if token.text == "-":
                     factors.append(Number(Fraction(-1), span=token.span))
             else:

@@ -90,7 +90,7 @@ class StateReader:
                 text = value if isinstance(value, str) else repr(float(value))
             except (TypeError, ValueError):
                 raise AnswerError(
-                    f"at: {name!r} is no number, and no text such as '30 deg'"
+                    f"at: {name!r} is neither a number nor a text such as '30 deg'"
                 ) from None
             _join(found, self._of_text(f"{name} = {text}"))
         return found

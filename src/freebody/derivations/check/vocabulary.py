@@ -145,7 +145,7 @@ class Vocabulary:
         else:
             remedy = (
                 "What a name of your own stands for is told by --name YOURS=OURS, or on a line "
-                "before. Words that are not part of an equation go behind a #."
+                "before. Words that are not part of an equation go after a #."
             )
         source.fail(
             f"no symbol {shown!r} in {self.setting.symbols.model.name!r}",

@@ -114,6 +114,5 @@ def _told(setting: Setting) -> str:
     lines = "" if setting.planar else ", and the recursive method writes them line by line"
     return (
         f"Sorted by {_by(setting)}, the torques are exact but too long to print; fb.equations "
-        f"gives them{lines}. "
-        f"({setting.equations.length}.)"
+        f"gives them{lines}. ({setting.equations.length}.)"
     )

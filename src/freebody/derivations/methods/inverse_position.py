@@ -32,12 +32,10 @@ def inverse_position(s: Setting) -> list[Step]:
     )
     reason = (
         "The square of the distance to P(x, y) does not depend on the first angle and gives the "
-        "cosine of the second. "
-        "Its sine has two signs, for the elbow on one side or the other; for each, sine and "
-        "cosine together determine the quadrant of the first angle (atan2). P can be reached "
-        "where the cosine lies between -1 "
-        "and 1, that is, where "
-        "its distance from the base is at least the difference and at most the sum of the lengths."
+        "cosine of the second. Its sine has two signs, for the elbow on one side or the other; for "
+        "each, sine and cosine together determine the quadrant of the first angle (atan2). P can "
+        "be reached where the cosine lies between -1 and 1, that is, where its distance from the "
+        "base is at least the difference and at most the sum of the lengths."
     )
     return [Step("Inverse position", reason, lines, ("2.14", "2.15"))]
 

@@ -192,8 +192,7 @@ def _axes(s: Setting) -> list[str]:
         return _angles(s)
     return [
         "Each body has a frame of its own, fixed to it; its vectors are given by their components "
-        "in that frame "
-        "(the notes mark them with a prime)."
+        "in that frame (the notes mark them with a prime)."
     ]
 
 

@@ -82,8 +82,8 @@ class Lettering:
         for name in self.notation.names:
             if not _PRINTABLE.fullmatch(spelt(name)):
                 raise FreebodyError(
-                    f"the notation {self.notation.name!r}: {shown(name)} can be printed by no "
-                    "means; a name has letters, then perhaps a number."
+                    f"the notation {self.notation.name!r}: {shown(name)} cannot be "
+                    "printed; a name consists of letters and perhaps a number after them."
                 )
         called: dict[str, str] = {}
         for own in (*self.coordinates, *sorted(self.parameters)):

@@ -85,7 +85,7 @@ class BookNotation:
         for letter in (letter for letters in self.letters.values() for letter in letters):
             if not (letter.isalpha() and spelt(letter)):
                 raise FreebodyError(
-                    f"the notation {self.name!r}: {shown(letter)} is no letter; write Latin "
+                    f"the notation {self.name!r}: {shown(letter)} is not a letter; write Latin "
                     "letters, or a Greek one by its name."
                 )
 
