@@ -54,7 +54,7 @@ class PolynomialReader:
         if isinstance(found, Trig):
             return found
         self.source.fail(
-            "this quotient is not a polynomial, and a polynomial is expected here: write only numbers "
+            "this quotient is not a polynomial, and a polynomial is needed: write only numbers "
             "below a fraction bar",
             node.span,
         )
