@@ -173,7 +173,7 @@ def test_the_verdict_on_a_number_reads_like_this():
         ("H22 = m2 lc2^2 + I2", {"theta1": 0.2}, "at: a state is given, but none of the results"),
         ("G2 = 0.57", {"theta9": 1}, "at: 'theta9' gives no symbol of 'RR' a value"),
         ("G2 = 0.57", "theta1 = 1, theta1 = 2", "θ₁ is given twice, 1 and 2"),
-        ("G2 = 0.57", {"theta1": [1, 2]}, "at: 'theta1' is no number"),
+        ("G2 = 0.57", {"theta1": [1, 2]}, "at: 'theta1' is neither a number"),
         ("G2 = 0.57", {"m2": 3}, "at: m2 = 3, and in 'RR' it is 1.5"),
     ],
 )
