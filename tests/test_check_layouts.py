@@ -101,8 +101,8 @@ def test_names_are_all_read_at_once():
     for names in ({"b": "2*a", "a": "l2"}, {"a": "l2", "b": "2*a"}):
         assert fb.check(ARM, "x = l1 c1 + b/2 c12", names=names)
     for names, words in (
-        ({"sin": "cos"}, "'sin' has its own meaning"),
-        ({"pi": "l1"}, "'pi' has its own meaning"),
+        ({"sin": "cos"}, "'sin' has a meaning of its own"),
+        ({"pi": "l1"}, "'pi' has a meaning of its own"),
         ({"C12": "sin"}, "a letter for sin, without numbers"),
         ({"tau": "H"}, "H has no value here"),
         ({"b": "a", "a": "b"}, "no symbol 'a'"),
@@ -117,7 +117,7 @@ def test_names_are_all_read_at_once():
 def test_functions_in_a_file_of_names_are_refused(tmp_path: Path):
     file = tmp_path / "own.toml"
     file.write_text('[names]\nsin = "cos"\n', encoding="utf-8")
-    with pytest.raises(AnswerError, match="'sin' has its own meaning"):
+    with pytest.raises(AnswerError, match="'sin' has a meaning of its own"):
         fb.check(ARM, f"H22 = {H22}", notation=file)
 
 
