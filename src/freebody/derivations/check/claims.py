@@ -63,6 +63,7 @@ def statements(
     document, poses = singular_poses.taken_from(document, vocabulary, targets)
     document, numbers = taken_from(document, states)
     numbers = replace(numbers, at=states.given(at))
+    numbers.refuse_two_states()
     reading = DocumentReader(document, vocabulary, targets.names)
     source = reading.source
     symbols = frozenset(vocabulary.symbols)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from freebody.derivations.check.claim import Claim
@@ -20,7 +20,6 @@ from freebody.derivations.check.written_units import WrittenUnit, common_units
 from freebody.derivations.expressions.nodes import Number, nodes
 from freebody.derivations.expressions.nodes import replaced as with_nodes
 from freebody.derivations.expressions.printed_names import sym
-from freebody.derivations.polynomials.typical_values import occurs
 from freebody.lazy import cached_property
 from freebody.outputs.numbers import shortest
 from freebody.scalars.trig import Trig
@@ -56,6 +55,7 @@ class NumberAtState:
                     f"{sym(name)} is {shortest(given.value)} here, and {shortest(known[name])} in "
                     f"{self.setting.symbols.model.name!r}",
                     self.written.said if self.written else self.claim.node.span,
+                    f"Check against a robot that has your value, model.bind({name}=…).",
                 )
         return _with_signs(self.setting, {**known, **{n: x.value for n, x in self.given.items()}})
 
@@ -142,9 +142,21 @@ class NumberAtState:
 
     @cached_property
     def used(self) -> list[str]:
-        """The symbols on which the right number depends."""
-        ring = self.setting.ring
-        return [x for x in ring.names if any(occurs(x, y) for y in pair(self.right_value))]
+        """The symbols of the right answer."""
+        return self._symbols(lambda powers: True)
+
+    @property
+    def missing(self) -> list[str]:
+        """The symbols on which the right number depends at this state, and which nobody gives."""
+        point = RealPoint.of_state(self.setting.ring, self.values)
+        counting = self._symbols(lambda powers: all(point.generator(x) != 0.0 for x in powers))
+        return [name for name in counting if name not in self.values]
+
+    def _symbols(self, counts: Callable[[Mapping[str, int]], bool]) -> list[str]:
+        """Those of the terms that count."""
+        rows = (powers for part in pair(self.right_value) for powers, _ in part.terms())
+        names = {symbol_of(name) for powers in rows if counts(powers) for name in powers}
+        return [x for x in self.setting.ring.names if x in names]
 
     def better_unit(self) -> str:
         """The unit in which the number would be right, or nothing."""
@@ -160,6 +172,11 @@ class NumberAtState:
         """The right number where some values are others."""
         values = _with_signs(self.setting, {**self.values, **changed})
         return RealPoint.of_state(self.setting.ring, values).of(self.right_value)
+
+
+def symbol_of(generator: str) -> str:
+    """Of a sine or cosine the angle."""
+    return re.sub("^(sin|cos)_", "", generator)
 
 
 def _with_signs(setting: RightEquations, values: dict[str, float]) -> dict[str, float]:

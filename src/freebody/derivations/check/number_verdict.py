@@ -4,13 +4,12 @@ degrees taken for radians."""
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from freebody.derivations.check.asked_quantities import Targets
 from freebody.derivations.check.claim import Claim
-from freebody.derivations.check.number_at_state import EXACT, NumberAtState
+from freebody.derivations.check.number_at_state import EXACT, NumberAtState, symbol_of
 from freebody.derivations.check.number_reasons import reasons
 from freebody.derivations.check.real_point import RealPoint
 from freebody.derivations.check.right_equations import RightEquations
@@ -94,8 +93,10 @@ class NumberJudge:
 
     def unused(self, claims: Sequence[Claim]) -> Iterator[Span]:
         """Where something is said of numbers that are no result of the robot's."""
-        used = [self.numbers.of(claim.node.span) for claim in claims]
-        yield from (x.said for x in self.numbers.numbers if x not in used)
+        spans = [claim.node.span for claim in claims]
+        for x in self.numbers.numbers:
+            if not any(x.begun <= start and end <= x.span[1] for start, end in spans):
+                yield x.said
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,7 @@ class _NumberVerdict:
         example = None
         if number.fits:
             causes = reasons(number, targets) if targets else []
-            values = {name: number.values[name] for name in number.used}
+            values = {x: number.values[x] for x in number.used if x in number.values}
             example = Example(values, number.yours, number.right)
         if not causes and claim.target.family in ("V", "L", "Vi"):
             causes = ["V is 0 at the height of the base's origin here; it may be so elsewhere."]
@@ -130,8 +131,7 @@ class _NumberVerdict:
     def _refuse_missing(self) -> None:
         """Refuse a number without the state that it belongs to."""
         number, claim = self.number, self.number.claim
-        missing = [name for name in number.used if name not in number.values]
-        if missing:
+        if missing := number.missing:
             names = ", ".join(str(sym(x)) for x in missing[:6]) + ", …" * (len(missing) > 6)
             claim.source.fail(
                 f"{claim.label} is a number here, but depends on {names}, which "
@@ -194,9 +194,4 @@ class _NumberVerdict:
 
 def _names(x: Trig) -> set[str]:
     """The symbols in a polynomial."""
-    return {_symbol(name) for powers, _ in x.terms() for name in powers}
-
-
-def _symbol(name: str) -> str:
-    """Of a sine or cosine the angle."""
-    return re.sub("^(sin|cos)_", "", name)
+    return {symbol_of(name) for powers, _ in x.terms() for name in powers}

@@ -51,4 +51,9 @@ class RealPoint(Point):
         return above / below if below else math.nan
 
     def term(self, powers: Mapping[str, int], coefficient: Fraction) -> Any:
-        return float(coefficient) * math.prod(self.generator(x) ** k for x, k in powers.items())
+        factors = [self.generator(x) for x in powers]
+        if 0.0 in factors:  # whatever the others are
+            return 0.0
+        return float(coefficient) * math.prod(
+            x**k for x, k in zip(factors, powers.values(), strict=True)
+        )

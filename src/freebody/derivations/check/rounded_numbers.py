@@ -191,7 +191,5 @@ def half_a_unit(text: str, value: Fraction, whole: bool = False) -> Fraction:
     for match in _DECIMAL.finditer(text):
         half = Fraction(10) ** (int(match[2] or 0) - len(match[1])) / 2
         size = abs(Fraction(match[0]))
-        if size == 0:
-            return half
-        relative += half / size
+        relative += half / size if size else 0  # 0.0 has no digit to be rounded
     return abs(value) * relative

@@ -7,11 +7,11 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from freebody.derivations.check.answer_text import AnswerText
+from freebody.derivations.check.answer_text import AnswerError, AnswerText
 from freebody.derivations.check.documents.answer_document import AnswerDocument, Blanks
 from freebody.derivations.check.equation_marks import asked_marks
 from freebody.derivations.check.formula_spellings import FILL, respelt
-from freebody.derivations.check.states import GivenValue, State, StateReader
+from freebody.derivations.check.states import GivenValue, State, StateReader, in_words
 from freebody.derivations.check.units import unit_of_quantity
 from freebody.derivations.check.written_units import WrittenUnit, unit_at
 from freebody.derivations.grammar.source import Span
@@ -74,6 +74,18 @@ class WrittenNumbers:
     at: State = field(default_factory=dict[str, GivenValue])
     """The state that is given besides."""
 
+    def refuse_two_states(self) -> None:
+        """Refuse a document that says another state than is given besides."""
+        said = [state for _, state in self.standing] + [x.state for x in self.numbers]
+        for name, given in self.at.items():
+            other = next(
+                (x[name] for x in said if name in x and x[name].value != given.value), None
+            )
+            if other is not None:
+                raise AnswerError(
+                    f"at: {in_words({name: given})}, but the answer says {in_words({name: other})}"
+                )
+
     def of(self, span: Span) -> WrittenNumber | None:
         """What is said of a number or expression that stands there."""
         for x in self.numbers:
@@ -85,8 +97,11 @@ class WrittenNumbers:
         """The state of a number or expression that stands there: what is given besides, what was
         said last, and what stands behind it or behind a later side of its equation."""
         last = next((state for end, state in reversed(self.standing) if end <= span[0]), {})
-        own = (x.state for x in self.numbers if x.begun <= span[0] and span[1] <= x.span[1])
-        return {**self.at, **last, **next(own, {})}
+        found = {**self.at, **last}
+        for x in self.numbers:
+            if x.begun <= span[0] and span[1] <= x.span[1]:
+                found |= x.state
+        return found
 
 
 def taken_from(

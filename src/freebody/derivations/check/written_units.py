@@ -112,7 +112,7 @@ class _UnitReader:
         elif per := _PER.match(self.text, at):
             at, sign = self._match(_BLANK, per.end()), -1
         opened = _OPEN.match(self.text, at)
-        if opened and (opened[0][-1] != "(" or sign < 0):
+        if opened and (opened[0][-1] != "(" or sign < 0 or not self.shown):
             self.closing.append(_CLOSING[opened[0][-1]])
             self.signs.append(self.signs[-1] * sign)
             self.at = opened.end()
