@@ -55,9 +55,9 @@ def check(
     for all that are numbered, {"C": "cos", "S": "sin"} where C12 is a cosine.
 
     A path is that of a file: plain text, Markdown (.md), LaTeX (.tex), a notebook of Jupyter
-    (.ipynb) or Python with SymPy (.py, never run), from which the equations are taken, words
-    between them passed over. form: "text", "markdown", "latex", "notebook" or "python" of a text
-    that is such a document.
+    (.ipynb) or Python with SymPy (.py, never run), from which the equations are taken; words
+    between them are passed over. form: "text", "markdown", "latex", "notebook" or "python" of a
+    text that is such a document.
 
     absolute: in the answer the angles of a planar robot are those of the links themselves, all
     measured from one direction, not each from the previous link; M, C, c, G, J and τ_i are then
@@ -74,14 +74,14 @@ def check(
     the model has values, a term may be in numbers: each is read to half a unit of its last digit.
 
     at: the state of results that are numbers, in SI units or with others: {"theta1": 0.5,
-    "theta2_d": "30 deg/s"}, or as text, "θ₁ = 30°, θ̇₂ = 2 rad/s"; also parameters that the model
-    gives no value. The answer may say it itself, "tau1 = 12.3 N m at θ₁ = 30°, …". A number is
-    right to half a unit of its last digit, to the tolerance behind it (12.3 ± 0.2 N m), or to the
-    share `tolerance` of the right one; without unit it is in SI units.
+    "theta2_d": "30 deg/s"}, or as text, "θ₁ = 30°, θ̇₂ = 2 rad/s"; also parameters to which the
+    model gives no value. The answer may contain it instead, "tau1 = 12.3 N m at θ₁ = 30°, …". A
+    number must be right to half a unit of its last digit, to the tolerance given with it (12.3 ±
+    0.2 N m), or to the share `tolerance` of the right one; without a unit it is in SI units.
 
     The text is parsed, never run; raises AnswerError, which points at the place, for what cannot be
-    read, and for a quantity that is given by itself. The comparison is exact: forms that are equal
-    are found equal. The verdict is true when all equations are, and none about the robot's
+    read, and for a quantity that is defined by itself. The comparison is exact: forms that are
+    equal are found equal. The verdict is true when all equations are, and none about the robot's
     quantities was left unread; `.text` says it in words, `.findings` lists the mistakes.
     """
     if tolerance is not None and not 0 <= tolerance < 1:
