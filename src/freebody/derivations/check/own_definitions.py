@@ -67,6 +67,8 @@ class OwnDefinitions(SolvedQuantities):
             and not self._is_own_scalar(name, line)
         ):
             return []
+        if self._repeats_a_formula(name, line):
+            return [line]
         if name in self.vocabulary.waves or name in self.setting.zeros or not self._is_free(name):
             self.source.fail(
                 f"{self.source[first[0].span]} is a symbol of the model, not a result to be "
@@ -80,6 +82,14 @@ class OwnDefinitions(SolvedQuantities):
             refuse_itself(self.source, self.source[first[0].span], node.span)
         self.vocabulary.define(name, self.quotient(node), given)
         return [line]
+
+    def _repeats_a_formula(self, name: str, line: Line) -> bool:
+        """Whether a line says of a parameter that a formula gives only what that formula says."""
+        meant = self.vocabulary.symbols.get(name)
+        if meant is None or meant not in self.setting.given.values():
+            return False
+        node = self.parse(line[1])
+        return not isinstance(node, Matrix) and difference(self.quotient(node), meant).is_zero
 
     def _is_wave(self, name: str, line: Line) -> bool:
         """Whether a line says of s12 or c12 only what it stands for anyway."""
