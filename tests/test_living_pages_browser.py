@@ -548,6 +548,25 @@ def test_predict_first(driver, tmp_path):
     assert driver.execute_script(shown)
 
 
+def test_answers_are_typed_in_the_letters_of_the_notation(driver, tmp_path):
+    """Siciliano's l2 is the distance of a centre of mass, a1 a length."""
+    opened(driver, tmp_path, fb.derive(fb.load("2R"), "lagrange", notation="siciliano"))
+    driver.find_element("id", "predict").click()
+    for line, answer, verdict in (
+        ("b22", "ml2*l2^2 + Il2", "Right: "),
+        ("g2", "ml2*g*l2*c12", "Right: "),
+        ("b22", "ml2*a2^2 + Il2", "Not right: "),
+        ("b12", "ml2*(l2^2 + l2^2*c2) + Il2", "Not right: "),
+    ):
+        said, _ = driver.execute_script(ANSWER, line, answer)
+        assert said.startswith(verdict), (line, answer, said)
+    assert said.endswith(f"freebody check ROBOT 'b12 = {answer}' --notation siciliano")
+    labels = driver.execute_script(
+        "return [...document.querySelectorAll('.slider label')].map((x) => x.textContent)"
+    )
+    assert {"a1", "l1", "l2"} <= {x.replace("\u200b", "").replace(" ", "") for x in labels}
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_the_commands_that_pages_name_are_understood(method):
     """Every line of which a page names one begins with what `fb.check` knows by that name."""
