@@ -26,7 +26,7 @@ def lines(derivation: Derivation) -> list[str]:
     return [str(line) for step in derivation.steps for line in step.equations]
 
 
-def is_right(model: fb.Model, text: str, notation: str | None = None) -> bool:
+def is_right(model: fb.Model, text: str, notation: str | BookNotation | None = None) -> bool:
     try:
         return bool(fb.check(model, text, notation=notation))
     except fb.FreebodyError:
@@ -165,6 +165,22 @@ def test_the_commands_take_a_notation(tmp_path: Path, capsys: pytest.CaptureFixt
 
 
 ROD = {"lc": "l/2", "I": "m*l^2/12"}
+
+
+def test_names_that_the_robot_has_itself_stay_and_are_told():
+    arm = fb.planar("RR", l=["a1", "a2"], lc=["l1", "l2"], m=["ml1", "ml2"], I=["Il1", "Il2"])
+    told = fb.derive(arm, "lagrange", notation="siciliano")
+    assert "The robot's own names stay, as Il, a and ml would be one" in told.given
+    assert "b₂₂ = ml₂ l₂² + Il₂" in lines(told)
+
+
+def test_greek_letters_are_letters():
+    style = BookNotation("greek", letters={"M": ("Ψ",)}, names={"φ": "theta", "ψ": "d"})
+    told = fb.derive(fb.load("RP"), "lagrange", notation=style)
+    assert any(x.startswith("Ψ₁₁ = ") for x in lines(told))
+    assert "The equation of ψ₂" in told.text()
+    assert "joint 2 (prismatic, displacement ψ₂" in " ".join(told.text().split())
+    assert all(is_right(fb.load("RP"), x, style) for x in lines(told)[-4:])
 
 
 @pytest.mark.parametrize("method", ["newton-euler", "recursive", "lagrange", "kane"])

@@ -11,6 +11,7 @@ from freebody.derivations.equations.equations import Equations
 from freebody.derivations.expressions.expression import Equation, Expression
 from freebody.derivations.notations.lettering import PLAIN, Lettering, lettered_for
 from freebody.derivations.render import documents
+from freebody.errors import listed
 from freebody.outputs.display import InWords, Titled, counted
 from freebody.scalars.trig import Trig
 
@@ -177,7 +178,12 @@ def written_in(lettering: Lettering, made: Derivation) -> Derivation:
         Meaning(tuple(map(own, row.symbols)), own.sentence(row.words), row.unit)
         for row in made.glossary
     )
-    new = {"steps": steps, "glossary": table, "given": own.sentence(made.given)}
+    given = own.sentence(made.given)
+    if own.taken:
+        given += (
+            f" The robot's own names stay, as {listed(own.taken)} would be one of the notation's."
+        )
+    new = {"steps": steps, "glossary": table, "given": given}
     return replace(made, **new, lettering=own, plain=made)
 
 

@@ -27,13 +27,11 @@ _NUMBERED = (*FAMILIES, "theta", "d", "q")
 def of_notation(vocabulary: Vocabulary, targets: Targets, notation: BookNotation) -> None:
     """The names of a notation, all at once, as one may stand for what another is called here; none
     where the model has such names itself."""
-    own = set(notation.names) - set(notation.names.values())
-    numbered = (re.sub(r"\d+$", "", name) for name in vocabulary.setting.symbols.model.parameters)
-    if own & set(numbered):
-        return
     here = Vocabulary(vocabulary.setting, targets.names, targets.alone)
     symbols = vocabulary.setting.symbols
     lettering = Lettering(notation, frozenset(symbols.model.parameters), symbols.coordinates)
+    if lettering.taken:
+        return
     for name, meaning in notation.names.items():
         if meaning not in _NUMBERED or (meaning in here.symbols and name not in lettering.alone):
             _rename(vocabulary, targets, name, meaning, here)

@@ -19,6 +19,7 @@ from freebody.derivations.expressions.nodes import (
 from freebody.derivations.expressions.printed_names import DOTS, GREEK, sym
 from freebody.derivations.grammar.words import spelt
 from freebody.derivations.notations.notation import BookNotation, preset
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.render.literal import MARK, in_parts
 from freebody.errors import FreebodyError, shown
 from freebody.lazy import cached_property
@@ -37,7 +38,7 @@ ALONE = ("T", "V", "L")
 _NAME = re.compile(r"([A-Za-z]+?)((?:_?\d+)+|_[a-z]|)")
 _PRINTABLE = re.compile(r"[A-Za-z]+\d*")
 _IN_WORDS = re.compile(
-    r"(?<![\w.])[A-Za-zα-ωΑ-Ω][\u0307\u0308]?[A-Za-z]{0,3}(?:[₀-₉]+|_(?:\d|[a-z])(?!\w))"
+    r"(?<![\w.])([A-Za-zα-ωΑ-Ω])([\u0307\u0308]?)([A-Za-z]{0,3})([₀-₉]+|_(?:\d|[a-z])(?!\w))"
 )
 """A symbol in a sentence: θ̇₁, lc₂, τ_2, T_i."""
 
@@ -54,15 +55,18 @@ class Lettering:
     """Letters of `FAMILY_OF` that stay as they are."""
 
     @cached_property
+    def taken(self) -> tuple[str, ...]:
+        """Names of the notation that the model has itself."""
+        numbered = {re.sub(r"\d+$", "", name) for name in self.parameters}
+        meanings = self.notation.names
+        return tuple(sorted((set(meanings) - set(meanings.values())) & numbered))
+
+    @cached_property
     def names(self) -> Mapping[str, str]:
         """Parameters and coordinates that are called otherwise, and how; all or none, as a name
         that the model has itself may stand for something else in the notation."""
-        numbered = {re.sub(r"\d+$", "", name) for name in self.parameters}
-        meanings = self.notation.names
-        if (set(meanings) - set(meanings.values())) & numbered:
-            return {}
         found: dict[str, str] = {}
-        for name, meaning in meanings.items():
+        for name, meaning in () if self.taken else self.notation.names.items():
             new = spelt(name)
             if _PRINTABLE.fullmatch(new):
                 for own, number in self._meant(meaning):
@@ -176,19 +180,15 @@ class Lettering:
         return _IN_WORDS.sub(self._word, unicodedata.normalize("NFD", text))
 
     def _word(self, match: re.Match[str]) -> str:
-        word = match[0]
-        low = "_" in word
-        dots = sum("\u0307\u0308".find(c) + 1 for c in word)
-        name = spelt(re.sub("[\u0307\u0308]", "", word).replace("_", "_" * (word[-1:].isdigit())))
-        if word[-1].isalpha():  # T_i
-            name = word[0] + word[1:]
-        old = sym(name + ("", *DOTS)[dots])
+        letter, dot, letters, low = match.groups()
+        number = unicodedata.normalize("NFKC", low).removeprefix("_")
+        ending = {"": "", "\u0307": RATE, "\u0308": SECOND}[dot]
+        name = spelt(letter + letters) + ("_" if number.isalpha() else "") + number
+        old = sym(name + ending)
         if not isinstance(old, Symbol) or (new := self.symbol(old)) == old:
-            return word
-        if not low:
-            return str(new)
-        stem = re.sub(r"_?(\d+|[a-z])$", "", new.name)
-        return f"{GREEK.get(stem, stem)}_{word.partition('_')[2]}"
+            return match[0]
+        stem = re.sub(r"_?(\d+|[a-z])$", "", new.name.removesuffix(ending))
+        return f"{GREEK.get(stem, stem)}{dot}{low}"
 
 
 def _made(name: str, ending: str, old: Symbol) -> Symbol:

@@ -88,6 +88,8 @@ class BookNotation:
                     f"the notation {self.name!r}: {shown(letter)} is not a letter; write Latin "
                     "letters, or a Greek one by its name."
                 )
+        plain = {family: tuple(map(spelt, letters)) for family, letters in self.letters.items()}
+        object.__setattr__(self, "letters", MappingProxyType(plain))
 
     @property
     def all_letters(self) -> Mapping[str, tuple[str, ...]]:
