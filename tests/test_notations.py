@@ -130,7 +130,7 @@ def test_angles_may_be_measured_from_the_vertical(zero: str):
         ("[parameters]\nm2 = 'theta1'", "m2 = theta1 changes with the motion"),
         ("[parameters]\nlc2 = 'l2*cos(theta2)'", "changes with the motion"),
         ("[letters]\nmass = 'A'\ncoriolis = 'C A'", "mine.toml:3.*A stands for mass and coriolis"),
-        ("[names]\n'a b' = 'l1'", "not a single name|no single name"),
+        ("[names]\n'a b' = 'l1'", "not a single name"),
         ("title = ", "not valid TOML"),
     ],
 )
