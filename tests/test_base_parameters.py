@@ -131,7 +131,7 @@ def test_base_parameters_in_words():
     np.testing.assert_allclose(found.values, [2.0, 0, 1.7, 0.25, 0, 0.1625])
     assert (
         str(found).splitlines()[0]
-        == f"{found.names[0]}: 2 = +1 {found.names[0]} +1 {model.bodies[1].name}.m"
+        == f"{found.names[0]}: 2 = {found.names[0]} + {model.bodies[1].name}.m"
     )
 
 

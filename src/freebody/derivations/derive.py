@@ -89,7 +89,7 @@ def _with_lengths(steps: tuple[Step, ...]) -> tuple[Step, ...]:
     """The steps; the first that tells only how long a line is says where the line can be had."""
     first = next((step for step in steps if any(map(_is_told_by_length, step.equations))), None)
     reason = (
-        " Where only a number of terms stands, the line is too long to read; in Python the "
+        " Where only the number of terms is given, the line is too long to read; in Python the "
         "derivation holds the torques exactly, as .tau, and M, Φ_q and c of a closed chain, as "
         ".system."
     )

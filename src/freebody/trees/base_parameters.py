@@ -54,8 +54,11 @@ class BaseParameters(InWords, ByValue):
     def __str__(self) -> str:
         lines = []
         for name, value in zip(self.names, self.values, strict=True):
-            terms = " ".join(f"{w:+.6g} {other}" for other, w in self.combination(name).items())
-            lines.append(f"{name}: {value:.6g} = {terms}")
+            terms = " ".join(
+                f"{'-' if w < 0 else '+'} {'' if abs(w) == 1 else f'{abs(w):.6g} '}{other}"
+                for other, w in self.combination(name).items()
+            )
+            lines.append(f"{name}: {value:.6g} = {terms.removeprefix('+ ')}")
         return "\n".join(lines)
 
 

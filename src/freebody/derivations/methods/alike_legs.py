@@ -112,8 +112,8 @@ def _reasons(s: Setting, first: list[int], others: list[list[int]]) -> Iterator[
         return f"{s.numbers[leg[0]]} to {s.numbers[leg[-1]]}"
 
     yield (
-        f" Of the legs only the lines of the first, bodies {span(first)}, are told; bodies "
-        f"{listed(list(map(span, others)))} have the same with their own numbers."
+        f" The lines are those of the first leg, bodies {span(first)}; for bodies "
+        f"{listed(list(map(span, others)))} they are the same, with other numbers."
     )
     while True:
-        yield " The other legs have the same lines with their own numbers."
+        yield " The lines of the other legs are the same, with other numbers."

@@ -147,8 +147,8 @@ def _composed(s: Setting) -> list[str]:
                 f"{'is body' if one else 'are bodies'}{links.removeprefix('s')}, without mass."
             )
         if taken_apart and body.joint.passive and body.kind.frees(s.symbols.model.dim):
-            borne = f": body {n} is borne by the loops alone" if s.tree.loops else ""
-            told.append(f"They hold nothing{borne}.")
+            borne = f": body {n} is supported by the loops alone" if s.tree.loops else ""
+            told.append(f"These joints carry no load{borne}.")
         if taken_apart and body.kind.quaternion is not None:
             told.append(
                 f"θ_{n - 2}, θ_{n - 1} and θ_{n} are yaw, pitch and roll; the equations are "
