@@ -72,6 +72,7 @@ RIGHT = [
     (f"G = [9.067 N m; 0.571 (N m)] at {POSTURE}", "text"),
     ("H22 = 45750 kg mm^2", "text"),
     ("ω₂ = 1.00 rad/s, x = 0.7 m at θ₁ = θ₂ = 0, θ̇₁ = 120 °/s, θ̇₂ = -62.704 °/s", "text"),
+    ("Now θ2 = 45°, q̇ = 0. Then T = 0 J, H12 = 0.10939 kg m².", "text"),
     ("Given q = 0, q̇ = 0 and q̈ = 0.\nT = 0 J; G2 = 2.207 N m", "text"),
     (rf"$\tau_1 = {TAU[0]:.2f}\,\mathrm{{N\,m}}$ at ${STATE}$.".replace("°", r"^\circ"), "latex"),
     (rf"\[ G_2 = \SI{{{G2:.3f}}}{{\newton\metre}} \] for $\theta_1 = \ang{{30}}$, $\theta_2 = "

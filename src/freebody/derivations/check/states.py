@@ -27,7 +27,7 @@ from freebody.outputs.numbers import shortest
 from freebody.scalars.trig import Trig
 
 _PI = r"(?:\\pi(?![a-zA-Z])|pi(?!\w)|π)"
-_DIGITS = r"(?:\d{1,30}(?:\.\d{0,30})?|\.\d{1,30})(?:[eE][-+]?\d{1,3})?"
+_DIGITS = r"(?:\d{1,30}(?:\.\d{1,30})?|\.\d{1,30})(?:[eE][-+]?\d{1,3})?"
 _TIMES = r"\s?(?:[*/·×]|\\cdot|\\times)\s?"
 VALUE = re.compile(
     rf"[-+−–]?\s?(?:{_DIGITS}|{_PI}|\\[dt]?frac\s?\{{[^{{}}]{{1,12}}\}}\s?\{{[^{{}}]{{1,12}}\}})"
