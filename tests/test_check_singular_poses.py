@@ -47,7 +47,14 @@ def test_nothing_beside_a_pose_is_passed_over():
     assert not sliding
 
 
-@pytest.mark.parametrize("text", ["The arm is not singular at θ2 = π/2", "singular at l1 = 0"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "The arm is not singular at θ2 = π/2",
+        "singular at l1 = 0",
+        "singular at θ2 = 0 or " * 101,
+    ],
+)
 def test_what_is_no_singular_pose_is_not_judged(text: str):
     with pytest.raises(AnswerError):
         fb.check(ARM, text)

@@ -24,6 +24,7 @@ from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import Trig
 
 FAMILY = "singular"
+MOST_POSES = 100
 _S = r"[\s$]{0,9}"
 _NUMBER = (
     rf"[-−±]?{_S}(?:\d{{1,4}}(?:\.\d{{1,9}})?)?{_S}(?:\\?pi\b|π)?(?:{_S}/{_S}\d{{1,2}})?"
@@ -61,6 +62,8 @@ def taken_from(
         for pose in _POSE.finditer(text, *sentence.span("told")):
             found = list(_claims(pose, source, vocabulary, targets))
             claims += found
+            if len(claims) > MOST_POSES:
+                source.fail(f"at most {MOST_POSES} singular poses are read", pose.span())
             for blanks in (formulas, said) if found and document.said else [formulas] * bool(found):
                 blanks.put(*pose.span())
     if not claims:
