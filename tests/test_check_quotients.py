@@ -99,3 +99,22 @@ def test_the_coordinate_of_a_cart_is_not_the_tip():
     """The tip of the bundled cart-pole is its bob; x is the joint's name."""
     assert fb.check(CART, "ẍ = (F + m2 l2 (sin(θ) θ̇² - cos(θ) θ̈))/(m1 + m2)")
     assert fb.check(CART, "xP = x + l2 sin θ")
+
+
+@pytest.mark.parametrize(
+    ("line", "piece", "other"),
+    [
+        ("theta2 = acos((x² + y² - 0.41)/0.4)", "0.41", "0.42"),
+        ("cos θ2 = (x² + y² - 0.41)/0.4", "0.41", "0.42"),
+        ("θ̇1 = (ẋ c12 + ẏ s12)/(0.5 s2)", "0.5", "0.6"),
+        ("θ̇1 = (ẋ c12 + ẏ s12)/(l1 s2)", "l1", "l2"),
+        (
+            "J^{-1} = 1/(0.2 s2) [0.4 c12, 0.4 s12; -0.5 c1 - 0.4 c12, -0.5 s1 - 0.4 s12]",
+            "-0.5 s1", "-0.4 s1",
+        ),
+    ],
+)  # fmt: skip
+def test_quotients_in_numbers(line: str, piece: str, other: str):
+    arm = fb.planar("RR", l=[0.5, 0.4])
+    assert fb.check(arm, line)
+    assert not fb.check(arm, line.replace(piece, other))

@@ -6,7 +6,7 @@ from __future__ import annotations
 import itertools
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
@@ -19,6 +19,7 @@ from freebody.derivations.expressions.evaluate import Rules, arithmetic, evaluat
 from freebody.derivations.expressions.nodes import Arguments, Expression, Function, nodes
 from freebody.derivations.grammar.parser import PI
 from freebody.lazy import cached_property
+from freebody.scalars.rational import exactly
 from freebody.scalars.trig import Trig
 
 POSITIONS = 24
@@ -120,6 +121,8 @@ class Branching:
     setting: RightEquations
     left: Expression
     is_angle: bool
+    values: Mapping[str, float] = field(default_factory=dict)
+    """Of a model's parameters, where the answer is in numbers."""
 
     @cached_property
     def places(self) -> list[RandomPosition]:
@@ -128,8 +131,9 @@ class Branching:
         ring = self.setting.ring
         return [
             RandomPosition({
-                name: _exactly(Fraction(repr(round(chance.uniform(*_range(name, ring.angles)), 6))))
+                name: _exactly(exactly(self.values.get(name, drawn)))
                 for name in ring.names
+                for drawn in [round(chance.uniform(*_range(name, ring.angles)), 6)]
             })
             for _ in range(POSITIONS)
         ]  # fmt: skip

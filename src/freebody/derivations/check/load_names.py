@@ -22,7 +22,7 @@ VECTORS = tuple(name for name in _SPELT["f"] if not name.endswith("tip"))
 def named_in(model: Model, text: str) -> tuple[str, ...]:
     """Symbols for the load on the tip, where a text has one."""
     names = LOADS[model.dim]
-    if model.tip is None or model.loops:
+    if model.tip is None or model.loops or any(body.kind.quaternion for body in model.bodies):
         return ()
     if not _COMPONENT.search(text) and not ("J" in text and _VECTOR.search(text)):
         return ()

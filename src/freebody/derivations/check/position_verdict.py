@@ -23,7 +23,7 @@ from freebody.derivations.check.right_equations import RightEquations
 from freebody.derivations.check.small_changes import Repair, SmallChanges
 from freebody.derivations.check.verdict import EquationVerdict, Mistake
 from freebody.derivations.check.verdict_sentences import Wording
-from freebody.derivations.expressions.nodes import Expression, replaced
+from freebody.derivations.expressions.nodes import Expression, nodes, replaced
 from freebody.scalars.trig import Trig
 
 _OTHER_POSTURE = (
@@ -69,7 +69,16 @@ def verdict(
 def _branching(setting: RightEquations, claim: Claim) -> Branching:
     left = claim.whole
     assert left is not None
-    return Branching(setting, left, _is_angle(setting, left))
+    given = {k: x for k, x in setting.symbols.model.parameters.items() if x is not None}
+    written = {
+        name
+        for x in nodes(claim.node)
+        if isinstance(x, Named) and isinstance(x.value, Trig) and len(x.value) == 1
+        for powers, _ in x.value.terms()
+        for name in powers
+    }
+    values = given if not written & given.keys() else {}
+    return Branching(setting, left, _is_angle(setting, left), values)
 
 
 def _shared(

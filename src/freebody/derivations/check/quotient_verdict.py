@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from freebody.derivations.check import numeric_example
+from freebody.derivations.check.answer_tree import Named
 from freebody.derivations.check.claim import Claim
 from freebody.derivations.check.differences import Difference
 from freebody.derivations.check.explanation import Explanation
@@ -17,6 +18,7 @@ from freebody.derivations.check.free_motion import FreeMotion
 from freebody.derivations.check.quotients import Value, difference
 from freebody.derivations.check.verdict import EquationVerdict, Mistake
 from freebody.derivations.closed_chains.linear import Ratio
+from freebody.derivations.expressions.nodes import nodes
 from freebody.scalars.rational import exactly
 from freebody.scalars.trig import Trig
 
@@ -38,12 +40,14 @@ def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> Equation
         if difference(put_in, own).is_zero:
             return EquationVerdict(claim.label, title, True, note=motion.note)
         if judge.free_body or claim.target.family in _SOLVED or isinstance(yours, Ratio):
-            if _is_right_in_numbers(judge, claim, right, put_in, own):
-                name = judge.setting.symbols.model.name
-                note = f"In numbers, with the values of {name!r}."
-                return EquationVerdict(claim.label, title, True, note=note)
             yours, right, point = put_in, own, motion.at(point)
-    if point is judge.point and isinstance(yours, Trig) and isinstance(right, Trig):
+    plain = point is judge.point and isinstance(yours, Trig) and isinstance(right, Trig)
+    if plain and claim.target.family not in (*_SOLVED, "identity"):
+        return None
+    if _is_right_in_numbers(judge, claim, yours, right):
+        note = f"In numbers, with the values of {judge.setting.symbols.model.name!r}."
+        return EquationVerdict(claim.label, title, True, note=note)
+    if plain:
         return None
     findings, causes = _explained(judge, claim, right, point) if explain else ([], [])
     shown = numeric_example.example(judge.setting, yours, right)
@@ -58,16 +62,17 @@ def _motion(judge: Judge, claim: Claim, right: Value) -> FreeMotion | None:
     return judge.free_motion if claim.target.family in _MAY_BE_FREE else None
 
 
-def _is_right_in_numbers(
-    judge: Judge, claim: Claim, right: Value, yours: Value, own: Value
-) -> bool:
+def _is_right_in_numbers(judge: Judge, claim: Claim, yours: Value, own: Value) -> bool:
     """Whether an answer that has no symbol with a value is right with the model's values."""
     setting = judge.setting
     given = setting.symbols.model.parameters.items()
     values = {name: setting.zero + exactly(x) for name, x in given if x is not None}
     values.pop(setting.order.gravity or "", None)
     numbers = FreeMotion(values)
-    if not values or any(map(numbers.concerns, (claim.value, right))):
+    sides = [claim.node] if claim.whole is None else [claim.whole]
+    written = (x.value for side in sides for x in nodes(side) if isinstance(x, Named))
+    symbols = (x for x in written if isinstance(x, Trig) and len(x) == 1)
+    if not values or any(map(numbers.concerns, symbols)):
         return False
     return difference(numbers.of(yours), numbers.of(own)).is_zero
 
