@@ -392,7 +392,11 @@ def test_a_closed_chain_is_closed_by_its_page(driver, tmp_path, name, method):
     moved = driver.execute_script(NAMES)
     driven = [x for x in coordinates if x in moved]
     assert len(driven) == len(coordinates) - len(fb.loop_equations(model).names)
-    for step in (0.0, 0.15, -0.2) if name != "3RRR" else (0.0, 0.05, -0.1):
+    ends = """return [...document.querySelectorAll('.slider input')].filter(e =>
+      arguments[0].includes(e.dataset.input)).map(e => [e.min, e.value, e.max].map(Number))"""
+    for low, value, high in driver.execute_script(ends, driven):
+        assert low + 0.5 < value < high - 0.5
+    for step in (0.0, 0.15, -0.2) if name != "3RRR" else (0.0, -0.05, -0.1):
         for k, x in enumerate(driven):
             start = dict(driver.execute_script(NUMBERS))[x]
             for dots, value in (("", start + step), ("_d", 0.7 - 0.3 * k), ("_dd", 1.1 + step)):

@@ -213,8 +213,11 @@ def _inputs(
         top = _WIDEST.get("N" if force else unit) or max(1.0, 3.0 * abs(value))
         signed = force or unit in {*_WIDEST, "m/s²"} or name in symbols.coordinates
         low = min(value, -top if signed or value < 0.0 else 0.0)
+        high = max(value, top)
+        if name in start and name in symbols.coordinates:  # it may have turned more than once
+            low, high = value - top, value + top
         made.append(
-            {"name": name, "value": value, "low": low, "high": max(value, top), "unit": unit}
+            {"name": name, "value": value, "low": low, "high": high, "unit": unit}
             | {"group": _group(name, symbols.coordinates), "turns": name in _angles(derivation)}
             | {"solved": following.why if name in following.solved_names else ""}
         )
