@@ -23,7 +23,7 @@ LINES = [  # right; a piece, what is written in its place, and why that is wrong
     (r"I_y \dot q = (I_z - I_x) p r + l (f_3 - f_1)", "f_3 - f_1", "f_1 - f_3", ARM),
     (r"I_z \dot r = (I_x - I_y) p q", "(I_x - I_y)", "(I_y - I_x)", GYROSCOPIC),
     (r"m \ddot z = \cos\phi\cos\theta (F_1+F_2+F_3+F_4) - m g", "- m g", "+ m g", WEIGHT),
-    ("m z̈ = cφ cθ (F1 + F2 + F3 + F4) - m g", "cφ cθ ", "", "Forces are not turned"),
+    ("m z̈ = cφ cθ (F1 + F2 + F3 + F4) - m g", "cφ cθ ", "", "Forces are not rotated"),
     (
         r"m \ddot x = (\cos\phi\sin\theta\cos\psi + \sin\phi\sin\psi)(f_1+f_2+f_3+f_4)",
         "+ \\sin", "- \\sin", "has the wrong sign",

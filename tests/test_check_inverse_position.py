@@ -82,7 +82,7 @@ def test_two_lines_are_of_one_posture():
     assert fb.check(ARM, f"θ2 = -acos({COSINE})\n{first.format('+')}")
     mixed = fb.check(ARM, f"θ2 = acos({COSINE})\n{first.format('+')}")
     assert [x.equal for x in mixed.equations] == [True, False]
-    assert "the other posture than the line before" in mixed.causes[0]
+    assert "another posture than the line before" in mixed.causes[0]
 
 
 @pytest.mark.parametrize(

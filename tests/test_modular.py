@@ -148,4 +148,4 @@ def test_long_arms_in_the_plane_are_told_by_rules(method):
     said = fb.derive(fb.planar("RRPRR"), method).text()
     assert "terms)" not in said
     assert "   v̇₄ = v̇₃ + ω̇₃ z × s₃ + ω₃ z × (ω₃ z × s₃)\n" in said
-    assert "told by those of the body before" in " ".join(said.split())
+    assert "given by those of the previous body" in " ".join(said.split())

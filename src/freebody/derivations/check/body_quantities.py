@@ -119,13 +119,13 @@ BODY_QUANTITIES = (
     BodyQuantity("fc{n}", "mass times acceleration of body {n}", soft=True),
     BodyQuantity(
         "Mc{n}",
-        "the rate of spin of body {n}",
+        "the rate of angular momentum of body {n}",
         also=(("nc{n}", 0),),
         angular=True,
         spaces=(2,),
         soft=True,
     ),
-    BodyQuantity("nc{n}", "the rate of spin of body {n}", spaces=(3,), soft=True),
+    BodyQuantity("nc{n}", "the rate of angular momentum of body {n}", spaces=(3,), soft=True),
     BodyQuantity("gravity{n}", "gravity in the axes of body {n}", spaces=(3,)),
     BodyQuantity(
         "w{n}",
@@ -135,19 +135,19 @@ BODY_QUANTITIES = (
         own_axes=False,
     ),
     BodyQuantity("z{n}", "the z axis of body {n}", spaces=(3,), soft=True, own_axes=False),
-    BodyQuantity("p{h}_{n}", "the origin of body {n} in the body before", spaces=(3,), soft=True),
-    BodyQuantity("p{n}_{h}", "the origin of the body before in body {n}", spaces=(3,), soft=True),
+    BodyQuantity("p{h}_{n}", "the origin of body {n} in the previous body", spaces=(3,), soft=True),
+    BodyQuantity("p{n}_{h}", "the origin of the previous body in body {n}", spaces=(3,), soft=True),
     BodyQuantity("R{n}", "the orientation of body {n}", turns=True, soft=True),
     BodyQuantity(
-        "R{h}_{n}", "the rotation from body {n} to the body before", turns=True, soft=True
+        "R{h}_{n}", "the rotation from body {n} to the previous body", turns=True, soft=True
     ),
     BodyQuantity(
-        "R{n}_{h}", "the rotation from the body before to body {n}", turns=True, soft=True
+        "R{n}_{h}", "the rotation from the previous body to body {n}", turns=True, soft=True
     ),
     BodyQuantity("I{n}", "the inertia tensor of body {n}", turns=True, soft=True),
     BodyQuantity("v{h}", "the velocity of the ground", soft=True, only="first"),
     BodyQuantity("v{h}_d", "the acceleration of the ground", only="first"),
-    BodyQuantity("s{h}", "from the world to the first joint", only="first"),
+    BodyQuantity("s{h}", "the vector from the world's origin to the first joint", only="first"),
     BodyQuantity("omega{h}", "the angular velocity of the ground", angular=True, only="first"),
     BodyQuantity(
         "omega{h}_d", "the angular acceleration of the ground", angular=True, only="first"

@@ -52,7 +52,7 @@ THOUGHTS = (
         arms=(1, -1),
     ),
     Physics(
-        "Forces are not turned: the thrust acts along the body's axes, the weight along the "
+        "Forces are not rotated: the thrust acts along the body's axes, the weight along the "
         "world's.",
         axes="",
     ),

@@ -77,7 +77,7 @@ def _conversions(number: NumberAtState) -> Iterator[Thought]:
         names = " and ".join(str(sym(name)) for name in angles)
         yield (
             f"Radians were taken for degrees: {names} {'are' if len(angles) > 1 else 'is'} in "
-            f"radians, and so must be the calculator.",
+            f"radians, so the calculator must be set to radians.",
             lambda: number.with_values({n: math.radians(x) for n, x in angles.items()}),
         )
 

@@ -123,7 +123,7 @@ class _NumberVerdict:
             values = {x: number.values[x] for x in number.used if x in number.values}
             example = Example(values, number.yours, number.right)
         if not causes and claim.target.family in ("V", "L", "Vi"):
-            causes = ["V is 0 at the height of the base's origin here; it may be so elsewhere."]
+            causes = ["Here V is 0 at the height of the base's origin; yours may be 0 elsewhere."]
         return EquationVerdict(
             claim.label, claim.target.title, False, (self._mistake(),), tuple(causes), example
         )

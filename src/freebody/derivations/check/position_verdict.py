@@ -27,8 +27,8 @@ from freebody.derivations.expressions.nodes import Expression, nodes, replaced
 from freebody.scalars.trig import Trig
 
 _OTHER_POSTURE = (
-    "It belongs to the other posture than the line before: with this coordinate and that one the "
-    "tip is elsewhere."
+    "It belongs to another posture than the line before: with these two coordinates the tip is "
+    "elsewhere."
 )
 _TRIED = 6
 """Positions at which changes are tried."""

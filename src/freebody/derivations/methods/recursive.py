@@ -88,8 +88,8 @@ _BY_NAME = (
 
 
 _BY_RULES = (
-    " From here each vector is told by those of the body before; all have components along x and "
-    "y, and written out in the coordinates of the joints they would grow from body to body."
+    " From here each vector is given by those of the previous body; all have components along "
+    "x and y, and written out in the coordinates of the joints they would grow from body to body."
 )
 
 
