@@ -61,12 +61,12 @@ def quantities(
 
     Of body i: omega1, v1, v1_d (of its joint's point), rc1, vc1, vc1_d (of its centre of mass), r1,
     s1 (joint to next joint or tip), sc1, f01 (force of body 0 on body 1), M1 in the plane and n1 in
-    space (moment at the joint), fc1, Mc1 or nc1 (mass times acceleration, rate of
-    angular momentum), T1, V1, tau1. Of the arm: q, qd, qdd, tau, M, H11, c, G, G1, J, J_d, x, x_d, y, r, r_d, r_dd, T, V, L,
-    gravity, z; and all its symbols. In the plane vectors have world axes, in space those of their
-    own body (as in chapter 6); there R2_1 takes components of body 1 to body 2, R1 those of body 1
-    to the world, p1_2 is the origin of frame 2 in frame 1; w1 and z1 are the angular velocity and
-    the z axis of body 1 in world axes.
+    space (moment at the joint), fc1, Mc1 or nc1 (mass times acceleration, rate of angular
+    momentum), T1, V1, tau1. Of the arm: q, qd, qdd, tau, M, H11, c, G, G1, J, J_d, x, x_d, y, r,
+    r_d, r_dd, T, V, L, gravity, z; and all its symbols. In the plane vectors have world axes, in
+    space those of their own body (as in chapter 6); there R2_1 takes components of body 1 to body
+    2, R1 those of body 1 to the world, p1_2 is the origin of frame 2 in frame 1; w1 and z1 are the
+    angular velocity and the z axis of body 1 in world axes.
 
     load: a force f = (fx, fy) acts on the tip. at_rest: nothing moves. gravity: "explicit" counts
     each body's weight among its forces; "base" accelerates the base by -g instead, which then is in
