@@ -129,6 +129,22 @@ def test_the_table_leaves_out_what_no_equation_has():
     assert words["d₁"] == "distance from joint 1 to joint 2"
 
 
+@pytest.mark.parametrize(
+    ("name", "units"),
+    [("five_bar", ["m", "N"]), ("five_bar_rods", ["m²", "N/m"]), ("bricard", ["m, 1", "N, N m"])],
+)
+def test_loop_equations_and_their_multipliers_have_units(name, units):
+    rows = fb.derive(fb.load(name), "lagrange-first-kind").glossary
+    assert [r.unit for r in rows if str(r.symbols[0]) in ("Φ_k", "λ_k")] == units
+
+
+def test_one_loop_is_told_in_the_singular():
+    text = fb.derive(fb.load("five_bar"), "newton-euler").text()
+    assert "Cut the loop: its force is unknown" in text
+    assert "the loops" not in text
+    assert "n₀₁ is 0 by the equation" in fb.derive(fb.load("cart_pole"), "recursive").text()
+
+
 def test_terms_of_drives_are_told():
     text = " ".join(fb.derive(fb.load("puma560", physical="ignore")).text().split())
     assert "The other terms are those of the joint's rotor and friction." in text

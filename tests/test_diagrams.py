@@ -373,6 +373,9 @@ def test_five_bar_closes(figures):
     guess = {"theta1": 2.0, "theta2": 1.0, "B": -1.5, "D": 1.5}
     q = fb.assemble(model, guess, free=["B", "D"])
     np.testing.assert_allclose(fb.forward_kinematics(model, q, "P")[:2, 2], at["P"], atol=1e-9)
+    shown = fb.kinematic_diagram(model, q).drawings[0].elements
+    halves = [e.end for e in shown if isinstance(e, Dimension) and e.name == "b"]
+    np.testing.assert_allclose(halves, [at["A"], at["C"]], atol=1e-12)
     np.testing.assert_allclose(
         fb.forward_kinematics(model, q, "distal2")[:2, 2], at["D"], atol=1e-9
     )

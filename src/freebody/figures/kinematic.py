@@ -25,7 +25,7 @@ _BENT: tuple[Layer, ...] = (geometry.angles, geometry.slides)
 _GEOMETRY: tuple[Layer, ...] = (*_BENT, geometry.centres)
 VIEWS: dict[int, dict[str, tuple[Layer, ...]]] = {
     2: {
-        "geometry": (*_GEOMETRY, geometry.all_lengths),
+        "geometry": (*_GEOMETRY, geometry.all_lengths, geometry.of_the_ground),
         "vectors": (*_BENT, geometry.links, geometry.to_tip),
         "centres": (*_GEOMETRY, geometry.of_centres),
         "velocities": (*_GEOMETRY, motion.rates, motion.of_centres),

@@ -62,6 +62,11 @@ class Names:
         child = None if end.child is None else end.child + 1
         return self._length(self.naming.length(child, end.name), self.on("l", body.number))
 
+    def on_the_ground(self, body: BodyPlace) -> str:
+        """The length from the origin to a body's joint; "" where the model has no name for it."""
+        name = self.naming.length(body.number)
+        return label(name) if name is not None else ""
+
     def centre_length(self, body: BodyPlace) -> str:
         """From a joint to the centre of mass."""
         return self._length(self.naming.centre_length(body.number), self.on("l", body.number, "c"))

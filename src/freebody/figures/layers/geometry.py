@@ -16,6 +16,8 @@ from freebody.figures.snapshot import Snapshot
 
 BESIDE = 15.0
 """How far a vector in the plane is drawn beside the link it lies on, pixels."""
+_BELOW = 34.0
+"""How far below the ground its lengths are drawn, pixels."""
 _ARC = 0.15
 """Radius of an angle's arc, of the drawing's size."""
 _VISIBLE, _VECTOR = 0.05, 0.025
@@ -92,6 +94,15 @@ def all_lengths(drawing: Drawing, seen: Snapshot, body: BodyPlace, least: float 
         aside = 12.0 * _clear_side(seen, body)
         _dimension(drawing, body.origin, body.com, name, aside, max(least * seen.size, SAME))
     lengths(drawing, seen, (body,), aside=46.0, least=least)
+
+
+@of_each
+def of_the_ground(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
+    """From the origin to a joint on the ground, below it, where the model has a name for it."""
+    if body.parent < 0 and not body.kind.slides:
+        name = seen.names.on_the_ground(body)
+        aside = -_BELOW if body.carrier[0] >= 0 else _BELOW
+        _dimension(drawing, np.zeros(2), body.carrier, name, aside, _VISIBLE * seen.size)
 
 
 def _dimension(
