@@ -316,11 +316,17 @@ def test_absolute_angles_are_refused_where_they_are_not_written_out(tmp_path: Pa
         fb.derive(fb.load("acrobot"), "lagrange", notation=file)
     with pytest.raises(fb.FreebodyError, match="belong to robots in the plane"):
         fb.derive(fb.load("elbow_arm"), "lagrange", notation=file)
+    with pytest.raises(fb.FreebodyError, match="torques are those of the joints"):
+        fb.free_body_diagram(fb.load("2R"), notation=file)
+    told = fb.derive(fb.load("2R"), "lagrange", notation=file)
+    assert "sin φ₂" not in told.given  # its robot is told of in angles between links
+    words = {row.words for row in told.glossary}
+    assert {"angles of the bodies", "torques on the bodies"} <= words
+    with pytest.raises(fb.FreebodyError, match="has angles or parameters of its own"):
+        fb.equations(ARM).text(names=str(file))
     down = own(tmp_path, zero="down")
     steps = fb.derive(ARM, "kinematics", notation=down).steps
     assert not any("x² + y²" in step.text() for step in steps)  # solved for the joint's angle
-    with pytest.raises(fb.FreebodyError, match="has angles or parameters of its own"):
-        fb.equations(ARM).text(names=str(file))
 
 
 def test_drawings_show_the_angles_of_the_notation(tmp_path: Path):

@@ -95,6 +95,11 @@ def free_body_diagram(
         q = resting_pose(with_values(model), wrenches)
     qd, qdd = still if qd is None else qd, still if qdd is None else qdd
     seen = snapshot(model, q, qd, qdd, wrenches, caller, notation)
+    if seen.names.naming.letters.notation.absolute:
+        raise FreebodyError(
+            f"{caller}: torques are those of the joints, and a notation with absolute angles has "
+            "others; take one with angles = 'relative'."
+        )
     title, loads = f"Free-body diagram of {model.name}", seen.loads
     if chosen is not None:
         loads = (loads[chosen],)

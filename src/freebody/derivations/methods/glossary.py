@@ -59,6 +59,8 @@ def _coordinates(s: Setting, motors: bool) -> Iterator[Meaning]:
         names = [s.coordinate(i) for i in joints]
         plural = "s" if len(joints) > 1 else ""
         where = f"{words.coordinate}{plural} of the {words.joint} joint{plural}"
+        absolute = s.symbols.turned is not None and words.unit == "rad"
+        where = f"angle{plural} of the bod{'ies' if plural else 'y'}" if absolute else where
         yield Meaning(tuple(map(sym, names)), where, words.unit)
         if not s.at_rest:
             rates = tuple(sym(x + dots) for dots in (RATE, SECOND) for x in names)
@@ -71,7 +73,9 @@ def _coordinates(s: Setting, motors: bool) -> Iterator[Meaning]:
             plural = "s" if len(driven) > 1 else ""
             yield Meaning(
                 tuple(map(s.motor, driven)),
-                f"{words.effort}{plural} of the motor{plural}",
+                f"torque{plural} on the bod{'ies' if plural else 'y'}"
+                if absolute
+                else f"{words.effort}{plural} of the motor{plural}",
                 words.effort_unit,
             )
 

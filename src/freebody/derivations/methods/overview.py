@@ -35,7 +35,8 @@ def overview(s: Setting, method: Method, worked: Worked) -> tuple[str, tuple[Mea
 
 def _about(s: Setting) -> list[str]:
     about = s.symbols.model.about
-    return [literal(s.letters.words(about))] if about else []
+    other = s.symbols.turned is not None or any(s.symbols.quarters)  # angles than it speaks of
+    return [literal(s.letters.words(about))] if about and not other else []
 
 
 FEW = 3
@@ -249,5 +250,7 @@ def _sought(s: Setting) -> str:
     )
     if not efforts.count:
         return f"The equations of motion are sought: {condition}."
+    if s.symbols.turned is not None:
+        return "Given a motion, the torques and forces along the coordinates are sought."
     told = f"Given a motion of the joints, the {efforts.words} {efforts.verb} sought"
     return f"{told}; {condition}." if free else f"{told}."
