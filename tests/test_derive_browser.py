@@ -3,10 +3,12 @@ page."""
 
 from __future__ import annotations
 
+import base64
 import html
 import importlib.util
 import re
 import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -144,3 +146,19 @@ def test_mathml_stacks_dots_above_letters_and_indices_below(driver, tmp_path: Pa
     base, low = driver.execute_script(index)
     assert low["bottom"] > base["bottom"]
     assert low["left"] >= base["right"] - 2
+
+
+@pytest.mark.skipif(not shutil.which("pdftotext"), reason="needs pdftotext")
+def test_on_paper_a_legend_stands_below_its_equations(driver, tmp_path: Path):
+    """It had gone to the next sheet, with the next step."""
+    page = tmp_path / "derivation.html"
+    page.write_text(fb.derive(fb.planar("RRR"), "lagrange").html())
+    driver.get(page.as_uri())
+    printed = driver.execute_cdp_cmd("Page.printToPDF", {})["data"]
+    (tmp_path / "page.pdf").write_bytes(base64.b64decode(printed))
+    text = subprocess.run(
+        ["pdftotext", tmp_path / "page.pdf", "-"], capture_output=True, text=True, check=True
+    ).stdout
+    sheets = [" ".join(sheet.split()) for sheet in text.split("\f")]
+    assert sum(sheet.count("Terms from") for sheet in sheets) == 7
+    assert not [sheet for sheet in sheets if sheet.startswith("Terms from")]

@@ -571,6 +571,31 @@ def test_answers_are_typed_in_the_letters_of_the_notation(driver, tmp_path):
     assert {"a1", "l1", "l2"} <= {x.replace("\u200b", "").replace(" ", "") for x in labels}
 
 
+def test_energies_are_typed_as_they_are_printed(driver, tmp_path):
+    """A half in front, squares of vectors, a rate by its own name; steps of which no line can be
+    typed are hidden too, since the next could be read off them."""
+    opened(driver, tmp_path, fb.derive(fb.load("2R"), "lagrange"))
+    driver.find_element("id", "predict").click()
+    for line, answer, said in (
+        ("omega1", "theta1_d", "Right: "),
+        ("T1", "1/2 m1 vc1^2 + ½ I₁ ω₁²", "Right: "),
+        ("T1", "-1/-2 (m1 lc1^2 + I1) theta1_d^2", "Right: "),
+        ("T1", "1/2 I1 theta1_d^2", "Not right: "),
+        ("T1", "m1 lc1^2/2 theta1_d^2", "Cannot be read: Write * or brackets"),
+        ("T1", "0,5 m1 vc1^2", "Cannot be read: Vectors are written in square brackets"),
+        ("rc1", "(lc1 c1, lc1 s1)", "Cannot be read: Vectors are written in square brackets"),
+        ("V1", "9.81 m1 lc1 s1", "Not right: here it is 11.461, as the line, but not with other"),
+    ):
+        verdict, _ = driver.execute_script(ANSWER, line, answer)
+        assert verdict.startswith(said), (answer, verdict)
+    shown = """return [...document.querySelectorAll('section')].filter(step =>
+      [...step.querySelectorAll('.equations')].some(e => e.offsetHeight)).length"""
+    assert driver.execute_script(shown) == 0
+    assert "on paper" in driver.find_elements("css selector", "section")[7].text
+    driver.find_elements("css selector", "section")[7].find_element("tag name", "button").click()
+    assert driver.execute_script(shown) == 1
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_the_commands_that_pages_name_are_understood(method):
     """Every line of which a page names one begins with what `fb.check` knows by that name."""

@@ -4,6 +4,7 @@
 const MARKS = "\u2080\u2081\u2082\u2083\u2084\u2085\u2086\u2087\u2088\u2089";
 const GREEK = {"\u03b8": "theta", "\u03c4": "tau", "\u03c9": "omega", "\u03bb": "lam"};
 const LONGEST = 2000, DEEPEST = 60;
+const COMMA = "Vectors are written in square brackets, [a, b], and decimals with a point.";
 const FUNCTIONS = {sin: 1, cos: 1, sgn: 1, cross: 2, dot: 2};
 
 function unreadable(message) { return Object.assign(new Error(message), {unreadable: true}); }
@@ -15,6 +16,7 @@ function plainly(text) {
   plain = plain.replace(/([A-Za-z]+)([\u0307\u0308])(\d*)/g, (_, letters, dots, digits) =>
     letters + digits + (dots === "\u0307" ? "_d" : "_dd"));
   plain = plain.replace(/\u00b2/g, "^2").replace(/\u00b3/g, "^3").replace(/\*\*/g, "^");
+  plain = plain.replace(/[\u00bc-\u00be\u2153-\u215e]/g, (c) => `(${c.normalize("NFKD").replace("\u2044", "/")})`);
   return plain.replace(/\u2212/g, "-").replace(/[\u00b7\u00d7\u22c5]/g, "*");
 }
 
@@ -75,7 +77,7 @@ const CALLS = {
 // meaning(name): a function of (x, y), or undefined.
 function readFormula(text, meaning) {
   const all = tokens(text);
-  let at = 0, depth = 0;
+  let at = 0, depth = 0, bare = -1; // bare: where the last number without a power ended
   const next = () => all[at] ? all[at].kind : "end";
   function expect(kind) {
     if (next() !== kind) throw unreadable(`${kind} is missing ${all[at] ? `before ${all[at].text}` : "at the end"}.`);
@@ -96,10 +98,9 @@ function readFormula(text, meaning) {
     for (;;) {
       const left = total, kind = next();
       if (kind === "/") {
-        at++;
-        const right = signed();
+        const above = bare === at++, right = signed();
         total = (x, y) => quotient(left(x, y), right(x, y));
-        divided = true;
+        divided ||= !(above && bare === at); // 1/2 m can mean but one thing
       } else if (kind === "*" || kind === "number" || kind === "name" || kind === "(") {
         if (kind === "*") at++;
         else if (divided) throw unreadable("Write * or brackets after a division.");
@@ -124,14 +125,18 @@ function readFormula(text, meaning) {
   }
   function factor() {
     const base = atom();
-    if (next() !== "^") return base;
+    if (next() !== "^") {
+      if (all[at - 1].kind === "number") bare = at;
+      return base;
+    }
     at++;
     const minus = next() === "-";
     if (minus) at++;
     const power = expect("number").value * (minus ? -1 : 1);
     if (!Number.isInteger(power)) throw unreadable("Powers are whole numbers.");
     if (next() === "^") throw unreadable("Write brackets around a power of a power.");
-    return (x, y) => scalar(base(x, y)) ** power;
+    const raised = (a) => isVector(a) && power === 2 ? dot(a, a) : scalar(a) ** power;
+    return (x, y) => raised(base(x, y));
   }
   function atom() {
     const token = all[at++];
@@ -139,6 +144,7 @@ function readFormula(text, meaning) {
     if (token.kind === "number") return () => token.value;
     if (token.kind === "(") {
       const inside = expression();
+      if (next() === ",") throw unreadable(COMMA);
       expect(")");
       return inside;
     }
@@ -173,6 +179,6 @@ function readFormula(text, meaning) {
     return found;
   }
   const whole = expression();
-  if (at < all.length) throw unreadable(`${all[at].text} is not expected.`);
+  if (at < all.length) throw unreadable(next() === "," ? COMMA : `${all[at].text} is not expected.`);
   return whole;
 }

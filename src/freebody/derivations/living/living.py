@@ -166,7 +166,11 @@ def _line(
     """Where its value is; what it is called, if it can be asked for; which of the names with a
     value an answer may not use: its own, or it would be its own reason."""
     left = line.line.lhs
-    own = [side.name for side in line.line.sides if isinstance(side, Symbol)]
+    own = [
+        x.name
+        for x in line.line.sides
+        if isinstance(x, Symbol) and (x is left or x.name not in kernel.inputs)
+    ]
     name = letters.symbol(left).name if isinstance(left, Symbol) and not line.in_world else ""
     asked = {"name": name, "own": own, "diagnosed": is_diagnosed(line, found)} if name else {}
     places = kernel.places(line.value)

@@ -118,14 +118,16 @@ function judged(row, text) {
     if (isRight(answer, line)) return [true, `Right: equal at ${STATES} random states.`];
     const command = `freebody check ROBOT '${line.name} = ${plainly(typed).trim()}'${page.option}`;
     const diagnosis = line.diagnosed && isScalar(typed, line) ? ` For the full diagnosis: ${command}` : "";
-    return [false, `Not right: here it is ${told(here)}, the line ${told(valueOf(line.places, y))}.${diagnosis}`];
+    const [yours, right] = [here, valueOf(line.places, y)].map(told);
+    const differing = yours === right ? "as the line, but not with other values of the sliders" : `the line ${right}`;
+    return [false, `Not right: here it is ${yours}, ${differing}.${diagnosis}`];
   } catch (problem) {
     if (!problem.unreadable) throw problem;
     return [false, `Cannot be read: ${problem.message}`];
   }
 }
 
-// Predict first: a step with lines that can be asked for is hidden until each is right, or shown.
+// Predict first: a step is hidden until each line that can be asked for is right, or all are shown.
 function element(tag, attributes, text) {
   const made = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
@@ -153,12 +155,12 @@ function question(row, reveal) {
 }
 function hide(values) {
   const own = rows.filter((row) => row.element.parentElement === values && row.line.name);
-  if (!own.length) return;
   const step = values.parentElement, questions = element("div", {class: "questions"}, "");
   const show = element("button", {type: "button"}, "Show the lines");
   const open = () => step.classList.remove("hidden");
   own.forEach((row) => { row.right = false; });
   questions.append(...own.map((row) => question(row, () => { if (own.every((one) => one.right)) open(); })), show);
+  if (!own.length) show.before(element("p", {}, "Write these lines on paper first; they cannot be typed here."));
   show.addEventListener("click", open);
   step.classList.add("hidden");
   values.before(questions);

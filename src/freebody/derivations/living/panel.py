@@ -55,14 +55,22 @@ def panel(inputs: list[dict[str, Any]], dim: int, alone: int, letters: Lettering
         'aria-label="The arm in the state of the sliders"></svg>'
         '<svg id="bodies" class="fig" viewBox="0 0 360 190" role="img" '
         'aria-label="Its bodies, each alone, with the forces on them"></svg>'
-        '<p class="scale">Forces on all bodies are drawn to one scale: this long is '
-        f'<output id="scale"></output>{moments}. Values below the equations are in SI units and '
-        f'belong to this state.</p><p id="open" role="status"></p>{turned}'
+        '<p class="scale">Forces on all bodies are drawn to one scale: the line at their '
+        f'top left is <output id="scale"></output> long{moments}. '
+        "Values below the equations are in SI units and belong to this state.</p>"
+        f'<p id="open" role="status"></p>{turned}'
         f"{''.join(groups)}"
         '<p><button id="again">Back to the first state</button> <button id="fold">Fold all steps'
         '</button></p><p><label><input type="checkbox" id="predict"/> Predict first: hide each '
-        "line until you have tried it</label></p></aside>"
+        f"line until you have tried it</label> {_typed(inputs, letters)}</p></aside>"
     )
+
+
+def _typed(inputs: list[dict[str, Any]], letters: Lettering) -> str:
+    """How names are typed: the first of each group."""
+    first = {x["group"]: letters.symbol(sym(x["name"])).name for x in reversed(inputs)}
+    names = ", ".join(f"<code>{html.escape(first[x])}</code>" for x in GROUPS if x in first)
+    return f"(typed as {names}, vectors as <code>[x, y]</code>)"
 
 
 def _slider(k: int, x: dict[str, Any], letters: Lettering) -> str:

@@ -318,7 +318,8 @@ figure{margin:1rem 0;text-align:center}figure svg{max-width:100%;height:auto}
 .source,h2 .notes{color:#9aa6b5}}
 @media print{body{font-size:11pt}main{max-width:none;padding:0}
 math{font-size:1rem}.equations math{font-size:13.8px}.equations{overflow:visible}
-p,figure,math,.result{break-inside:avoid-page}summary,section p{break-after:avoid-page}
+p,figure,math,.result{break-inside:avoid-page}.sources{break-before:avoid-page}
+summary,section p:not(.sources){break-after:avoid-page}
 h1{margin-top:0}.source{margin-top:1rem;break-before:avoid-page}}
 """
 
