@@ -62,15 +62,15 @@ def panel(inputs: list[dict[str, Any]], dim: int, alone: int, letters: Lettering
         f"{''.join(groups)}"
         '<p><button id="again">Back to the first state</button> <button id="fold">Fold all steps'
         '</button></p><p><label><input type="checkbox" id="predict"/> Predict first: hide each '
-        f"line until you have tried it</label> {_typed(inputs, letters)}</p></aside>"
+        f"line until you have tried it</label> {_typed(inputs, dim, letters)}</p></aside>"
     )
 
 
-def _typed(inputs: list[dict[str, Any]], letters: Lettering) -> str:
+def _typed(inputs: list[dict[str, Any]], dim: int, letters: Lettering) -> str:
     """How names are typed: the first of each group."""
     first = {x["group"]: letters.symbol(sym(x["name"])).name for x in reversed(inputs)}
     names = ", ".join(f"<code>{html.escape(first[x])}</code>" for x in GROUPS if x in first)
-    return f"(typed as {names}, vectors as <code>[x, y]</code>)"
+    return f"(typed as {names}, vectors as <code>[x, y{', z' * (dim == 3)}]</code>)"
 
 
 def _slider(k: int, x: dict[str, Any], letters: Lettering) -> str:
