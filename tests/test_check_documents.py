@@ -291,6 +291,7 @@ HOSTILE = [
     ("\\" * 99_000 + "%", "latex"),
     ("H12 = \ud800\u202e", "text"),
     ("H12 = 🤖", "markdown"),
+    ("at θ1 = 1 " * 5_000 + "=", "markdown"),
     ("Eq(H12," * 50_000, "python"),
     (json.dumps({"cells": [{"cell_type": "code", "source": "H12, x = " * 40_000}]}), "notebook"),
     ("__import__('os').system('touch x') = 3", "python"),

@@ -133,6 +133,8 @@ class _NumberSearch:
         self.source = AnswerText(text, document.written, document.parts)
         self.text = "\n".join(line.partition("#")[0].ljust(len(line)) for line in text.split("\n"))
         self.taken: list[Span] = []
+        self.is_taken = bytearray(len(text))
+        """Of each character, whether it is in one of these."""
         self.units: list[Span] = []
         self.standing: list[tuple[int, dict[str, GivenValue]]] = []
 
@@ -190,6 +192,7 @@ class _NumberSearch:
         while self.text[end : end + 1] == FILL:
             end += 1
         self.taken.append((start, end))
+        self.is_taken[start:end] = b"\1" * (end - start)
 
     def _is_constant(self, name: str) -> bool:
         symbols = self.reader.vocabulary.setting.symbols
@@ -202,7 +205,7 @@ class _NumberSearch:
     def _number(self, match: re.Match[str]) -> WrittenNumber | None:
         """What is said behind a number, if it is a result."""
         start, end = match.start(), match.end()
-        if any(a <= start < b for a, b in self.taken) or not self.document.formulas[start].strip():
+        if self.is_taken[start] or not self.document.formulas[start].strip():
             return None
         at = match.end("pm") if match["pm"] else end
         unit = self._unit(at, start)
@@ -230,7 +233,7 @@ class _NumberSearch:
         own, behind = self._clause(end)
         line = self._begin(end)
         begun = self.text.rfind("=", line, end) + 1
-        if not own or not begun or any(a <= end < b for a, b in self.taken):
+        if not own or not begun or self.is_taken[end]:
             return None
         self._take(end, behind)
         return WrittenNumber((begun, end), line, (end, behind), state=own)
