@@ -42,6 +42,12 @@ class Cells(HTMLParser):
         self.inside = False
 
 
+def test_what_is_at_its_limit_is_not_marked_as_beyond():
+    """As the verdict: a speed of 1.0000000000000002 of 1 rad/s is within."""
+    at, beyond = (PrintedNumber(x, "speed", {}, bar=x) for x in (1.0 + 1e-15, 1.001))
+    assert (at.over, beyond.over, PrintedNumber(2.0, "speed", {}).over) == (False, True, False)
+
+
 @pytest.fixture(scope="module", params=["2R", "ur5e", "quadrotor", "RP"])
 def study(request):
     return fb.study(fb.load(request.param))

@@ -93,6 +93,7 @@ def test_what_is_refused_in_one_line(options: list[str], words: str, capsys):
         ("t,joint1,joint2\n0,0,0\n", "fewer than two rows"),
         ("t,joint1,joint2\n0,0,0\n0,1,1\n", "t = 0 does not come after 0"),
         ("t,joint1,joint3\n0,0,0\n1,0,0\n", "no column 'joint3'"),
+        ("t,joint1,joint2 tau (N m)\n0,0,0\n1,0,0\n", "no column 'joint2 tau'"),
         ("t,joint1 (N),joint2\n0,0,0\n1,0,0\n", "'N' is not a unit of a torque"),
     ],
 )

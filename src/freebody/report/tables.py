@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from markupsafe import Markup, escape
 
 from freebody.outputs.numbers import decade, fixed, significant, superscript
+from freebody.report.results import CLOSE
 
 _NOISE = 1e-9  # of the largest in a column: rounding, printed as 0
 
@@ -33,6 +34,11 @@ class PrintedNumber:
     text: str = ""
     bar: float | None = None
     """Share of a limit, drawn as a bar behind the number."""
+
+    @property
+    def over(self) -> bool:
+        """Whether it is beyond the limit; on it is within, as for the verdict."""
+        return self.bar is not None and self.bar > 1.0 + CLOSE
 
     @property
     def selector(self) -> str:

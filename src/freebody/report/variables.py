@@ -34,7 +34,8 @@ _BEARING = {
     "drive_load": (
         _EFFORT,
         "moment about the axis of a revolute joint (of a helical one plus pitch times the force "
-        "along it), force along the axis of a prismatic one: the part that the drive supplies",
+        "along it), force along the axis of a prismatic one: what the drive supplies, less what "
+        "friction, spring and rotor take",
     ),
 }
 LOADS = tuple(_BEARING)

@@ -78,10 +78,12 @@ def kinds(model: Model) -> dict[str, str]:
 
 
 def factor(column: str, unit: str, quantities: Mapping[str, str]) -> float | str:
-    """What a column in that unit is multiplied with to be in SI units; or what is wrong, as a
-    sentence."""
+    """What a column in that unit is multiplied with to be in SI units, 1 where there is no such
+    quantity; or what is wrong, as a sentence."""
     ending = column[-2:] if column[-2:] in (".v", ".a") and column not in quantities else ""
-    kind = "time" if column == "t" else quantities.get(column.removesuffix(ending), "number")
+    if column != "t" and column.removesuffix(ending) not in quantities:
+        return 1.0  # refused where columns are looked up
+    kind = "time" if column == "t" else quantities[column.removesuffix(ending)]
     known = {name + per: size for name, size in _UNITS[kind].items() for per in _PER[ending]}
     if unit in known:
         return known[unit]
