@@ -84,7 +84,10 @@ def test_comments_in_a_table(tmp_path: Path):
             "t,joint1,joint2 [deg]\n",
             ":1: column 'joint2 [deg]': 'deg' is not a unit of a length; units: m, cm, mm.",
         ),
-        ("t,joint1,joint2,joint9 (deg)\n", "; a column that is not part of the motion must be removed."),
+        (
+            "t,joint1,joint2,joint9 (deg)\n",
+            "; a column that is not part of the motion must be removed.",
+        ),
         (
             "t (min),joint1,joint2\n",
             ":1: column 't (min)': 'min' is not a unit of a time; units: s, ms, us, µs, ns.",

@@ -295,6 +295,19 @@ def test_motions_that_diverge_leave_the_others_alone():
     assert np.isfinite(found.q.values[1:]).all()
 
 
+def test_closed_chains_that_diverge_leave_the_others_alone():
+    bars = fb.load("four_bar")
+    q, torque = fb.assemble(bars, [0.8, 0, 0]), np.zeros((2, 1, bars.nv))
+    torque[0, 0, bars.driven[0]] = 1e6
+    options = {"t": [0, 0.05, 0.1], "step": 1e-2}
+    with pytest.warns(FreebodyWarning, match=r"1 of 2 motions could not go on"):
+        found = fb.simulate(bars, q, np.zeros(3), torque=torque, **options)
+    one = fb.simulate(bars, q[None], np.zeros(3), **options)
+    for name in ("q", "qdd", "loop_gap", "power"):
+        np.testing.assert_array_equal(found[name][1], one[name][0])
+        assert np.isnan(found[name].values[0, -1]).all()
+
+
 def test_coulomb_friction_is_smooth_in_all_methods():
     found = [
         fb.simulate(ARM, [0.1, 0.2], [1.0, 0.0], T, friction_width=0.05, **options)

@@ -117,12 +117,13 @@ def _by_kernel(model: Model, checks: str, frames: tuple[str, ...], *arrays: Arra
 
 
 def _complete(model: Model, frames: tuple[str, ...], qdd: Array, *arrays: Array) -> None:
-    """Put the careful solution where q̈ (..., nv) is NaN."""
+    """Put the careful solution where q̈ (..., nv) is NaN and all that is given is finite."""
     batch = qdd.shape[:-1]
     for at in np.argwhere(np.isnan(qdd).any(axis=-1)):
         sample = tuple(at)
         some = [np.broadcast_to(x, (*batch, x.shape[-1]))[sample] for x in arrays]
-        qdd[sample] = careful(member_at(model, sample), frames, *some)
+        if all(np.isfinite(x).all() for x in some):
+            qdd[sample] = careful(member_at(model, sample), frames, *some)
 
 
 def regular(model: Model, q: Array) -> bool:
