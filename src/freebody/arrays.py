@@ -49,8 +49,9 @@ def above_zero(function: str, argument: str, value: float, unit: str = "") -> fl
 
 def is_count(value: object, least: int = 1) -> bool:
     """Whether a value is a whole number from `least` up, NumPy's too; True and False are none."""
-    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
-    return whole and value >= least
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        return False
+    return bool(value >= least)
 
 
 def check_core(

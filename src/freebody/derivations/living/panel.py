@@ -10,6 +10,7 @@ from typing import Any
 from freebody.derivations.derivation import Step
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.living.line_values import ValuedLine
+from freebody.derivations.naming import sym_of
 from freebody.derivations.notations.lettering import Lettering
 from freebody.derivations.render.mathml import mathml
 
@@ -68,7 +69,7 @@ def panel(inputs: list[dict[str, Any]], dim: int, alone: int, letters: Lettering
 
 def _typed(inputs: list[dict[str, Any]], dim: int, letters: Lettering) -> str:
     """How names are typed: the first of each group."""
-    first = {x["group"]: letters.symbol(sym(x["name"])).name for x in reversed(inputs)}
+    first = {x["group"]: letters.symbol(sym_of(x["name"])).name for x in reversed(inputs)}
     names = ", ".join(f"<code>{html.escape(first[x])}</code>" for x in GROUPS if x in first)
     return f"(typed as {names}, vectors as <code>[x, y{', z' * (dim == 3)}]</code>)"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import accumulate, groupby
 
@@ -114,17 +115,19 @@ def html(groups: Groups, width: int = 74, alone: bool = False) -> str:
     wide left side have a table of their own, lest others have no room.
 
     The width, in letters, suits a page of 960 px in the widest of the usual mathematical fonts
-    (DejaVu's). Equations that stand `alone` need no style of a page around them.
+    (DejaVu's). Equations that stand `alone` need no style of a page around them, and are not
+    divided for its print.
     """
-    return "".join(_table(table, width, alone) for table in _tables(groups, width))
+    tables = _tables(groups, width, math.inf if alone else TALL)
+    return "".join(_table(table, width, alone) for table in tables)
 
 
-def _parts(group: Sequence[Equation]) -> list[tuple[int, Equation]]:
-    """Each equation with the number of its part: parts of about `TALL` rows, one of few that are
+def _parts(group: Sequence[Equation], tall: float) -> list[tuple[int, Equation]]:
+    """Each equation with the number of its part: parts of about `tall` rows, one of few that are
     not twice as many."""
     heights = [_height(line) for line in group]
     total = sum(heights)
-    count = total // TALL if total > 2 * TALL else 1
+    count = int(total // tall) if total > 2 * tall else 1
     before = accumulate(heights, initial=0)
     return [(count * row // total, line) for line, row in zip(group, before, strict=False)]
 
@@ -135,13 +138,14 @@ def _height(line: Equation) -> int:
     return max((len(x.rows if isinstance(x, Matrix) else x.entries) for x in arrays), default=1)
 
 
-def _tables(groups: Groups, width: float) -> list[list[list[Equation]]]:
+def _tables(groups: Groups, width: float, tall: float) -> list[list[list[Equation]]]:
     """The groups, in the same order, in tables of left sides that are all wide or all narrow, and
     not of very many rows."""
     tables: list[list[list[Equation]]] = []
     last = None
     for group in groups:
-        runs = groupby(_parts(group), lambda row: (row[0], span(left_side(row[1])) > WIDE * width))
+        parts = _parts(group, tall)
+        runs = groupby(parts, lambda row: (row[0], span(left_side(row[1])) > WIDE * width))
         for k, (kind, lines) in enumerate(runs):
             if kind != last:
                 tables.append([])
