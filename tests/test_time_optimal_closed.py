@@ -70,6 +70,17 @@ def test_torques_of_the_drives_are_held_and_reached(wrench: list[float] | None):
     assert np.mean((torque[:, :2] / most[:2]).max(axis=1) > 0.98) > 0.95
 
 
+def test_near_a_singular_position_loops_stay_closed_and_torques_are_held():
+    """A coupler 10 µm longer than the parallelogram's: it passes crank and coupler in line, where
+    the rocker turns quickly. Inverse dynamics refuses rates that open a loop."""
+    model = fb.load("four_bar").bind(l1=0.6, l3=0.6, d=0.8, l2=0.80001)
+    quick = fb.time_optimal(model, [[0.5], [3.7]], torque=40.0)
+    t = np.linspace(0.0, quick.duration, 20001)[1:-1]
+    assert np.abs(fb.inverse_dynamics(model, *quick.at(t))).max() < 40.0
+    slow = fb.quintic(model, [[0.5], [3.7]], velocity=2.0)
+    fb.inverse_dynamics(model, *slow.at(np.linspace(0.0, slow.duration, 20001)))
+
+
 def test_joints_that_are_led_have_limits_too():
     model = fb.load("five_bar")
     model = model.bind({"B.limits.velocity": 0.7})

@@ -8,6 +8,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import LoopError
+from freebody.loops.equations import scaled_residual
 from freebody.loops.rates import loop_acceleration, loop_velocity
 from freebody.model.model import Model
 from freebody.motion.closed_chain_motion import followed
@@ -18,12 +19,16 @@ from freebody.motion.planning.planned import sample_times, times_and_breaks
 from freebody.trees.position_rates import (
     continuous,
     layout,
+    normalised,
     position_acceleration,
     position_rate,
     state_of,
 )
 from freebody.trees.states import difference
 
+_HALVINGS = 10
+_OPEN = 1e-12
+"""rad, or of the size of a loop: by which it may open between times at which it is closed."""
 _ELSEWHERE = 1e-6
 """rad, m: how far given closed positions may be from where the loops lead."""
 
@@ -39,11 +44,37 @@ def through_loops(
 ) -> Motion:
     """The motion of all joints when the driven ones follow a curve (n,) over time.
 
-    Exact at 401 times and where the curve's polynomials meet, quintic between. when: a time in
-    words. Raises LoopError where the loops block it, or lead elsewhere than to a given waypoint.
+    Exact at 401 times and where the curve's polynomials meet, quintic between, and at more times
+    where the loops would open between these, near singular positions. when: a time in words. Raises
+    LoopError where the loops block it, or lead elsewhere than to a given waypoint.
     """
-    where, start = layout(model), waypoints.start
-    knots = times_and_breaks(curve.breaks)
+    where, knots = layout(model), times_and_breaks(curve.breaks)
+    for _ in range(_HALVINGS):
+        pieces = _pieces(function, model, curve, waypoints.start, knots, when)
+        between = 0.5 * (knots[:-1] + knots[1:])
+        q = normalised(where, pieces(between))
+        opened = np.abs(scaled_residual(model, q)).max(axis=-1) > _OPEN
+        if not opened.any():
+            break
+        knots = np.sort(np.concatenate([knots, between[opened]]))
+    t = sample_times(function, curve.breaks, step)
+    states = state_of(where, *(pieces.derivative(k)(t) if k else pieces(t) for k in range(3)))
+    told = f"{words}; the loops determine the other joints"
+    motion = Motion(t, *states, told, where, pieces=pieces)
+    _refuse_elsewhere(function, model, curve, waypoints, motion)
+    return motion
+
+
+def _pieces(
+    function: str,
+    model: Model,
+    curve: PiecewisePolynomial,
+    start: Array,
+    knots: Array,
+    when: str,
+) -> PiecewisePolynomial:
+    """Quintic polynomials of all joints between the knots, exact there."""
+    where = layout(model)
     first = curve.derivative()(knots)
     second = curve.derivative(2)
     way = curve(knots)
@@ -66,19 +97,13 @@ def through_loops(
     )
     x = continuous(where, q)
     rates = position_rate(where, x, qd)
-    pieces = hermite(
+    return hermite(
         knots,
         x,
         rates,
         position_acceleration(where, x, qd, later),
         position_acceleration(where, x, qd, before),
     )
-    t = sample_times(function, curve.breaks, step)
-    states = state_of(where, *(pieces.derivative(k)(t) if k else pieces(t) for k in range(3)))
-    told = f"{words}; the loops determine the other joints"
-    motion = Motion(t, *states, told, where, pieces=pieces)
-    _refuse_elsewhere(function, model, curve, waypoints, motion)
-    return motion
 
 
 def _named(model: Model, values: Array) -> Any:
