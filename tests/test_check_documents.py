@@ -336,3 +336,22 @@ def test_in_space_only_the_positions_of_centres_have_coordinates():
     assert fb.check(arm, "x_c2 = lc2*cos(theta1)*cos(theta2)")
     with pytest.raises(fb.FreebodyError):
         fb.check(arm, r"\dot{x}_{c2} = 0")
+
+
+@pytest.mark.parametrize(("opening", "closing"), [(r"\Big(", r"\Big)"), (r"\left[", r"\right]")])
+def test_brackets_may_stand_around_the_end_of_a_row(opening: str, closing: str):
+    """A long energy was not read; a term behind the row's end counts, and matrices keep theirs."""
+    answer = rf"""\begin{{align}}
+    T_2 = {{}}& \frac{{m_2}}{{2}} {opening} l_1^2 \dot\theta_1^2 + l_{{c2}}^2 (\dot\theta_1 + \dot\theta_2)^2 \nonumber \\[2pt]
+    & \quad + 2 l_1 l_{{c2}} \cos\theta_2 \, \dot\theta_1 (\dot\theta_1 + \dot\theta_2) {closing} \\
+    & + \frac{{I_2}}{{2}} (\dot\theta_1 + \dot\theta_2)^2 \\
+    r_{{c1}} = {{}}& \left( \begin{{matrix}} l_{{c1}} \cos\theta_1 \\ l_{{c1}} \sin\theta_1 \end{{matrix}} \right)
+    \end{{align}}"""  # noqa: E501
+    for form in ("latex", "markdown"):
+        verdict = fb.check(ARM, answer, form=form)
+        assert verdict, verdict.text
+        assert len(verdict.findings) == 0
+        assert verdict.text.count("is right") == 3
+        wrong = fb.check(ARM, answer.replace("+ 2 l_1", "- 2 l_1"), form=form)
+        assert not wrong
+        assert not wrong.unread

@@ -122,6 +122,22 @@ def test_absolute_angles_are_those_of_the_state():
     assert fb.check(ARM, f"x = {tip:.4f} m", absolute=True, at={"theta1": 0.5, "theta2": 0.9})
 
 
+def test_one_digit_gives_no_reason_away():
+    """1 N m was half of 1.688 N m, and right for θ₃ = 0."""
+    state = {f"theta{k}": f"{x} deg" for k, x in enumerate((30, 45, -20), 1)}
+    for answer in ("G3 = 1 N m", "G1 = 1 N m"):
+        assert fb.check(fb.load("3R"), answer, at=state).causes == ()
+    (cause,) = fb.check(fb.load("3R"), "G3 = 0.84 N m", at=state).causes
+    assert cause == "It is half the right number."
+    (cause,) = fb.check(fb.load("3R"), "G3 = 0.065 N m", at=state).causes
+    assert cause.startswith("Degrees were taken for radians: θ₁, θ₂ and θ₃ must")
+
+
+def test_a_number_in_siunitx_is_quoted_whole():
+    verdict = fb.check(ARM, r"G2 = \SI{2.11}{\newton\metre} at $\theta_1 = 1, \theta_2 = 1$")
+    assert r"‘\SI{2.11}{\newton\metre}’ must be" in verdict.text
+
+
 # ---------------------------------------------------------------- wrong
 def weight(degrees: float) -> float:
     return WEIGHT * math.cos(math.radians(degrees))

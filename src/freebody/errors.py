@@ -163,7 +163,7 @@ class MissingValueError(FreebodyError, ValueError):
         example = ", ".join(f"{name}=..." for name in missing[:3])
         super().__init__(
             f"{owner}: numbers need a value for {_listing(missing)}. Give them with "
-            f"model.bind({example})."
+            f"model.bind({example}), or below [parameters] in a TOML file."
         )
 
 

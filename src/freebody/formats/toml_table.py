@@ -21,6 +21,7 @@ UNITS: dict[str, dict[str, float]] = {
     "rate": {"rad/s": 1.0, "deg/s": math.pi / 180},
 }
 """What a number may be measured in when it is written as text, in SI units."""
+_FORMULA = re.compile(r"[*^+]|^\s*[A-Za-z]")
 _REQUIRED = object()
 _Word = TypeVar("_Word", bound=str)
 
@@ -197,7 +198,9 @@ class TomlTable:
         if isinstance(value, str):
             number = in_units(value, kind)
             if number is None:
-                self.refuse(f"{_label(at)} is {shown(value)}, expected {expected}.", *at)
+                hint = " Formulas go to derive and check: --parameter NAME=FORMULA."
+                hint *= self.path[:1] == ("parameters",) and bool(_FORMULA.search(value))
+                self.refuse(f"{_label(at)} is {shown(value)}, expected {expected}.{hint}", *at)
         elif isinstance(value, int | float) and not isinstance(value, bool):
             try:
                 number = float(value)

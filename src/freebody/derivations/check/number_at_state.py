@@ -26,6 +26,8 @@ from freebody.scalars.trig import Trig
 
 EXACT = 1e-9
 """How far numbers may be apart beyond their digits."""
+_VAGUE = 0.05
+"""The share by which a number may be off where a reason is sought: half a unit of two digits."""
 
 
 @dataclass(frozen=True)
@@ -98,6 +100,13 @@ class NumberAtState:
         above, below = pair(self.right_value)
         size = sum(abs(point.term(powers, c)) for powers, c in above.terms())
         return EXACT * (size / (abs(point.of(below)) or math.nan) + abs(self.yours))
+
+    @cached_property
+    def thought(self) -> RealPoint:
+        """The same where a reason is sought: one digit alone would agree with many."""
+        largest = abs(self.yours) + abs(self.right)
+        slack = min(self.point.slack, _VAGUE * abs(self.yours) + EXACT * largest)
+        return replace(self.point, slack=slack)
 
     def _slack(self, point: RealPoint) -> float:
         """Half a unit of the last digit, or the tolerance that is given."""

@@ -10,6 +10,7 @@ from freebody.derivations.check.misconceptions import Misconceptions
 from freebody.derivations.check.number_at_state import NumberAtState
 from freebody.derivations.check.written_units import si_text
 from freebody.derivations.expressions.printed_names import sym
+from freebody.errors import listed
 from freebody.outputs.numbers import shortest
 from freebody.scalars.trig import Trig
 
@@ -25,7 +26,7 @@ def reasons(number: NumberAtState, targets: Targets) -> list[str]:
     found = _right_for(number, _plain_reasons(number))
     target, right = number.claim.target, number.right_value
     if not found and number.yours and number.setting.turned is None and isinstance(right, Trig):
-        thoughts = Misconceptions(number.setting, targets, target, right, number.point)
+        thoughts = Misconceptions(number.setting, targets, target, right, number.thought)
         found = [f"A possible reason: {text}" for text in thoughts.explaining(number.yours)]
     found = found or _right_for(number, _other_values(number))
     if not found and abs(number.yours - number.right) <= _ROUNDED_ON_THE_WAY * abs(number.right):
@@ -35,7 +36,7 @@ def reasons(number: NumberAtState, targets: Targets) -> list[str]:
 
 
 def _right_for(number: NumberAtState, tried: Iterator[Thought]) -> list[str]:
-    return [text for text, value in tried if number.point.agree(value(), number.yours)]
+    return [text for text, value in tried if number.thought.agree(value(), number.yours)]
 
 
 def _plain_reasons(number: NumberAtState) -> Iterator[Thought]:
@@ -65,7 +66,7 @@ def _conversions(number: NumberAtState) -> Iterator[Thought]:
     units = dict.fromkeys(x.unit.text for x in used.values() if x.unit and x.is_converted)
     for unit in units:
         raw = {n: x.written for n, x in used.items() if x.unit and x.unit.text == unit}
-        names = " and ".join(str(sym(name)) for name in raw)
+        names = listed(str(sym(name)) for name in raw)
         dimension = next(x.unit.dimension for x in used.values() if x.unit and x.unit.text == unit)
         needed = si_text(dimension, "theta" in next(iter(raw)))
         text = f"{names} must be put in as {needed}, not as {unit}."
@@ -74,7 +75,7 @@ def _conversions(number: NumberAtState) -> Iterator[Thought]:
         yield text, lambda raw=raw: number.with_values(raw)
     angles = {n: x.value for n, x in used.items() if n in number.setting.ring.angles}
     if angles and not any(used[name].is_converted for name in angles):
-        names = " and ".join(str(sym(name)) for name in angles)
+        names = listed(str(sym(name)) for name in angles)
         yield (
             f"Radians were taken for degrees: {names} {'are' if len(angles) > 1 else 'is'} in "
             f"radians, so the calculator must be set to radians.",

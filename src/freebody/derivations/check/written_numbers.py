@@ -189,10 +189,14 @@ class _NumberSearch:
         return at, {}, at, word
 
     def _take(self, start: int, end: int) -> None:
-        while self.text[end : end + 1] == FILL:
-            end += 1
+        end = self._behind_padding(end)
         self.taken.append((start, end))
         self.is_taken[start:end] = b"\1" * (end - start)
+
+    def _behind_padding(self, at: int) -> int:
+        while self.text[at : at + 1] == FILL:
+            at += 1
+        return at
 
     def _is_constant(self, name: str) -> bool:
         symbols = self.reader.vocabulary.setting.symbols
@@ -223,7 +227,7 @@ class _NumberSearch:
         if unit and "," in match[0]:
             self.source.fail("a decimal comma: write a point", (start, end))
         self._take(end, behind)
-        self.units.append((end, stop))
+        self.units.append((end, self._behind_padding(stop)))
         within = match["within"] or ""
         return WrittenNumber((begun, end), line, (end, behind), unit and unit[0], within, own)
 

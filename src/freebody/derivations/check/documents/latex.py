@@ -32,6 +32,7 @@ _DOCUMENT, _END = r"\begin{document}", r"\end{document}"
 _GROUP = r"\{[^{}]{0,200}\}"
 _NOTHING = re.compile(
     rf"\\(?:tag\*?|label|eqref|ref|cite|hspace\*?|vspace\*?|color|phantom|hphantom|vphantom)\s*{_GROUP}"
+    r"|\{\}(?=\s*&)"
     r"|\\(?:notag|nonumber|limits|nolimits|allowbreak|strut|mathstrut|hfill|hline|centering"
     r"|thinspace|medspace|thickspace|enspace|quad|qquad)(?![A-Za-z])"
 )
@@ -49,6 +50,9 @@ _TEXT = re.compile(rf"(?<![_^{{])\\(?:text|mbox|textrm|textit|intertext|mathrm)\
 _HALF_BRACE = re.compile(r"\\left\s*\\?[.{](?=\s*(?:\\begin|$))|\\right\s*\.|\\left\s*\\lbrace")
 _OPERATORS = tuple("+-*/^_=(")
 _ENVIRONMENT = re.compile(r"\\(begin|end)\s*\{([A-Za-z]+)\*?\}|\\\\")
+_BRACKETS = re.compile(
+    r"\\(begin|end)\s*\{([A-Za-z]+)\*?\}|\\\\(?:\[[^][\n]{0,12}\])?(?P<next>(?=\s*[&+]))?|[][(){}&]"
+)
 _ARRAY = re.compile(r"\\(begin|end)\s*\{array\}(?:\s*\{[^{}]{0,40}\})?")
 
 
@@ -122,6 +126,9 @@ def clean(whole: Blanks, found: list[Span]) -> list[FormulaPiece]:
     _open_boxes(whole)
     _open_arrays(whole)
     text = str(whole)
+    for span in found:
+        _join_rows(whole, text, span)
+    text = str(whole)
     pieces: list[FormulaPiece] = []
     for span in found:
         pieces += (FormulaPiece(*row, lenient=True) for row in rows(text, span))
@@ -168,6 +175,25 @@ def _open_arrays(whole: Blanks) -> None:
             if "=" in text[begin.end() : match.start()]:
                 whole.put(*begin.span())
                 whole.put(*match.span())
+
+
+def _join_rows(whole: Blanks, text: str, span: Span) -> None:
+    """A display without the ends of rows that stand between brackets, and without what aligns the
+    next row, but in matrices; between square brackets the next row begins with & or +."""
+    opened: list[str] = []
+    for match in _BRACKETS.finditer(text, *span):
+        mark, aligned = match[0][0], match["next"] is not None
+        if match[1]:
+            if match[2] in MATRICES and match[1] == "begin":
+                opened.append("")
+            elif match[2] in MATRICES and opened:
+                opened.pop()
+        elif mark in "([{":
+            opened.append(mark)
+        elif mark in ")]}":
+            del opened[-1:]
+        elif opened and opened[-1] and (mark == "&" or opened[-1] == "(" or aligned):
+            whole.put(*match.span())
 
 
 def _take_words(whole: Blanks) -> None:
