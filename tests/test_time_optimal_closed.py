@@ -152,6 +152,9 @@ def test_the_command_plans_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     way = "1.9, 1.0; 2.2, 1.2; 2.0, 0.8"
     asked = ["plan", "five_bar", way, "--by", "time-optimal", "--torque", "5", "--out", str(file)]
     assert run(asked) == 0, capsys.readouterr()
+    assert "holds positions alone" in " ".join(capsys.readouterr().err.split())
+    assert run([*asked[:4], "quintic", "--velocity", "1", "--out", str(tmp_path / "q.csv")]) == 0
+    assert "alone" not in capsys.readouterr().err
     read = fb.read_motion(fb.load("five_bar"), file)
     quick = fb.time_optimal(fb.load("five_bar"), WAY, torque=5.0)
     assert read.duration == pytest.approx(quick.duration, rel=1e-9)
