@@ -361,7 +361,9 @@ def test_kernel():
 # ---------------------------------------------------------------- values
 def test_symbols_without_values():
     model = fb.planar("RR", l=[1, None], name="letters")
-    bind = "Give them with model.bind(I1=..., I2=..., l2=...)."
+    bind = (
+        "Give them with model.bind(I1=..., I2=..., l2=...), or below [parameters] in a TOML file."
+    )
     listed = "numbers need a value for I1, I2, l2, lc1, lc2, m1, m2."
     says(
         f"the numbers of 'letters': {listed} {bind}",
@@ -375,7 +377,7 @@ def test_symbols_without_values():
     )
     masses = (
         "the mass of 'letters': numbers need a value for m1, m2. "
-        "Give them with model.bind(m1=..., m2=...)."
+        "Give them with model.bind(m1=..., m2=...), or below [parameters] in a TOML file."
     )
     says(masses, lambda: fb.center_of_mass(model, Z), MissingValueError)
     assert model.bind(m1=1, m2=2).mass == 3.0
