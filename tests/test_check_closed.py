@@ -82,3 +82,35 @@ def test_loop_forces_are_no_forces_of_the_tree():
     """f12 of the tree that is left when a loop is cut would lack what the loop transmits."""
     with pytest.raises(AnswerError, match="f12 is taken for a name of your own"):
         fb.check(BAR, "f12 = m2 g")
+
+
+FIVE_BAR = fb.load("five_bar")
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        "x = b + l2 cos θ2 + l4 cos(θ2+θ4)",
+        "r = [b + l2 c2 + l4 cos(θ2+θ4); l2 s2 + l4 sin(θ2+θ4)]",
+        "(x + b - l1 cos θ1)^2 + (y - l1 sin θ1)^2 = l3^2",
+        "(x - b - l2 cos θ2)^2 + (y - l2 sin θ2)^2 = l4^2",
+    ],
+)
+def test_the_tip_of_a_closed_chain_is_reached_along_every_leg(answer: str):
+    assert fb.check(FIVE_BAR, answer)
+    assert fb.check(FIVE_BAR, [answer, "x = -b + l1 c1 + l3 cos(θ1+θ3)"])
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        "x = -b + l2 cos θ2 + l4 cos(θ2+θ4)",
+        "y = l2 sin θ2 - l4 sin(θ2+θ4)",
+        "(x - b - l1 cos θ1)^2 + (y - l1 sin θ1)^2 = l3^2",
+        "(x - b - l2 cos θ2)^2 + (y - l2 sin θ2)^2 = l3^2",
+        "(x - b - l2 cos θ2)^2 + (y + l2 sin θ2)^2 = l4^2",
+        "x + y = y + x",
+    ],
+)
+def test_a_wrong_way_along_a_leg_is_not_right(answer: str):
+    assert not fb.check(FIVE_BAR, answer)

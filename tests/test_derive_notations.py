@@ -224,6 +224,8 @@ def test_zeros_are_zeros_and_numbers_are_numbers():
         ({"lc1": "theta1"}, "changes with the motion"),
         ({"lc1": "lc2", "lc2": "l2"}, "names a parameter that is given by a formula"),
         ({"lc1": "k9"}, "k9"),
+        ({"lc": "l/0"}, "lc1 = l1/0: it divides by 0"),
+        ({"lc": "l/(m-m)"}, "divides by 0"),
     ],
 )
 def test_a_formula_that_cannot_be_is_refused(given: dict[str, str], words: str):

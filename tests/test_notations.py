@@ -105,7 +105,10 @@ def test_angles_may_be_measured_from_the_vertical(zero: str):
     sign = "" if zero == "down" else "-"
     right = f"G1 = {sign}(m1 lc1 + m2 l1) g s1 {sign or '+'} m2 g lc2 s12"
     assert fb.check(ARM, right, notation=style)
-    assert not fb.check(ARM, right.replace("s12", "c12"), notation=style)
+    wrong = fb.check(ARM, "G2 = m2 g lc2 c12", notation=style)
+    assert not wrong
+    own = f"here it is measured from the vertical ({zero}wards)"
+    assert any(own in cause for cause in wrong.causes), wrong
     assert fb.check(ARM, "H12 = m2 (lc2² + l1 lc2 c2) + I2", notation=style)
 
 

@@ -35,6 +35,8 @@ def formulas_of(caller: str, symbols: Symbols, given: Mapping[str, str | float])
             made = value(parsed, known)
         except FreebodyError as problem:
             raise _bad(caller, name, text, problem) from None
+        except ZeroDivisionError:
+            raise _bad(caller, name, text, FreebodyError("it divides by 0")) from None
         made = made if isinstance(made, Trig) else symbols.zero() + made
         if any(set(powers) & set(texts) for powers, _ in made.terms()):
             raise FreebodyError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from freebody.derivations.check import loaded_lines
 from freebody.derivations.check.answer_lines import Line
@@ -135,8 +136,18 @@ class FormulaReader:
     def claim(self, label: str, target: AskedQuantity, node: Expression) -> Claim:
         """What a tree says of a quantity."""
         used = tuple(uses(node, self.targets.single, self.vocabulary))
-        asked = self.with_load(target)
-        return Claim(label, asked, node, self.quotient(node), self.source, used)
+        value = self.quotient(node)
+        asked = next((x for x in self.along_legs(target) if x.compute() == value), None)
+        return Claim(label, asked or self.with_load(target), node, value, self.source, used)
+
+    def along_legs(self, target: AskedQuantity) -> list[AskedQuantity]:
+        """A coordinate of a closed chain's tip along its other legs, where it is x + Φ or x - Φ."""
+        if target.family != "tip" or self.setting.system is None:
+            return []
+        x, note = target.polynomial(), "Along the other leg: it holds where the loops are closed."
+        loops = {t: t.polynomial() for t in self.targets.single.values() if t.family == "Phi"}
+        ways = [x + sign * Phi for Phi in loops.values() for sign in (1, -1)]
+        return [replace(target, compute=lambda y=y: y, note=note) for y in ways]
 
     def says_that_the_base_moves(self, line: Line) -> bool:
         """Whether it is v̇0 = -g: gravity as an acceleration of the base."""

@@ -122,14 +122,14 @@ class NumberAtState:
         total = 0.0
         for node in nodes(root):
             if isinstance(node, Number):
-                half = half_a_unit(source.text[slice(*node.span)], node.value, self._is_lone)
+                half = half_a_unit(source.text[slice(*node.span)], node.value, self.is_lone)
                 new = with_nodes(root, {node: replace(node, value=node.value + half)})
                 changed = PolynomialReader(source, self.setting.ring).read(new)
                 total += abs(float((changed - self._number).fraction))
         return total
 
     @property
-    def _is_lone(self) -> bool:
+    def is_lone(self) -> bool:
         """Whether the answer is a single number, apart from its sign."""
         return sum(1 for node in nodes(self.claim.node) if not node.parts) == 1
 
@@ -137,7 +137,7 @@ class NumberAtState:
     def digits(self) -> int:
         """How many the answer has; of one that is computed from several numbers four."""
         text = re.split("[eE]", self.claim.source.text[slice(*self.claim.node.span)])[0]
-        return len(re.sub(r"\D", "", text).lstrip("0")) if self._is_lone else 4
+        return len(re.sub(r"\D", "", text).lstrip("0")) if self.is_lone else 4
 
     @property
     def fits(self) -> bool:

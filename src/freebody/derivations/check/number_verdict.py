@@ -43,10 +43,22 @@ class NumberJudge:
         no_result = (
             claim.target.family in ("identity", "0") and claim.value.is_zero and written is None
         )
-        if no_result or claim.target.idle or not (written or given):
+        if no_result or claim.target.idle:
             return None
         number = NumberAtState(self.setting, claim, written, given, self.tolerance)
+        if not (written or given or self._lacks_state(number)):
+            return None
         return _NumberVerdict(number).verdict(self.targets if explain else None)
+
+    def _lacks_state(self, number: NumberAtState) -> bool:
+        """Whether a number without unit is a result whose state was left out: it has decimals, or
+        states are given elsewhere."""
+        claim = number.claim
+        if claim.target.family in ("identity", "0", "Phi") or claim.value.is_zero:
+            return False
+        text = claim.source.text[slice(*claim.node.span)]
+        stated = bool(self.numbers.numbers or self.numbers.standing)
+        return number.is_lone and ("." in text or stated) and bool(number.missing)
 
     def _in_symbols(
         self, claim: Claim, written: WrittenNumber | None, given: State

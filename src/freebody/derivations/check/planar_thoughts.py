@@ -12,6 +12,11 @@ from freebody.derivations.check.thoughts import Thought, Thoughts
 from freebody.derivations.expressions.printed_names import sym
 from freebody.scalars.trig import Trig
 
+_ZEROS = {1: "the vertical (upwards)", 3: "the vertical (downwards)", 0: "the x axis"}
+"""Where angles are 0, by the right angles from the x axis."""
+_QUARTERS: Mapping[int, Turn] = {1: (1, 0), 2: (0, -1), 3: (-1, 0)}
+"""Sines and cosines of right angles."""
+
 
 @dataclass(frozen=True)
 class PlanarThoughts(Thoughts):
@@ -78,12 +83,14 @@ class PlanarThoughts(Thoughts):
         if not turning:
             return
         first = turning[0]
-        for sign, where in ((1, "up"), (-1, "down")):
-            quarter: Turn = (sign, 0)
+        coordinates = list(self.setting.symbols.coordinates)
+        own = ([*self.setting.quarters, *[0] * len(coordinates)])[coordinates.index(first)] % 4
+        for other in (x for x in _ZEROS if x != own):
             text = (
-                f"This would be right if {sym(first)} were measured from the vertical "
-                f"({where}wards); here it is measured from the x axis."
+                f"This would be right if {sym(first)} were measured from {_ZEROS[other]}; here it "
+                f"is measured from {_ZEROS.get(own, 'elsewhere')}."
             )
+            quarter = _QUARTERS[(other - own) % 4]
             yield text, self.at(turns={first: self.point.plus(self.point.turns[first], quarter)})
         if len(turning) > 1:
             yield from self._absolute(turning)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 
 from freebody.derivations.check import undriven_joints
 from freebody.derivations.check.answer_lines import Line
@@ -16,6 +17,7 @@ from freebody.derivations.grammar.parser import around
 from freebody.scalars.trig import Trig
 
 _LONGEST_LABEL = 60
+_MOST_COORDINATES = 2
 
 
 class UnnamedEquations(FormulaReader):
@@ -41,6 +43,8 @@ class UnnamedEquations(FormulaReader):
         if self.setting.is_free_body:
             return self._identities(line)
         if len(line) == 2 and not torques and self.setting.system is not None:
+            if along := self._along_legs(line):
+                return along
             closing = self._closing(line)
             if closing is not None:
                 return [closing]
@@ -83,6 +87,27 @@ class UnnamedEquations(FormulaReader):
         if sign < 0:
             node = Negative(node, span=node.span)
         return self.claim(f"The loop equation {self.source[node.span]}", target, node)
+
+    def _along_legs(self, line: Line) -> list[Claim]:
+        """A relation of the tip that holds along one of the legs, such as
+        (x - l1 c1)² + (y - l1 s1)² = l3²; nothing where it holds along none."""
+        single = self.targets.single
+        inside = {t.text for side in line for t in side if t.text in single}
+        tip = sorted(name for name in inside if single[name].family == "tip")[:_MOST_COORDINATES]
+        legs = [[single[name], *self.along_legs(single[name])] for name in tip]
+        ways = [[x.polynomial() for x in way] for way in product(*legs)]
+        anywhere = [x + k for k, x in enumerate(ways[0], 1)]
+        try:
+            if not tip or self._agrees(line, tip, anywhere):
+                return []
+            return next((self._identities(line) for w in ways if self._agrees(line, tip, w)), [])
+        finally:
+            self.replaced = {}
+
+    def _agrees(self, line: Line, names: Sequence[str], values: Sequence[Trig]) -> bool:
+        """Whether the sides are equal where quantities have such values."""
+        self.replaced = dict(zip(names, values, strict=True))
+        return self._difference(line)[1].is_zero
 
     def _difference(self, line: Line) -> tuple[Expression, Trig]:
         """Left less right; where one is 0 the other, with its own sign."""
