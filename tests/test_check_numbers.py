@@ -314,3 +314,17 @@ def test_random_results_are_right_and_planted_errors_are_found(seed: int):
             verdict = fb.check(arm, answer.format(rounded(wrong / factor, 5)))
             assert not verdict, verdict
         assert verdict.findings[0].kind == "number", name
+
+
+@pytest.mark.parametrize(
+    "state",
+    ["cos θ2 = 0", r"\cos θ_2 = 0", "sin θ2 = 0", "tan θ2 = 0", "C θ2 = 0"],
+)
+def test_the_cosine_of_an_angle_is_not_the_angle(state: str):
+    right = "H12 = m2 lc2^2 + m2 l1 lc2 + I2"
+    assert fb.check(fb.load("2R"), f"{right} at the stretched pose θ2 = 0")
+    with pytest.raises(AnswerError):
+        fb.check(fb.load("2R"), f"{right} at all but not θ2 = 0")
+    for answer in (f"{right} at {state}", f"At {state}: {right}", f"{state}\n{right}"):
+        with pytest.raises(AnswerError):
+            fb.check(fb.load("2R"), answer, names={"C": "cos"})

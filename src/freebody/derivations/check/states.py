@@ -58,6 +58,7 @@ class GivenValue:
 
 State = Mapping[str, GivenValue]
 """By the names of generators."""
+_COMMAND = re.compile(r"\\([A-Za-z]+)")
 
 
 def in_words(state: State) -> str:
@@ -165,6 +166,9 @@ class StateReader:
         text = source.text
         if not (text[at : at + 1] == "\\" or text[at : at + 1] in words.STARTS):
             return None
+        command = _COMMAND.match(text, at)
+        if command and command[1] in self.vocabulary.functions:
+            return None  # \cos θ₂
         try:
             word = words.spell(source, at)
         except FreebodyError:

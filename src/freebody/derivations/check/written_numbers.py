@@ -32,6 +32,8 @@ _SENTENCE = re.compile(
 )
 _WORD = re.compile(r"[^\W\d_]{1,20}[,:]?(?:\*\*|__)?(?=\s?[$\s])[^\S\n]?")
 _MOST_WORDS = 8
+_NO_STATE = ("not", "except", "unless", "never", "near")
+"""Words after which a value is not that of the state."""
 _KEYWORDS = ("at", "for", "with", "when", "given", "let", "if")
 _WHERE = re.compile(r"(?<=[\w)}\]²³])[\s~$]{1,4}(?=(?:at|for|when|where|with|if)[\s~$])")
 _COLON = re.compile(r"[\s~$]{0,3}:")
@@ -185,7 +187,11 @@ class _NumberSearch:
             match = _WORD.match(self.text, at)
             if values or match is None:
                 return at, values, end, word
-            word, at = match[0].strip(" ,:*_").lower(), match.end()
+            word, at = match[0].strip(" ,:*_"), match.end()
+            vocabulary = self.reader.vocabulary
+            if word in vocabulary.known or word in vocabulary.functions or word in _NO_STATE:
+                return at, {}, at, ""  # cos θ₂ = 0
+            word = word.lower()
         return at, {}, at, word
 
     def _take(self, start: int, end: int) -> None:
