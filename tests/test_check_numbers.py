@@ -325,6 +325,8 @@ def test_the_cosine_of_an_angle_is_not_the_angle(state: str):
     assert fb.check(fb.load("2R"), f"{right} at the stretched pose θ2 = 0")
     with pytest.raises(AnswerError):
         fb.check(fb.load("2R"), f"{right} at all but not θ2 = 0")
+    with pytest.raises(AnswerError):
+        fb.check(fb.load("2R"), f"{right} at cot θ2 = 0")
     for answer in (f"{right} at {state}", f"At {state}: {right}", f"{state}\n{right}"):
         with pytest.raises(AnswerError):
             fb.check(fb.load("2R"), answer, names={"C": "cos"})

@@ -58,3 +58,11 @@ def test_nothing_beside_a_pose_is_passed_over():
 def test_what_is_no_singular_pose_is_not_judged(text: str):
     with pytest.raises(AnswerError):
         fb.check(ARM, text)
+
+
+@pytest.mark.parametrize("pose", ["2 θ₂ = π", "2θ₂ = 2π", "θ₁ + θ₂ = 0", "1 - θ₂ = 0"])
+def test_a_multiple_of_an_angle_is_not_the_angle(pose: str):
+    arm = fb.load("2R")
+    assert fb.check(arm, "singular at θ₂ = π")
+    with pytest.raises(fb.FreebodyError):
+        fb.check(arm, f"singular at {pose}")

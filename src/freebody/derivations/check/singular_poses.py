@@ -32,7 +32,8 @@ _NUMBER = (
 )
 _AND = rf"(?:{_S}(?:,|\bor\b|\band\b|\\text\{{{_S}(?:or|and){_S}\}}|\\(?:quad|,|;)){_S}){{1,4}}"
 _POSE = re.compile(
-    rf"(?:\\?(?P<function>sin|cos){_S}\(?{_S})?"
+    rf"(?:\\?(?P<function>sin|cos){_S}\(?{_S}"
+    r"|(?<![\d+*/·−)-])(?<![\d+*/·−)-] )(?<!(?:sin|cos|tan|cot)[ (])(?<!(?:sin|cos|tan|cot)))"
     rf"(?P<name>(?:\\theta|theta|θ|q|d)_?\{{?[0-9₀-₉]\}}?){_S}\)?{_S}={_S}"
     rf"(?P<values>{_NUMBER}(?:{_AND}(?=[-−±\dπ\\]|pi\b)(?!\\theta){_NUMBER})*)"
 )

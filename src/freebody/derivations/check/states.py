@@ -23,6 +23,7 @@ from freebody.derivations.grammar.lexer import tokens
 from freebody.derivations.grammar.source import Source
 from freebody.derivations.polynomials.symbols import RATE
 from freebody.errors import FreebodyError
+from freebody.identifiers import word_set
 from freebody.outputs.numbers import shortest
 from freebody.scalars.trig import Trig
 
@@ -58,6 +59,10 @@ class GivenValue:
 
 State = Mapping[str, GivenValue]
 """By the names of generators."""
+NO_STATE = word_set(
+    "not except unless never near minus plus twice half delta δ cot sec csc exp log ln"
+)
+"""Words after which a value is not that of the coordinate that follows."""
 _COMMAND = re.compile(r"\\([A-Za-z]+)")
 
 
@@ -167,7 +172,7 @@ class StateReader:
         if not (text[at : at + 1] == "\\" or text[at : at + 1] in words.STARTS):
             return None
         command = _COMMAND.match(text, at)
-        if command and command[1] in self.vocabulary.functions:
+        if command and {command[1], command[1].lower()} & {*self.vocabulary.functions, *NO_STATE}:
             return None  # \cos θ₂
         try:
             word = words.spell(source, at)

@@ -11,7 +11,7 @@ from freebody.derivations.check.answer_text import AnswerError, AnswerText
 from freebody.derivations.check.documents.answer_document import AnswerDocument, Blanks
 from freebody.derivations.check.equation_marks import asked_marks
 from freebody.derivations.check.formula_spellings import FILL, respelt
-from freebody.derivations.check.states import GivenValue, State, StateReader, in_words
+from freebody.derivations.check.states import NO_STATE, GivenValue, State, StateReader, in_words
 from freebody.derivations.check.units import unit_of_quantity
 from freebody.derivations.check.written_units import WrittenUnit, unit_at
 from freebody.derivations.grammar.source import Span
@@ -32,8 +32,6 @@ _SENTENCE = re.compile(
 )
 _WORD = re.compile(r"[^\W\d_]{1,20}[,:]?(?:\*\*|__)?(?=\s?[$\s])[^\S\n]?")
 _MOST_WORDS = 8
-_NO_STATE = ("not", "except", "unless", "never", "near")
-"""Words after which a value is not that of the state."""
 _KEYWORDS = ("at", "for", "with", "when", "given", "let", "if")
 _WHERE = re.compile(r"(?<=[\w)}\]²³])[\s~$]{1,4}(?=(?:at|for|when|where|with|if)[\s~$])")
 _COLON = re.compile(r"[\s~$]{0,3}:")
@@ -189,7 +187,7 @@ class _NumberSearch:
                 return at, values, end, word
             word, at = match[0].strip(" ,:*_"), match.end()
             vocabulary = self.reader.vocabulary
-            if word in vocabulary.known or word in vocabulary.functions or word in _NO_STATE:
+            if word in vocabulary.known or word in vocabulary.functions or word.lower() in NO_STATE:
                 return at, {}, at, ""  # cos θ₂ = 0
             word = word.lower()
         return at, {}, at, word
