@@ -116,7 +116,7 @@ def test_planar_words(word, expected):
     poses = fb.forward_kinematics(model, q)
     targets = poses if len(word) == 3 else poses[:, :2, 2]
     batch = fb.inverse_kinematics(model, targets)
-    assert batch.method.startswith(f"closed form: {word} across")
+    assert batch.method.startswith(f"closed form: planar {word}")
     assert batch.residual[np.isfinite(batch.residual)].max() < 1e-10
     for k in range(40):
         assert holds(model, batch.q[k][np.isfinite(batch.residual[k])], q[k])

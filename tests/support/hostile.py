@@ -57,6 +57,10 @@ def hostile_study(tmp_path_factory: pytest.TempPathFactory) -> fb.Study:
         return fb.study(hostile())
 
 
+LIVING = ("chapter", "kinematics", "statics")
+"""Pages with a script: the drawing follows its sliders."""
+
+
 @cache
 def pages(arm: fb.Study) -> dict[str, str]:
     from freebody.report.html import page as study_page

@@ -24,6 +24,7 @@ from freebody.derivations.render.literal import MARK, in_parts
 from freebody.errors import FreebodyError, shown
 from freebody.lazy import cached_property
 from freebody.model.model import Model
+from freebody.values import ByValue
 
 FAMILY_OF = {
     "tau": "tau", "H": "M", "M": "M", "C": "C", "velocity": "c", "G": "g", "bias": "bias",
@@ -43,8 +44,8 @@ _IN_WORDS = re.compile(
 """A symbol in a sentence: θ̇₁, lc₂, τ_2, T_i."""
 
 
-@dataclass(frozen=True)
-class Lettering:
+@dataclass(frozen=True, eq=False)
+class Lettering(ByValue):
     """Symbols of one model as a notation has them; `parameters` are the model's own names, which
     are no letters of quantities."""
 

@@ -9,13 +9,13 @@ from functools import lru_cache
 from importlib import resources
 from os import PathLike, fspath
 from pathlib import Path
-from types import MappingProxyType
 
 from freebody.derivations.grammar.words import spelt
 from freebody.errors import FreebodyError, UnknownNameError, shown
 from freebody.formats import read_file
 from freebody.formats.toml import table_of
 from freebody.formats.toml_table import TomlTable
+from freebody.values import ByValue
 
 PRESETS = (
     "notes", "craig", "spong", "siciliano", "murray-li-sastry", "lynch-park", "featherstone",
@@ -53,12 +53,8 @@ ZEROS = {"x axis": 0, "down": -1, "up": 1}
 LARGEST_FILE = 100_000
 
 
-def _nothing() -> Mapping[str, str]:
-    return MappingProxyType({})
-
-
-@dataclass(frozen=True)
-class BookNotation:
+@dataclass(frozen=True, eq=False)
+class BookNotation(ByValue):
     """How somebody writes."""
 
     name: str
@@ -68,13 +64,11 @@ class BookNotation:
     """Whether angles are those of the links themselves, all from one direction."""
     zero: str = "x axis"
     """A key of `ZEROS`."""
-    names: Mapping[str, str] = field(default_factory=_nothing)
+    names: Mapping[str, str] = field(default_factory=dict[str, str])
     """What a name stands for: {"a": "l"} for all that are numbered, {"C": "cos"}."""
-    parameters: Mapping[str, str | float] = field(default_factory=_nothing)
+    parameters: Mapping[str, str | float] = field(default_factory=dict[str, str | float])
     """Parameters given by formulas, {"lc": "l/2"} for all links or {"lc1": "l1/2"}."""
-    letters: Mapping[str, tuple[str, ...]] = field(
-        default_factory=lambda: MappingProxyType[str, tuple[str, ...]]({})
-    )
+    letters: Mapping[str, tuple[str, ...]] = field(default_factory=dict[str, tuple[str, ...]])
     """Letters of quantities by the keys of `FAMILIES`; what is not given has the usual ones."""
 
     terms: str = "coefficients"
@@ -89,7 +83,7 @@ class BookNotation:
                     "letters, or a Greek one by its name."
                 )
         plain = {family: tuple(map(spelt, letters)) for family, letters in self.letters.items()}
-        object.__setattr__(self, "letters", MappingProxyType(plain))
+        object.__setattr__(self, "letters", plain)
 
     @property
     def all_letters(self) -> Mapping[str, tuple[str, ...]]:
