@@ -51,12 +51,12 @@ def test_any_determining_positions_will_do(tmp_path):
     [
         (
             "t,theta1,theta2.v",
-            "column 'theta2.v': the rates of a closed chain are found from its positions",
+            "the positions of theta1 do not determine those of the other joints of 'five_bar'",
         ),
         ("t,theta1,elbow", "no column 'elbow' in a motion of 'five_bar'"),
         (
             "t,theta1.v,theta2.v",
-            "the rates of a closed chain are found from its positions; remove the column",
+            "there is no position; a motion gives at least those of the driven joints",
         ),
     ],
 )
@@ -64,6 +64,44 @@ def test_refused(tmp_path, swing, header, text):
     model, t, first, second = swing
     with pytest.raises(FileError, match=text):
         fb.read_motion(model, written(tmp_path / "m.csv", header, t, first, second))
+
+
+def test_rates_of_the_drives_are_taken_and_others_held_against_the_loops(tmp_path, swing):
+    model, t, first, second = swing
+    slope, bend = np.sin(2 * t), 2 * np.cos(2 * t)
+    table = {"t": t, "theta1": first, "theta2": second}
+    rates = {"theta1.v": 0.3 * slope, "theta2.v": -0.2 * slope}
+    seconds = {"theta1.a": 0.3 * bend, "theta2.a": -0.2 * bend}
+    by_rates = fb.Motion.of(model, table | rates)
+    given = fb.Motion.of(model, table | rates | seconds)
+    assert (by_rates.differentiated, given.differentiated) == ("rates", "")
+    assert not given.notices
+    np.testing.assert_array_equal(given.qd[:, :2], np.stack(list(rates.values()), axis=-1))
+    np.testing.assert_allclose(by_rates.qdd[:, 1], seconds["theta2.a"], atol=1e-5)
+    np.testing.assert_allclose(fb.loop_velocity(model, given.q, given.qd), given.qd, atol=1e-12)
+    B = {"B.v": given.qd[:, model.velocity_names.index("B")]}
+    assert not fb.Motion.of(model, table | rates | B).notices
+    with pytest.raises(fb.FreebodyError, match=r"'B.v' is .* where the loops of 'five_bar'"):
+        fb.Motion.of(model, table | rates | {"B.v": 1.1 * B["B.v"]})
+    for some in (seconds, {"theta2.v": rates["theta2.v"]}):
+        with pytest.raises(fb.FreebodyError, match=r"there is no column for 'theta1.v'"):
+            fb.Motion.of(model, table | some)
+    twice = {name: 2.0 * column for name, column in rates.items()}
+    (told,) = fb.Motion.of(model, table | twice).notices
+    assert told.startswith("The rates given for 'theta1', and those of 1 more, are not the slope")
+
+
+def test_noise_in_given_rates_is_smoothed(swing):
+    model, _, first, second = swing
+    t = np.linspace(0.0, 2.0, 401)
+    slope = np.sin(2 * t) + 1e-3 * np.random.default_rng(1).normal(size=len(t))
+    way = np.sin(t) ** 2
+    table = {"t": t, "theta1": first[0] + 0.3 * way, "theta2": second[0] - 0.2 * way}
+    noisy = fb.Motion.of(model, table | {"theta1.v": 0.3 * slope, "theta2.v": -0.2 * slope})
+    clean = fb.smoothed(model, noisy)
+    off = [np.abs(x.qdd[50:-50, 0] - 0.6 * np.cos(2 * t[50:-50])).max() for x in (noisy, clean)]
+    assert off[1] < 0.02 < 0.1 < off[0]
+    np.testing.assert_allclose(clean.q, noisy.q, atol=1e-3)
 
 
 def test_where_the_loops_end_is_said(tmp_path, swing):

@@ -9,7 +9,7 @@ import typer
 
 from freebody.cli import options, terminal
 from freebody.errors import FreebodyError, MissingArgumentError, listed
-from freebody.outputs.display import TextTable, counted
+from freebody.outputs.display import TextTable
 
 if TYPE_CHECKING:
     from freebody.model.model import Model
@@ -120,13 +120,6 @@ def _print(model: Model, motion: Motion, path: Path) -> None:
     out = terminal.out()
     for text in motion.notices:
         terminal.warn(text)
-    if model.loops and len(motion.jumps):
-        terminal.warn(
-            "The file of a closed chain holds positions alone. The accelerations jump at "
-            f"{counted(len(motion.jumps), 'time')}, which a spline through the positions rounds "
-            "off: a study of the file shows other torques near these, higher ones too. "
-            "fb.study(model, motion) in Python takes the motion as it was planned."
-        )
     out.print(f"{model.name}: {motion.source}, {motion.duration:.4g} s.", markup=False)
     rows = []
     found, limits = motion.peaks, planning_limits("plan", model)

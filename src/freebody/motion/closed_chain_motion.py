@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -18,14 +19,22 @@ from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled_equations import backward, length, null_space, rate_scale
 from freebody.model.model import Model
 from freebody.motion.motion import Motion, derivatives
+from freebody.motion.piecewise import hermite
 from freebody.motion.ranges import position_columns, ranges
 from freebody.outputs.numbers import compared
-from freebody.trees.position_rates import continuous, layout, state_of
+from freebody.trees.position_rates import (
+    continuous,
+    layout,
+    position_acceleration,
+    position_rate,
+    state_of,
+)
 from freebody.trees.states import difference, integrate, neutral, random_state
 
 _SEEDS = 24
 _TELLING = 1e-6  # regularity below which some coordinates do not tell the others
 _AGREE = 1e-4  # of the length: how far a column that is not needed may be off
+_RATES_AGREE = 1e-2  # of the largest: the same of rates and accelerations
 _JUMP = 0.5  # rad: between samples nothing moves so far but by changing to another way of closing
 _BY_SAMPLE = "at sample {}; make the motion smaller, or its samples closer"
 _GOOD = 0.15  # regularity at which a home is as good as any
@@ -127,12 +136,20 @@ def _missing(model: Model, start: Array, q: Array, leading: Sequence[int], reach
     return step
 
 
-def completed(model: Model, t: Array, columns: Mapping[str, Array], source: str) -> Motion:
+def completed(
+    model: Model,
+    t: Array,
+    columns: Mapping[str, Array],
+    source: str,
+    before: Array | None = None,
+) -> Motion:
     """The motion (T samples) in which the positions named follow their columns (T,) and the loops
     determine the others.
 
-    The positions named must determine the others; those that they do not need are held against what
-    the loops say. Raises LoopError.
+    The positions named must determine the others. `name.v` and `name.a` give rates and
+    accelerations of all that lead, else they are differentiated; before: (T, nv) the accelerations
+    with which the times are reached. Columns that are not needed are held against what the loops
+    say. Raises LoopError.
     """
     given = [name for name in model.position_names if name in columns]
     iq, iv = position_columns(model)
@@ -156,23 +173,85 @@ def completed(model: Model, t: Array, columns: Mapping[str, Array], source: str)
         )
     way = np.stack([columns[name] - columns[name][0] for name in names], axis=-1)
     q = followed(model, start, leading, way)
-    for name in given:
-        off = np.abs(q[:, model.position_names.index(name)] - columns[name])
-        if off.max() > _AGREE * length(model):
-            k = int(np.argmax(off))
-            given_there, closed = compared(
-                columns[name][k], q[k, model.position_names.index(name)], digits=6
+    closed = dict(zip(model.position_names, q.T, strict=True))
+    _refuse_off(model, t, columns, closed, names, _AGREE * length(model))
+    text = f"{source}; {', '.join(names)} as given, the others by the loops, rates "
+    if not any(f"{name}{ending}" in columns for name in rate_of for ending in (".v", ".a")):
+        text += "by a spline through the positions"
+        states = consistent_rates(model, t, q, at_rest=False)
+        return Motion(t, *states, text, layout(model), differentiated="positions")
+    return _with_rates(model, t, q, columns, names, before, f"{text}as given")
+
+
+def _with_rates(
+    model: Model,
+    t: Array,
+    q: Array,
+    columns: Mapping[str, Array],
+    names: Sequence[str],
+    before: Array | None,
+    text: str,
+) -> Motion:
+    """The motion of closed positions q (T, nq) with the rates given of the leading coordinates
+    `names`; see `completed`."""
+    where, scale, pieces = layout(model), rate_scale(model), None
+    simple = [
+        (model.position_names[a], int(b)) for a, b in zip(*position_columns(model), strict=True)
+    ]
+    told = any(f"{name}.a" in columns for name, _ in simple)
+    rates = _leading_columns(columns, names, ".v")
+    if told:
+        seconds = _leading_columns(columns, names, ".a")
+    else:
+        seconds = {name: derivatives(t, rates[name][:, None])[0][:, 0] for name in names}
+    qd = loop_velocity(model, q, rates)
+    qdd = loop_acceleration(model, q, qd, seconds)
+    found = [(".v", qd, columns), (".a", qdd, columns)]
+    if before is not None:
+        arriving = {f"{name}.a": before[:, k] for name, k in simple}
+        reached = loop_acceleration(model, q, qd, _leading_columns(arriving, names, ".a"))
+        found.append((".a", reached, arriving))
+        x = continuous(where, q)
+        ends = (position_acceleration(where, x, qd, end) for end in (qdd, reached))
+        pieces = hermite(t, x, position_rate(where, x, qd), *ends)
+    for ending, values, held in found:
+        allowed = _RATES_AGREE * float(np.abs(values / scale).max()) * scale
+        for name, k in simple:
+            closed = {f"{name}{ending}": values[:, k]}
+            _refuse_off(model, t, held, closed, names, float(allowed[k]))
+    how = "" if told else "rates"
+    return Motion(t, q, qd, qdd, text, where, differentiated=how, pieces=pieces)
+
+
+def _leading_columns(columns: Mapping[str, Array], names: Sequence[str], ending: str) -> Any:
+    """{name: rates or accelerations (T,)} of the coordinates that lead. Raises LoopError."""
+    for name in names:
+        if f"{name}{ending}" not in columns:
+            raise LoopError(
+                f"there is no column for '{name}{ending}'; a closed chain needs rates of all of "
+                f"{', '.join(names)}, and accelerations with their rates, or none."
             )
+    return {name: columns[f"{name}{ending}"] for name in names}
+
+
+def _refuse_off(
+    model: Model,
+    t: Array,
+    columns: Mapping[str, Array],
+    closed: Mapping[str, Array],
+    names: Sequence[str],
+    allowed: float,
+) -> None:
+    """Refuse columns that are off what the loops and the leading coordinates `names` say."""
+    for name in closed.keys() & columns.keys():
+        off = np.abs(closed[name] - columns[name])
+        if off.max() > allowed:
+            k = int(np.argmax(off))
+            given_there, there = compared(columns[name][k], closed[name][k], digits=6)
             raise LoopError(
                 f"{name!r} is {given_there} at t = {t[k]:.6g} s, where the loops of {model.name!r} "
-                f"and {', '.join(names)} put it at {closed}; leave the column out."
+                f"and {', '.join(names)} put it at {there}; leave the column out."
             )
-    text = (
-        f"{source}; {', '.join(names)} as given, the others by the loops, "
-        "rates by a spline through the positions"
-    )
-    states = consistent_rates(model, t, q, at_rest=False)
-    return Motion(t, *states, text, layout(model), differentiated="positions")
 
 
 def consistent_rates(model: Model, t: Array, q: Array, at_rest: bool) -> tuple[Array, Array, Array]:

@@ -83,9 +83,15 @@ def smoothed(model: Model, motion: Motion, cutoff: float | None = None) -> Motio
     source = f"{motion.source}; smoothed: {chosen:.3g} Hz, without delay"
     curve = smooth(motion.t, samples, chosen)
     if model.loops:
-        names = [name for name in model.driven_names if name in model.position_names]
-        k = [model.position_names.index(name) for name in names]
-        of_drives = dict(zip(names, curve(motion.t)[:, k].T, strict=True))
+        by_rates = motion.differentiated == "rates"
+        q = smooth(motion.t, motion.q, chosen)(motion.t) if by_rates else curve(motion.t)
+        of_drives = {}
+        for name in set(model.driven_names) & set(model.position_names):
+            of_drives[name] = q[:, model.position_names.index(name)]
+            if by_rates:
+                k = model.velocity_names.index(name)
+                of_drives[f"{name}.v"] = curve(motion.t)[:, k]
+                of_drives[f"{name}.a"] = curve.derivative()(motion.t)[:, k]
         clean = completed(model, motion.t, of_drives, source)
     else:
         if motion.differentiated == "rates":

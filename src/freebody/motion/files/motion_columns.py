@@ -71,15 +71,7 @@ def check_names(model: Model, header: list[str], problem: Problem) -> None:
 
 
 def _check_leaders(model: Model, header: list[str], problem: Problem) -> None:
-    """Of a closed chain some positions suffice; rates follow from the loops."""
-    rates = [
-        name for name in header if name[-2:] in (".v", ".a") and name not in model.position_names
-    ]
-    if rates:
-        raise problem(
-            f"column {rates[0]!r}: the rates of a closed chain are found from its positions; "
-            f"remove the column."
-        )
+    """Of a closed chain some positions suffice."""
     if not set(header) & set(model.position_names):
         drives = ", ".join(model.driven_names)
         raise problem(
@@ -90,25 +82,29 @@ def _check_leaders(model: Model, header: list[str], problem: Problem) -> None:
 def without_jumps(
     model: Model, t: Array, columns: dict[str, Array]
 ) -> tuple[Array, dict[str, Array], Array | None]:
-    """(t, columns, accelerations (T, n) with which the times are reached, or None) of columns in
+    """(t, columns, accelerations (T, nv) with which the times are reached, or None) of columns in
     which a time stands twice where the accelerations jump: the first row has those before it.
 
-    Rows that differ in more than accelerations are left as they are.
+    Rows that differ in more than accelerations are left as they are. NaN for joints with a
+    quaternion, which the loops of a closed chain lead.
     """
-    rates = [f"{name}.v" for name in model.position_names]
-    seconds = [f"{name}.a" for name in model.position_names]
+    iq, iv = position_columns(model)
+    simple = [model.position_names[k] for k in iq]
+    rates, seconds = ([f"{name}{ending}" for name in simple] for ending in (".v", ".a"))
     twice = np.flatnonzero(np.diff(t) == 0.0)
     same = [columns[name] for name in (*model.position_names, *rates) if name in columns]
     if (
         not len(twice)
         or (np.diff(twice) == 1).any()
+        or not (model.loops or len(simple) == model.nq)
         or not {*rates, *seconds} <= set(columns)
         or any((column[twice] != column[twice + 1]).any() for column in same)
     ):
         return t, columns, None
     kept = np.append(np.diff(t) != 0.0, True)
     first = np.append(True, np.diff(t) != 0.0)
-    before = np.stack([columns[name][first] for name in seconds], axis=-1)
+    before = np.full((first.sum(), model.nv), np.nan)
+    before[:, iv] = np.stack([columns[name][first] for name in seconds], axis=-1)
     return t[kept], {name: column[kept] for name, column in columns.items()}, before
 
 
@@ -125,19 +121,38 @@ def motion_from_columns(
         raise problem(f"{len(t)} samples; a motion needs at least {FEWEST}.")
     if model.loops:
         try:
-            return rested(model, completed(model, t, columns, source))
+            return _of_closed_chain(model, t, columns, source, before)
         except LoopError as error:
             raise problem(str(error)) from None
     positions = np.stack([columns[name] for name in model.position_names], axis=-1)
     q = _unit(model, positions, problem)
-    rates, accelerations = (_given(model, columns, ending) for ending in (".v", ".a"))
+    rates, accelerations = (_given(model, len(t), columns, ending) for ending in (".v", ".a"))
     of_all = "".join(f"; {part}" for part in _told(model, rates))
     return given_motion(model, t, q, rates, accelerations, f"{source}{of_all}", before)
 
 
-def _given(model: Model, columns: Mapping[str, Array], ending: str) -> Array:
+def _of_closed_chain(
+    model: Model, t: Array, columns: dict[str, Array], source: str, before: Array | None
+) -> Motion:
+    """The motion of the columns that lead, and the others by the loops; noisy positions are
+    adjusted to rates given with them. Raises LoopError."""
+    rates, accelerations = (_given(model, len(t), columns, ending) for ending in (".v", ".a"))
+    known, told = (np.asarray(~np.isnan(x).any(axis=0)) for x in (rates, accelerations))
+    moved = np.zeros((len(t), model.nq))
+    for kq, kv in zip(*position_columns(model), strict=True):
+        name = model.position_names[kq]
+        if known[kv] and name in columns:
+            q = along_rates(t, columns[name][:, None], rates[:, [kv]])[:, 0]
+            moved[:, kq] = np.abs(q - columns[name])
+            columns = columns | {name: q}
+    motion = completed(model, t, columns, source, before)
+    said = (*_in_line(model, moved), *contradictions(model, motion, known, told, before))
+    return rested(model, replace(motion, notices=said), given=bool(known.any()))
+
+
+def _given(model: Model, count: int, columns: Mapping[str, Array], ending: str) -> Array:
     """(T, nv) rates or accelerations, NaN where there is no column."""
-    found = np.full((len(columns[model.position_names[0]]), model.nv), np.nan)
+    found = np.full((count, model.nv), np.nan)
     for kq, kv in zip(*position_columns(model), strict=True):
         column = columns.get(model.position_names[kq] + ending)
         if column is not None:

@@ -62,10 +62,7 @@ def motion_table(model: Model, motion: Motion) -> tuple[list[str], Array]:
 
 def state_table(model: Model, t: Array, q: Array, qd: Array, qdd: Array) -> tuple[list[str], Array]:
     """(header, rows) of times (T,) and states (T, …) as `read_motion` reads them: positions, and
-    rates and accelerations where they have a column; of a closed chain, whose loops give them,
-    none."""
-    if model.loops:
-        return ["t", *model.position_names], np.column_stack([t, q])
+    rates and accelerations where they have a column."""
     iq, iv = position_columns(model)
     names = [model.position_names[k] for k in iq]
     header = ["t", *model.position_names, *(f"{n}.v" for n in names), *(f"{n}.a" for n in names)]
@@ -88,11 +85,11 @@ def write_motion(
         raise UnknownNameError("choice", rows, "write_motion: rows=", get_args(Rows))
     whole = require_motion("write_motion", model, motion)
     header, table = motion_table(model, whole if rows == "samples" else at_knots(whole))
-    rated = whole.layout.flat and not model.loops
+    rated = whole.layout.flat or bool(model.loops)
     if rows == "knots" and whole.pieces is not None and rated:
         jumps = np.isin(table[:, 0], whole.jumps)
-        twice = table[jumps]
-        twice[:, 1 + 2 * model.nq :] = whole.pieces.derivative(2).before(twice[:, 0])
+        twice, iq = table[jumps], position_columns(model)[0]
+        twice[:, -len(iq) :] = whole.pieces.derivative(2).before(twice[:, 0])[:, iq]
         table = np.insert(table, np.flatnonzero(jumps), twice, axis=0)
     return write(path, csv_text([header, *table]))
 
