@@ -111,6 +111,20 @@ def test_what_cannot_be_is_refused(case: int):
     assert told in str(problem.value)
 
 
+@pytest.mark.parametrize("name", ["five_bar", "stewart"])
+def test_a_file_is_read_as_it_was_planned(tmp_path: Path, name: str):
+    model = fb.load(name)
+    start = fb.assemble(model)[[model.position_names.index(n) for n in model.driven_names]]
+    way = np.stack([start, start + 0.03 * np.arange(1, len(start) + 1)])
+    planned = fb.trapezoid(model, way, velocity=0.2, acceleration=1.0)
+    read = fb.read_motion(model, fb.write_motion(model, planned, tmp_path / "motion.csv"))
+    assert (read.notices, read.differentiated, len(read.jumps)) == ((), "", len(planned.jumps))
+    assert len(planned.jumps)
+    t = np.linspace(0.0, planned.duration, 777)
+    for found, expected in zip(read.at(t), planned.at(t), strict=True):
+        np.testing.assert_allclose(found, expected, atol=1e-7)
+
+
 def test_the_command_plans_the_driven_joints(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):

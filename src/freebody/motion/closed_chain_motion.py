@@ -200,10 +200,8 @@ def _with_rates(
     ]
     told = any(f"{name}.a" in columns for name, _ in simple)
     rates = _leading_columns(columns, names, ".v")
-    if told:
-        seconds = _leading_columns(columns, names, ".a")
-    else:
-        seconds = {name: derivatives(t, rates[name][:, None])[0][:, 0] for name in names}
+    slopes = {f"{name}.a": derivatives(t, x[:, None])[0][:, 0] for name, x in rates.items()}
+    seconds = _leading_columns(columns if told else slopes, names, ".a")
     qd = loop_velocity(model, q, rates)
     qdd = loop_acceleration(model, q, qd, seconds)
     found = [(".v", qd, columns), (".a", qdd, columns)]
@@ -243,7 +241,7 @@ def _refuse_off(
     allowed: float,
 ) -> None:
     """Refuse columns that are off what the loops and the leading coordinates `names` say."""
-    for name in closed.keys() & columns.keys():
+    for name in (name for name in closed if name in columns):
         off = np.abs(closed[name] - columns[name])
         if off.max() > allowed:
             k = int(np.argmax(off))
