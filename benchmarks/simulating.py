@@ -113,21 +113,20 @@ def held(arms: int, steps: int, rounds: int) -> None:
         f"{(theirs_ / ours).max():.0f}); difference {apart:.1e}"
         f"{'' if apart < AGREE else '  the comparison is void'}"
     )
+    long = round(1.0 / STEP)
+    runs = [partial(pair.ours, n, long) for n in (1, 2)]
     shared = np.array(
-        [
-            [seconds(partial(pair.ours, n), clock=time.perf_counter) for n in (1, 2)]
-            for _ in range(2 * rounds)
-        ]
+        [[seconds(run, clock=time.perf_counter) for run in runs] for _ in range(2 * rounds)]
     )
     ratio = shared[:, 0] / shared[:, 1]
     alone, both, begin = (
-        min(seconds(run) for _ in range(2 * rounds))
-        for run in (pair.ours, partial(pair.ours, 2), partial(pair.ours, 1, 1))
+        min(seconds(run) for _ in range(2 * rounds)) for run in (*runs, partial(pair.ours, 1, 1))
     )
-    serial = begin / alone - 1.0 / steps  # of one thread's time: what threads do not share
+    serial = begin / alone - 1.0 / long  # of one thread's time: what threads do not share
     most = 1.0 / (serial + 0.5 * (both / alone - serial))
     print(
-        f"two threads beside one: {np.median(ratio):.2f} times as fast (best {ratio.max():.2f}); "
+        f"a second of them, two threads beside one: {np.median(ratio):.2f} times as fast (best "
+        f"{ratio.max():.2f}); "
         f"by CPU times, of which {100 * serial:.1f} % are not shared and two threads take "
         f"{100 * (both / alone - 1):+.1f} % more, {most:.2f} at most"
     )

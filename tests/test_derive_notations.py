@@ -174,6 +174,12 @@ def test_names_that_the_robot_has_itself_stay_and_are_told():
     assert "b₂₂ = ml₂ l₂² + Il₂" in lines(told)
 
 
+def test_drawings_tell_that_they_leave_formulas_out():
+    style = BookNotation("bar", parameters=ROD)
+    with pytest.warns(fb.FreebodyWarning, match="are not drawn; labels are letters"):
+        fb.free_body_diagram(ARM, notation=style)
+
+
 def test_greek_letters_are_letters():
     style = BookNotation("greek", letters={"M": ("Ψ",)}, names={"φ": "theta", "ψ": "d"})
     told = fb.derive(fb.load("RP"), "lagrange", notation=style)

@@ -16,6 +16,7 @@ from freebody.derivations.naming import Naming
 from freebody.derivations.notations.lettering import lettering_of
 from freebody.derivations.notations.notation import BookNotation, notation_of
 from freebody.derivations.polynomials.symbols import names_by_body
+from freebody.errors import warn
 from freebody.figures.body_loads import BodyLoads, body_loads
 from freebody.figures.drawing import SAME
 from freebody.figures.names import Names
@@ -126,7 +127,13 @@ def snapshot(
     rates = given("qd", qd, lambda: _consistent_rates(shown, at))
     second = given("qdd", qdd, lambda: _consistent_second(shown, at, rates, wrenches))
     coordinates = (name for names in names_by_body(shown) for name in names)
-    letters = lettering_of(notation_of(notation), model, tuple(coordinates))
+    style = notation_of(notation)
+    if style.parameters:
+        warn(
+            f"{caller}: [parameters] of the notation {style.name!r} are not drawn; labels are "
+            "letters, not formulas."
+        )
+    letters = lettering_of(style, model, tuple(coordinates))
     naming = Naming(shown, letters=letters)
     return Snapshot(shown, at, rates, second, wrenches, Names(naming))
 
