@@ -346,7 +346,7 @@ def test_brackets_may_stand_around_the_end_of_a_row(opening: str, closing: str):
     & \quad + 2 l_1 l_{{c2}} \cos\theta_2 \, \dot\theta_1 (\dot\theta_1 + \dot\theta_2) {closing} \\
     & + \frac{{I_2}}{{2}} (\dot\theta_1 + \dot\theta_2)^2 \\
     r_{{c1}} = {{}}& \left( \begin{{matrix}} l_{{c1}} \cos\theta_1 \\ l_{{c1}} \sin\theta_1 \end{{matrix}} \right)
-    \end{{align}}"""  # noqa: E501
+    \end{{align}}"""  # noqa: E501  # a row of LaTeX is one line
     for form in ("latex", "markdown"):
         verdict = fb.check(ARM, answer, form=form)
         assert verdict, verdict.text

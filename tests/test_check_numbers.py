@@ -260,7 +260,7 @@ def random_answer(rng: random.Random) -> tuple[fb.Model, str, str, float, float]
     word = rng.choice(WORDS)
     n = len(word)
     numbers = {k: [round(rng.uniform(0.2, 2.0), 2) for _ in word] for k in ("l", "lc", "m", "I")}
-    arm = fb.planar(word, **numbers)  # type: ignore[arg-type]
+    arm = fb.planar(word, **numbers)
     state, written = [], []
     for dots, mark in enumerate(("", "\u0307", "\u0308")):
         values = []

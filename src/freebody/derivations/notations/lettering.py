@@ -194,7 +194,9 @@ class Lettering(ByValue):
 
 def _made(name: str, ending: str, old: Symbol) -> Symbol:
     """The symbol of a plain name, its first letter with the rest as subscript."""
-    stem, number = re.fullmatch(r"([A-Za-z]+?)((?:_?\d+)*|_[a-z])", name).groups()  # type: ignore[union-attr]
+    match = re.fullmatch(r"([A-Za-z]+?)((?:_?\d+)*|_[a-z])", name)
+    assert match, name  # `printable` and `_NAME` let no other name pass
+    stem, number = match.groups()
     parts = tuple(x for x in number.split("_") if x)
     if stem in GREEK:
         letter, more = GREEK[stem], ""
