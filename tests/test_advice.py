@@ -4,7 +4,7 @@ one."""
 import pytest
 
 import freebody as fb
-from freebody.derivations.check.answer_text import AnswerError
+from freebody.derivations.check.spelling.answer_text import AnswerError
 from freebody.errors import likely
 
 NOTES = [

@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
-from freebody.derivations.check.answer_text import AnswerError
+from freebody.derivations.check.spelling.answer_text import AnswerError
 from freebody.derivations.expressions.expression import Symbol
 from freebody.model.build import build_model
 from freebody.model.description import Joint, Link, RobotDescription

@@ -13,7 +13,7 @@ import pytest
 
 import freebody as fb
 from freebody.derivations.check.asked.joints import polynomial
-from freebody.derivations.check.right_equations import setting
+from freebody.derivations.check.asked.right_equations import setting
 from support.answer_documents import CODE, LATEX, MARKDOWN, NOTEBOOK, TEXT
 from support.answers import KINDS, Mistake, Writer, lines, mistake, model, named, rewritten
 

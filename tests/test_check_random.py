@@ -10,7 +10,7 @@ import pytest
 
 import freebody as fb
 from freebody.derivations.check.asked.joints import polynomial
-from freebody.derivations.check.right_equations import setting
+from freebody.derivations.check.asked.right_equations import setting
 from support.answers import (
     KINDS,
     WORDS,

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import freebody as fb
-from freebody.derivations.check.answer_text import AnswerError
+from freebody.derivations.check.spelling.answer_text import AnswerError
 from freebody.derivations.relations.quantities import Quantities
 
 ARM = fb.planar("RR")

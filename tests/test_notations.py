@@ -8,7 +8,7 @@ import pytest
 
 import freebody as fb
 from freebody.cli.app import run
-from freebody.derivations.check.answer_text import AnswerError
+from freebody.derivations.check.spelling.answer_text import AnswerError
 from freebody.derivations.notations.notation import PRESETS, BookNotation, notation_of, preset
 
 ARM = fb.planar("RR")

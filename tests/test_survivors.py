@@ -8,8 +8,8 @@ import math
 import pytest
 
 import freebody as fb
-from freebody.derivations.check.numeric_example import example
-from freebody.derivations.check.right_equations import setting
+from freebody.derivations.check.asked.right_equations import setting
+from freebody.derivations.check.verdicts.numeric_example import example
 from freebody.derivations.closed_chains.linear import product
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.render.latex import width_of

@@ -75,7 +75,7 @@ AREAS = (
     ),
     Area(
         "check",
-        ("derivations/check/*.py",),
+        ("derivations/check/**/*.py",),
         ("check", "check_other_forms", "advice", "check_random", "notes"),
     ),
 )  # fmt: skip

@@ -13,13 +13,13 @@ from itertools import product as words_of
 
 import freebody as fb
 from freebody.algorithms.kinematics import jacobian
-from freebody.derivations.check.answer_text import AnswerText
+from freebody.derivations.check.algebra.exact_polynomials import PolynomialReader
 from freebody.derivations.check.asked.joints import polynomial
-from freebody.derivations.check.exact_polynomials import PolynomialReader
-from freebody.derivations.check.reading import AnswerParser
-from freebody.derivations.check.right_equations import RightEquations
+from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.check.reading.reading import AnswerParser
+from freebody.derivations.check.reading.vocabulary import Vocabulary
+from freebody.derivations.check.spelling.answer_text import AnswerText
 from freebody.derivations.check.verdict import Verdict
-from freebody.derivations.check.vocabulary import Vocabulary
 from freebody.derivations.equations.equations import Equations
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression

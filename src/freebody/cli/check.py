@@ -78,8 +78,8 @@ def check(
     From Markdown, LaTeX and notebooks the equations are taken, and the words between them passed
     over. Exit status 0: all are right. 1: a mistake was found. 2: something cannot be read.
     """
-    from freebody.derivations.check.answer_text import AnswerError
     from freebody.derivations.check.check import check as verdict_on
+    from freebody.derivations.check.spelling.answer_text import AnswerError
 
     own = _answer(answer)
     meanings = options.pairs("--name", names, "L1=l1")

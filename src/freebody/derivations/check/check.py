@@ -9,16 +9,16 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from freebody.derivations.check.answer_text import AnswerError, AnswerText
-from freebody.derivations.check.asked_quantities import Targets
-from freebody.derivations.check.claims import statements
+from freebody.derivations.check.asked.asked_quantities import Targets
+from freebody.derivations.check.asked.letters_for_numbers import as_written
+from freebody.derivations.check.asked.load_names import named_in
+from freebody.derivations.check.asked.right_equations import equations_of, in_notation
+from freebody.derivations.check.claims.claims import statements
 from freebody.derivations.check.documents import FORMS, AnswerDocument, form_of
-from freebody.derivations.check.equation_verdict import Judge
-from freebody.derivations.check.letters_for_numbers import as_written
-from freebody.derivations.check.load_names import named_in
-from freebody.derivations.check.number_verdict import NumberJudge
-from freebody.derivations.check.right_equations import equations_of, in_notation
+from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerText
 from freebody.derivations.check.verdict import EquationVerdict, UnreadEquation, Verdict
+from freebody.derivations.check.verdicts.equation_verdict import Judge
+from freebody.derivations.check.verdicts.number_verdict import NumberJudge
 from freebody.derivations.grammar.source import Span
 from freebody.derivations.notations.notation import BookNotation, notation_of
 from freebody.errors import UnknownNameError

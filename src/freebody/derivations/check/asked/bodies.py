@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from freebody.derivations.check.asked.body_quantities import BODY_QUANTITIES, BodyQuantity, numbers
+from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.quantity import AskedQuantity, Mistaken, Table
-from freebody.derivations.check.body_quantities import BODY_QUANTITIES, BodyQuantity, numbers
-from freebody.derivations.check.dotted_names import spellings
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.relations.quantities import QuantityValues, branches
 from freebody.lazy import cached_property

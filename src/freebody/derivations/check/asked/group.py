@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
-from freebody.derivations.check.right_equations import RightEquations
+from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.scalars.trig import Trig
 
 Named = tuple[tuple[str, ...], AskedQuantity]

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cache
 
+from freebody.derivations.check.algebra.quotients import Value, over
 from freebody.derivations.check.asked.quantity import AskedQuantity, Mistaken, Table
-from freebody.derivations.check.quotients import Value, over
-from freebody.derivations.check.right_equations import RightEquations
+from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.closed_chains.linear import Entries, solved
 from freebody.scalars.trig import Trig
 

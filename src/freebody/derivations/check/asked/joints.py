@@ -7,11 +7,11 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 
+from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.inverses import MOST_ROWS, inverse
 from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity, Table
-from freebody.derivations.check.dotted_names import spellings
-from freebody.derivations.check.right_equations import RightEquations
+from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.evaluate import arithmetic, evaluate
 from freebody.derivations.expressions.expression import Expression

@@ -7,9 +7,9 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from functools import cache
 
+from freebody.derivations.check.asked.load_names import VECTORS
 from freebody.derivations.check.asked.quantity import AskedQuantity, Mistaken, Table
-from freebody.derivations.check.load_names import VECTORS
-from freebody.derivations.check.right_equations import RightEquations
+from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.scalars.trig import Trig
 
 _SENSES = (

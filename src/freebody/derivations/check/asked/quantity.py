@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from freebody.derivations.check.quotients import Value
+from freebody.derivations.check.algebra.quotients import Value
 from freebody.scalars.trig import Trig
 
 Mistaken = tuple[str, Callable[[], Value]]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 
+from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.inverses import MOST_ROWS, inverse
 from freebody.derivations.check.asked.loads import vectors
 from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity, Table
-from freebody.derivations.check.dotted_names import spellings
 from freebody.derivations.equations.kinematics import Kinematics
 from freebody.derivations.polynomials.determinant import determinant
 from freebody.lazy import cached_property

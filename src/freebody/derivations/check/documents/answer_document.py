@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from freebody.derivations.check.answer_text import AnswerError
+from freebody.derivations.check.spelling.answer_text import AnswerError
 from freebody.derivations.grammar.source import Span, decomposed
 
 LARGEST = 400_000

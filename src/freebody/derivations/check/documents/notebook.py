@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from freebody.derivations.check.answer_text import AnswerError
 from freebody.derivations.check.documents import markdown, python_code
 from freebody.derivations.check.documents.answer_document import (
     AnswerDocument,
@@ -14,6 +13,7 @@ from freebody.derivations.check.documents.answer_document import (
     FormulaPiece,
     plain_characters,
 )
+from freebody.derivations.check.spelling.answer_text import AnswerError
 from freebody.derivations.grammar.source import Span
 
 

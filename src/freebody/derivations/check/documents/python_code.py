@@ -12,7 +12,7 @@ from freebody.derivations.check.documents.answer_document import (
     FormulaPiece,
     plain_characters,
 )
-from freebody.derivations.check.formula_spellings import FILL
+from freebody.derivations.check.spelling.formula_spellings import FILL
 from freebody.derivations.grammar.source import Span
 
 _ASSIGNED = re.compile(

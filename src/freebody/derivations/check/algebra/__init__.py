@@ -1,0 +1,1 @@
+"""Exact values of answers: quotients, trees of terms, polynomials, finite fields."""

@@ -1,0 +1,90 @@
+"""What can be asked of a model: all groups of quantities together, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from freebody.derivations.check.asked import load_names
+from freebody.derivations.check.asked.bodies import QuantitiesOfBodies
+from freebody.derivations.check.asked.body_quantities import soft_names
+from freebody.derivations.check.asked.energies import EnergyQuantities
+from freebody.derivations.check.asked.free_body import FreeBodyQuantities
+from freebody.derivations.check.asked.group import QuantityGroup
+from freebody.derivations.check.asked.joints import JointQuantities, VelocityCoefficients
+from freebody.derivations.check.asked.loops import LoopQuantities
+from freebody.derivations.check.asked.quantity import AskedQuantity, Table
+from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.check.asked.tip import TipQuantities
+from freebody.derivations.notations.notation import USUAL_LETTERS
+from freebody.lazy import cached_property
+
+AMBIGUOUS = frozenset(("B", "D", "b", "d", "k", "phi", "v"))
+"""Letters that some books have for these quantities, and others for something else."""
+
+_GROUPS: tuple[type[QuantityGroup], ...] = (
+    LoopQuantities,
+    JointQuantities,
+    EnergyQuantities,
+    QuantitiesOfBodies,
+    TipQuantities,
+)
+"""In this order: where two give a name to one number the first has it, of vectors and matrices the
+last."""
+
+
+@dataclass(frozen=True)
+class Targets:
+    """The quantities of a model by name; `velocity`: also h, h1, … of the notes' form."""
+
+    setting: RightEquations
+    velocity: bool = False
+    letters: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: USUAL_LETTERS)
+    """Letters of the families."""
+    based: bool = False
+    """Whether the base is accelerated by -g, which then is in all accelerations."""
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """All names, in plain spelling."""
+        return frozenset([*self.single, *self.tables])
+
+    @cached_property
+    def alone(self) -> frozenset[str]:
+        """Names that stand for vectors and matrices of bodies only."""
+        return frozenset(name for name in self.tables if name not in self.single)
+
+    @cached_property
+    def _groups(self) -> list[QuantityGroup]:
+        if self.setting.is_free_body:
+            return [FreeBodyQuantities(self.setting, self.letters, self.based)]
+        kinds = (*_GROUPS, *[VelocityCoefficients] * self.velocity)
+        return [kind(self.setting, self.letters, self.based) for kind in kinds]
+
+    @cached_property
+    def single(self) -> dict[str, AskedQuantity]:
+        """Quantities that are one polynomial."""
+        found: dict[str, AskedQuantity] = {}
+        for group in self._groups:
+            for names, target in group.single():
+                for name in names:
+                    found.setdefault(name, target)
+        return found
+
+    @cached_property
+    def tables(self) -> dict[str, Table]:
+        """Vectors (one column) and matrices of quantities."""
+        found: dict[str, Table] = {}
+        for group in self._groups:
+            found |= group.tables(self.single)
+        return found
+
+    @cached_property
+    def passive(self) -> tuple[int, ...]:
+        """Joints that nothing drives, from 1."""
+        return self._groups[0].passive
+
+    @cached_property
+    def soft(self) -> frozenset[str]:
+        """Names of vectors of bodies that users often give to things of their own."""
+        return soft_names(len(self.setting.symbols.coordinates)) | {*load_names.VECTORS, "W"}

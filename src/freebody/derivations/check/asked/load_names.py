@@ -1,0 +1,39 @@
+"""What answers call a force and a moment at the tip."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator
+
+from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.polynomials.symbols import symbols as symbols_of
+from freebody.model.model import Model
+from freebody.scalars.trig import Trig
+
+LOADS = {2: ("fx", "fy", "nz"), 3: ("fx", "fy", "fz", "nx", "ny", "nz")}
+"""Force and moment at the tip, in the order of the Jacobian's rows."""
+_COMPONENT = re.compile(r"(?<![A-Za-z\\])(?:[Ff]_?\{?(?:[PpEe]|tip)?_?\{?[xyz]|[MnN]_?\{?[xyz])")
+_VECTOR = re.compile(r"(?<![A-Za-z\\])(?:[Ff](?:_?\{?(?:[PpEe]|tip)\}?)?|W)(?!\w)")
+"""A force without its components: in an answer with the Jacobian."""
+_SPELT = {"f": ("f", "F", "fP", "FP", "fE", "FE", "fe", "Fe", "ftip", "Ftip"), "n": ("n", "M", "N")}
+VECTORS = tuple(name for name in _SPELT["f"] if not name.endswith("tip"))
+
+
+def named_in(model: Model, text: str) -> tuple[str, ...]:
+    """Symbols for the load on the tip, where a text has one."""
+    names = LOADS[model.dim]
+    if model.tip is None or model.loops or any(body.kind.quaternion for body in model.bodies):
+        return ()
+    if not _COMPONENT.search(text) and not ("J" in text and _VECTOR.search(text)):
+        return ()
+    slides = {f"f{x}" for x in symbols_of(model).coordinates}  # of a cart the drive's own force
+    return () if set(names) & {*slides, *model.parameters} else names
+
+
+def symbols(setting: RightEquations, taken: Collection[str]) -> Iterator[tuple[str, Trig]]:
+    """Spellings of the load's components, with their values; none that is taken."""
+    for name in setting.loads:
+        letter, axis = name
+        for spelling in (f"{x}{axis}" for x in _SPELT[letter]):
+            if spelling not in taken:
+                yield spelling, setting.ring[name]

@@ -1,0 +1,247 @@
+"""What an answer is compared with: the model's equations in a ring wide enough for what users write
+by mistake."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from types import MappingProxyType
+from typing import Any
+
+from freebody.derivations.check.algebra.quotients import Value
+from freebody.derivations.check.asked.letters_for_numbers import with_letters
+from freebody.derivations.closed_chains.first_kind import FirstKind
+from freebody.derivations.closed_chains.linear import Ratio
+from freebody.derivations.closed_chains.loops import LoopEquations
+from freebody.derivations.derive import multipliers
+from freebody.derivations.equations.equations import Equations, equations
+from freebody.derivations.grammar.parser import PI
+from freebody.derivations.methods.free_bodies import are_free, velocity_names
+from freebody.derivations.methods.free_body_steps import XYZ
+from freebody.derivations.methods.whole_bodies import symbols_of_bodies
+from freebody.derivations.notations.angles import Weights, angles_of
+from freebody.derivations.notations.notation import BookNotation
+from freebody.derivations.parameter_formulas import formulas_of
+from freebody.derivations.polynomials.symbol_order import Order
+from freebody.derivations.polynomials.symbols import RATE, SECOND, Symbols, symbols
+from freebody.derivations.polynomials.textbook_form import Layout
+from freebody.lazy import cached_property
+from freebody.model.model import Model
+from freebody.scalars.trig import Trig, TrigRing
+
+FAMILIES = ("l", "lc", "m", "I")
+"""Parameters that every link of a planar arm has in the notes."""
+
+FORCES = tuple(f"{letter}_{axis}" for letter in "fn" for axis in XYZ)
+"""Force and moment on a free body."""
+
+
+@dataclass(frozen=True)
+class RightEquations:
+    """The equations, and their symbols over the wider ring."""
+
+    equations: Equations
+    symbols: Symbols
+    foreign: frozenset[str]
+    """Symbols of the notes that this model does not have, such as l2 of a link that slides."""
+    zeros: frozenset[str] = frozenset()
+    """Parameters of the model whose value is 0: an answer may name them."""
+    turned: Weights | None = None
+    """Of absolute angles: B of θ = B φ, where θ are the model's coordinates and φ the answer's, in
+    which all turns are measured from one direction. Torques and forces are then those of φ."""
+    quarters: tuple[int, ...] = ()
+    """Of angles that are not measured from the x axis: by how many right angles each coordinate of
+    the answer is 0 elsewhere."""
+    formulas: Mapping[str, str | float] = field(default_factory=lambda: MappingProxyType({}))
+    """Parameters that are given by formulas."""
+
+    @cached_property
+    def layout(self) -> Layout:
+        """How polynomials are printed."""
+        return Layout(self.symbols)
+
+    @property
+    def order(self) -> Order:
+        """What the symbols are."""
+        return self.layout.order
+
+    @property
+    def ring(self) -> TrigRing:
+        """The ring of answers."""
+        return self.symbols.ring
+
+    @cached_property
+    def system(self) -> FirstKind | None:
+        """Of a closed chain its equations with multipliers; torques are those of them."""
+        symbols = self.equations.symbols
+        loops = LoopEquations(symbols) if symbols.model.loops else None
+        return loops and FirstKind(loops, self.equations)
+
+    @property
+    def is_planar(self) -> bool:
+        """Whether the model moves in the plane."""
+        return self.symbols.model.dim == 2
+
+    @cached_property
+    def is_free_body(self) -> bool:
+        """Whether it is one body that nothing holds."""
+        symbols = self.equations.symbols
+        return _is_free_body(symbols.given or symbols.model)
+
+    @property
+    def loads(self) -> tuple[str, ...]:
+        """Symbols of a force and a moment at the tip, where an answer has them."""
+        symbols = self.equations.symbols
+        plain = not (symbols.model.loops or self.is_free_body)
+        return symbols.extra if plain else ()
+
+    @property
+    def joints(self) -> int:
+        """The highest number a joint's coordinate carries."""
+        return max(
+            (int(d) for x in self.symbols.coordinates for d in re.findall(r"\d+", x)), default=0
+        )
+
+    @property
+    def zero(self) -> Trig:
+        """0."""
+        return self.symbols.zero()
+
+    def element(self, x: Trig) -> Trig:
+        """A polynomial of the equations in the wider ring, and in the answer's coordinates."""
+        if not self._images:
+            return self.ring.polynomial(x.terms())
+        found = self.zero
+        for powers, coefficient in x.terms():
+            term = self.zero + coefficient
+            for name, power in powers.items():
+                term = term * self.image(name) ** power
+            found = found + term
+        return found
+
+    def image(self, name: str) -> Trig:
+        """What a symbol of the equations is in those of the answer."""
+        kept = self._images.get(name)
+        return self.ring.polynomial([({name: 1}, Fraction(1))]) if kept is None else kept
+
+    @cached_property
+    def _images(self) -> dict[str, Trig]:
+        """What the model's coordinates and rates are in those of the answer."""
+        images = dict(self.given)
+        names = self.symbols.coordinates
+        if self.turned is None and not any(self.quarters):
+            return images
+        unit = tuple(tuple(int(i == k) for k in range(len(names))) for i in range(len(names)))
+        for name, row in zip(names, self.turned or unit, strict=True):
+            for ending in ("", RATE, SECOND):
+                parts = (k * self.ring[x + ending] for x, k in zip(names, row, strict=True) if k)
+                images[name + ending] = sum(parts, self.zero)
+            quarters = sum(k * q for k, q in zip(row, self.quarters, strict=bool(self.quarters)))
+            images[name] = images[name] + self.zero + PI / 2 * quarters
+            if name in self.ring.angles:
+                images[f"sin_{name}"], images[f"cos_{name}"] = (
+                    images[name].sin(),
+                    images[name].cos(),
+                )
+        return images
+
+    @cached_property
+    def given(self) -> dict[str, Trig]:
+        """The values of parameters that are given by formulas."""
+        return formulas_of("check", self.symbols, self.formulas)
+
+    def all_of(self, name: str) -> Any:
+        """tau, c or g (Bᵀ τ), M or C (Bᵀ M B), T or V of the equations, for the answer's
+        coordinates."""
+        found: Any = self.system.forces if self.system and name == "tau" else None
+        if found is None:
+            found = getattr(self.equations, name)
+        if self.turned is None or isinstance(found, Trig):
+            return found
+        rows = self.forces(found)
+        if isinstance(rows[0], list):
+            columns = self.forces(list(zip(*rows, strict=True)))
+            return [list(row) for row in zip(*columns, strict=True)]
+        return rows
+
+    def forces(self, values: Sequence[Any]) -> list[Any]:
+        """Generalized forces of the model's coordinates as those of the answer's: Bᵀ τ. Of a
+        matrix's rows the same."""
+        if self.turned is None:
+            return list(values)
+        B, n = self.turned, range(len(values))
+        return [_combined([B[k][i] for k in n], values) for i in n]
+
+    def parameter(self, name: str) -> Trig | None:
+        """What a parameter's name stands for: its symbol, or 0 where that is its value; None of no
+        parameter."""
+        if name in self.zeros:
+            return self.zero
+        return self.ring[name] if name in self.ring.index else None
+
+    def form(self, x: Value) -> str:
+        """A polynomial, or a quotient of two, as one prints it."""
+        return str(x.form(self.layout) if isinstance(x, Ratio) else self.layout.form(x))
+
+
+def _combined(factors: Sequence[int], values: Sequence[Any]) -> Any:
+    """The sum of values, or of rows of them, each times its factor."""
+    if isinstance(values[0], list | tuple):
+        columns = zip(*values, strict=True)
+        return [_combined(factors, column) for column in columns]
+    return sum((x * k for x, k in zip(values, factors, strict=True) if k), values[0] * 0)
+
+
+def in_notation(
+    equations: Equations, notation: BookNotation, absolute: bool = False
+) -> RightEquations:
+    """The setting of a model's equations for answers in a notation."""
+    model, given = equations.symbols.model, equations.symbols.given or equations.symbols.model
+    zeros = [name for name, value in given.parameters.items() if value == 0]
+    turned, quarters = angles_of("check", notation, model, absolute)
+    plain = setting(equations, zeros, turned)
+    return replace(plain, quarters=quarters, formulas=notation.parameters)
+
+
+def equations_of(model: Model, loads: tuple[str, ...] = ()) -> Equations:
+    """The closed-form equations; of a closed chain those of the tree that is left when its loops
+    are cut, over a ring that holds the multipliers. loads: symbols of a load on the tip."""
+    if _is_free_body(model):
+        lettered = with_letters(model)
+        return Equations(
+            symbols_of_bodies("check", lettered, (*velocity_names(model), *FORCES), euler=True)
+        )
+    if not model.loops:
+        return Equations(symbols(model, extra=loads)) if loads else equations(model)
+    return Equations(symbols(model, extra=multipliers(model)))
+
+
+def _is_free_body(model: Model) -> bool:
+    return len(model.bodies) == 1 and are_free(model)
+
+
+def setting(
+    equations: Equations, zeros: Collection[str] = (), turned: Weights | None = None
+) -> RightEquations:
+    """The setting of a model's equations; `zeros`: names of parameters that are 0 in them; turned:
+    see `RightEquations`."""
+    symbols = equations.symbols
+    ring = symbols.ring
+    foreign: list[str] = []
+    if symbols.model.dim == 2:
+        numbers = [re.sub(r"\D", "", x) for x in symbols.coordinates]
+        family = [f"{letter}{k}" for k in numbers for letter in FAMILIES]
+        moving = [f"{x}{k}" for k in numbers for x in ("theta", "d")]
+        still = set(ring.index) - set(symbols.coordinates)  # a length may be called d1
+        family += [x + e for x in moving if x not in still for e in ("", RATE, SECOND)]
+        foreign = [
+            name for name in dict.fromkeys(family) if name not in ring.index and name not in zeros
+        ]
+    angles = [name for name in foreign if re.fullmatch(r"theta\d+", name)]
+    others = [name for name in foreign if name not in angles]
+    wide = TrigRing([*ring.angles, *angles], [*ring.names[len(ring.angles) :], *others])
+    return RightEquations(
+        equations, replace(symbols, ring=wide), frozenset(foreign), frozenset(zeros), turned
+    )

@@ -1,0 +1,169 @@
+"""What the lines of an answer state: which quantity each is about, and the expression given for
+it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from freebody.derivations.check.algebra.answer_tree import Named
+from freebody.derivations.check.algebra.quotients import difference
+from freebody.derivations.check.algebra.tables_in_formulas import Shape
+from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity
+from freebody.derivations.check.claims.formula_reader import BODY_FAMILIES, entry_label
+from freebody.derivations.check.claims.own_definitions import OwnDefinitions
+from freebody.derivations.check.claims.unnamed_equations import UnnamedEquations
+from freebody.derivations.check.numbers.units import unit_of_quantity
+from freebody.derivations.check.reading.answer_lines import Line
+from freebody.derivations.check.reading.claim import Claim
+from freebody.derivations.check.reading.reading import inverse_behind
+from freebody.derivations.expressions.nodes import Expression, Matrix, Number
+from freebody.derivations.grammar.lexer import Token
+from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.scalars.trig import Trig
+
+
+class ClaimReader(OwnDefinitions, UnnamedEquations):
+    """Lines into claims."""
+
+    def claims(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
+        """What one equation states, after others."""
+        self.of_bodies = self.is_about_bodies(line)
+        self.begin(line)
+        if self.is_solved(line):
+            return [self.solved_for(line)]
+        subjects = [self._subject(side) for side in line]
+        named = [subject for subject in subjects if subject is not None]
+        if not named or len(line) < 2:
+            return self.unnamed(line, before)
+        if not self.setting.is_free_body and any(map(self._is_of_joints, named)):
+            self.of_bodies = False
+        other = [side for side, subject in zip(line, subjects, strict=True) if subject is None]
+        if not other:
+            named, other = named[:1], list(line[1:])
+        found = []
+        for side in other:
+            if self._closes(named[0], side, len(other)):
+                continue
+            node = self.parse(side, self._shape_of(named[0]))
+            for subject in named:
+                found += self._pairs(subject, node)
+        return found
+
+    def _closes(self, subject: Token | Named | Matrix, side: Sequence[Token], count: int) -> bool:
+        """Whether a side is the 0 of Φ1 = … = 0, which says that the loop is closed, or of
+        det J = … = 0, which says where the arm is singular."""
+        own = isinstance(subject, Token) and subject.text.startswith(("Phi", "detJ"))
+        return own and count > 1 and len(side) == 1 and side[0].text == "0"
+
+    def _is_of_joints(self, subject: Token | Named | Matrix) -> bool:
+        """Whether it is a whole vector or matrix of the equations of motion, in which g is too."""
+        if not isinstance(subject, Token) or subject.text in self.targets.single:
+            return False
+        family = self.targets.tables[subject.text][0][0].family
+        return family != "q" and family not in BODY_FAMILIES
+
+    def _shape_of(self, subject: Token | Named | Matrix) -> Shape | None:
+        """The shape of a vector or matrix that cannot be one number."""
+        if isinstance(subject, Matrix):
+            return len(subject.rows), len(subject.rows[0])
+        if isinstance(subject, Named) or subject.text in self.targets.single:
+            return None
+        table = self.targets.tables[subject.text]
+        return len(table), len(table[0])
+
+    def _subject(self, side: Sequence[Token]) -> Token | Named | Matrix | None:
+        """The quantity, the derivative of one, or the vector or matrix of quantities that a side
+        is, if it is one alone."""
+        if len(side) == 1 and side[0].kind == "name" and side[0].text in self.targets.names:
+            return side[0]
+        first = side[0]
+        name = first.text + INVERSE
+        if name in self.targets.tables and inverse_behind(side[1:]) == len(side) - 1 > 0:
+            return replace(first, text=name, end=side[-1].end)
+        if first.kind != "partial" and not self.is_matrix(side):
+            return None
+        node = self.parse(side)
+        if isinstance(node, Matrix):
+            return node if all(self._is_quantity(x) for row in node.rows for x in row) else None
+        return node if isinstance(node, Named) and self._is_quantity(node) else None
+
+    def _is_quantity(self, node: Expression) -> bool:
+        """Whether a node is a quantity by name, or a derivative."""
+        if not isinstance(node, Named):
+            return False
+        return node.is_derivative or (
+            node.name in self.targets.single and node.name not in self.vocabulary.symbols
+        )
+
+    def _pairs(self, name: Token | Named | Matrix, node: Expression) -> list[Claim]:
+        """The claims of name = node, entry by entry where it is a vector or matrix."""
+        label = self.source[name.span]
+        if isinstance(name, Matrix):
+            return self._entry_by_entry(name, node)
+        if isinstance(name, Named):
+            derivative = AskedQuantity("derivative", (), lambda: name.value)
+            asked = derivative if name.is_derivative else self.targets.single[name.name]
+            return [self.claim(label, asked, node)]
+        single, table = self.targets.single.get(name.text), self.targets.tables.get(name.text)
+        if isinstance(node, Number) and table and name.text[0] in self.letters_of_vectors:
+            zeros = tuple((replace(node),) for _ in table)
+            node = Matrix(zeros, span=node.span) if node.value == 0 else node
+        if not isinstance(node, Matrix):
+            if single is None:
+                self.source.fail(
+                    f"{label} is a vector or matrix: write it as [[…, …], […, …]]", name.span
+                )
+            return [self.claim(label, self._energy_or_power(name.text, single, node), node)]
+        if table is None and single is not None:
+            table = [[single]]
+        return self._entries(label, node, table or [])
+
+    def _energy_or_power(self, name: str, single: AskedQuantity, node: Expression) -> AskedQuantity:
+        """What a P is that may be the potential energy or the power of the drives: of which it is
+        right, or has the units; with rates in it the power."""
+        power = self.targets.single.get(name.replace("P", "power"))
+        if not name.startswith("P") or single.family not in ("V", "Vi") or power is None:
+            return single
+        value, written = self.quotient(node), self.numbers.of(node.span)
+        if written is not None and written.unit is not None:
+            needed = unit_of_quantity(self.setting, power, value)
+            return power if written.unit.dimension == needed else single
+        if difference(value, single.compute()).is_zero or not isinstance(value, Trig):
+            return single
+        moving = any(x.endswith((RATE, SECOND)) for powers, _ in value.terms() for x in powers)
+        return power if moving else single
+
+    def _entry_by_entry(self, named: Matrix, node: Expression) -> list[Claim]:
+        """The claims of [τ1; τ2] = node."""
+        if not isinstance(node, Matrix) or [len(x) for x in node.rows] != [
+            len(x) for x in named.rows
+        ]:
+            self.source.fail(
+                "the sides of this equation have different numbers of entries", named.span
+            )
+        pairs = zip(named.rows, node.rows, strict=True)
+        return [
+            claim
+            for names, row in pairs
+            for name, x in zip(names, row, strict=True)
+            if isinstance(name, Named)
+            for claim in self._pairs(name, x)
+        ]
+
+    def _entries(self, label: str, node: Matrix, table: list[list[AskedQuantity]]) -> list[Claim]:
+        rows = [list(row) for row in node.rows]
+        if len(rows) == 1 and table and len(table[0]) == 1:
+            rows = [[entry] for entry in rows[0]]  # a vector written as a row
+        if label == "J" and len(rows) < len(table):
+            table = table[: len(rows)]
+        if [len(row) for row in table] == [1] and len(rows) * len(rows[0]) > 1:
+            self.source.fail(f"{label} is one number, not a vector or matrix", node.span)
+        if [len(r) for r in rows] != [len(r) for r in table]:
+            size = f"{len(table)} × {len(table[0])}"
+            self.source.fail(f"{label} has {size} entries here", node.span)
+        return [
+            self.claim(entry_label(label, target), target, entry)
+            for row, targets in zip(rows, table, strict=True)
+            for entry, target in zip(row, targets, strict=True)
+        ]

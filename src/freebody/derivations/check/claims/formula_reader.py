@@ -1,0 +1,176 @@
+"""Sides of equations into trees and values, with the model's quantities by name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from freebody.derivations.check.algebra.answer_tree import Named
+from freebody.derivations.check.algebra.exact_polynomials import PolynomialReader
+from freebody.derivations.check.algebra.quotients import Value
+from freebody.derivations.check.algebra.tables_in_formulas import Shape, worked_out
+from freebody.derivations.check.asked.asked_quantities import Targets
+from freebody.derivations.check.asked.dotted_names import spellings
+from freebody.derivations.check.asked.loads import held
+from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.check.numbers.written_numbers import WrittenNumbers
+from freebody.derivations.check.reading import loaded_lines
+from freebody.derivations.check.reading.answer_lines import Line
+from freebody.derivations.check.reading.circular_answers import uses
+from freebody.derivations.check.reading.claim import Claim
+from freebody.derivations.check.reading.reading import AnswerParser
+from freebody.derivations.check.reading.vocabulary import Vocabulary
+from freebody.derivations.check.spelling.answer_text import AnswerText
+from freebody.derivations.expressions.evaluate import NoValue
+from freebody.derivations.expressions.nodes import Expression, Matrix
+from freebody.derivations.grammar.lexer import Token
+from freebody.derivations.grammar.source import Span
+from freebody.scalars.trig import Trig
+
+_OF_BODIES = {"g": "gravity", "J": "JP"}
+"""What names stand for in equations of bodies."""
+BODY_FAMILIES = frozenset(("of body", "tip", "tip_d", "tip_dd", "T", "V", "L", "Ti", "Vi", "J_d"))
+"""Families that only equations of bodies have."""
+
+
+class FormulaReader:
+    """Reads sides."""
+
+    def __init__(
+        self,
+        source: AnswerText,
+        vocabulary: Vocabulary,
+        targets: Targets,
+        numbers: WrittenNumbers,
+    ):
+        self.source, self.vocabulary, self.targets = source, vocabulary, targets
+        self.numbers = numbers
+        self.setting = vocabulary.setting
+        self.replaced: dict[str, Trig] = {}
+        self.letters_of_vectors: frozenset[str] = frozenset()
+        """Letters such as v that other lines give as vectors: v1 = 0 is one too."""
+        self.load: frozenset[str] = frozenset()
+        """The components of a force at the tip that the answer has."""
+        self.is_loaded = False
+        """Whether the line has some of them."""
+        self.families: frozenset[str] = frozenset()
+        """Of the line's quantities."""
+        self.of_bodies = False
+        """Whether the line is about bodies, so that g is the gravitational acceleration and J that
+        of the tip's position; else they are what stands in the equations of motion."""
+
+    def parse(self, side: Sequence[Token], shape: Shape | None = None) -> Expression:
+        """A side as tree; shape: of the vector that it must be."""
+        parser = AnswerParser(
+            self.source, side, self.vocabulary, self._quantity, self.targets.single, self.table
+        )
+        node = parser.side()
+        try:
+            return worked_out(node, parser.others, shape)
+        except NoValue as problem:
+            self.source.fail(problem.problem, (problem.node or node).span)
+
+    def is_about_bodies(self, line: Line) -> bool:
+        """Whether a line has a name of a body's quantity in it."""
+        found = any(self._tells_of_bodies(token) for side in line for token in side)
+        return found or self.setting.is_free_body
+
+    def _tells_of_bodies(self, token: Token) -> bool:
+        """Whether a name is that of a vector of a body or the tip, or of an energy."""
+        if token.kind != "name" or token.text in self.vocabulary.symbols:
+            return False
+        single = self.targets.single.get(token.text)
+        if single is not None:
+            return single.family in BODY_FAMILIES
+        if token.text in self.vocabulary.waves:
+            return False
+        table = self.targets.tables.get(token.text)
+        return table is not None and table[0][0].family in BODY_FAMILIES
+
+    def table(self, name: str, span: Span) -> Matrix | None:
+        """The entries of a vector or matrix, each with its name."""
+        meant = _OF_BODIES.get(name, name) if self.of_bodies else name
+        if name == "J" and self.is_loaded and not any(x.startswith("n") for x in self.load):
+            meant = "JP"
+        table = self.targets.tables.get(meant)
+        if table is None:
+            return None
+        return Matrix(
+            tuple(
+                tuple(Named(entry_label(meant, x), self._value_of(x), span=span) for x in row)
+                for row in table
+            ),
+            span=span,
+        )
+
+    def value(self, node: Expression) -> Trig:
+        """A tree as polynomial."""
+        return PolynomialReader(self.source, self.setting.ring).read(node)
+
+    def quotient(self, node: Expression) -> Value:
+        """A tree as polynomial, or as quotient of two."""
+        return PolynomialReader(self.source, self.setting.ring).quotient(node)
+
+    def _quantity(self, name: str) -> Value | None:
+        if name in self.replaced:
+            return self.replaced[name]
+        if name not in self.targets.single:
+            return None
+        return self._value_of(self.targets.single[name])
+
+    def _value_of(self, target: AskedQuantity) -> Value:
+        return self.setting.zero if target.idle else self.with_load(target).compute()
+
+    def with_load(self, target: AskedQuantity) -> AskedQuantity:
+        """Of a torque in a line that has a force at the tip, the torque that holds it."""
+        if not self.is_loaded or target.family != "tau" or target.idle:
+            return target
+        return held(self.setting, self.targets.single, target, self.load, self.families)
+
+    def begin(self, line: Line) -> None:
+        """Note what a line is about."""
+        if self.load:
+            self.is_loaded = bool(loaded_lines.loads([line], self.vocabulary, self.targets))
+            self.families = loaded_lines.families(line, self.vocabulary, self.targets)
+
+    def claim(self, label: str, target: AskedQuantity, node: Expression) -> Claim:
+        """What a tree says of a quantity."""
+        used = tuple(uses(node, self.targets.single, self.vocabulary))
+        value = self.quotient(node)
+        asked = next((x for x in self.along_legs(target) if x.compute() == value), None)
+        return Claim(label, asked or self.with_load(target), node, value, self.source, used)
+
+    def along_legs(self, target: AskedQuantity) -> list[AskedQuantity]:
+        """A coordinate of a closed chain's tip along its other legs, where it is x + Φ or x - Φ."""
+        if target.family != "tip" or self.setting.system is None:
+            return []
+        x, note = target.polynomial(), "Along the other leg: it holds where the loops are closed."
+        loops = {t: t.polynomial() for t in self.targets.single.values() if t.family == "Phi"}
+        ways = [x + sign * Phi for Phi in loops.values() for sign in (1, -1)]
+        return [replace(target, compute=lambda y=y: y, note=note) for y in ways]
+
+    def says_that_the_base_moves(self, line: Line) -> bool:
+        """Whether it is v̇0 = -g: gravity as an acceleration of the base."""
+        first = line[0]
+        if len(first) != 1 or first[0].text not in spellings("v", "0", 1) or len(line) != 2:
+            return False
+        self.of_bodies = True
+        gravity = self.table("gravity", first[0].span)
+        node = self.parse(line[1], gravity and (len(gravity.rows), 1))
+        if gravity is None or not isinstance(node, Matrix):
+            return False
+        pairs = zip(entries_of(gravity), entries_of(node), strict=False)
+        return all((self.value(x) + self.value(y)).is_zero for x, y in pairs)
+
+    def is_matrix(self, side: Sequence[Token]) -> bool:
+        """Whether a side is a vector or matrix as it stands."""
+        return side[0].kind == "begin" or side[0].text == "["
+
+
+def entry_label(label: str, target: AskedQuantity) -> str:
+    """c of joint 2 is c2; the second entry of vc1 is vc1y."""
+    return label + (target.axis or "".join(map(str, target.index)))
+
+
+def entries_of(node: Expression) -> list[Expression]:
+    return [x for row in node.rows for x in row] if isinstance(node, Matrix) else [node]

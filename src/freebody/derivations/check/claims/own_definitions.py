@@ -1,0 +1,156 @@
+"""Lines that introduce names of the user's own."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from contextlib import suppress
+
+from freebody.derivations.check.algebra.answer_tree import Wave
+from freebody.derivations.check.algebra.quotients import Value, difference
+from freebody.derivations.check.asked.asked_quantities import AMBIGUOUS
+from freebody.derivations.check.claims.solved_quantities import SolvedQuantities
+from freebody.derivations.check.numbers.units import is_of_another_kind
+from freebody.derivations.check.reading.answer_lines import Line
+from freebody.derivations.check.reading.circular_answers import refuse_itself, uses
+from freebody.derivations.check.spelling.answer_text import AnswerError
+from freebody.derivations.closed_chains.linear import Ratio
+from freebody.derivations.expressions.nodes import Matrix
+from freebody.derivations.grammar.lexer import Token
+
+_BY_FORMULA = (
+    "Parameters that formulas give, as lc = l/2 of uniform bars, are told by parameters=, "
+    "--parameter lc=l/2, or stand below [parameters] in a notation of your own."
+)
+_NO_QUOTIENTS = ("K", "gamma")
+"""Letters of quantities that are no quotients, which name ratios in other lines."""
+
+
+class OwnDefinitions(SolvedQuantities):
+    """Tells definitions from what is to be checked, and notes their values."""
+
+    def letters_given_as_vectors(self, lines: Sequence[Line]) -> frozenset[str]:
+        """First letters of names of vectors that a line gives by its entries."""
+        return frozenset(
+            line[0][0].text[0]
+            for line in lines
+            if len(line[0]) == 1
+            and line[0][0].text in self.targets.soft
+            and any(self.is_matrix(side) for side in line[1:])
+        )
+
+    def own_scalars(self, lines: Sequence[Line]) -> set[str]:
+        """Names of vectors that lines give as one number, wherever these stand."""
+        found = set[str]()
+        for line in lines:
+            name = line[0][0].text if len(line[0]) == 1 and len(line) > 1 else ""
+            with suppress(AnswerError):  # told where the line is read
+                if self._is_own_scalar(name, line):
+                    found.add(name)
+        return found
+
+    def definitions(self, line: Line, lines: Sequence[Line]) -> list[Line]:
+        """The line, if it introduces a name of the user's own, or an h that other lines use: its
+        value is noted."""
+        first = line[0]
+        name = first[0].text if len(first) == 1 and first[0].kind == "name" else ""
+        self.of_bodies = self.is_about_bodies(line)
+        self.begin(line)
+        if self.is_solved(line):
+            return []
+        if name in self.vocabulary.waves and self._is_wave(name, line):
+            return [line]
+        if not name or (
+            name in self.targets.names
+            and not self._is_own_h(name, line, lines)
+            and not self._is_own_number(name, line, lines)
+            and not self._is_own_scalar(name, line)
+        ):
+            return []
+        if self._repeats_a_formula(name, line):
+            return [line]
+        if name in self.vocabulary.waves or name in self.setting.zeros or not self._is_free(name):
+            self.source.fail(
+                f"{self.source[first[0].span]} is a symbol of the model, not a result to be "
+                f"checked",
+                first[0].span,
+                "" if name in self.vocabulary.waves else _BY_FORMULA,
+            )
+        node = self.parse(line[1])
+        given = tuple(use.target for use in uses(node, self.targets.single, self.vocabulary))
+        if self.targets.single.get(name) in given:
+            refuse_itself(self.source, self.source[first[0].span], node.span)
+        self.vocabulary.define(name, self.quotient(node), given)
+        return [line]
+
+    def _repeats_a_formula(self, name: str, line: Line) -> bool:
+        """Whether a line says of a parameter that a formula gives only what that formula says."""
+        meant = self.vocabulary.symbols.get(name)
+        if meant is None or meant not in self.setting.given.values():
+            return False
+        node = self.parse(line[1])
+        return not isinstance(node, Matrix) and difference(self.quotient(node), meant).is_zero
+
+    def _is_wave(self, name: str, line: Line) -> bool:
+        """Whether a line says of s12 or c12 only what it stands for anyway."""
+        node = self.parse(line[1])
+        if isinstance(node, Matrix):
+            return False
+        meant = Wave(*self.vocabulary.waves[name], span=line[0][0].span)
+        return difference(self.quotient(node), self.value(meant)).is_zero
+
+    def _is_free(self, name: str) -> bool:
+        """Whether a name stands for nothing of the model: for nothing, or for what only other
+        models have."""
+        if name in self.setting.foreign:
+            return True
+        return self.vocabulary.symbols.get(name, self.setting.zero).is_zero
+
+    def _is_own_number(self, name: str, line: Line, lines: Sequence[Line]) -> bool:
+        """Whether a letter that some books have for one of the quantities stands for something of
+        the user's own: one number for a matrix or vector, or what other lines use and has other
+        units."""
+        letter = re.sub(r"\d+$", "", name)
+        soft = letter in AMBIGUOUS or name in self.targets.soft
+        if not (soft or letter in _NO_QUOTIENTS) or self.is_matrix(line[1]):
+            return False
+        target = self.targets.single.get(name)
+        if target is None:
+            return name in AMBIGUOUS
+        if isinstance(self._given(line[1]), Ratio):
+            return True
+        if not soft:
+            return False
+        if not self._is_used(name, line, lines):
+            return False
+        node = self.parse(line[1])
+        return not isinstance(node, Matrix) and is_of_another_kind(
+            self.setting, self.value(node), target.polynomial()
+        )
+
+    def _given(self, side: Sequence[Token]) -> Value | None:
+        """The value of a side that is no vector or matrix."""
+        node = self.parse(side)
+        return None if isinstance(node, Matrix) else self.quotient(node)
+
+    def _is_own_scalar(self, name: str, line: Line) -> bool:
+        """Whether a name of a body's vector is given to one number."""
+        if name not in self.targets.soft or name in self.targets.single:
+            return False
+        return not isinstance(self.parse(line[1]), Matrix)
+
+    def _is_own_h(self, name: str, line: Line, lines: Sequence[Line]) -> bool:
+        """Whether a line defines a velocity coefficient that other lines are written with."""
+        if self.targets.single.get(name) is None or self.targets.single[name].family != "h":
+            return False
+        return self._is_used(name, line, lines)
+
+    def _is_used(self, name: str, line: Line, lines: Sequence[Line]) -> bool:
+        """Whether another line is written with a name, not merely about it."""
+        return any(
+            t.kind == "name" and t.text == name
+            for other in lines
+            if other != line
+            for side in (other if len(other[0]) > 1 else other[1:])
+            for t in side
+        )

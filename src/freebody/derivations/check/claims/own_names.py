@@ -1,0 +1,120 @@
+"""Names of the user's own, or of a notation, and what they stand for."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from freebody.derivations.check.algebra.exact_polynomials import PolynomialReader
+from freebody.derivations.check.asked.asked_quantities import Targets
+from freebody.derivations.check.asked.dotted_names import spellings
+from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.check.asked.right_equations import FAMILIES
+from freebody.derivations.check.reading.circular_answers import uses
+from freebody.derivations.check.reading.reading import AnswerParser
+from freebody.derivations.check.reading.vocabulary import FUNCTIONS, Vocabulary
+from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerText
+from freebody.derivations.grammar import words
+from freebody.derivations.grammar.lexer import tokens
+from freebody.derivations.notations.lettering import Lettering
+from freebody.derivations.notations.notation import BookNotation
+from freebody.scalars.trig import Trig
+
+_NUMBERED = (*FAMILIES, "theta", "d", "q")
+"""What names of one's own may stand for, for all links or joints."""
+
+
+def of_notation(vocabulary: Vocabulary, targets: Targets, notation: BookNotation) -> None:
+    """The names of a notation, all at once, as one may stand for what another is called here; none
+    where the model has such names itself."""
+    here = Vocabulary(vocabulary.setting, targets.names, targets.alone)
+    symbols = vocabulary.setting.symbols
+    lettering = Lettering(notation, frozenset(symbols.model.parameters), symbols.coordinates)
+    if lettering.taken:
+        return
+    for name, meaning in notation.names.items():
+        if meaning not in _NUMBERED or (meaning in here.symbols and name not in lettering.alone):
+            _rename(vocabulary, targets, name, meaning, here)
+        for k in range(1, vocabulary.setting.joints + 1) if meaning in _NUMBERED else ():
+            if f"{meaning}{k}" in here.symbols:
+                _rename(vocabulary, targets, f"{name}{k}", f"{meaning}{k}", here)
+    for own, name in lettering.names.items():
+        _rename(vocabulary, targets, name, own, here)
+    vocabulary.no_waves(
+        name for name, x in targets.single.items() if _is_printed(name, x, notation)
+    )
+
+
+def _is_printed(name: str, target: AskedQuantity, notation: BookNotation) -> bool:
+    """Whether a notation prints a quantity by that name."""
+    letters = notation.letters.get(target.family, ())
+    printed = target.family in notation.printed_families
+    return printed and bool(re.fullmatch(rf"{letters[0]}\d+", name))
+
+
+def of_user(vocabulary: Vocabulary, targets: Targets, names: Mapping[str, str]) -> None:
+    """The user's names, all at once too; one may stand for what others do."""
+    here, waiting = vocabulary.copy(), dict(names)
+    while waiting:
+        problem = None
+        for name, meaning in list(waiting.items()):
+            try:
+                if not _rename(vocabulary, targets, name, meaning, here):
+                    raise AnswerError(f"names: {name!r}: no {meaning!r} with a number is known")
+                del waiting[name]
+            except AnswerError as error:
+                problem = problem or error
+        if problem is not None and len(waiting) == len(names):
+            raise problem
+        here, names = vocabulary.copy(), dict(waiting)
+
+
+def _rename(
+    vocabulary: Vocabulary, targets: Targets, name: str, meaning: str, here: Vocabulary
+) -> bool:
+    """A name of the user's own, for a symbol (and its rates), for a family of them, for an
+    expression, or a letter for the cosines and sines of all angles; whether there is such a thing.
+    here: what the meaning is written with."""
+    plain = _plain(name)
+    if plain in (*FUNCTIONS, "pi", "t"):
+        raise AnswerError(f"names: {name!r} has a meaning of its own and cannot be another name")
+    target = _plain(meaning) if re.fullmatch(r"[\w\\{}']+", meaning) else ""
+    if target in _NUMBERED and target not in here.symbols:
+        numbers = [k for k in range(1, here.setting.joints + 1) if f"{target}{k}" in here.symbols]
+        for k in numbers:
+            _rename(vocabulary, targets, f"{plain}{k}", f"{target}{k}", here)
+        return bool(numbers)
+    if target in ("sin", "cos"):
+        if re.search(r"\d", plain):
+            raise AnswerError(f"names: {name!r} is to be a letter for {target}, without numbers")
+        vocabulary.also_wave(plain, target)
+        return True
+    source = AnswerText.of(meaning)
+
+    def quantity(name: str) -> Trig | None:
+        return targets.single[name].polynomial() if name in targets.single else None
+
+    node = AnswerParser(source, tokens(source, here)[:-1], here, quantity).side()
+    value = PolynomialReader(source, vocabulary.setting.ring).read(node)
+    given = tuple(use.target for use in uses(node, targets.single, vocabulary))
+    vocabulary.define(plain, value, given)
+    letter, digits = re.sub(r"\d+$", "", plain), re.findall(r"\d*$", plain)[0]
+    rate = value
+    for dots in (1, 2):
+        rate = rate.along(vocabulary.setting.symbols.rates)
+        if rate.is_zero:
+            break
+        for spelling in spellings(letter, digits, dots):
+            vocabulary.define(spelling, rate, given)
+    return True
+
+
+def _plain(name: str) -> str:
+    """The plain spelling of a name."""
+    source = AnswerText.of(name.strip())
+    if not source.text or not (source.text[0] in words.STARTS or source.text[0] == "\\"):
+        raise AnswerError(f"names: {name!r} is not a name")
+    word = words.spell(source, 0)
+    if word.end != len(source.text):
+        raise AnswerError(f"names: {name!r} is not a single name")
+    return word.plain

@@ -1,0 +1,178 @@
+"""Equations no side of which is a quantity: torques inside, loops, passive joints, identities."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+
+from freebody.derivations.check.algebra.answer_tree import Named
+from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.check.claims.formula_reader import FormulaReader, entries_of
+from freebody.derivations.check.reading.answer_lines import Line
+from freebody.derivations.check.reading.circular_answers import uses
+from freebody.derivations.check.reading.claim import Claim
+from freebody.derivations.check.reasons import undriven_joints
+from freebody.derivations.expressions.nodes import Expression, Matrix, Negative, Number, Sum, nodes
+from freebody.derivations.grammar.parser import around
+from freebody.scalars.trig import Trig
+
+_LONGEST_LABEL = 60
+_MOST_COORDINATES = 2
+
+
+class UnnamedEquations(FormulaReader):
+    """Reads what such an equation states."""
+
+    def unnamed(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
+        """An equation that holds one τ_i somewhere, solved for it; without any, that of a passive
+        joint."""
+        span = (line[0][0].start, line[-1][-1].end)
+        inside = {
+            t.text
+            for side in line
+            for t in side
+            if t.kind == "name" and t.text in self.targets.single
+        }
+        inside -= set(self.vocabulary.symbols)
+        torques = {
+            self.targets.single[name]
+            for name in inside
+            if self.targets.single[name].family == "tau"
+        }
+        torques = {target for target in torques if not target.idle}
+        if self.setting.is_free_body:
+            return self._identities(line)
+        if len(line) == 2 and not torques and self.setting.system is not None:
+            if along := self._along_legs(line):
+                return along
+            closing = self._closing(line)
+            if closing is not None:
+                return [closing]
+        if len(line) == 2 and not torques and self.targets.passive:
+            return [self._unpowered(line, before)]
+        if (len(line) != 2 or len(torques) != 1) and self.of_bodies:
+            return self._identities(line)
+        if len(line) != 2 or len(torques) != 1:
+            self.source.fail(
+                "neither side is one of the quantities that are checked",
+                span,
+                "These are tau1, H12 or M12, c1, g1 or G1, J11, T, V, x and y.",
+            )
+        (target,) = torques
+        name = next(name for name in sorted(inside) if self.targets.single[name] == target)
+        if any(isinstance(x, Matrix) for x in map(self.parse, line)):
+            return self._identities(line)
+        rest, slope = self._solved(line, target)
+        if slope is None:
+            self.source.fail(f"this equation cannot be solved for {name}", span)
+        node = Named(name, rest / -slope, span=span)
+        nodes = map(self.parse, line)
+        used = [use for side in nodes for use in uses(side, self.targets.single, self.vocabulary)]
+        used = [use for use in used if use.target != target]
+        asked = self.with_load(target)
+        return [Claim(name, asked, node, rest / -slope, self.source, tuple(used))]
+
+    def _closing(self, line: Line) -> Claim | None:
+        """A loop equation without its name, l1 c1 + l2 c12 - d - l3 c3 = 0, with either sign; None
+        of an equation in which something moves or presses."""
+        node, value = self._difference(line)
+        rates = {x for names in self.setting.symbols.rates.items() for x in (names[0],)}
+        used = {name for powers, _ in value.terms() for name in powers}
+        moving = {name for name in used if name.endswith(("_d", "_dd")) or name.startswith("lam")}
+        if moving or not rates or (self.setting.order.gravity or "") in used:
+            return None
+        loops = [x for x in self.targets.single.values() if x.family == "Phi"]
+        signs = [(x, sign) for x in dict.fromkeys(loops) for sign in (1, -1)]
+        target, sign = min(signs, key=lambda row: len(value * row[1] - row[0].polynomial()))
+        if sign < 0:
+            node = Negative(node, span=node.span)
+        return self.claim(f"The loop equation {self.source[node.span]}", target, node)
+
+    def _along_legs(self, line: Line) -> list[Claim]:
+        """A relation of the tip that holds along one of the legs, such as
+        (x - l1 c1)² + (y - l1 s1)² = l3²; nothing where it holds along none."""
+        single = self.targets.single
+        inside = {t.text for side in line for t in side if t.text in single}
+        tip = sorted(name for name in inside if single[name].family == "tip")[:_MOST_COORDINATES]
+        legs = [[single[name], *self.along_legs(single[name])] for name in tip]
+        ways = [[x.polynomial() for x in way] for way in product(*legs)]
+        anywhere = [x + k for k, x in enumerate(ways[0], 1)]
+        try:
+            if not tip or self._agrees(line, tip, anywhere):
+                return []
+            return next((self._identities(line) for w in ways if self._agrees(line, tip, w)), [])
+        finally:
+            self.replaced = {}
+
+    def _agrees(self, line: Line, names: Sequence[str], values: Sequence[Trig]) -> bool:
+        """Whether the sides are equal where quantities have such values."""
+        self.replaced = dict(zip(names, values, strict=True))
+        return self._difference(line)[1].is_zero
+
+    def _difference(self, line: Line) -> tuple[Expression, Trig]:
+        """Left less right; where one is 0 the other, with its own sign."""
+        left, right = map(self.parse, line)
+        values = self.value(left), self.value(right)
+        node: Expression = Sum((left, Negative(right, span=right.span)), span=around(left, right))
+        for side, value in ((right, values[0]), (left, values[1])):
+            if value.is_zero:
+                node = side
+        return node, self.value(node)
+
+    def _identities(self, line: Line) -> list[Claim]:
+        """An equation between quantities of bodies, f01 - f12 + m1 g = m1 v̇c1, entry by entry."""
+        left, right = self.parse(line[0]), self.parse(line[1])
+        if isinstance(left, Matrix) != isinstance(right, Matrix):
+            table, k = (left, 1) if isinstance(left, Matrix) else (right, 0)
+            assert isinstance(table, Matrix)
+            fitting = self.parse(line[k], (len(table.rows), len(table.rows[0])))
+            left, right = (left, fitting) if k else (fitting, right)
+        span = (line[0][0].start, line[-1][-1].end)
+        if len(line) != 2 or self.source[left.span] == self.source[right.span]:
+            self.source.fail("this must be an equation between two different sides", span)
+        pairs = zip(entries_of(left), entries_of(right), strict=False)
+        if len(entries_of(left)) != len(entries_of(right)):
+            self.source.fail("the sides have different numbers of entries", span)
+        label = self.source[span]
+        label = label if len(label) <= _LONGEST_LABEL else f"{label[:_LONGEST_LABEL]}…"
+        return [self._identity(label, x, y) for x, y in pairs]
+
+    def _identity(self, label: str, left: Expression, right: Expression) -> Claim:
+        """One entry: the side that says more is compared with the other."""
+        if isinstance(right, Number):
+            left, right = right, left
+        value = self.quotient(left)
+        target = AskedQuantity("identity", (), lambda: value)
+        used = uses(left, self.targets.single, self.vocabulary)
+        known = any(isinstance(x, Named) for side in (left, right) for x in nodes(side))
+        if not known and not list(used):
+            self.source.fail("this says nothing about the robot", right.span)
+        whole = Sum((left, Negative(right, span=right.span)), span=around(left, right))
+        return Claim(label, target, right, self.quotient(right), self.source, whole=whole)
+
+    def _unpowered(self, line: Line, before: Sequence[Claim]) -> Claim:
+        """An equation without torque: that of a joint which nothing drives."""
+        node, value = self._difference(line)
+        taken = [
+            claim.target.index
+            for claim in before
+            if claim.target.family == "0" or claim.target.idle
+        ]
+        target = undriven_joints.equation(self.targets, value, taken)
+        return self.claim(f"The equation of joint {target.index[0]}", target, node)
+
+    def _solved(self, line: Line, target: AskedQuantity) -> tuple[Trig, Trig | None]:
+        """a and k of a + k τ = 0; k None where it is no number."""
+        values = []
+        for k in range(3):
+            self.replaced = {
+                name: self.setting.zero + k
+                for name, other in self.targets.single.items()
+                if other == target
+            }
+            left, right = (self.value(self.parse(side)) for side in line)
+            values.append(left - right)
+        self.replaced = {}
+        slope = values[1] - values[0]
+        linear = slope.is_constant and not slope.is_zero and slope == values[2] - values[1]
+        return values[0], slope if linear else None

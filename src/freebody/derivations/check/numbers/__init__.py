@@ -1,0 +1,1 @@
+"""Numbers of answers: their units, and the states that they hold at."""

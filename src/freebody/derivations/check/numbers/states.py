@@ -1,0 +1,233 @@
+"""States at which answers in numbers hold: θ₁ = 30°, θ̇₁ = 2 rad/s, m₁ = 1.5 kg, as they are written
+or given by at=."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from freebody.derivations.check.algebra.exact_polynomials import PolynomialReader
+from freebody.derivations.check.algebra.quotients import Value
+from freebody.derivations.check.asked.asked_quantities import Targets
+from freebody.derivations.check.numbers.units import unit_of
+from freebody.derivations.check.numbers.written_units import WrittenUnit, si_text, unit_at
+from freebody.derivations.check.reading.reading import AnswerParser
+from freebody.derivations.check.reading.vocabulary import Vocabulary
+from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerText
+from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.grammar import words
+from freebody.derivations.grammar.lexer import tokens
+from freebody.derivations.grammar.source import Source
+from freebody.derivations.polynomials.symbols import RATE
+from freebody.errors import FreebodyError
+from freebody.identifiers import word_set
+from freebody.outputs.numbers import shortest
+from freebody.scalars.trig import Trig
+
+_PI = r"(?:\\pi(?![a-zA-Z])|pi(?!\w)|π)"
+_DIGITS = r"(?:\d{1,30}(?:\.\d{1,30})?|\.\d{1,30})(?:[eE][-+]?\d{1,3})?"
+_TIMES = r"\s?(?:[*/·×]|\\cdot|\\times)\s?"
+VALUE = re.compile(
+    rf"[-+−–]?\s?(?:{_DIGITS}|{_PI}|\\[dt]?frac\s?\{{[^{{}}]{{1,12}}\}}\s?\{{[^{{}}]{{1,12}}\}})"
+    rf"(?:{_TIMES}(?:{_DIGITS}|{_PI})|\s?{_PI})*"
+)
+"""A number as one writes it for an angle: -0.5, π/4, 3π/4, \\frac{\\pi}{2}."""
+_BLANK = re.compile(r"(?:[\s~$&]|\\[,;:! ()\[\]])*")
+_EQUALS = re.compile(r"(?:[\s~$&]|\\[,;:! ])*=(?!=)(?:[\s~$&]|\\[,;:! ])*")
+_GOES_ON = re.compile(r"[\w(_]|\s?(?:[+*/^·×]|[-−](?!\s)|\\(?:cdot|times))")
+_AT_REST = re.compile(r"(?:at\s)?rest\b")
+_COMMA = re.compile(r",\d")
+_NEXT = re.compile(r"(?:[\s~$]|\\[,;:! ()])*(?:,|;|and(?![\w]))?(?:[\s~$]|\\[,;:! ()])*(?:and\s)?")
+
+
+@dataclass(frozen=True)
+class GivenValue:
+    """The value of a symbol, in SI units and in those in which it is given."""
+
+    value: float
+    written: float
+    unit: WrittenUnit | None = None
+
+    @property
+    def is_converted(self) -> bool:
+        """Whether it is given in another unit than that of SI."""
+        return self.unit is not None and self.unit.factor != 1.0
+
+
+State = Mapping[str, GivenValue]
+"""By the names of generators."""
+NO_STATE = word_set(
+    "not except unless never near minus plus twice half delta δ cot sec csc exp log ln"
+)
+"""Words after which a value is not that of the coordinate that follows."""
+_COMMAND = re.compile(r"\\([A-Za-z]+)")
+
+
+def in_words(state: State) -> str:
+    """θ₁ = 30°, θ̇₁ = 2 rad/s."""
+    return ", ".join(f"{sym(name)} = {_with_unit(x)}" for name, x in state.items())
+
+
+def _with_unit(given: GivenValue) -> str:
+    unit = given.unit.text if given.unit else ""
+    return shortest(given.written) + (" " * (unit != "°") + unit if unit else "")
+
+
+@dataclass(frozen=True)
+class StateReader:
+    """Reads assignments to the model's symbols."""
+
+    vocabulary: Vocabulary
+    targets: Targets
+
+    # ------------------------------------------------------------ at=
+    def given(self, at: Mapping[str, Any] | str | None) -> State:
+        """The state that at= says: text, or numbers and text by name; raises AnswerError."""
+        if at is None:
+            return {}
+        if isinstance(at, str):
+            return self._of_text(at)
+        found: dict[str, GivenValue] = {}
+        for name, value in at.items():
+            try:
+                text = value if isinstance(value, str) else repr(float(value))
+            except (TypeError, ValueError):
+                raise AnswerError(
+                    f"at: {name!r} is neither a number nor a text such as '30 deg'"
+                ) from None
+            _join(found, self._of_text(f"{name} = {text}"))
+        return found
+
+    def _of_text(self, text: str) -> State:
+        source = AnswerText.of(text)
+        found, end = self.list_at(source, 0)
+        if not found or source.text[end:].strip(" \n.,;$"):
+            name = source.text[end:].partition("=")[0].strip(" ,;\n") or text
+            raise AnswerError(
+                f"at: {name[:40]!r} gives no symbol of {self._model.name!r} a value",
+                f"Write, for example, theta1 = 30 deg, theta1_d = 2 rad/s. Symbols: "
+                f"{', '.join(self.vocabulary.listed[:24])}.",
+            )
+        for name, given in found.items():
+            own = self._model.parameters.get(name)
+            if own is not None and abs(own - given.value) > 1e-9 * abs(own):
+                raise AnswerError(
+                    f"at: {name} = {shortest(given.value)}, and in {self._model.name!r} it is "
+                    f"{shortest(own)}"
+                )
+        return found
+
+    @property
+    def _model(self) -> Any:
+        return self.vocabulary.setting.symbols.model
+
+    # ------------------------------------------------------------ text
+    def list_at(self, source: Source, at: int) -> tuple[dict[str, GivenValue], int]:
+        """The assignments that stand there, and where the last one ends; none: {} and `at`."""
+        found: dict[str, GivenValue] = {}
+        end = at
+        while (one := self._one(source, at)) is not None:
+            values, end = one
+            _join(found, values)
+            at = _after(_NEXT, source.text, end)
+        return found, end
+
+    def _one(self, source: Source, at: int) -> tuple[dict[str, GivenValue], int] | None:
+        """θ1 = θ2 = 30°, or at rest."""
+        rest = _AT_REST.match(source.text, _after(_BLANK, source.text, at))
+        if rest:
+            rates = [x + RATE for x in self.vocabulary.setting.symbols.coordinates]
+            return dict.fromkeys(rates, GivenValue(0.0, 0.0)), rest.end()
+        names: list[str] = []
+        while (named := self._names(source, _after(_BLANK, source.text, at))) is not None:
+            own, end = named
+            equals = _EQUALS.match(source.text, end)
+            if equals is None:
+                break
+            names, at = [*names, *own], equals.end()
+        value = VALUE.match(source.text, at) if names else None
+        if value is None:
+            return None
+        number = self._number(source, value.span())
+        if _COMMA.match(source.text, value.end()):
+            source.fail("a decimal comma: write a point", (value.start(), value.end() + 2))
+        unit = unit_at(source.text, value.end())
+        end = unit[1] if unit else value.end()
+        if number is None or _GOES_ON.match(source.text, end):
+            return None
+        behind = self._names(source, _after(_BLANK, source.text, end))
+        if behind and not _EQUALS.match(source.text, behind[1]):
+            return None  # θ1 = 2 θ2
+        given = GivenValue(number * (unit[0].factor if unit else 1.0), number, unit and unit[0])
+        for name in names:
+            self._refuse_unit(source, name, given, (at, end))
+        return dict.fromkeys(names, given), end
+
+    def _names(self, source: Source, at: int) -> tuple[list[str], int] | None:
+        """The generators that a name stands for, q̇ for all rates, and where it ends."""
+        text = source.text
+        if not (text[at : at + 1] == "\\" or text[at : at + 1] in words.STARTS):
+            return None
+        command = _COMMAND.match(text, at)
+        if command and {command[1], command[1].lower()} & {*self.vocabulary.functions, *NO_STATE}:
+            return None  # \cos θ₂
+        try:
+            word = words.spell(source, at)
+        except FreebodyError:
+            return None
+        value = self.vocabulary.symbols.get(word.plain)
+        table = self.targets.tables.get(word.plain)
+        values = [value] if value is not None else []
+        if value is None and table is not None and table[0][0].family == "q":
+            values = [row[0].compute() for row in table]
+        names = [_generator(value) for value in values]
+        own = [name for name in names if name]
+        return (own, word.end) if own and len(own) == len(names) else None
+
+    def _number(self, source: Source, span: tuple[int, int]) -> float | None:
+        try:
+            parser = AnswerParser(
+                source, tokens(source, self.vocabulary, span)[:-1], self.vocabulary, lambda n: None
+            )
+            ring = self.vocabulary.setting.ring
+            return float(Fraction(PolynomialReader(source, ring).read(parser.side()).fraction))
+        except FreebodyError:
+            return None
+
+    def _refuse_unit(
+        self, source: Source, name: str, given: GivenValue, span: tuple[int, int]
+    ) -> None:
+        """Refuse a value in the unit of something else."""
+        needed = unit_of(self.vocabulary.setting, {name: 1})
+        if given.unit is not None and needed is not None and given.unit.dimension != needed:
+            angular = name.startswith("theta")
+            source.fail(
+                f"{sym(name)} is given in {given.unit.text}, and has the unit "
+                f"{si_text(needed, angular)}",
+                span,
+            )
+
+
+def _generator(x: Value) -> str | None:
+    """The generator that a polynomial is."""
+    terms = list(x.terms()) if isinstance(x, Trig) else []
+    if len(terms) != 1 or terms[0][1] != 1 or sum(terms[0][0].values()) != 1:
+        return None
+    return next(iter(terms[0][0]))
+
+
+def _join(found: dict[str, GivenValue], values: State) -> None:
+    for name, given in values.items():
+        if name in found and found[name].value != given.value:
+            raise AnswerError(
+                f"{sym(name)} is given twice, {_with_unit(found[name])} and {_with_unit(given)}"
+            )
+        found[name] = given
+
+
+def _after(pattern: re.Pattern[str], text: str, at: int) -> int:
+    match = pattern.match(text, at)
+    return match.end() if match else at

@@ -1,0 +1,106 @@
+"""Units of the symbols of planar arms: a term whose units do not fit cannot be right, whatever it
+should be."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from freebody.derivations.check.algebra.quotients import Value
+from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.scalars.trig import Trig
+
+Unit = tuple[int, int, int]
+"""Powers of kg, m and s."""
+
+_UNITS: dict[str, Unit] = {
+    "l": (0, 1, 0),
+    "lc": (0, 1, 0),
+    "d": (0, 1, 0),
+    "m": (1, 0, 0),
+    "I": (1, 2, 0),
+    "theta": (0, 0, 0),
+}
+
+
+def unit_of(setting: RightEquations, powers: Mapping[str, int]) -> Unit | None:
+    """The unit of a product; None where a symbol's is not known."""
+    total = [0, 0, 0]
+    for name, exponent in powers.items():
+        unit = _unit(setting, name)
+        if unit is None:
+            return None
+        total = [a + exponent * b for a, b in zip(total, unit, strict=True)]
+    return total[0], total[1], total[2]
+
+
+def _unit(setting: RightEquations, name: str) -> Unit | None:
+    if name == setting.order.gravity:
+        return 0, 1, -2
+    if name.startswith(("sin_", "cos_", "sgn_")):
+        return 0, 0, 0
+    match = re.fullmatch(r"([A-Za-z]+)\d+(_d{1,2})?", name)
+    is_known = setting.is_planar or name.split("_d")[0] in setting.symbols.coordinates
+    if not is_known or match is None or match[1] not in _UNITS:
+        return None
+    kg, m, s = _UNITS[match[1]]
+    return kg, m, s - len((match[2] or "_").lstrip("_"))
+
+
+def unit_of_quantity(setting: RightEquations, target: AskedQuantity, right: Value) -> Unit | None:
+    """The unit of a quantity: by its joints where these tell, else that of its terms; None where it
+    is not known."""
+    turns = [
+        setting.symbols.coordinates[k - 1].startswith("theta")
+        for k in target.index
+        if 0 < k <= len(setting.symbols.coordinates)
+    ]
+    match target.family:
+        case "tau" | "c" | "g" | "bias" | "0":
+            return 1, 1 + turns[0], -2
+        case "M":
+            return 1, sum(turns), 0
+        case "T" | "V" | "L" | "Ti" | "Vi":
+            return 1, 2, -2
+        case "power":
+            return 1, 2, -3
+        case "tip" | "tip_d" | "tip_dd" if target.words == "":
+            return 0, 1, -("tip", "tip_d", "tip_dd").index(target.family)
+    return _common_unit(setting, right) if isinstance(right, Trig) else None
+
+
+def misfit(setting: RightEquations, yours: Trig, right: Trig) -> tuple[Trig, Unit, Unit] | None:
+    """A term of the answer in other units than the right answer, with both."""
+    expected = _common_unit(setting, right)
+    if expected is None:
+        return None
+    for powers, coefficient in yours.terms():
+        unit = unit_of(setting, powers)
+        if unit is not None and unit != expected:
+            return setting.ring.polynomial([(powers, coefficient)]), unit, expected
+    return None
+
+
+def is_of_another_kind(setting: RightEquations, yours: Trig, right: Trig) -> bool:
+    """Whether no term has the units of the right answer, nor any that are not known: it is meant
+    for something else."""
+    if right.is_zero:
+        return not yours.is_zero
+    expected = _common_unit(setting, right)
+    found = {unit_of(setting, powers) for powers, _ in yours.terms()}
+    return bool(found) and expected is not None and found.isdisjoint((expected, None))
+
+
+def _common_unit(setting: RightEquations, right: Trig) -> Unit | None:
+    """The unit of a right answer's terms."""
+    return next((unit_of(setting, powers) for powers, _ in right.terms()), None)
+
+
+def unit_text(unit: Unit) -> str:
+    """kg m²/s²."""
+    high = {1: "", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶"}
+    letters = list(zip(("kg", "m", "s"), unit, strict=True))
+    above = " ".join(f"{x}{high.get(e, f'^{e}')}" for x, e in letters if e > 0)
+    below = " ".join(f"{x}{high.get(-e, f'^{-e}')}" for x, e in letters if e < 0)
+    return f"{above or '1'}/{below}" if below else above or "no unit"

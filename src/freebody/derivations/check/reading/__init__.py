@@ -1,0 +1,1 @@
+"""What a name, a line and a formula of an answer mean."""

@@ -1,0 +1,265 @@
+"""A document's formulas as equations: tokens by line, the words between them passed over."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
+
+from freebody.derivations.check.documents.answer_document import (
+    AnswerDocument,
+    Blanks,
+    FormulaPiece,
+)
+from freebody.derivations.check.documents.plain import lines as plain_lines
+from freebody.derivations.check.documents.prose import sentences
+from freebody.derivations.check.reading.vocabulary import Vocabulary
+from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerText
+from freebody.derivations.check.spelling.equation_marks import asked_marks
+from freebody.derivations.check.spelling.formula_spellings import respelt
+from freebody.derivations.check.verdict import UnreadEquation
+from freebody.derivations.grammar import words
+from freebody.derivations.grammar.lexer import Token, tokens
+from freebody.derivations.grammar.source import Source, Span
+from freebody.errors import FreebodyError
+
+MOST_SIDES = 6
+MOST_OUTSIDE = 20
+"""Lines outside of formulas that are told."""
+_SHOWN = 60
+_COMMAND = re.compile(r"\\([A-Za-z]+)")
+_TABLE = re.compile(r"=[\s&]*(?:\[|\\(?:left\s*)?\[|\\begin|Matrix|array)")
+
+Line = tuple[tuple[Token, ...], ...]
+"""The sides of an equation."""
+
+
+class DocumentReader:
+    """The equations of a document; `unread` are those that were passed over."""
+
+    def __init__(
+        self, document: AnswerDocument, vocabulary: Vocabulary, quantities: Collection[str]
+    ):
+        self.document, self.vocabulary, self.quantities = document, vocabulary, quantities
+        self.unread: list[UnreadEquation] = []
+        self.failed: list[Line] = []
+        self.source, self.pieces = self._without_words()
+        self._tell_what_no_formula_holds()
+
+    # ------------------------------------------------------------ words
+    def _without_words(self) -> tuple[AnswerText, list[FormulaPiece]]:
+        """The formulas, and the pieces that they are read in."""
+        document = self.document
+        formulas = respelt(document.formulas)
+        blanks, apart = Blanks(formulas), list[Span]()
+        plain = AnswerText(formulas, document.written, document.parts)
+        for line in document.prose:
+            for sentence in sentences(formulas, line, self._is_name):
+                span = (sentence.kept, sentence.end)
+                if sentence.words_behind and not self._is_asked(plain, span):
+                    self._pass_over(plain, span, "it stands among words")
+                    span = (span[1], span[1])
+                elif not sentence.is_empty and sentence.words_before:
+                    apart.append(span)
+                blanks.put(sentence.start, span[0])
+        text = AnswerText.of_formulas(str(blanks), document.written, document.parts)
+        return text, [part for piece in document.pieces for part in _parted(piece, apart)]
+
+    def _tell_what_no_formula_holds(self) -> None:
+        """Note what a document says of the robot's quantities outside of its formulas."""
+        said = self.document.said
+        plain = AnswerText(said, self.document.written, self.document.parts)
+        for line in plain_lines(said, 0, len(said)):
+            for start, at in asked_marks(said, line, self._is_quantity):
+                if self.document.formulas[at] != said[at]:
+                    self._pass_over(plain, (start, line[1]), "it stands outside of the formulas")
+                    break
+            if len(self.unread) >= MOST_OUTSIDE:
+                break
+
+    def _asks(self, source: Source, span: Span) -> bool:
+        """Whether one of the robot's quantities stands before a sign of equality there, as it is
+        written or as it is read."""
+        texts = (source.text, self.document.written)
+        return any(True for text in texts for _ in asked_marks(text, span, self._is_quantity))
+
+    def _is_quantity(self, name: str) -> bool:
+        """Whether a name is that of one of the robot's quantities, and no symbol too."""
+        return name in self.quantities and name not in self.vocabulary.symbols
+
+    def _is_name(self, word: str) -> bool:
+        """Whether a word may be made of names of the robot's."""
+        source = AnswerText(word)
+        if word[0] not in words.STARTS:
+            return False
+        try:
+            spelt = words.spell(source, 0)
+            return spelt.end == len(word) and self.vocabulary.cut(source, spelt) is not None
+        except FreebodyError:  # it may be read in two ways
+            return True
+
+    def _is_asked(self, source: Source, span: Span) -> bool:
+        """Whether the left side of what stands there names one of the robot's quantities. A symbol
+        of the robot, as in g = 9.81, is one only where a vector or matrix is given for it."""
+        end = source.text.find("=", *span)
+        if end < 0:
+            return False
+        is_table = _TABLE.match(source.text, end) is not None
+        for plain in _names(source, (span[0], end)):
+            if plain in self.quantities and (is_table or plain not in self.vocabulary.symbols):
+                return True
+        return False
+
+    # ------------------------------------------------------------ equations
+    def lines(self) -> list[Line]:
+        """The sides of each equation."""
+        found: list[Token] = []
+        for piece in self.pieces:
+            if not self._says_something(piece):
+                continue
+            with self._lenient(piece.lenient, (piece.start, piece.end)):
+                found += tokens(self.source, self.vocabulary, (piece.start, piece.end))[:-1]
+                found.append(Token("line", "", piece.end, piece.end))
+        lines: list[Line] = []
+        for line in _lines(found):
+            span = (line[0].start, line[-1].end)
+            with self._lenient(self._is_lenient(span[0]), span):
+                lines.append(_sides(self.source, line))
+        return lines
+
+    def _says_something(self, piece: FormulaPiece) -> bool:
+        """Whether a piece holds an equation, or may continue one; of plain text all does."""
+        span = (piece.start, piece.end)
+        text = self.source.text[slice(*span)].strip()
+        may = not piece.lenient or "=" in text or text[:1] in [*"+-*/&"]
+        return bool(text) and (may or self._asks(self.source, span))
+
+    def _is_lenient(self, at: int) -> bool:
+        return any(piece.lenient for piece in self.pieces if piece.start <= at < piece.end)
+
+    @contextmanager
+    def passing_over(self, line: Line) -> Iterator[None]:
+        """Note an equation of a document that cannot be understood, and go on."""
+        span = (line[0][0].start, line[-1][-1].end)
+        count = len(self.unread)
+        with self._lenient(self._is_lenient(span[0]), span):
+            yield
+        if len(self.unread) > count:
+            self.failed.append(line)
+
+    @contextmanager
+    def _lenient(self, lenient: bool, span: Span) -> Iterator[None]:
+        try:
+            yield
+        except AnswerError as problem:
+            if not lenient or (self.document.strict and self._is_asked(self.source, span)):
+                raise
+            if self.source.text[slice(*span)].strip():
+                self._pass_over(self.source, span, problem.bare)
+
+    def pass_over(self, span: Span, reason: str, is_asked: bool) -> None:
+        """Note a piece of the document that says nothing."""
+        self._pass_over(self.source, span, reason, is_asked)
+
+    def _pass_over(
+        self, source: AnswerText, span: Span, reason: str, is_asked: bool = False
+    ) -> None:
+        text = source[span]
+        text = text if len(text) <= _SHOWN else f"{text[:_SHOWN]}…"
+        first = span[0] + len(source.text[slice(*span)]) - len(source.text[slice(*span)].lstrip())
+        asked = is_asked or self._is_asked(source, span) or self._asks(source, span)
+        self.unread.append(
+            UnreadEquation(first, source.where(first), text, reason.rstrip("."), asked)
+        )
+
+
+def _names(source: Source, span: Span) -> Iterator[str]:
+    """The plain spellings of the words between two places."""
+    at = span[0]
+    while at < span[1]:
+        command = _COMMAND.match(source.text, at)
+        if source.text[at] in words.STARTS or (command and command[1] in words.COMMANDS):
+            try:
+                word = words.spell(source, at)
+            except FreebodyError:
+                at += 1
+                continue
+            yield word.plain
+            at = max(word.end, at + 1)
+        else:
+            at = command.end() if command else at + 1
+
+
+def _parted(piece: FormulaPiece, apart: Sequence[Span]) -> Iterator[FormulaPiece]:
+    """A piece cut at stretches that stand among words, which are lenient."""
+    at = piece.start
+    for start, end in apart:
+        if piece.start <= start < piece.end:
+            yield FormulaPiece(at, start, piece.lenient)
+            yield FormulaPiece(start, end, lenient=True)
+            at = end
+    yield FormulaPiece(at, piece.end, piece.lenient)
+
+
+def _lines(found: Sequence[Token]) -> list[list[Token]]:
+    """Tokens by equation: a line that begins with an operator, or stands behind one, continues the
+    one before.
+
+    A minus may begin an equation of its own, -a = b.
+    """
+    pieces: list[list[Token]] = [[]]
+    depth = 0
+    for token in found:
+        depth += {"open": 1, "begin": 1, "close": -1, "end": -1}.get(token.kind, 0)
+        if token.kind in ("line", "row", "stop", "comma") and depth <= 0:
+            pieces.append([])
+        elif not (token.kind in ("amp", "line") and (depth <= 0 or not _in_matrix(token))):
+            pieces[-1].append(token)
+    lines: list[list[Token]] = []
+    for piece in pieces:
+        if not piece:
+            continue
+        own = piece[0].text == "-" and any(token.kind == "equals" for token in piece)
+        continues = (piece[0].kind in ("operator", "equals") and not own) or (
+            lines and _is_open(lines[-1])
+        )
+        if lines and continues:
+            lines[-1] += piece
+        else:
+            lines.append(piece)
+    return lines
+
+
+def _in_matrix(token: Token) -> bool:
+    """Whether a token inside brackets separates entries of a matrix: & always, a ; but no line
+    break."""
+    return token.kind == "amp" or token.text == ";"
+
+
+def _is_open(line: list[Token]) -> bool:
+    """Whether a line ends where something must follow."""
+    return line[-1].kind in ("operator", "equals")
+
+
+def _sides(source: Source, line: list[Token]) -> Line:
+    sides: list[list[Token]] = [[]]
+    for token in line:
+        if token.kind == "equals":
+            sides.append([])
+        else:
+            sides[-1].append(token)
+    if len(sides) == 1:
+        source.fail(
+            "this line has no equals sign; write, for example, tau1 = … or H12 = …",
+            (line[0].start, line[-1].end),
+        )
+    if len(sides) > MOST_SIDES:
+        source.fail(
+            f"more than {MOST_SIDES} sides in one equation",
+            sides[MOST_SIDES][0].span if sides[MOST_SIDES] else line[-1].span,
+        )
+    for k, side in enumerate(sides):
+        if not side:
+            equals = [token for token in line if token.kind == "equals"][max(0, k - 1)]
+            source.fail("one side of this = is empty", equals.span)
+    return tuple(map(tuple, sides))

@@ -1,0 +1,45 @@
+"""Which lines of an answer have a force at the tip, and what else they are about."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from freebody.derivations.check.asked.asked_quantities import Targets
+from freebody.derivations.check.reading.answer_lines import Line
+from freebody.derivations.check.reading.vocabulary import Vocabulary
+from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.scalars.trig import Trig
+
+
+def loads(lines: Iterable[Line], vocabulary: Vocabulary, targets: Targets) -> frozenset[str]:
+    """The components of a force or moment at the tip that lines have."""
+    names = {name for line in lines for name in _names(line)}
+    return frozenset(x for name in names for x in _of_name(name, vocabulary, targets)[1])
+
+
+def families(line: Line, vocabulary: Vocabulary, targets: Targets) -> frozenset[str]:
+    """The families of a line's quantities; "rate" of rates and "g" of weights."""
+    return frozenset(x for name in _names(line) for x in _of_name(name, vocabulary, targets)[0])
+
+
+def _of_name(name: str, vocabulary: Vocabulary, targets: Targets) -> tuple[set[str], set[str]]:
+    """The families that a name belongs to, and the components of the load that it holds."""
+    setting, value = targets.setting, vocabulary.symbols.get(name)
+    table = targets.tables.get(name)
+    if name in vocabulary.waves:
+        return set(), set()
+    if isinstance(value, Trig):
+        used = {x for powers, _ in value.terms() for x in powers}
+        found = {"rate"} if any(x.endswith((RATE, SECOND)) for x in used) else set[str]()
+        found |= {"g"} if setting.order.gravity in used else set()
+        return found, used & set(setting.loads)
+    if name in targets.single:
+        return {targets.single[name].family}, set()
+    if table is None:
+        return set(), set()
+    own = table[0][0].family == "load"
+    return {table[0][0].family}, set(setting.loads[: len(table)]) if own else set()
+
+
+def _names(line: Line) -> list[str]:
+    return [token.text for side in line for token in side if token.kind == "name"]

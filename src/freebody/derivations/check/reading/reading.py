@@ -1,0 +1,357 @@
+"""The language of answers: what names and functions stand for, with their right values."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from types import MappingProxyType
+
+from freebody.derivations.check.algebra.answer_tree import Named, Wave
+from freebody.derivations.check.algebra.exact_polynomials import LARGEST_EXPONENT, PolynomialReader
+from freebody.derivations.check.algebra.quotients import Value
+from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity
+from freebody.derivations.check.reading.circular_answers import uses
+from freebody.derivations.check.reading.vocabulary import Vocabulary
+from freebody.derivations.expressions.nodes import (
+    Arguments,
+    Cross,
+    Dot,
+    Expression,
+    Function,
+    Matrix,
+    Number,
+    Power,
+    Quotient,
+    Span,
+    nodes,
+)
+from freebody.derivations.grammar.lexer import Token
+from freebody.derivations.grammar.parser import PI, Parser, around, product_of
+from freebody.derivations.grammar.source import Source
+from freebody.errors import FreebodyError
+from freebody.scalars.trig import Trig
+
+INVERSE_FUNCTIONS = ("arccos", "arcsin", "arctan", "atan2", "sqrt")
+"""Functions by which coordinates are told."""
+
+
+def inverse_behind(tokens: Sequence[Token]) -> int:
+    """How many tokens are the power -1 with which they begin: ⁻¹, ^-1, ^{-1}."""
+    if tokens and tokens[0].kind == "power":
+        return int(tokens[0].value == -1)
+    texts = [token.text for token in tokens]
+    for written in (["^", "-", "1"], ["^", "{", "-", "1", "}"], ["^", "(", "-", "1", ")"]):
+        if texts[: len(written)] == written:
+            return len(written)
+    return 0
+
+
+class AnswerParser(Parser):
+    """Reads one side of an equation. `quantity(name)` gives the right value of τ1, H12, … where one
+    stands for it; `quantities` are what these names stand for, `tables` the vectors and
+    matrices."""
+
+    tables_anywhere = True
+    largest_exponent = LARGEST_EXPONENT
+
+    def __init__(
+        self,
+        source: Source,
+        tokens: Sequence[Token],
+        vocabulary: Vocabulary,
+        quantity: Callable[[str], Value | None],
+        quantities: Mapping[str, AskedQuantity] = MappingProxyType({}),
+        tables: Callable[[str, Span], Matrix | None] = lambda name, span: None,
+    ):
+        super().__init__(source, tokens)
+        self.tables = tables
+        self.others: dict[Expression, Matrix] = {}
+        """The vectors and matrices that names of scalars also stand for."""
+        self.vocabulary, self.quantity = vocabulary, quantity
+        self.quantities = quantities
+        self.reader = PolynomialReader(source, vocabulary.setting.ring)
+
+    def primary(self) -> Expression:
+        """Also ∂L/∂θ̇1, d/dt in front of a bracket, name or derivative, and vectors and matrices."""
+        if self.token.kind == "begin" or self._is_list():
+            return self.table()
+        if self.token.kind != "partial":
+            return self.bracket() if self.token.kind == "open" else super().primary()
+        first = self.take()
+        self._deeper(first)
+        node = self._differentiated(first.start)
+        self.depth -= 1
+        return node
+
+    def _is_list(self) -> bool:
+        """Whether a bracket [ holds entries, [a, b] or [[a, b], [c, d]]."""
+        if self.token.text != "[":
+            return False
+        depth, rows = 0, 2 if self.ahead(1).text == "[" else 1
+        for k in range(len(self.tokens) - self.at):
+            token = self.ahead(k)
+            depth += {"open": 1, "begin": 1, "close": -1, "end": -1}.get(token.kind, 0)
+            if depth == 0:
+                return False
+            if depth <= rows and (token.kind in ("comma", "row") or token.text == ";"):
+                return True
+        return False
+
+    def _differentiated(self, start: int) -> Expression:
+        of = None if self.is_operator("/") else self._operand()
+        if not self.is_operator("/"):
+            self.fail_here("the bar of a derivative, as in ∂L/∂θ̇1,")
+        self.take()
+        self.expect("partial", "∂")
+        by = self.expect("name", "what is differentiated by")
+        of = self._operand() if of is None else of
+        span = self.since(start)
+        value = self.reader.read(of)
+        if by.text == "t":
+            value = value.along(self.vocabulary.setting.symbols.rates)
+        else:
+            value = value.derivative(self._variable(by))
+        self.vocabulary.uses[self.source[span]] = tuple(
+            use.target for use in uses(of, self.quantities, self.vocabulary)
+        )
+        return Named(self.source[span], value, is_derivative=True, span=span)
+
+    def _operand(self) -> Expression:
+        """What is differentiated: a bracket, a derivative or a name."""
+        if self.token.kind not in ("open", "partial", "name"):
+            self.fail_here("what is differentiated")
+        return self.primary()
+
+    def _variable(self, token: Token) -> str:
+        """The coordinate, rate or parameter of a name."""
+        value = self.vocabulary.symbols.get(token.text)
+        terms = list(value.terms()) if isinstance(value, Trig) else []
+        if len(terms) == 1 and terms[0][1] == 1 and set(terms[0][0].values()) == {1}:
+            (name,) = terms[0][0]
+            return name
+        self.source.fail(
+            f"{self.source[token.span]} is not a coordinate to differentiate by", token.span
+        )
+
+    def makes_table(self, function: Token) -> bool:
+        return self._function(function) == "Matrix"
+
+    def quotient(self, above: Expression, below: Expression) -> Expression:
+        """A fraction; of two numbers one number."""
+        if isinstance(above, Number) and isinstance(below, Number) and below.value:
+            return Number(above.value / below.value, span=around(above, below))
+        return super().quotient(above, below)
+
+    def name(self) -> Expression:
+        """A symbol, c12, or a quantity that stands for its right value; theta1(t) is theta1."""
+        token = self.take()
+        name = token.text
+        if self.token.text == "(" and [self.ahead(k).text for k in (1, 2)] == ["t", ")"]:
+            self.at += 3
+        vocabulary = self.vocabulary
+        behind = inverse_behind(self.tokens[self.at : self.at + 5])
+        inverse = self.tables(name + INVERSE, token.span) if behind else None
+        if inverse is not None:
+            self.at += behind
+            return replace(inverse, span=self.since(token.start))
+        span = self.since(token.start)
+        table = self.tables(name, span)
+        if name in vocabulary.symbols:
+            return self._also(Named(name, vocabulary.symbols[name], span=span), table)
+        if name in vocabulary.waves:
+            return self._also(Wave(*vocabulary.waves[name], span=span), table)
+        if name == "pi":
+            return Number(PI, span=span)
+        if name == "t":
+            self.source.fail("the time t does not occur in these equations", token.span)
+        value = self.quantity(name)
+        if value is not None:
+            return self._also(Named(name, value, span=span), table)
+        if table is None:
+            self.source.fail(f"{self.source[token.span]} has no value here", token.span)
+        return table
+
+    def _also(self, node: Expression, table: Matrix | None) -> Expression:
+        """A name that may stand for a vector or matrix too."""
+        if table is not None:
+            self.others[node] = table
+        return node
+
+    def multiplied(
+        self, factors: list[Expression], sign: Token, factor: Expression
+    ) -> list[Expression]:
+        """A × between vectors is the cross product, and so that of an angular velocity and a
+        vector in the plane; between a number and a vector it may be either."""
+        left = product_of(factors)
+        sides = [self._is_table(y) for y in (left, factor)]
+        if self._is_dot(sign, left, factor):
+            return [Dot(left, factor, span=around(left, factor))]
+        if self.source.text[sign.start : sign.end] not in ("×", "\\times") or not any(sides):
+            return [*factors, factor]
+        turns = isinstance(left, Named) and re.match(r"˙*(omega|w|alpha|theta|q)", left.name)
+        may = all(
+            yes or self._may_be_table(y) for yes, y in zip(sides, (left, factor), strict=True)
+        )
+        if not may and not turns:
+            self.source.fail(
+                "this × may be a product or the cross product", sign.span, "Write * or cross(a, b)."
+            )
+        return [Cross(left, factor, span=around(left, factor))]
+
+    def following(self, factors: list[Expression], sign: Token) -> Expression:
+        """What stands behind a sign; behind the × of a cross product with all its factors."""
+        first = super().following(factors, sign)
+        if self.source.text[sign.start : sign.end] not in ("×", "\\times"):
+            return first
+        if not self._may_be_table(product_of(factors)):
+            return first
+        behind = [first]
+        while self.token.kind in ("name", "open") and not self._is_table(behind[-1]):
+            behind.append(self.factor())
+        return product_of(behind)
+
+    def _is_dot(self, sign: Token, left: Expression, right: Expression) -> bool:
+        """Whether a raised dot stands between a name that may be a vector and a vector."""
+        dotted = self.source.text[sign.start : sign.end] in ("·", "⋅", "∙", "•", "\\cdot")
+        return dotted and left in self.others and self._is_table(right)
+
+    def _is_table(self, node: Expression) -> bool:
+        return any(isinstance(x, Matrix | Cross) for x in nodes(node))
+
+    def _may_be_table(self, node: Expression) -> bool:
+        return self._is_table(node) or any(x in self.others for x in nodes(node))
+
+    def _function(self, token: Token) -> str:
+        return self.vocabulary.functions[token.text]
+
+    def call(self) -> Expression:
+        """A function with its argument; cos²(x) is a power of it."""
+        token = self.take()
+        function = self._function(token)
+        if function == "Derivative":
+            return self._derivative(token)
+        if function == "Matrix":
+            self.at -= 1
+            return self.table()
+        if function == "cross":
+            return self._cross(token)
+        if function in INVERSE_FUNCTIONS:
+            return self._inverse_function(token, function)
+        exponent = self.exponent() if self.token.kind == "power" or self.is_operator("^") else 1
+        if exponent == -1 and function in ("sin", "cos", "tan"):
+            return self._inverse_function(token, f"arc{function}")
+        argument = self._argument(token)
+        span = self.since(token.start)
+        if function == "sgn":
+            node: Expression = Named(self.source[span], self._sign(argument), span=span)
+        else:
+            node = self._wave(function, argument, span)
+        return node if exponent == 1 else Power(node, exponent, span=span)
+
+    def _inverse_function(self, token: Token, function: str) -> Expression:
+        """arccos(x), atan2(y, x), √x."""
+        if self.token.kind == "fraction" and function != "atan2":
+            return Function(function, self.primary(), span=self.since(token.start))
+        if self.token.kind != "open":
+            self.fail_here(f"a bracket after {token.text}")
+        if function != "atan2":
+            return Function(function, self.bracket(), span=self.since(token.start))
+        first = self.take()
+        y = self.expression()
+        self.expect("comma", "the comma of atan2(y, x)")
+        x = self.expression()
+        self.expect("close", "')'")
+        arguments = Arguments((y, x), span=self.since(first.start))
+        return Function(function, arguments, span=self.since(token.start))
+
+    def _wave(self, function: str, argument: Expression, span: Span) -> Expression:
+        """sin, cos or tan of a sum of angles."""
+        angle = self.reader.angle(argument)
+        if function != "tan":
+            return Wave(function, *angle, span=span)
+        return Quotient(Wave("sin", *angle, span=span), Wave("cos", *angle, span=span), span=span)
+
+    def _argument(self, function: Token) -> Expression:
+        """A bracket; or, without one, numbers and one angle: cos 2θ1."""
+        if self.token.kind == "open":
+            return self.bracket()
+        factors: list[Expression] = []
+        while self.token.kind in ("number", "fraction") or self.is_operator("-", "*"):
+            if self.is_operator("-", "*"):
+                token = self.take()
+                if token.text == "*" and not factors:
+                    self.source.fail(f"{function.text} needs an angle after it", token.span)
+                if token.text == "-":
+                    factors.append(Number(Fraction(-1), span=token.span))
+            else:
+                factors.append(self.degrees(self.primary()))
+        if self.token.kind == "name":
+            factors.append(self.name())
+        if not factors:
+            self.fail_here(f"the angle of {function.text}")
+        if len(factors) == 1 and self._is_index(function, factors[0]):
+            number = self.source[factors[0].span]
+            self.source.fail(
+                f"{function.text}{number} may be that of a sum of angles or of a number",
+                (function.start, factors[0].span[1]),
+                f"Write {function.text[0]}{number} for the first, {function.text}({number}) for "
+                "the second.",
+            )
+        if self.token.kind == "power" or self.is_operator("^"):
+            angle = self.source[around(factors[0], factors[-1])]
+            self.source.fail(
+                f"this power may belong to the angle or to {function.text}: write "
+                f"{function.text}^2({angle})",
+                self.token.span,
+            )
+        return product_of(factors)
+
+    def _is_index(self, function: Token, argument: Expression) -> bool:
+        """Whether digits stand at a function's name like the numbers of joints."""
+        return (
+            isinstance(argument, Number)
+            and argument.span[0] == function.end
+            and self.source[argument.span].isdigit()
+            and self.token.kind not in ("degree", "name")
+        )
+
+    def _cross(self, token: Token) -> Expression:
+        """cross(a, b)."""
+        self.expect("open", "'('")
+        left = self.expression()
+        self.expect("comma", "','")
+        right = self.expression()
+        return Cross(left, right, span=(token.start, self.expect("close", "')'").end))
+
+    def _sign(self, argument: Expression) -> Trig:
+        try:
+            return self.reader.read(argument).sign()
+        except FreebodyError:
+            self.source.fail("sgn needs a single rate here", argument.span)
+
+    def _derivative(self, token: Token) -> Expression:
+        """Derivative(theta1(t), t), Derivative(theta1(t), (t, 2))."""
+        self.expect("open", "'('")
+        value = self.reader.read(self.expression())
+        order = 0
+        while self.token.kind == "comma":
+            self.take()
+            pair = self.token.kind == "open"
+            if pair:
+                self.take()
+            if self.expect("name", "the time t").text != "t":
+                self.source.fail("only derivatives with respect to the time t are read", token.span)
+            times = 1
+            if pair:
+                self.expect("comma", "','")
+                times = int(self.expect("number", "the order").value)
+                self.expect("close", "')'")
+            order += times
+        span = (token.start, self.expect("close", "')'").end)
+        if not 1 <= order <= 2:
+            self.source.fail("a derivative must be the first or second one by t", span)
+        for _ in range(order):
+            value = value.along(self.vocabulary.setting.symbols.rates)
+        return Named(self.source[span], value, span=span)

@@ -1,0 +1,274 @@
+"""The names that an answer may use: the model's symbols and their synonyms, c12 and s12, functions,
+quantities."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterable, Iterator
+from copy import copy
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NoReturn
+
+from freebody.derivations.check.algebra.answer_tree import Angle
+from freebody.derivations.check.algebra.quotients import Value
+from freebody.derivations.check.asked import free_body_names, load_names
+from freebody.derivations.check.asked.dotted_names import spellings
+from freebody.derivations.check.asked.right_equations import FAMILIES, RightEquations
+from freebody.derivations.grammar import words
+from freebody.derivations.grammar.source import Source, Span
+from freebody.derivations.grammar.words import spell
+from freebody.derivations.polynomials.symbols import RATE, SECOND, names_by_body
+from freebody.errors import likely
+from freebody.identifiers import word_set
+from freebody.scalars.trig import Trig
+
+if TYPE_CHECKING:
+    from freebody.derivations.check.asked.quantity import AskedQuantity
+
+FUNCTIONS = {
+    "sin": "sin", "Sin": "sin", "SIN": "sin", "cos": "cos", "Cos": "cos", "COS": "cos",
+    "tan": "tan", "Tan": "tan", "sgn": "sgn", "sign": "sgn",
+    "Derivative": "Derivative", "diff": "Derivative", "Matrix": "Matrix", "array": "Matrix",
+    "cross": "cross",
+    "acos": "arccos", "arccos": "arccos", "Acos": "arccos", "asin": "arcsin", "arcsin": "arcsin",
+    "Asin": "arcsin", "atan": "arctan", "arctan": "arctan", "Atan": "arctan", "atan2": "atan2",
+    "Atan2": "atan2", "ATAN2": "atan2", "arctan2": "atan2", "sqrt": "sqrt",
+}  # fmt: skip
+_NOT_POLYNOMIAL = word_set("cot exp log ln")
+_SYNONYMS = {
+    "lc": ("lC", "lG", "lg"),
+    "I": ("Ic", "IC", "IG", "Izz", "IC"),
+    "l": (),
+    "m": (),
+}
+_MOST_IN_SUM = 6
+
+
+@dataclass
+class Vocabulary:
+    """Plain spellings (see `words`) and what they mean."""
+
+    setting: RightEquations
+    quantities: frozenset[str] = frozenset()
+    """Names of what can be asked: tau1, H12, …"""
+    alone: frozenset[str] = frozenset()
+    """Those of them that are no part of a longer word."""
+    symbols: dict[str, Value] = field(default_factory=dict)
+    waves: dict[str, tuple[str, Angle]] = field(default_factory=dict)
+    """c12, s12: the function and the angle."""
+    functions: dict[str, str] = field(default_factory=lambda: dict(FUNCTIONS))
+    uses: dict[str, tuple[AskedQuantity, ...]] = field(default_factory=dict)
+    """Quantities that names of the user's own are given by."""
+    _known: frozenset[str] | None = None
+
+    def __post_init__(self) -> None:
+        for spelling, value in self._all_symbols():
+            self.symbols.setdefault(spelling, value)
+        for name, wave in self._all_waves():
+            if name not in self.symbols:
+                self.waves[name] = wave
+
+    @property
+    def known(self) -> frozenset[str]:
+        """All names but functions."""
+        if self._known is None:
+            self._known = frozenset([*self.symbols, *self.waves, *self.quantities, "t", "pi"])
+        return self._known
+
+    def copy(self) -> Vocabulary:
+        """The same names, apart from what is defined later."""
+        kept = copy(self)
+        kept.symbols, kept.waves = dict(self.symbols), dict(self.waves)
+        kept.functions, kept.uses = dict(self.functions), dict(self.uses)
+        return kept
+
+    def define(self, plain: str, value: Value, uses: tuple[AskedQuantity, ...] = ()) -> None:
+        """A name of the user's own, and the quantities that it is given by; it goes before all
+        others."""
+        self.symbols[plain], self.uses[plain] = value, uses
+        self.waves.pop(plain, None)
+        self.functions.pop(plain, None)
+        self._known = None
+
+    def also_wave(self, letter: str, function: str) -> None:
+        """A further letter for a function of angles: C12 as c12."""
+        own = [(name, wave) for name, wave in self.waves.items() if wave[0] == function]
+        self.waves.update((letter + name[1:], wave) for name, wave in own)
+        self._known = None
+
+    def no_waves(self, names: Iterable[str]) -> None:
+        """Names of quantities that are no sines and cosines: c1 where c is a letter of vectors."""
+        for name in names:
+            self.waves.pop(name, None)
+        self._known = None
+
+    # ------------------------------------------------------------ words of a text
+    def begins(self, letter: str) -> bool:
+        """Whether a word begins with this character."""
+        return letter in words.STARTS
+
+    def word(self, source: Source, at: int) -> tuple[list[words.Piece], int | None]:
+        """The names that the word there is made of, and a power that stood inside."""
+        word = words.spell(source, at)
+        pieces = self.cut(source, word)
+        if pieces is None:
+            self._unknown(source, (word.start, word.end))
+        return pieces, word.power
+
+    def cut(self, source: Source, word: words.Word) -> list[words.Piece] | None:
+        """A word as known names. Names of vectors stand alone: rc2x is no r·c2·x."""
+        apart = self.alone.difference(self.symbols, self.waves)
+        known = self.known if word.plain in self.known else self.known - apart
+        return words.cut(source, word, known, self.functions)
+
+    def _unknown(self, source: Source, span: Span) -> NoReturn:
+        """Raise the error for a word that is no name."""
+        word = source[span]
+        plain = re.sub(r"[_{}\\]", "", word)
+        if plain in _NOT_POLYNOMIAL:
+            source.fail(
+                f"{plain} does not occur in these equations: write them with sin and cos", span
+            )
+        names = self.listed
+        near = likely(plain, names) or likely(spell(source, span[0]).plain, names)
+        hint = f"Did you mean {near[0]!r}? " if near else ""
+        if (wave := plain.lower()) in self.waves:
+            function = {"sin": "sine", "cos": "cosine"}[self.waves[wave][0]]
+            hint = f"The {function} of the angle is written {wave}. "
+            near = []
+        shown = word if len(word) <= 30 else word[:30] + "…"
+        if target := near[0] if near else self._angle_of(plain):
+            remedy = (
+                f"For a name of your own: names={{{plain!r}: {target!r}}}, --name {plain}={target}."
+            )
+        else:
+            remedy = (
+                "What a name of your own stands for is told by --name YOURS=OURS, or on a line "
+                "before. Words that are not part of an equation go after a #."
+            )
+        source.fail(
+            f"no symbol {shown!r} in {self.setting.symbols.model.name!r}",
+            span,
+            f"{hint}Symbols: {', '.join(names[:24])}. {remedy}",
+        )
+
+    def _angle_of(self, plain: str) -> str:
+        """The joint's angle that a name such as t1 or phi1 may stand for, or nothing."""
+        match = re.fullmatch(r"(?:t|phi|psi|alpha)(\d+)", plain)
+        return f"theta{match[1]}" if match and f"theta{match[1]}" in self.listed else ""
+
+    @property
+    def listed(self) -> list[str]:
+        """The model's own symbols, for errors."""
+        names = self.setting.ring.names
+        return [x for x in names if x not in self.setting.foreign and not x.startswith("sgn_")]
+
+    # ------------------------------------------------------------ symbols
+    def _all_symbols(self) -> Iterator[tuple[str, Trig]]:
+        ring, s = self.setting.ring, self.setting.symbols
+        moving = (
+            x for x in ring.names if re.fullmatch(r"theta\d+|d\d+", x) and x + RATE in ring.index
+        )
+        if self.setting.is_free_body:
+            yield from free_body_names.symbols(self.setting)
+        for name in [*s.coordinates, *moving]:
+            yield from self._coordinate(name)
+        for name in ring.names:
+            yield name.replace("_", ""), ring[name]
+        for name in self.setting.zeros:
+            yield name.replace("_", ""), self.setting.zero
+        yield from self._families()
+        if self.setting.is_planar:
+            yield from self._absolute_rates()
+        yield from self._sums()
+        yield from load_names.symbols(self.setting, self.quantities)
+        gravity = self.setting.order.gravity
+        if gravity:
+            yield "g", ring[gravity]
+
+    def _coordinate(self, name: str) -> Iterator[tuple[str, Trig]]:
+        """Synonyms of a coordinate and its rates: q1, th1, dtheta1, theta1', …"""
+        letters, number = re.sub(r"\d", "", name), re.sub(r"\D", "", name)
+        alone = len(self.setting.symbols.coordinates) == 1 or letters in ("x", "y")
+        own = self._is_own(number)
+        for letter in {"theta": ("theta", "q", "th"), "d": ("d", "q")}.get(letters, (letters,)):
+            if letter == "q" and name not in self.setting.symbols.coordinates and own:
+                continue
+            bare = alone and letters not in ("x", "y")
+            if letter in ("theta", "th"):  # of a cart with a pendulum θ is enough
+                bare = [x for x in self.setting.symbols.coordinates if x.startswith("theta")] == [
+                    name
+                ]
+            for k in (number, "") if bare else (number,):
+                for dots, ending in enumerate(("", RATE, SECOND)):
+                    for spelling in spellings(letter, k, dots):
+                        yield spelling, self.setting.ring[name + ending]
+
+    def _is_own(self, number: str) -> bool:
+        """Whether a coordinate of the model carries the number."""
+        return any(re.sub(r"\D", "", x) == number for x in self.setting.symbols.coordinates)
+
+    def _families(self) -> Iterator[tuple[str, Trig]]:
+        """Synonyms of a planar arm's parameters; without number where there is one link."""
+        alone = self.setting.joints == 1
+        for family in FAMILIES:
+            for k in range(1, self.setting.joints + 1):
+                value = self.setting.parameter(f"{family}{k}")
+                if value is None:
+                    continue
+                letters = (family, *_SYNONYMS[family])
+                for spelling in (*(f"{x}{k}" for x in letters), *(letters if alone else ())):
+                    yield spelling, value
+                if family == "lc":
+                    yield f"l{k}c", value
+
+    def _absolute_rates(self) -> Iterator[tuple[str, Trig]]:
+        """ω_i, the sum of the rates of all turns from the ground to body i, (3.16) and (3.17), and
+        its time derivative."""
+        setting = self.setting
+        model, own = setting.symbols.model, names_by_body(setting.symbols.model)
+        for i, names in enumerate(own):
+            k = re.sub(r"\D", "", names[0]) if len(names) == 1 else ""
+            if not k:
+                continue
+            turning, at = [], i
+            while at >= 0:
+                turning += [x for x in own[at] if x.startswith("theta")]
+                at = model.bodies[at].parent
+            for dots, ending in ((0, RATE), (1, SECOND)):
+                value = sum((setting.image(x + ending) for x in turning), setting.zero)
+                for letter, number in itertools.product(
+                    ("omega", "w"), (k, "") if len(setting.symbols.coordinates) == 1 else (k,)
+                ):
+                    for spelling in spellings(letter, number, dots):
+                        yield spelling, value
+                if dots:
+                    yield f"alpha{k}", value
+
+    def _sums(self) -> Iterator[tuple[str, Trig]]:
+        """theta12 is theta1 + theta2, and so its rates."""
+        ring = self.setting.ring
+        for numbers, names in self._subsets():
+            if len(names) > 1:
+                for dots, ending in enumerate(("", RATE, SECOND)):
+                    value = sum((ring[x + ending] for x in names), self.setting.zero)
+                    for letter in ("theta", "q", "th"):
+                        for spelling in spellings(letter, numbers, dots):
+                            yield spelling, value
+
+    def _subsets(self) -> Iterator[tuple[str, tuple[str, ...]]]:
+        """Angles with rising numbers of one digit."""
+        angles = [x for x in self.setting.ring.angles if re.fullmatch(r"theta\d", x)]
+        angles = sorted(angles)[:_MOST_IN_SUM]
+        for size in range(1, len(angles) + 1):
+            for names in itertools.combinations(angles, size):
+                yield "".join(x[-1] for x in names), names
+
+    def _all_waves(self) -> Iterator[tuple[str, tuple[str, Angle]]]:
+        if self.setting.is_free_body:
+            yield from free_body_names.waves(self.setting)
+        for numbers, names in self._subsets():
+            for letter, function in (("c", "cos"), ("s", "sin")):
+                angle = tuple((x, 1) for x in sorted(names, key=self.setting.ring.angles.index))
+                yield letter + numbers, (function, angle)

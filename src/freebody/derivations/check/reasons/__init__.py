@@ -1,0 +1,1 @@
+"""Why an answer is wrong: misconceptions, misreadings, small changes and what mends them."""

@@ -1,0 +1,139 @@
+"""Answers that are right but for what one of their symbols was taken for."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from freebody.derivations.check.algebra.answer_tree import Named, Wave
+from freebody.derivations.check.algebra.finite_field_tree import Workspace
+from freebody.derivations.check.asked.asked_quantities import Targets
+from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.check.reading.claim import Claim
+from freebody.derivations.check.verdict import Mistake
+from freebody.derivations.expressions.nodes import Expression, Negative, Number, Sum, replaced
+from freebody.derivations.polynomials.symbols import RATE, SECOND
+
+_GRAVITY = ("9.8", "9.81", "9.807", "9.80665", "10")
+
+
+@dataclass(frozen=True)
+class Misreading:
+    """Nodes that may stand for something else, and how to say so."""
+
+    new: dict[Expression, Expression]
+    text: str
+    right: str
+    is_doubtful: bool = True
+    """Whether to say so also where it does not make the answer right."""
+
+
+def misread(
+    setting: RightEquations, targets: Targets, claim: Claim, work: Workspace, right: int
+) -> tuple[Mistake | None, str]:
+    """A finding where another reading makes the answer right; else what is to be said about a
+    doubtful one."""
+    doubt = ""
+    readings = (
+        *_velocity_terms(targets, claim, work),
+        *_cosines(setting, targets, claim, work),
+        *_slides(setting, targets, work),
+        *_numbers(setting, claim, work),
+    )
+    for reading in readings:
+        if work.point.at(replaced(work.root, reading.new)) == right:
+            node = next(iter(reading.new))
+            line, column = claim.source.place(node.span[0])
+            text = f"{reading.text} With that the equation is right."
+            yours, context = claim.source[node.span], claim.source.caret(node.span)
+            return Mistake("symbol", text, yours, reading.right, line, column, context), ""
+        doubt = doubt or (reading.text if reading.is_doubtful else "")
+    return None, doubt
+
+
+def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator[Misreading]:
+    """c1 as a term of its own in a torque: it is read as cos θ1."""
+    if claim.target.family != "tau":
+        return
+    found: dict[Expression, Expression] = {}
+    for node in work.values:
+        index = re.fullmatch(
+            r"c_?\{?(\d+)\}?", claim.source[node.span].replace("₁", "1").replace("₂", "2")
+        )
+        parent = work.parents.get(node)
+        if (
+            isinstance(node, Wave)
+            and index
+            and isinstance(parent, Sum | Negative)
+            and f"v{index[1]}" in targets.single
+        ):
+            value = targets.single[f"v{index[1]}"].compute()
+            found[node] = Named(f"v{index[1]}", value, span=node.span)
+    if found:
+        written, name = claim.source[next(iter(found)).span], next(iter(found.values()))
+        assert isinstance(name, Named)
+        text = (
+            f"‘{written}’ on the right is read as a cosine; write {name.name} for the velocity "
+            "term."
+        )
+        yield Misreading(found, text, name.name)
+
+
+def _cosines(
+    setting: RightEquations, targets: Targets, claim: Claim, work: Workspace
+) -> Iterator[Misreading]:
+    """C2, C12 on the right: read as quantities of the dynamics, where cosines may be meant."""
+    found: dict[Expression, Expression] = {}
+    for node in work.values:
+        if not isinstance(node, Named) or node.name not in targets.single:
+            continue
+        index = re.fullmatch(r"C([1-9]+)", node.name)
+        angle = tuple((f"theta{k}", 1) for k in index[1]) if index else ()
+        if angle and all(x in setting.ring.angles for x, _ in angle):
+            found[node] = Wave("cos", angle, span=node.span)
+    if found:
+        node = next(iter(found))
+        assert isinstance(node, Named)
+        written, right = claim.source[node.span], claim.source[node.span].replace("C", "c", 1)
+        title = targets.single[node.name].title
+        text = f"‘{written}’ on the right is read as {title}; write {right} for the cosine."
+        yield Misreading(found, text, right)
+
+
+def _slides(setting: RightEquations, targets: Targets, work: Workspace) -> Iterator[Misreading]:
+    """x of a cart: it is read as the tip's."""
+    slides = [x for x in setting.symbols.coordinates if x.startswith("d")]
+    if len(slides) != 1:
+        return
+    (slide,), found = slides, {}
+    for node in work.values:
+        target = targets.single.get(node.name) if isinstance(node, Named) else None
+        if (
+            target is not None
+            and isinstance(node, Named)
+            and re.fullmatch(r"[˙'d]*x[˙'dot]*", node.name)
+        ):
+            name = slide + {"tip": "", "tip_d": RATE, "tip_dd": SECOND}[target.family]
+            found[node] = Named(name, setting.ring[name], span=node.span)
+    if found:
+        text = (
+            f"x is read as the tip's coordinate; for the slide write {slide}, "
+            f"or say names={{'x': '{slide}'}}."
+        )
+        yield Misreading(found, text, slide)
+
+
+def _numbers(setting: RightEquations, claim: Claim, work: Workspace) -> Iterator[Misreading]:
+    """9.81 for g."""
+    g = setting.order.gravity
+    found: dict[Expression, Expression] = {
+        node: Named(g, setting.ring[g], span=node.span)
+        for node in work.values
+        if g and isinstance(node, Number) and claim.source[node.span] in _GRAVITY
+    }
+    if found:
+        written = claim.source[next(iter(found)).span]
+        yield Misreading(
+            found, f"‘{written}’ must be the symbol {g}: answers are compared in symbols.", g, False
+        )

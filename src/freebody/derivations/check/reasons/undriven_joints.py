@@ -1,0 +1,57 @@
+"""Equations of joints that nothing drives: 0 = …, right up to a factor that does not move."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from fractions import Fraction
+
+from freebody.derivations.check.asked.asked_quantities import Targets
+from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.check.asked.terms_by_motion import parts
+from freebody.scalars.trig import Trig
+
+
+def equation(targets: Targets, x: Trig, taken: Collection[tuple[int, ...]]) -> AskedQuantity:
+    """The passive joint's equation that x = 0 states, or else should: of those that no other line
+    has given the one with which it has most in common."""
+    own = [targets.single[f"tau{i}"] for i in targets.passive]
+    right = next(
+        (target for target in own if is_same(targets.setting, x, target.polynomial())), None
+    )
+    if right is not None:
+        return AskedQuantity("0", right.index, lambda: x)
+    left = [target for target in own if target.index not in taken] or own
+    target = max(left, key=lambda target: len(_votes(targets.setting, x, target.polynomial())))
+    return AskedQuantity("0", target.index, lambda: _alike(targets.setting, x, target.polynomial()))
+
+
+def is_same(setting: RightEquations, x: Trig, y: Trig) -> bool:
+    """Whether x = 0 says the same as y = 0: one is the other times a factor without coordinates."""
+    first, second = parts(setting, x), parts(setting, y)
+    if not first or first.keys() != second.keys():
+        return False
+    key = next(iter(first))
+    return all((first[k] * second[key] - second[k] * first[key]).is_zero for k in first)
+
+
+def _alike(setting: RightEquations, x: Trig, y: Trig) -> Trig:
+    """y times the number with which it has most parts in common with x."""
+    votes = _votes(setting, x, y)
+    best = max(
+        votes, key=lambda ratio: (votes.count(ratio), ratio > 0, -abs(ratio)), default=Fraction(1)
+    )
+    return y * best
+
+
+def _votes(setting: RightEquations, x: Trig, y: Trig) -> list[Fraction]:
+    """The numbers that parts of x are times those of y."""
+    first, second = parts(setting, x), parts(setting, y)
+    return [ratio for k in first.keys() & second.keys() for ratio in _ratio(first[k], second[k])]
+
+
+def _ratio(a: Trig, b: Trig) -> Iterator[Fraction]:
+    """The number that a is times b, if it is one."""
+    ratio = Fraction(a.leading_coefficient) / Fraction(b.leading_coefficient)
+    if (a - b * ratio).is_zero:
+        yield ratio

@@ -1,0 +1,1 @@
+"""How formulas are spelled in answers, brought to one spelling."""

@@ -1,0 +1,256 @@
+"""One equation of an answer against the right one: equal, or the simplest explanation of the
+difference."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from freebody.derivations.check.algebra.answer_tree import Named
+from freebody.derivations.check.algebra.finite_field import Point, random_point
+from freebody.derivations.check.algebra.finite_field_tree import Workspace
+from freebody.derivations.check.algebra.quotients import Value, difference
+from freebody.derivations.check.asked.asked_quantities import Targets
+from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.check.numbers.units import misfit, unit_text
+from freebody.derivations.check.reading.claim import Claim
+from freebody.derivations.check.reading.vocabulary import Vocabulary
+from freebody.derivations.check.reasons import coriolis, undriven_joints
+from freebody.derivations.check.reasons.free_bodies import FreeBodyMotion
+from freebody.derivations.check.reasons.free_motion import FreeMotion
+from freebody.derivations.check.reasons.misconceptions import Misconceptions
+from freebody.derivations.check.reasons.misreadings import misread
+from freebody.derivations.check.verdict import EquationVerdict, Mistake
+from freebody.derivations.check.verdicts import (
+    numeric_example,
+    position_verdict,
+    quotient_verdict,
+    singular_poses,
+)
+from freebody.derivations.check.verdicts.explanation import Explanation, first
+from freebody.derivations.check.verdicts.number_verdict import NumberJudge
+from freebody.derivations.check.verdicts.rounded_numbers import MEASURED, Rounded
+from freebody.derivations.check.verdicts.verdict_sentences import Wording, quoted
+from freebody.derivations.expressions.nodes import Number, nodes
+from freebody.derivations.expressions.printed_names import sym
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
+
+_OTHER_SENSE = "The force at the tip has the other sense here than in other lines."
+
+
+@dataclass(frozen=True)
+class Judge:
+    """Compares claims with the right values of a model."""
+
+    setting: RightEquations
+    targets: Targets
+    claims: Sequence[Claim]
+    """All of the answer."""
+    numbers: NumberJudge
+
+    @cached_property
+    def point(self) -> Point:
+        """A random point of the ring."""
+        return random_point(self.setting.ring)
+
+    @cached_property
+    def free_motion(self) -> FreeMotion | None:
+        """What follows for joints that nothing drives."""
+        return FreeMotion.of_passive_joints(self.setting)
+
+    @cached_property
+    def free_body(self) -> FreeBodyMotion | None:
+        """What is known of one body that nothing holds."""
+        return FreeBodyMotion(self.setting) if self.setting.is_free_body else None
+
+    @cached_property
+    def vocabulary(self) -> Vocabulary:
+        """Names for reading printed equations."""
+        return Vocabulary(self.setting)
+
+    def verdict(self, claim: Claim, explain: bool = True) -> EquationVerdict:
+        """The verdict on one claim, with its mistakes named or only with an example."""
+        if claim.target.family == singular_poses.FAMILY:
+            return singular_poses.verdict(claim)
+        if claim.target.family == "position":
+            return position_verdict.verdict(self.setting, claim, self.claims, explain)
+        number = self.numbers.verdict(claim, explain)
+        if number is not None:
+            return number
+        claim = replace(claim, target=self._in_its_sense(claim))
+        right = claim.target.compute()
+        title = claim.target.title
+        if difference(claim.value, right).is_zero:
+            meant = f"It is read as {title}." if re.fullmatch(r"P[_{}0-9]*", claim.label) else ""
+            note = " ".join(filter(None, (meant, claim.target.note, self._zeros(claim))))
+            return EquationVerdict(claim.label, title, True, note=note)
+        special = quotient_verdict.verdict(self, claim, right, explain)
+        if special is not None:
+            return special
+        assert isinstance(claim.value, Trig)
+        assert isinstance(right, Trig)
+        if claim.target.family in ("V", "L", "Vi") and self._is_constant(claim.value - right):
+            note = (
+                f"It differs by the constant {self.setting.form(claim.value - right)}: the zero "
+                f"level of V is arbitrary."
+            )
+            return EquationVerdict(claim.label, title, True, note=note)
+        return (
+            self._other_ways(claim, claim.value, right)
+            or self._in_numbers(claim, claim.value, right)
+            or self._wrong(claim, claim.value, right, explain)
+        )
+
+    def _in_its_sense(self, claim: Claim) -> AskedQuantity:
+        """Of a quantity that has two right values, such as a torque that holds a force of either
+        sense, the one that fits the answer."""
+        target = claim.target
+        if not target.also:
+            return target
+        ((note, other),) = target.also
+        second = self._senses.index(max(self._senses)) if any(self._senses) else self._nearer(claim)
+        if not second:
+            return replace(target, thoughts=((_OTHER_SENSE, other), *target.thoughts))
+        first = (_OTHER_SENSE, target.compute)
+        return replace(target, compute=other, note=note, thoughts=(first, *target.thoughts))
+
+    @cached_property
+    def _senses(self) -> tuple[int, int]:
+        """How many claims are right in the first sense, and in the second."""
+        told = [claim for claim in self.claims if claim.target.also]
+        first = sum(_is_right(claim, claim.target.compute) for claim in told)
+        return first, sum(_is_right(claim, claim.target.also[0][1]) for claim in told)
+
+    def _nearer(self, claim: Claim) -> int:
+        """The sense in which fewer terms differ."""
+        values = (claim.target.compute(), claim.target.also[0][1]())
+        sizes = [len(difference(claim.value, x)) for x in values]
+        return sizes.index(min(sizes))
+
+    def _wrong(self, claim: Claim, yours: Trig, right: Trig, explain: bool) -> EquationVerdict:
+        findings, causes = self._explained(claim, yours, right) if explain else ([], [])
+        hint = coriolis.advice(self.setting, claim, self.claims)
+        causes = [*causes, *[hint] * bool(hint), *self._unsymmetric(claim)]
+        return self._with_example(claim, right, findings, causes)
+
+    def _unsymmetric(self, claim: Claim) -> list[str]:
+        """A sentence about an entry of the mass matrix that the answer gives in two ways."""
+        mirrored = claim.target.index[::-1]
+        if claim.target.family != "M" or mirrored == claim.target.index:
+            return []
+        return [
+            f"The mass matrix is symmetric, so {claim.label} = {other.label}."
+            for other in self.claims
+            if other.target.family == "M"
+            and other.target.index == mirrored
+            and other.value != claim.value
+        ][:1]
+
+    def _with_example(
+        self, claim: Claim, right: Trig, findings: Sequence[Mistake], causes: Sequence[str]
+    ) -> EquationVerdict:
+        shown = numeric_example.example(self.setting, claim.value, right)
+        text = numeric_example.sentence(shown) if shown else ""
+        return EquationVerdict(
+            claim.label, claim.target.title, False, tuple(findings), tuple(causes), shown, text
+        )
+
+    def _other_ways(self, claim: Claim, yours: Trig, right: Trig) -> EquationVerdict | None:
+        """The verdict on what is right though it is not the same: torques of passive joints, other
+        matrices C."""
+        note = self.coriolis.get(claim.target.index, "") if claim.target.family == "C" else ""
+        if claim.target.idle and (
+            yours.is_zero or undriven_joints.is_same(self.setting, yours, right)
+        ):
+            joint = claim.target.index[0]
+            note = f"Joint {joint} is passive: {sym(f'tau{joint}')} = 0."
+        return EquationVerdict(claim.label, claim.target.title, True, note=note) if note else None
+
+    @cached_property
+    def coriolis(self) -> Mapping[tuple[int, ...], str]:
+        """What is to be said of entries of another matrix C than Christoffel's."""
+        return coriolis.notes(self.setting, self.claims)
+
+    # ------------------------------------------------------------ numbers
+    def _in_numbers(self, claim: Claim, yours: Trig, right: Trig) -> EquationVerdict | None:
+        """The verdict on an answer in numbers, or of a model that has measured ones; None of an
+        answer in symbols."""
+        model = self.setting.symbols.model
+        values = {name: value for name, value in model.parameters.items() if value is not None}
+        decimal = self.setting.order.decimal
+        rounded = Rounded(self.setting, claim.source, claim.node, yours, right, values)
+        if not decimal and not rounded.applies:
+            return self._mixed(claim, rounded) if values else None
+        wrong = rounded.wrong(MEASURED) if decimal else rounded.wrong()
+        if wrong is None:
+            return None
+        if not wrong:
+            note = "Numbers were compared to three digits."
+            if rounded.applies:
+                note = f"In numbers, with the values of {model.name!r}, to the digits given."
+            return EquationVerdict(claim.label, claim.target.title, True, note=note)
+        if not rounded.is_in_numbers:
+            return None
+        wording = Wording(self.setting, claim.source)
+        findings = first([wording.of_number(row) for row in wrong])
+        causes = [f"In numbers, with the values of {model.name!r}, to the digits given:"]
+        return self._with_example(claim, rounded.target, findings, causes)
+
+    def _mixed(self, claim: Claim, rounded: Rounded) -> EquationVerdict | None:
+        """The verdict on numbers among symbols."""
+        if not rounded.is_mixed or not any(isinstance(x, Number) for x in nodes(claim.node)):
+            return None
+        text = (
+            f"With the values of {self.setting.symbols.model.name!r} the number is right, but one "
+            f"term mixes symbols and numbers, which may be right by coincidence: write it all in "
+            f"symbols, or all in numbers."
+        )
+        return self._with_example(claim, rounded.right, (), [text])
+
+    def _zeros(self, claim: Claim) -> str:
+        """A sentence about parameters in the answer that are 0 in this model."""
+        if not self.setting.zeros:
+            return ""
+        names = {x.name: sym(x.name) for x in nodes(claim.node) if isinstance(x, Named)}
+        found = [str(names[name]) for name in names if name in self.setting.zeros]
+        if not found:
+            return ""
+        model = self.setting.symbols.model.name
+        return f"({' and '.join(found)} {'are' if len(found) > 1 else 'is'} 0 in {model!r}.)"
+
+    def _is_constant(self, x: Trig) -> bool:
+        """Whether no coordinate or rate occurs."""
+        return all(x.derivative(name).is_zero for name in self.setting.symbols.rates)
+
+    def _explained(self, claim: Claim, yours: Trig, right: Trig) -> tuple[list[Mistake], list[str]]:
+        work = Workspace(claim.node, self.point)
+        value = self.point.of(right)
+        finding, doubt = misread(self.setting, self.targets, claim, work, value)
+        if finding is not None:
+            return [finding], []
+        causes = self._thoughts(claim, right, work.value)
+        findings = Explanation(self, claim, right, work, value).findings(bool(causes))
+        return findings, [doubt] * bool(doubt) + causes + self._units(yours, right)
+
+    def _thoughts(self, claim: Claim, right: Trig, value: int) -> list[str]:
+        """What may have been thought; thoughts are told of the model's own coordinates only."""
+        if self.setting.turned is not None:
+            return []
+        thoughts = Misconceptions(self.setting, self.targets, claim.target, right, self.point)
+        return thoughts.explaining(value)
+
+    def _units(self, yours: Trig, right: Trig) -> list[str]:
+        """A sentence about a term in the wrong units."""
+        found = misfit(self.setting, yours, right)
+        if found is None:
+            return []
+        term, unit, expected = found
+        text = f"The units do not fit: {quoted(self.setting.form(term))} has {unit_text(unit)}"
+        return [f"{text}, where {unit_text(expected)} is needed."]
+
+
+def _is_right(claim: Claim, value: Callable[[], Value]) -> bool:
+    return difference(claim.value, value()).is_zero

@@ -1,0 +1,209 @@
+"""Answers that are numbers, at a state: right to the digits given, or the reason why not, such as
+degrees taken for radians."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from freebody.derivations.check.algebra.real_point import RealPoint
+from freebody.derivations.check.asked.asked_quantities import Targets
+from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.check.numbers.states import State, in_words
+from freebody.derivations.check.numbers.units import unit_of_quantity
+from freebody.derivations.check.numbers.written_numbers import WrittenNumber, WrittenNumbers
+from freebody.derivations.check.numbers.written_units import si_text
+from freebody.derivations.check.reading.claim import Claim
+from freebody.derivations.check.verdict import EquationVerdict, Example, Mistake
+from freebody.derivations.check.verdicts.number_at_state import EXACT, NumberAtState, symbol_of
+from freebody.derivations.check.verdicts.number_reasons import reasons
+from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.grammar.source import Span
+from freebody.outputs.numbers import shortest
+from freebody.scalars.trig import Trig
+
+
+@dataclass(frozen=True)
+class NumberJudge:
+    """Compares claims in numbers with the right values at their states."""
+
+    setting: RightEquations
+    targets: Targets
+    numbers: WrittenNumbers
+    tolerance: float | None = None
+    """The share of the right number by which an answer may be off, where not its digits tell it."""
+
+    def verdict(self, claim: Claim, explain: bool) -> EquationVerdict | None:
+        """The verdict on a claim that is a number at a state, or has a unit; None of another."""
+        written = self.numbers.of(claim.node.span)
+        given = self.numbers.state_at(claim.node.span)
+        if not (isinstance(claim.value, Trig) and claim.value.is_constant):
+            return self._in_symbols(claim, written, given)
+        no_result = (
+            claim.target.family in ("identity", "0") and claim.value.is_zero and written is None
+        )
+        if no_result or claim.target.idle:
+            return None
+        number = NumberAtState(self.setting, claim, written, given, self.tolerance)
+        if not (written or given or self._lacks_state(number)):
+            return None
+        return _NumberVerdict(number).verdict(self.targets if explain else None)
+
+    def _lacks_state(self, number: NumberAtState) -> bool:
+        """Whether a number without unit is a result whose state was left out: it has decimals, or
+        states are given elsewhere."""
+        claim = number.claim
+        if claim.target.family in ("identity", "0", "Phi") or claim.value.is_zero:
+            return False
+        text = claim.source.text[slice(*claim.node.span)]
+        stated = bool(self.numbers.numbers or self.numbers.standing)
+        return number.is_lone and ("." in text or stated) and bool(number.missing)
+
+    def _in_symbols(
+        self, claim: Claim, written: WrittenNumber | None, given: State
+    ) -> EquationVerdict | None:
+        """The verdict on an answer in symbols that holds at its state only, m₂ g lc₂ cos 75°; None
+        of one that is right in general, or wrong."""
+        right = claim.target.compute()
+        if written is not None:
+            needed, unit = unit_of_quantity(self.setting, claim.target, right), written.unit
+            other = unit and (unit.factor != 1 or needed not in (None, unit.dimension))
+            if other or written.within:
+                claim.source.fail(
+                    "a tolerance, or a unit other than the quantity's, follows what is not a "
+                    "number",
+                    written.said,
+                    "Give the result in numbers, or the equation in symbols without them.",
+                )
+        if not given or not isinstance(right, Trig) or not isinstance(claim.value, Trig):
+            return None
+        yours, put = (self._rows(x, given) for x in (claim.value, right))
+        largest = max(map(abs, put.values()), default=0.0)
+        same = all(
+            abs(yours.get(key, 0.0) - put.get(key, 0.0)) <= EXACT * largest for key in yours | put
+        )
+        if not same or (claim.value - right).is_zero or _names(claim.value) & set(given):
+            return None
+        used = in_words({name: x for name, x in given.items() if name in _names(right)})
+        return EquationVerdict(claim.label, claim.target.title, True, note=f"At {used}.")
+
+    def _rows(self, x: Trig, given: State) -> dict[frozenset[tuple[str, int]], float]:
+        """The terms of a polynomial with the values of a state put in."""
+        values = {name: value.value for name, value in given.items()}
+        point = RealPoint.of_state(self.setting.ring, values)
+        found: dict[frozenset[tuple[str, int]], float] = {}
+        for powers, coefficient in x.terms():
+            known = {
+                n: k
+                for n, k in powers.items()
+                if n.removeprefix("sin_").removeprefix("cos_") in given
+            }
+            key = frozenset((n, k) for n, k in powers.items() if n not in known)
+            found[key] = found.get(key, 0.0) + point.term(known, coefficient)
+        return found
+
+    def unused(self, claims: Sequence[Claim]) -> Iterator[Span]:
+        """Where something is said of numbers that are no result of the robot's."""
+        spans = [claim.node.span for claim in claims]
+        for x in self.numbers.numbers:
+            if not any(x.begun <= start and end <= x.span[1] for start, end in spans):
+                yield x.said
+
+
+@dataclass(frozen=True)
+class _NumberVerdict:
+    """The verdict on one number, in words."""
+
+    number: NumberAtState
+
+    def verdict(self, targets: Targets | None) -> EquationVerdict:
+        """With the reasons of a wrong number, where targets are given."""
+        number, claim = self.number, self.number.claim
+        if number.fits:
+            self._refuse_missing()
+        if number.fits and math.isnan(number.right):
+            claim.source.fail(
+                f"{claim.label} has no value {self._where()}: a division by 0", claim.node.span
+            )
+        if number.fits and number.point.agree(number.yours, number.right):
+            return EquationVerdict(claim.label, claim.target.title, True, note=self._note())
+        causes = [] if number.fits else [self._other_kind()]
+        example = None
+        if number.fits:
+            causes = reasons(number, targets) if targets else []
+            values = {x: number.values[x] for x in number.used if x in number.values}
+            example = Example(values, number.yours, number.right)
+        if not causes and claim.target.family in ("V", "L", "Vi"):
+            causes = ["Here V is 0 at the height of the base's origin; yours may be 0 elsewhere."]
+        return EquationVerdict(
+            claim.label, claim.target.title, False, (self._mistake(),), tuple(causes), example
+        )
+
+    def _refuse_missing(self) -> None:
+        """Refuse a number without the state that it belongs to."""
+        number, claim = self.number, self.number.claim
+        if missing := number.missing:
+            names = ", ".join(str(sym(x)) for x in missing[:6]) + ", …" * (len(missing) > 6)
+            claim.source.fail(
+                f"{claim.label} is a number here, but depends on {names}, which "
+                f"{'are' if len(missing) > 1 else 'is'} not given",
+                claim.node.span,
+                f"State them after the number, at {sym(missing[0])} = …, or by --at "
+                f"'{missing[0]} = …', at={{'{missing[0]}': …}}.",
+            )
+
+    # ------------------------------------------------------------ words
+    def _where(self) -> str:
+        """At which state, and whose values."""
+        given, used = self.number.given, self.number.used
+        here = in_words({name: x for name, x in given.items() if name in used})
+        model = self.number.setting.symbols.model
+        own = any(x in used and x not in given for x in model.parameters)
+        values = f"with the values of {model.name!r}" if own else ""
+        return ", ".join(part for part in (here and f"at {here}", values) if part)
+
+    def _right(self) -> str:
+        """The right number in the unit of the answer, with a digit more than this has."""
+        number = self.number
+        unit = number.unit if number.fits else None
+        value = shortest(number.right / (unit.factor if unit else 1.0), max(4, number.digits + 1))
+        text = unit.text if unit else "" if number.needed in (None, (0, 0, 0)) else self._unit()
+        return value + " " * (text not in ("", "°")) + text
+
+    def _unit(self) -> str:
+        """The unit that the quantity has."""
+        claim, needed = self.number.claim, self.number.needed
+        if needed is None:
+            return "a unit that is not known here"
+        if claim.target.family in ("T", "V", "L", "Ti", "Vi"):
+            return "J"
+        return si_text(needed, claim.label.lstrip("\\")[:1] in "ωαoaw")
+
+    def _note(self) -> str:
+        where = self._where()
+        text = f"{where[:1].upper()}{where[1:]}: " if where else ""
+        unchecked = self.number.unit is not None and self.number.needed is None
+        return f"{text}{self._right()}.{' The unit was not checked.' * unchecked}"
+
+    def _mistake(self) -> Mistake:
+        source, span = self.number.claim.source, self.number.claim.node.span
+        line, column = source.place(span[0])
+        right, where = self._right(), self._where()
+        if math.isnan(self.number.right):
+            right, where = f"in {self._unit()}", ""
+        text = f"‘{source[span]}’ must be {right}{' ' * bool(where)}{where}."
+        kind = "number" if self.number.fits else "unit"
+        return Mistake(kind, text, source[span], right, line, column, source.caret(span))
+
+    def _other_kind(self) -> str:
+        """A sentence about the unit of something else."""
+        unit = self.number.unit.text if self.number.unit else ""
+        text = f"The units do not fit: {unit}, where {self._unit()} is needed."
+        other = self.number.better_unit()
+        return f"{text} In {other} the number is right." if other else text
+
+
+def _names(x: Trig) -> set[str]:
+    """The symbols in a polynomial."""
+    return {symbol_of(name) for powers, _ in x.terms() for name in powers}

@@ -1,0 +1,124 @@
+"""The verdict on what is no polynomial, or holds for free motions only: solved accelerations,
+inverses, cos θ₂ from x and y."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from freebody.derivations.check.algebra.answer_tree import Named
+from freebody.derivations.check.algebra.finite_field import Point
+from freebody.derivations.check.algebra.finite_field_tree import Workspace
+from freebody.derivations.check.algebra.quotients import Value, difference
+from freebody.derivations.check.reading.claim import Claim
+from freebody.derivations.check.reasons.differences import Difference
+from freebody.derivations.check.reasons.free_body_thoughts import THOUGHTS
+from freebody.derivations.check.reasons.free_motion import FreeMotion
+from freebody.derivations.check.verdict import EquationVerdict, Mistake
+from freebody.derivations.check.verdicts import numeric_example
+from freebody.derivations.check.verdicts.explanation import Explanation
+from freebody.derivations.closed_chains.linear import Ratio
+from freebody.derivations.expressions.nodes import nodes
+from freebody.scalars.rational import exactly
+from freebody.scalars.trig import Trig
+
+if TYPE_CHECKING:
+    from freebody.derivations.check.verdicts.equation_verdict import Judge
+
+_SOLVED = ("solved", "q")
+_LIKELY = ("sign", "function", "factor", "index", "missing", "extra")
+_MAY_BE_FREE = (*_SOLVED, "tau", "identity")
+"""Quantities into which the equation of a passive joint may have been put."""
+
+
+def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> EquationVerdict | None:
+    """The verdict on a quotient, or on what holds for free motions; None of any other answer."""
+    yours, title, point = claim.value, claim.target.title, judge.point
+    motion = _motion(judge, claim, right)
+    if motion is not None and any(map(motion.concerns, (yours, right))):
+        put_in, own = motion.of(yours), motion.of(right)
+        if difference(put_in, own).is_zero:
+            return EquationVerdict(claim.label, title, True, note=motion.note)
+        if judge.free_body or claim.target.family in _SOLVED or isinstance(yours, Ratio):
+            yours, right, point = put_in, own, motion.at(point)
+    plain = point is judge.point and isinstance(yours, Trig) and isinstance(right, Trig)
+    if plain and claim.target.family not in (*_SOLVED, "identity"):
+        return None
+    if _is_right_in_numbers(judge, claim, yours, right):
+        note = f"In numbers, with the values of {judge.setting.symbols.model.name!r}."
+        return EquationVerdict(claim.label, title, True, note=note)
+    if plain:
+        return None
+    findings, causes = _explained(judge, claim, right, point) if explain else ([], [])
+    shown = numeric_example.example(judge.setting, yours, right)
+    text = numeric_example.sentence(shown) if shown else ""
+    return EquationVerdict(claim.label, title, False, tuple(findings), tuple(causes), shown, text)
+
+
+def _motion(judge: Judge, claim: Claim, right: Value) -> FreeMotion | None:
+    """The motions for which a claim is to hold, where not for all."""
+    if judge.free_body is not None:
+        return judge.free_body.motion((claim.value, right))
+    return judge.free_motion if claim.target.family in _MAY_BE_FREE else None
+
+
+def _is_right_in_numbers(judge: Judge, claim: Claim, yours: Value, own: Value) -> bool:
+    """Whether an answer that has no symbol with a value is right with the model's values."""
+    setting = judge.setting
+    given = setting.symbols.model.parameters.items()
+    values = {name: setting.zero + exactly(x) for name, x in given if x is not None}
+    values.pop(setting.order.gravity or "", None)
+    numbers = FreeMotion(values)
+    sides = [claim.node] if claim.whole is None else [claim.whole]
+    written = (x.value for side in sides for x in nodes(side) if isinstance(x, Named))
+    symbols = (x for x in written if isinstance(x, Trig) and len(x) == 1)
+    if not values or any(map(numbers.concerns, symbols)):
+        return False
+    return difference(numbers.of(yours), numbers.of(own)).is_zero
+
+
+def _explained(
+    judge: Judge, claim: Claim, right: Value, point: Point
+) -> tuple[list[Mistake], list[str]]:
+    """The changes that make it right, and what may have been thought."""
+    work = Workspace(claim.node, point)
+    thoughts = [x for x, thought in claim.target.thoughts if point.of(thought()) == work.value]
+    thoughts += _of_free_body(judge, claim)
+    found = _Changes(judge, claim, right, work, point.of(right)).simplest(bool(thoughts))
+    if claim.whole is not None and [x.kind for x in found] != ["sign"]:
+        whole = Workspace(claim.whole, point)
+        other = _Changes(judge, claim, judge.setting.zero, whole, 0).simplest(bool(thoughts))
+        found = other if not found or [x.kind for x in other] == ["sign"] else found
+    return found, thoughts
+
+
+def _of_free_body(judge: Judge, claim: Claim) -> list[str]:
+    """What may have been thought of the forces on a free body: the first thought under which the
+    claim is right."""
+    if judge.free_body is None:
+        return []
+    sides = (claim.value, claim.target.compute())
+    for physics in THOUGHTS:
+        point = judge.free_body.motion(sides, physics).at(judge.point)
+        if point.of(sides[0]) == point.of(sides[1]):
+            return [physics.thought]
+    return []
+
+
+class _Changes(Explanation):
+    """The search without a comparison term by term."""
+
+    @property
+    def rows(self) -> Sequence[Difference]:
+        return ()
+
+    def simplest(self, has_cause: bool) -> list[Mistake]:
+        """One change or several that make it right; none where none is found, and where the cause
+        is known only a likely one."""
+        single = self._single()
+        if single is None:
+            return [] if has_cause else self._several()
+        says_nothing = single.yours == self.claim.source[self.work.root.span]
+        if single.kind == "extra" and says_nothing:
+            return []
+        return [single] if not has_cause or single.kind in _LIKELY else []
