@@ -202,6 +202,7 @@ def test_the_verdict_on_a_number_reads_like_this():
         ("G2 = 0.57", {"theta1": [1, 2]}, "at: 'theta1' is neither a number"),
         ("At θ1 = 30°: G2 = 1 N m", {"theta1": 1}, "at: θ₁ = 1, but the answer says θ₁ = 30°"),
         ("G2 = 0.57", {"m2": 3}, "at: m2 = 3, and in 'RR' it is 1.5"),
+        ("G2 = 0.57", {"m2": -1.5}, "m₂ is negative; a mass is never negative"),
     ],
 )
 def test_numbers_without_all_that_they_need_are_refused(

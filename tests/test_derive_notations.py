@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -232,11 +234,27 @@ def test_zeros_are_zeros_and_numbers_are_numbers():
         ({"lc1": "k9"}, "k9"),
         ({"lc": "l/0"}, "lc1 = l1/0: it divides by 0"),
         ({"lc": "l/(m-m)"}, "divides by 0"),
+        ({"m": -1}, "m1 = -1.0 is negative; a mass is never negative"),
+        ({"m2": "m1 - 2*m1"}, "m2 = m1 - 2\\*m1 is negative"),
+        ({"I1": "-1/12*m1*l1^2"}, "a moment of inertia is never negative"),
+        ({"m1": math.nan}, "the parameter m1: nan is not a finite number"),
+        ({"m1": "-inf"}, "m1 = -inf: it is not a finite number"),
+        ({"m1": [1, 2]}, r"m1: \[1, 2\] is not a number"),
+        ({"m1": "[1, 2]"}, "a parameter is one number"),
     ],
 )
-def test_a_formula_that_cannot_be_is_refused(given: dict[str, str], words: str):
+def test_a_formula_that_cannot_be_is_refused(given: dict[str, Any], words: str):
     with pytest.raises(fb.FreebodyError, match=words):
         fb.derive(ARM, parameters=given)
+
+
+def test_the_sign_of_a_formula_is_judged_with_the_values_of_the_model():
+    arm = ARM.bind(m1=2.0, l1=0.5)
+    words = "I1 = m1\\*l1 - 5 is −4 with the values of 'RR'; a moment of inertia is never"
+    with pytest.raises(fb.FreebodyError, match=words):
+        fb.check(arm, "H22 = m2 lc2^2 + I2", parameters={"I1": "m1*l1 - 5"})
+    assert fb.check(arm, "H22 = m2 lc2^2 + I2", parameters={"I1": "m1*l1 - 1", "m2": "m1 - l2"})
+    assert fb.check(arm, "H22 = I2", parameters={"m2": 0})
 
 
 def test_the_commands_take_parameters(tmp_path: Path, capsys: pytest.CaptureFixture[str]):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping
 
@@ -12,7 +13,14 @@ from freebody.derivations.polynomials.textbook_form import Layout
 from freebody.derivations.relations.formula import FormulaError, names_in, parse
 from freebody.derivations.relations.formula_values import value
 from freebody.errors import FreebodyError, UnknownNameError, listed
+from freebody.model.model import Model
+from freebody.model.parameters import Parameter, finite
+from freebody.outputs.numbers import shortest
 from freebody.scalars.trig import Trig
+
+_NOT_FINITE = re.compile(r"\s*[-+]?(?:nan|inf(?:inity)?)\s*", re.IGNORECASE)
+_ROUNDED = 1e-12
+"""Of the terms of a formula: what rounding may leave of their sum."""
 
 
 def formulas_of(caller: str, symbols: Symbols, given: Mapping[str, str | float]) -> dict[str, Trig]:
@@ -20,13 +28,15 @@ def formulas_of(caller: str, symbols: Symbols, given: Mapping[str, str | float])
     that of every link.
 
     Raises UnknownNameError, and FreebodyError for a formula that cannot be read, that changes with
-    the motion, or that names a parameter given by a formula.
+    the motion, that names a parameter given by a formula, or that makes a mass or a moment of
+    inertia negative: with the model's values, and where it has none for all positive ones.
     """
     texts = {
         own: text
         for name, formula in given.items()
-        for own, text in _of_each_link(caller, symbols, name, str(formula))
+        for own, text in _of_each_link(caller, symbols, name, _text(caller, name, formula))
     }
+    inertial = inertial_names(symbols.model)
     known = {name: symbols.ring[name] for name in symbols.ring.names}
     found: dict[str, Trig] = {}
     for name, text in texts.items():
@@ -37,6 +47,8 @@ def formulas_of(caller: str, symbols: Symbols, given: Mapping[str, str | float])
             raise _bad(caller, name, text, problem) from None
         except ZeroDivisionError:
             raise _bad(caller, name, text, FreebodyError("it divides by 0")) from None
+        if isinstance(made, tuple):
+            raise _bad(caller, name, text, FreebodyError("a parameter is one number"))
         made = made if isinstance(made, Trig) else symbols.zero() + made
         if any(set(powers) & set(texts) for powers, _ in made.terms()):
             raise FreebodyError(
@@ -47,8 +59,49 @@ def formulas_of(caller: str, symbols: Symbols, given: Mapping[str, str | float])
             raise FreebodyError(
                 f"{caller}: {name} = {text} changes with the motion; a parameter is constant."
             )
+        if name in inertial:
+            _refuse_negative(caller, f"{name} = {text}", made, symbols.model, inertial[name])
         found[name] = made
     return found
+
+
+def inertial_names(model: Model) -> dict[str, str]:
+    """Of the parameters that are never negative what each is: the mass of a body, or a moment of
+    inertia."""
+    found: dict[str, str] = {}
+    for inertia in (x.inertia for body in model.bodies for x in body.inertias):
+        moments = inertia.tensor if inertia.dim == 2 else inertia.tensor[0::3] + inertia.tensor[5:]
+        for what, entries in (("mass", [inertia.mass]), ("moment of inertia", moments)):
+            found |= {x.name: what for x in entries if isinstance(x, Parameter)}
+    return found
+
+
+def _refuse_negative(caller: str, formula: str, made: Trig, model: Model, what: str) -> None:
+    """Refuse a mass or moment of inertia that is negative with the model's values."""
+    known = {name: x for name, x in model.parameters.items() if isinstance(x, float)}
+    terms = list(made.terms())
+    parts = [
+        float(k) * math.prod(known.get(x, 1.0) ** e for x, e in powers.items())
+        for powers, k in terms
+    ]
+    names = {x for powers, _ in terms for x in powers}
+    is_known = names <= set(known)
+    total, size = sum(parts), sum(map(abs, parts))
+    if (total if is_known else max(parts)) >= -_ROUNDED * size:
+        return
+    value = "is negative"
+    if names and is_known:
+        value = f"is {shortest(total)} with the values of {model.name!r}"
+    raise FreebodyError(f"{caller}: {formula} {value}; a {what} is never negative.")
+
+
+def _text(caller: str, name: str, formula: object) -> str:
+    """A formula, or a number, as text."""
+    if not isinstance(formula, str):
+        return repr(finite(formula, f"{caller}: the parameter {name}"))
+    if _NOT_FINITE.fullmatch(formula):
+        raise _bad(caller, name, formula, FreebodyError("it is not a finite number"))
+    return formula
 
 
 def as_terms(values: Mapping[str, Trig]) -> Formulas:

@@ -21,6 +21,7 @@ from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import tokens
 from freebody.derivations.grammar.source import Source
+from freebody.derivations.parameter_formulas import inertial_names
 from freebody.derivations.polynomials.symbols import RATE
 from freebody.errors import FreebodyError
 from freebody.identifiers import word_set
@@ -164,6 +165,8 @@ class StateReader:
         given = GivenValue(number * (unit[0].factor if unit else 1.0), number, unit and unit[0])
         for name in names:
             self._refuse_unit(source, name, given, (at, end))
+            if given.value < 0 and (what := inertial_names(self._model).get(name)):
+                source.fail(f"{sym(name)} is negative; a {what} is never negative", (at, end))
         return dict.fromkeys(names, given), end
 
     def _names(self, source: Source, at: int) -> tuple[list[str], int] | None:
