@@ -28,6 +28,7 @@ from freebody_notes.page import pages
 from freebody_notes.run import run, run_all
 from freebody_notes.steps import place_of
 from freebody_notes.text import item_text, shown
+from support.formula_font import lacking
 from support.notes_verdicts import VERDICTS
 
 
@@ -132,6 +133,7 @@ def test_the_pages_hold_every_item_and_figure_and_fetch_nothing(html, site):
     assert html.count("<summary>Solution") == len(exercises())
     for text in site.values():
         assert len(text.encode()) < 600_000
+    assert not lacking(html)
 
 
 def test_links_lead_from_page_to_page(site):

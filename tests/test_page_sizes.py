@@ -1,11 +1,12 @@
-"""Pages of derivations are small enough to be sent and opened anywhere; those of the notes are
-weighed in test_notes_page.py."""
+"""Pages of derivations are small enough to be sent and opened anywhere, and bring every letter of
+their formulas; those of the notes are weighed in test_notes_page.py."""
 
 from __future__ import annotations
 
 import pytest
 
 import freebody as fb
+from support.formula_font import lacking
 
 LARGEST = 600_000  # bytes
 LONG = {"3RRR", "bricard", "double_four_bar", "five_bar", "five_bar_rods", "four_bar", "stewart"}
@@ -22,5 +23,7 @@ REFUSED = {"panda"}
     ],
 )
 @pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
-def test_the_page_of_every_bundled_robot_is_small(name):
-    assert 50_000 < len(fb.derive(fb.load(name)).html().encode()) < LARGEST
+def test_the_page_of_every_bundled_robot_is_small_and_brings_its_letters(name):
+    page = fb.derive(fb.load(name)).html()
+    assert 50_000 < len(page.encode()) < LARGEST
+    assert not lacking(page)

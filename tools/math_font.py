@@ -4,7 +4,7 @@ Pagella Math what freebody prints, with its table of constants and constructions
     python tools/math_font.py texgyrepagella-math.otf
 
 Needs fonttools and brotli. The font is part of TeX distributions; its licence stands beside
-formulas.woff2. Make it anew when formulas get a letter that it lacks (tests/test_page_fonts.py).
+formulas.woff2. Make it anew when a page has a letter that it lacks (tests/test_page_sizes.py).
 """
 
 import sys
@@ -12,12 +12,12 @@ from pathlib import Path
 
 TO = Path(__file__).parents[1] / "src/freebody/outputs/fonts/formulas.woff2"
 
-LETTERS = {chr(c) for c in range(0x20, 0x7F)} | {chr(c) for c in range(0x391, 0x3CA)}
+LETTERS = {chr(c) for c in (*range(0x20, 0x7F), *range(0x391, 0x3AA), *range(0x3B1, 0x3CA))}
 ITALIC = {chr(c) for c in (*range(0x1D434, 0x1D468), *range(0x1D6E2, 0x1D71C))} | set("ℎℓ")
 ACCENTS = set("\u0302\u0303\u0304\u0307\u0308\u20d7˙¨′″‴")
 SIGNS = set("−×·⋅±∓∂∑∏√∫→←↦≤≥≠≈≡∝∞‖∥⊥∠°…⋯⋮⋱⟨⟩⊤∇∈ϕϑϵ")
-FIGURES = set("½¼¾⅓⅔⁰¹²³⁴⁵⁶⁷⁸⁹⁻₀₁₂₃₄₅₆₇₈₉")
-USED = LETTERS | ITALIC | ACCENTS | SIGNS | FIGURES
+UNASSIGNED = {"\u03a2", "\U0001d455"}
+USED = (LETTERS | ITALIC | ACCENTS | SIGNS) - UNASSIGNED
 
 
 def main(source: str) -> None:
@@ -32,6 +32,8 @@ def main(source: str) -> None:
         notdef_outline=True,
     )
     font = subset.load_font(source, options)
+    if lacking := USED - set(map(chr, font.getBestCmap())):
+        raise SystemExit(f"{source} lacks {sorted(lacking)}")
     subsetter = subset.Subsetter(options)
     subsetter.populate(unicodes=map(ord, USED))
     subsetter.subset(font)
