@@ -14,10 +14,11 @@ TO = Path(__file__).parents[1] / "src/freebody/outputs/fonts/formulas.woff2"
 
 LETTERS = {chr(c) for c in (*range(0x20, 0x7F), *range(0x391, 0x3AA), *range(0x3B1, 0x3CA))}
 ITALIC = {chr(c) for c in (*range(0x1D434, 0x1D468), *range(0x1D6E2, 0x1D71C))} | set("ℎℓ")
+BOLD = {chr(c) for c in range(0x1D400, 0x1D434)} | set("𝚽𝜶𝜽𝝀𝝆𝝉𝝎")
 ACCENTS = set("\u0302\u0303\u0304\u0307\u0308\u20d7˙¨′″‴")
 SIGNS = set("−×·⋅±∓∂∑∏√∫→←↦≤≥≠≈≡∝∞‖∥⊥∠°…⋯⋮⋱⟨⟩⊤∇∈ϕϑϵ")
 UNASSIGNED = {"\u03a2", "\U0001d455"}
-USED = (LETTERS | ITALIC | ACCENTS | SIGNS) - UNASSIGNED
+USED = (LETTERS | ITALIC | BOLD | ACCENTS | SIGNS) - UNASSIGNED
 
 
 def main(source: str) -> None:

@@ -21,14 +21,18 @@ _LOW = re.compile(
 )
 _MARKS = re.compile("\ue000([a-z]*)\ue001|\ue002")
 """Where a term with a source begins and ends, until it is known where lines end."""
-_BOLD = ' style="font-weight:bold;font-style:normal"'
-STYLE = "mi[mathvariant=bold]{font-weight:bold;font-style:normal}"
-"""A page whose formulas are `lean` needs it."""
+_BOLD = str.maketrans(
+    {chr(0x41 + k): chr(0x1D400 + k) for k in range(26)}
+    | {chr(0x61 + k): chr(0x1D41A + k) for k in range(26)}
+    | {chr(0x391 + k): chr(0x1D6A8 + k) for k in range(25)}
+    | {chr(0x3B1 + k): chr(0x1D736 + k) for k in range(25)}
+)
+"""As in LaTeX: upright, but small Greek letters in italics. Browsers know no bold `mathvariant`."""
 
 
 def lean(page: str) -> str:
     """The text of a page without what each of its formulas would need to stand alone."""
-    return page.replace(f" {NAMESPACE}", "").replace(_BOLD, "")
+    return page.replace(f" {NAMESPACE}", "")
 
 
 def mathml(node: Expression, display: bool = True) -> str:
@@ -82,9 +86,9 @@ def _ratio(value: Fraction) -> str:
 
 
 def _symbol(node: Symbol, high: str) -> str:
-    bold = f' mathvariant="bold"{_BOLD}' * node.bold
-    upright = ' mathvariant="normal"' if len(node.letter) > 1 and not bold else bold
-    letter = f"<mi{upright}>{escape(node.letter)}</mi>"
+    upright = ' mathvariant="normal"' if len(node.letter) > 1 else ""
+    shown = node.letter.translate(_BOLD) if node.bold else node.letter
+    letter = f"<mi{upright}>{escape(shown)}</mi>"
     if node.dots:
         letter = f'<mover accent="true">{letter}<mo>{_DOTS[node.dots]}</mo></mover>'
     low = _low(node.low) if node.low else ""
@@ -94,17 +98,11 @@ def _symbol(node: Symbol, high: str) -> str:
 
 
 def _low(parts: tuple[str, ...]) -> str:
-    """One element: a row only around several."""
-    elements = [*_letters(parts[0])]
-    for part in parts[1:]:
-        elements += ["<mo>,</mo>", *_letters(part)]
+    """Digits with their commas as numbers, which are not spaced, letters in italics, words upright;
+    a row only around several."""
+    runs = re.findall(r"[\d,]+|[^\W\d_]{3,}|.", ",".join(parts))
+    elements = [f"<mn>{x}</mn>" if x[0] in ",0123456789" else f"<mi>{escape(x)}</mi>" for x in runs]
     return elements[0] if len(elements) == 1 else f"<mrow>{''.join(elements)}</mrow>"
-
-
-def _letters(part: str) -> list[str]:
-    """Digits as numbers, letters in italics, words upright."""
-    runs = re.findall(r"\d+|[^\W\d_]{3,}|.", part)
-    return [f"<mn>{run}</mn>" if run.isdigit() else f"<mi>{escape(run)}</mi>" for run in runs]
 
 
 MATHML = Typesetter(

@@ -17,7 +17,6 @@ from freebody.derivations.expressions.nodes import (
     Vector,
     nodes,
 )
-from freebody.derivations.render import mathml
 from freebody.derivations.render.latex import LATEX, width_of
 from freebody.derivations.render.mathml import MATHML, NAMESPACE
 from freebody.derivations.render.rows import Row, left_side, rows
@@ -25,10 +24,8 @@ from freebody.derivations.render.text import TEXT
 from freebody.derivations.render.typesetter import Typesetter
 
 _RIGHT = "text-align:right;text-align:-webkit-right;padding-right:0"
-_LEFT = "text-align:left;text-align:-webkit-left;padding-left:0.25em"
-STYLE = (
-    f"{mathml.STYLE}.aligned>mtr>mtd:first-child{{{_RIGHT}}}.aligned>mtr>mtd:last-child{{{_LEFT}}}"
-)
+_LEFT = "text-align:left;text-align:-webkit-left;padding-left:0"
+STYLE = f".aligned>mtr>mtd:first-child{{{_RIGHT}}}.aligned>mtr>mtd:last-child{{{_LEFT}}}"
 """A page with equations of `html` needs it: their rows say nothing of how they are aligned."""
 
 Groups = Sequence[Sequence[Equation]]
