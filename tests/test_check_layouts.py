@@ -45,6 +45,16 @@ LAYOUTS = {
         "τ_2=H_21 θ ̈_1+H_22 (θ_2 ) ̈+v_2+m_2 gl_c2 〖cos〗\u2061(θ_1+θ_2 )",
         "H_22=m_2 〖l_c2〗^2+I_2",
         r"G_2 = m_2\,g\,l_{c2}~\cdot\cos\left(\theta_1+\theta_2\right)",
+        r"{G}_2 = m_2 g {l}_{c2} \cos({\theta}_1 + {\theta }_{2})",
+        r"v_2 = m_2 l_1 l_{c2} \sin(\theta_2) {\dot{\theta}}_1 \dot{{\theta}}_1",
+        *(
+            f"{own} = I_2 + m_2 l_{{c2}}^2\nH_{{22}} = 0 + {other}"
+            for own, other in (
+                (r"\bar{I}_2", r"\bar I_2"), ("Ī_2", r"\overline{I}_2"), ("I_2^*", r"I_2^{\ast}"),
+                (r"\hat{I}", r"\widehat{I}"), (r"\underline I", "I\u0332"),
+            )
+        ),
+        r"\vec{\tau}_2 = \mathcal{G}_2 + H_{21} \ddot\theta_1 + H_{22} \ddot\theta_2 + v_2",
         r"G_2 = m_2 g l_{c2} \sin(\theta_1 + \theta_2 + 90^\circ)",
     ],
     "latex": [
@@ -68,6 +78,7 @@ LAYOUTS = {
 def test_layouts_are_read_and_their_mistakes_found(form: str):
     """Each is right; and with a sign, a function or an index changed it is wrong."""
     changes = (("+ I", "- I"), ("+I", "-I"), ("cos", "sin"), ("c12", "s12"), ("v_2", "v_1"),
+               ("0 +", "I_1 -"),
                ("sin", "cos"), ("𝐼_2", "𝐼_1"), ("M[1, 0]", "M[0, 0]"))  # fmt: skip
     for text in LAYOUTS[form]:
         verdict = fb.check(ARM, text, form=form)
@@ -75,6 +86,38 @@ def test_layouts_are_read_and_their_mistakes_found(form: str):
         assert not verdict.unread
         old, new = next((old, new) for old, new in changes if old in text)
         assert not fb.check(ARM, text.replace(old, new, 1), form=form), text
+
+
+MARKED = (
+    r"\bar θ_2",
+    r"\hat{\theta}_2",
+    r"\tilde{\theta_2}",
+    "θ̄_2",
+    "θ_2^*",
+    r"\underline{\theta}_2",
+)
+
+
+@pytest.mark.parametrize("name", MARKED)
+def test_a_letter_with_a_mark_is_another_quantity(name: str):
+    """In formulas, in states and as what is checked, unless the answer or names say what it is."""
+    answer = f"G_2 = m_2 g l_{{c2}} \\cos(\\theta_1 + {name})"
+    for form in ("text", "latex"):
+        text = f"${answer}$" if form == "latex" else answer
+        with pytest.raises(AnswerError, match="a letter with a mark is another quantity"):
+            fb.check(ARM, text, form=form)
+    assert fb.check(ARM, answer, names={name: "theta2"})
+    assert fb.check(ARM, f"{name} = θ_2\n{answer}")
+    assert not fb.check(ARM, f"{name} = 2 θ_2\n{answer}")
+    numbers = fb.load("2R")
+    assert fb.check(numbers, "G2 = 3.047 N m at θ1 = 30°, θ2 = 45°")
+    with pytest.raises(AnswerError, match=r"not given|is not defined"):
+        fb.check(numbers, f"G2 = 3.047 N m at θ1 = 30°, {name} = 45°")
+    with pytest.raises(AnswerError, match="gives no symbol of '2R' a value"):
+        fb.check(numbers, "G2 = 3.047 N m", at=f"θ1 = 30°, {name} = 45°")
+    marked = name.replace("θ", "H").replace(r"\theta", "H").replace("2", "22")
+    with pytest.raises(AnswerError, match="is taken for a name of your own"):
+        fb.check(ARM, f"{marked} = {H22}")
 
 
 def test_what_looks_like_a_label_but_is_a_factor_counts():

@@ -33,15 +33,27 @@ _COMMANDS = {name: name for name in GREEK} | {
     "Phi": "Phi",
     "ell": "l",
 }
-_FONTS = word_set("mathrm mathit mathbf mathsf boldsymbol bm text operatorname textrm rm")
-_DOTS = {"dot": 1, "ddot": 2}
-MARKS = {"\u0307": DOT, "\u0308": DOT * 2, "˙": DOT, "¨": DOT * 2}
+_FONTS = word_set(
+    "mathrm mathit mathbf mathsf mathcal boldsymbol bm text operatorname textrm rm vec"
+)
+_ACCENTS = {
+    "dot": DOT, "ddot": DOT * 2, "bar": "\u0304", "overline": "\u0304", "hat": "\u0302",
+    "widehat": "\u0302", "tilde": "\u0303", "widetilde": "\u0303", "underline": "\u0332",
+    "check": "\u030c", "breve": "\u0306", "mathring": "\u030a",
+}  # fmt: skip
+"""Commands for a mark on a letter."""
+DECORATIONS = frozenset("".join(_ACCENTS.values())) - {DOT} | {"*"}
+"""Marks with which a letter is another quantity: θ̄, θ̂, θ*."""
+MARKS = {"\u0307": DOT, "\u0308": DOT * 2, "˙": DOT, "¨": DOT * 2, "\u20d7": "", "\u0305": "\u0304"}
+MARKS |= {mark: mark for mark in DECORATIONS if mark != "*"}
+"""Characters behind a letter that are a mark on it; an arrow only says that it is a vector."""
 _PRIMES = {"'": 1, "’": 1, "′": 1, "″": 2}
 _LOW = {c: str(k) for k, c in enumerate("₀₁₂₃₄₅₆₇₈₉")} | {
     "ₐ": "a", "ₑ": "e", "ₒ": "o", "ₓ": "x", "ᵢ": "i", "ⱼ": "j", "ₘ": "m", "ₙ": "n", "ₚ": "p",
     "ₜ": "t",
 }  # fmt: skip
 _HIGH = {c: str(k) for k, c in enumerate("⁰¹²³⁴⁵⁶⁷⁸⁹")} | {"⁻": "-", "⁺": ""}
+_STAR = re.compile(r"\^\s?(?:[*∗⋆]|\\(?:ast|star)(?![A-Za-z])|\{\s?(?:[*∗⋆]|\\(?:ast|star))\s?\})")
 _EARLY_POWER = re.compile(r"(?:\^\{?([0-9])\}?|([²³]))(?=_|[₀-₉])")
 _DEEPEST, _LONGEST = 4, 200
 _COMMAND = re.compile(r"\\([A-Za-z]+)")
@@ -49,7 +61,7 @@ _COMMAND = re.compile(r"\\([A-Za-z]+)")
 STARTS = frozenset(_LETTERS) | frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_")
 """Characters that a name may begin with; commands apart."""
 
-COMMANDS = _FONTS.union(_COMMANDS, _DOTS)
+COMMANDS = _FONTS.union(_COMMANDS, _ACCENTS)
 """LaTeX commands that a name may begin with."""
 
 
@@ -105,11 +117,13 @@ def _command(source: Source, word: Word, depth: int) -> None:
     if name in _COMMANDS:
         word.add(_COMMANDS[name], start)
         return
+    if name not in COMMANDS:
+        source.fail(f"the command \\{name} is not known here", (start, word.end))
     if depth == _DEEPEST:
         source.fail("commands inside commands, too deep", (start, word.end))
     inner = _argument(source, word, depth + 1)
-    marks = DOT * _DOTS.get(name, 0)
-    if marks and inner.plain.startswith(DOT):
+    marks = _ACCENTS.get(name, "")
+    if DOT in marks and inner.plain.startswith(DOT):
         source.fail("dots over dots", (start, word.end))
     for k, letter in enumerate(marks + inner.plain):
         word.add(letter, start, cut=k == 0 or (not marks and k in inner.cuts))
@@ -128,14 +142,20 @@ def _argument(source: Source, word: Word, depth: int) -> Word:
     at += braced
     while source.text[at : at + 1] == " ":
         at += 1
+    if braced and source.text[at : at + 1] == "{" and depth < _DEEPEST:
+        around = Word(at, at)  # \\dot{{\\theta}}
+        inner = _argument(source, around, depth + 1)
+        word.end = close + 1
+        if not source.text[around.end : close].strip():
+            return inner
     if at >= close or not (source.text[at] in STARTS or source.text[at] == "\\"):
         source.fail(
-            "a dot needs a single letter under it, such as \\dot{\\theta}_1", (start, at + 1)
+            "a dot or bar needs a single letter under it, such as \\dot{\\theta}_1", (start, at + 1)
         )
     inner = spell(source, at, depth) if braced else _single(source, at)
     if braced and source.text[inner.end : close].strip():
         source.fail(
-            "a dot needs a single letter under it, such as \\dot{\\theta}_1", (start, close)
+            "a dot or bar needs a single letter under it, such as \\dot{\\theta}_1", (start, close)
         )
     word.end = close + 1 if braced else inner.end
     return inner
@@ -149,7 +169,9 @@ def _single(source: Source, at: int) -> Word:
         return word
     match = _COMMAND.match(source.text, at)
     if match is None or match[1] not in _COMMANDS:
-        source.fail("a dot needs a single letter under it, such as \\dot{\\theta}_1", (at, at + 1))
+        source.fail(
+            "a dot or bar needs a single letter under it, such as \\dot{\\theta}_1", (at, at + 1)
+        )
     word.add(_COMMANDS[match[1]], at)
     word.end = match.end()
     return word
@@ -175,6 +197,9 @@ def _unit(source: Source, word: Word) -> bool:
     elif c in _PRIMES:
         word.end += 1
         word.add(PRIME * _PRIMES[c], at, cut=False)
+    elif star := _STAR.match(text, at):
+        word.end = star.end()
+        word.add("*", at, cut=False)
     elif early := _EARLY_POWER.match(text, at):
         word.power = int(early[1] or _HIGH[early[2]])
         word.end = early.end()

@@ -213,7 +213,8 @@ def _new_names(source: Source, pieces: Sequence[FormulaPiece], vocabulary: Vocab
 
 
 _NAME_AND_EQUALS = (
-    r"[^\S\n]*(?:&\s*)?((?:[^\W\d_]|\\[a-zA-Z])[^=\n;,&+*/()-]{0,40}?)(?:\s{0,9}&)?\s{0,9}=(?!=)"
+    r"[^\S\n]*(?:&\s*)?((?:[^\W\d_]|\\[a-zA-Z])(?:\^\s?\{?\s?\*|[^=\n;,&+*/()-]){0,40}?)"
+    r"(?:\s{0,9}&)?\s{0,9}=(?!=)"
 )
 _OWN_NAME = re.compile(_NAME_AND_EQUALS)
 _NEXT_OWN_NAME = re.compile(rf"(?:^|[,;]|\\\\){_NAME_AND_EQUALS}", re.MULTILINE)

@@ -16,6 +16,7 @@ from freebody.derivations.check.documents.answer_document import (
 )
 from freebody.derivations.grammar.lexer import MATRICES
 from freebody.derivations.grammar.source import Span
+from freebody.derivations.grammar.words import spelt
 
 _DISPLAYS = (
     "equation", "align", "gather", "multline", "eqnarray", "flalign", "alignat", "displaymath",
@@ -140,8 +141,11 @@ def _open_boxes(whole: Blanks) -> None:
     text = str(whole)
     braces = _braces(text)
     for match in _AROUND.finditer(text):
-        whole.put(*match.span())
         close = braces.get(match.end())
+        is_mark = "line" in match[0] and close is not None and spelt(text[match.end() + 1 : close])
+        if is_mark:
+            continue
+        whole.put(*match.span())
         if close is None:
             continue
         whole.put(match.end(), match.end() + 1)

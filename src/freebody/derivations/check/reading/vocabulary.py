@@ -130,6 +130,12 @@ class Vocabulary:
             source.fail(
                 f"{plain} does not occur in these equations: write them with sin and cos", span
             )
+        if words.DECORATIONS & set(spell(source, span[0]).plain):
+            source.fail(
+                f"{word} is not defined: a letter with a mark is another quantity than without",
+                span,
+                "What it stands for is told on a line before, or by --name YOURS=OURS.",
+            )
         names = self.listed
         near = likely(plain, names) or likely(spell(source, span[0]).plain, names)
         hint = f"Did you mean {near[0]!r}? " if near else ""

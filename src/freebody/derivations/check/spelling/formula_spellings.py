@@ -32,6 +32,11 @@ _NAME = (
     rf"(?P<name>(?:\\(?:var)?(?:{'|'.join(GREEK)})(?![A-Za-z])|[A-Za-zΑ-ω]){_S}"
     rf"(?:_{_S}(?:\{{[^{{}}]{{1,20}}\}}|\w)|[0-9₀-₉]{{1,2}})?)"
 )
+_BRACED = re.compile(
+    rf"(?<![A-Za-z_^}}])\{{{_S}(\\[A-Za-z]+(?:\{{[^{{}}]{{1,20}}\}}|\\[A-Za-z]+)?|[A-Za-zΑ-ω]){_S}\}}"
+    rf"{_S}(_{_S}(?:\{{[^{{}}]{{1,20}}\}}|\w))"
+)
+"""{\\theta}_2, {\\dot{\\theta}}_{2}."""
 _D = rf"(?:\\mathrm{_S}\{{{_S}d{_S}\}}|\\mathrm\s{{1,9}}d|d){_S}"
 _TWICE = rf"{_S}(?:\^{_S}(?:\{{{_S}2{_S}\}}|2)|²){_S}"
 _FRACTION = r"\\[td]?frac"
@@ -154,6 +159,7 @@ _SPELLINGS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] =
     (_EMPTY, lambda match: ""),
     (_ENTRY, lambda match: match["name"] + "".join(filter(None, match.groups()[1:]))),
     (_OF_TIME, lambda match: match[1]),
+    (_BRACED, lambda match: match[1] + match[2]),
     (_RATE, _dotted),
     (_RATE_OF, _dotted),
     (_PLAIN_RATE, _plain_rate),
