@@ -348,13 +348,23 @@ def test_an_arm_in_space_is_seen_from_where_one_likes(driver, tmp_path):
     assert np.linalg.norm(moved[:, 2:] - moved[:, :2], axis=1).max() < 20
 
 
+DRAWN = """const {x, y, width, height} = document.getElementById('arm').getBBox();
+return [x, y, x + width, y + height]"""
+
+
 def test_a_wheel_is_a_ring_about_its_axis(driver, tmp_path):
-    """Bodies without extent: both of the gyro, and the reaction wheel, but no cart."""
+    """Bodies without extent: both of the gyro, and the reaction wheel, but no cart. All is drawn as
+    large as its place lets it, also while it moves."""
     rings = """return ['arm', 'bodies'].map(name =>
       document.querySelectorAll(`#${name} polygon.rail`).length)"""
-    for name, count in (("gyro", 2), ("reaction_wheel", 1), ("cart_pole", 0)):
+    for name, count in (("gyro", 2), ("reaction_wheel", 1), ("cart_pole", 0), ("furuta", 0)):
         opened(driver, tmp_path, fb.derive(fb.load(name), "newton-euler"))
         assert driver.execute_script(rings) == [count, count]
+        for angle in (0.9, 2.0, -2.5):
+            driver.execute_script(MOVE, "theta2" if name == "cart_pole" else "theta1", angle)
+            left, top, right, bottom = driver.execute_script(DRAWN)
+            assert min(left, top, 360 - right, 250 - bottom) > 0
+            assert max((right - left) / 360, (bottom - top) / 250) > 0.4
 
 
 def test_vectors_of_three_entries_are_predicted(driver, tmp_path):

@@ -14,6 +14,12 @@ _VECTOR = re.compile(r"(?:omega|vc?|sc?|fc?|nc?)(?:\d_?)?(\d)(?:_dd?)?")
 """Names of vectors in axes of their body, whose number is the last digit."""
 
 
+def body_of(name: str) -> str:
+    """The number of the body in whose axes a vector is, by the name with which a line begins."""
+    found = _VECTOR.fullmatch(name) or re.fullmatch(r"R\d_?(\d)", name)
+    return found[1] if found else ""
+
+
 def scalar_name(name: str) -> str:
     """Of a parameter that has the name of a matrix, such as I1, the name of its value."""
     return f"{name} (scalar)"

@@ -117,6 +117,16 @@ class ClosedChain:
         multipliers = multiplier_names(self.loops.equations)
         return (*(name + dot for dot in dots for name in coordinates), *multipliers)
 
+    @property
+    def units(self) -> dict[str, str]:
+        """Of the multipliers: a rod's equation is that of a distance squared."""
+        names = multiplier_names(self.loops.equations)
+        return {
+            names[k]: "N/m" if loop.closure.distance else "N"
+            for loop in self.s.tree.loops
+            for k in self.loops.equations.rows(loop)
+        }
+
     def _pressed(self, k: int) -> Any:
         """What the loops press on a coordinate, of Φ_qᵀ λ."""
         names = multiplier_names(self.loops.equations)

@@ -58,25 +58,25 @@ function joint(parent, place, slides) {
 }
 function centre(parent, place) { put(parent, "circle", {class: "com", cx: place[0], cy: place[1], r: 3.5}); }
 // A body without extent that turns: a ring about its axis, which in the plane points at the viewer.
-const RING = 20, SIDES = 40;
-function ring(parent, place, axis) {
+const RING = 20, LARGE_RING = 75, SIDES = 40;
+function ring(parent, place, axis, radius) {
   let across = [[1, 0], [0, 1]];
   if (axis) {
     const first = unit(cross(axis, Math.abs(axis[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
     across = [first, cross(axis, first)].map(seen);
   }
   const points = Array.from({length: SIDES}, (_, k) => {
-    const angle = 2 * Math.PI * k / SIDES, [c, s] = [RING * Math.cos(angle), RING * Math.sin(angle)];
+    const angle = 2 * Math.PI * k / SIDES, [c, s] = [radius * Math.cos(angle), radius * Math.sin(angle)];
     return [place[0] + c * across[0][0] + s * across[1][0], place[1] - c * across[0][1] - s * across[1][1]];
   });
   put(parent, "polygon", {class: "rail", points: points.join(" ")});
 }
 
 // A body reaches from its joint to its ends and to its centre of mass.
-function bars(parent, body, at, y) {
+function bars(parent, body, at, y, radius = RING) {
   const ends = [...body.ends.map(at), at(body.centre)];
   if (!body.slides && ends.every((end) => length(minus(end, at(body.joint))) < 1)) {
-    ring(parent, at(body.joint), body.axis && vector(y, body.axis));
+    ring(parent, at(body.joint), body.axis && vector(y, body.axis), radius);
   }
   for (const [kind, width] of [["edge", 13], ["bar", 10]]) {
     for (const end of ends) line(parent, kind, at(body.joint), end, width);
@@ -95,27 +95,30 @@ const vector = (y, places) => places.map((k) => y[k]);
 const minus = (a, b) => a.map((u, k) => u - b[k]);
 const opposite = (v) => v.map((u) => -u);
 
+// The box of the world that is drawn. It grows with what moves, so that the drawing stays where it
+// is, and is made anew where little of it is used.
+let box = null;
+function grown(points) {
+  const around = (points) => [0, 1].map((i) => [Math.min(...points.map((p) => p[i])), Math.max(...points.map((p) => p[i]))]);
+  const size = (box) => Math.max(...box.map(([low, high]) => high - low));
+  const now = around(points), both = box && around([...points, [box[0][0], box[1][0]], [box[0][1], box[1][1]]]);
+  box = both && size(both) < 2.5 * size(now) ? both : now;
+}
+const ROOM = [360, 250], EDGE = 34, LARGEST = 1e12;  // of all in one point
 function drawArm(svg, bodies, rods, y) {
   svg.replaceChildren();
-  const far = [];
-  for (const body of bodies) {
-    const from = body.parent < 0 ? [0, 0, 0] : vector(y, bodies[body.parent].joint), joint = vector(y, body.joint);
-    const before = (body.parent < 0 ? 0 : far[body.parent].joint) + length(minus(joint, from));
-    far.push({joint: before, end: before + Math.max(...body.ends.map((end) => length(minus(vector(y, end), joint))))});
-  }
-  const reach = Math.max(...far.map((one) => one.end));
-  const scale = 104 / (reach || 1);
-  const at = (places) => {
-    const [u, v] = seen(vector(y, places));
-    return [180 + scale * u, 125 - scale * v];
-  };
+  const spots = bodies.flatMap((body) => [body.joint, body.centre, ...body.ends, ...body.pins]);
+  grown([[0, 0], ...[...spots, ...rods.flat()].map((places) => seen(vector(y, places)))]);
+  const scale = Math.min(...box.map(([low, high], i) => (ROOM[i] - 2 * EDGE) / (high - low)), LARGEST);
+  const place = (v) => v.map((u, i) => ROOM[i] / 2 + (i ? -1 : 1) * scale * (u - (box[i][0] + box[i][1]) / 2));
+  const at = (places) => place(seen(vector(y, places))), ground = place([0, 0]);
   const shown = bodies.filter((body) => !body.link);
   for (const body of shown) {
-    const from = body.parent < 0 ? [180, 125] : at(bodies[body.parent].joint);
+    const from = body.parent < 0 ? ground : at(bodies[body.parent].joint);
     const [u, v] = body.slides || body.parent >= 0 ? from : at(body.joint);
     if (body.parent < 0 && body.held) line(svg, "hatch", [u - 30, v], [u + 30, v]);
     if (body.slides) line(svg, "rail", from, at(body.joint));
-    bars(svg, body, at, y);
+    bars(svg, body, at, y, scale < LARGEST ? RING : LARGE_RING);
   }
   for (const ends of rods) line(svg, "rail", ...ends.map(at));
   for (const body of shown) {
@@ -174,7 +177,7 @@ function drawBodies(svg, bodies, y) {
         turn(group, [x, y], moment[0], radius);
         taken.push(around([x, y], radius, radius));
         const way = length(away) ? (first ? opposite(away) : away) : [0, 1];
-        names.push({kind: "moment", text: `${text} = ${shown(moment[0])}`, way,
+        names.push({kind: "moment", text: `${text} = ${shown(moment[0])} N m`, way,
           tip: [x + radius * way[0], y + radius * way[1]]});
       }
     }

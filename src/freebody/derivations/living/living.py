@@ -21,6 +21,7 @@ from freebody.derivations.living.drawn_bodies import DrawnBodies
 from freebody.derivations.living.free_flight import FreeFlight
 from freebody.derivations.living.free_joints import FreeJoints
 from freebody.derivations.living.kernel import PageProgram
+from freebody.derivations.living.line_units import VELOCITY, LineUnits, units_of_symbols
 from freebody.derivations.living.line_values import (
     LineValues,
     ValuedLine,
@@ -118,7 +119,10 @@ def _parts(
     following.page(
         kernel, dict.fromkeys(following.names, 0)
     )  # first: it needs places in the kernel
-    inputs = _inputs(plain, kernel, following, given)
+    units = units_of_symbols(plain) | dict.fromkeys(_LOAD, "N")
+    if isinstance(following, ClosedChain):
+        units |= following.units
+    inputs = _inputs(plain, kernel, following, given, units)
     if following.names:
         indices = {x["name"]: k for k, x in enumerate(inputs)}
         page[following.key] = following.page(kernel, indices)
@@ -126,10 +130,11 @@ def _parts(
     page |= _notation(letters, [*readable, *(x["name"] for x in inputs)])
     own = dict(zip(plain.steps, derivation.steps, strict=True))
     script = _script().replace("PAGE", _json(page), 1)
+    of_lines = LineUnits(plain, units)
     dim, alone = plain.equations.symbols.model.dim, sum(body["alone"] for body in bodies)
     return LivingParts(
         panel(inputs, dim, alone, letters),
-        {own[step]: rows for step, rows in below(found.lines, letters).items()},
+        {own[step]: rows for step, rows in below(found.lines, letters, of_lines).items()},
         f"{kernel.source([x['name'] for x in inputs])}\n{script}",
     )
 
@@ -200,9 +205,10 @@ def _inputs(
     kernel: PageProgram,
     following: Following,
     start: Mapping[str, float],
+    units: Mapping[str, str],
 ) -> list[dict[str, Any]]:
     """The symbols that have a slider: name, value, range, kind; start: values for some."""
-    symbols, units = derivation.equations.symbols, _units(derivation)
+    symbols = derivation.equations.symbols
     used = kernel.used | frozenset(following.names)
     moving = [x + dots for dots in ("", RATE, SECOND) for x in symbols.coordinates]
     names = [x for x in dict.fromkeys((*moving, *symbols.ring.names)) if x in used]
@@ -210,7 +216,6 @@ def _inputs(
         name: value for name, value in _LOAD.items() if name in names
     }
     values |= {name: 0.0 for name in names if name.startswith(MULTIPLIER)} | dict(start)
-    units |= dict.fromkeys(_LOAD, "N")
     made = []
     for name in names:
         value, unit, force = values[name], units.get(name, ""), name.startswith(MULTIPLIER)
@@ -228,14 +233,10 @@ def _inputs(
     return made
 
 
-_VELOCITY = re.compile(r"(v|omega)_[xyz](_d)?")
-"""Of a free body, by components."""
-
-
 def _group(name: str, coordinates: Iterable[str]) -> str:
     if name.startswith(MULTIPLIER):
         return "lam"
-    if _VELOCITY.fullmatch(name):
+    if VELOCITY.fullmatch(name):
         return "qdd" if name.endswith(RATE) else "qd"
     endings = (("q", ""), ("qd", RATE), ("qdd", SECOND))
     found = (key for key, ending in endings for x in coordinates if name == x + ending)
@@ -246,22 +247,6 @@ def _angles(derivation: Derivation) -> set[str]:
     symbols = derivation.equations.symbols
     pairs = zip(symbols.coordinates, derivation.equations.symbols.model.bodies, strict=True)
     return {name for name, body in pairs if body.kind.turns}
-
-
-def _units(derivation: Derivation) -> dict[str, str]:
-    """Units of symbols by name, as the derivation's table tells them; of several units in a row
-    each serves as many symbols."""
-    found = {}
-    for row in derivation.glossary:
-        units = row.unit.split(", ")
-        each = max(1, len(row.symbols) // len(units))
-        for k, symbol in enumerate(row.symbols):
-            if isinstance(symbol, Symbol):
-                found[symbol.name] = units[min(k // each, len(units) - 1)]
-    for name in derivation.equations.symbols.extra:
-        if _VELOCITY.fullmatch(name):
-            found[name] = ("rad/s" if "omega" in name else "m/s") + "²" * name.endswith(RATE)
-    return found
 
 
 def _json(page: dict[str, Any]) -> str:

@@ -191,6 +191,7 @@ find("again").addEventListener("click", () => {
     x[k] = input.value;
     if (!input.solved) find(`in${k}`).value = input.value;
   });
+  box = null;
   follow();
 });
 const steps = [...find("try").parentElement.querySelectorAll("section > details")];

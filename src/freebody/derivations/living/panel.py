@@ -4,14 +4,17 @@ the equations."""
 from __future__ import annotations
 
 import html
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from freebody.derivations.derivation import Step
+from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.living.axes import body_of
 from freebody.derivations.living.line_values import ValuedLine
 from freebody.derivations.naming import sym_of
 from freebody.derivations.notations.lettering import Lettering
+from freebody.derivations.relations.formula_values import rank
 from freebody.derivations.render.mathml import mathml
 
 GROUPS = {
@@ -28,6 +31,8 @@ VIEWS = (("turn", -180, 180, -60), ("tilt", -10, 90, 20))
 MOST = 6
 """Bodies up to which all are drawn alone at once; of more so many as stand beside a slider."""
 AT_ONCE = 4
+WIDE, TALL = 360, 250
+"""Of the drawing of the arm, pixels; drawing.js has the same."""
 
 
 def panel(inputs: list[dict[str, Any]], dim: int, alone: int, letters: Lettering) -> str:
@@ -51,19 +56,18 @@ def panel(inputs: list[dict[str, Any]], dim: int, alone: int, letters: Lettering
         )
     moments = "; moments, with two heads, to another" if dim == 3 else ""
     return (
-        '<aside class="try" id="try" hidden=""><h2>Try it</h2>'
-        '<svg id="arm" class="fig" viewBox="0 0 360 250" role="img" '
+        '<aside class="try" id="try" hidden=""><h2>Try it</h2><div class="drawn">'
+        f'<svg id="arm" class="fig" viewBox="0 0 {WIDE} {TALL}" role="img" '
         'aria-label="The arm in the state of the sliders"></svg>'
         '<svg id="bodies" class="fig" viewBox="0 0 360 190" role="img" '
         'aria-label="Its bodies, each alone, with the forces on them"></svg>'
         '<p class="scale">Forces on all bodies are drawn to one scale: the line at their '
         f'top left is <output id="scale"></output> long{moments}. '
         "Values below the equations are in SI units and belong to this state.</p>"
-        f'<p id="open" role="status"></p>{turned}'
-        f"{''.join(groups)}"
+        f'<p id="open" role="status"></p>{turned}</div><div>{"".join(groups)}'
         '<p><button id="again">Back to the first state</button> <button id="fold">Fold all steps'
         '</button></p><p><label><input type="checkbox" id="predict"/> Predict first: hide each '
-        f"line until you have tried it</label> {_typed(inputs, dim, letters)}</p></aside>"
+        f"line until you have tried it</label> {_typed(inputs, dim, letters)}</p></div></aside>"
     )
 
 
@@ -90,7 +94,9 @@ def _slider(k: int, x: dict[str, Any], letters: Lettering) -> str:
     )
 
 
-def below(lines: Iterable[ValuedLine], letters: Lettering) -> dict[Step, str]:
+def below(
+    lines: Iterable[ValuedLine], letters: Lettering, unit_of: Callable[[Expression], str]
+) -> dict[Step, str]:
     """Of each step the values of its lines, and a place for answers."""
     rows: dict[Step, list[str]] = {}
     for k, line in enumerate(lines):
@@ -99,6 +105,14 @@ def below(lines: Iterable[ValuedLine], letters: Lettering) -> dict[Step, str]:
         rows.setdefault(line.step, []).append(
             f'<p class="value" data-line="{k}" data-name="{html.escape(name)}">'
             f"{mathml(left, display=False)} = <output></output>"
-            f"{' (in axes of the world)' if line.in_world else ''}</p>"
+            f" {html.escape(unit_of(line.line.lhs))}{_axes(line)}</p>"
         )
     return {step: f'<div class="values">{"".join(made)}</div>' for step, made in rows.items()}
+
+
+def _axes(line: ValuedLine) -> str:
+    """In which a vector in space is given."""
+    if line.in_world:
+        return " (in axes of the world)"
+    body = body_of(line.names[0]) if rank(line.value) == 1 and len(line.value) == 3 else ""
+    return f" (in axes of body {body})" if body else ""

@@ -136,7 +136,7 @@ def _in_model(s: Setting, moved: bool) -> Iterator[tuple[Parameter, str, str]]:
     yield from _of_loops(s)
     if s.load or moved:
         frame = s.symbols.model.frame()
-        yield from _placed(frame.placement, f"from joint {s.numbers[s.tip]} to the tip")
+        yield from placed(frame.placement, f"from joint {s.numbers[s.tip]} to the tip")
 
 
 def _of_loops(s: Setting) -> Iterator[tuple[Parameter, str, str]]:
@@ -145,7 +145,7 @@ def _of_loops(s: Setting) -> Iterator[tuple[Parameter, str, str]]:
         for name in loop.frames:
             body = frames[name].body + 1
             start = f"joint {body}" if body else "the base's origin"
-            yield from _placed(frames[name].placement, f"from {start} to {literal(name)}")
+            yield from placed(frames[name].placement, f"from {start} to {literal(name)}")
         for parameter in each_parameter(loop.distance):
             yield parameter, f"length of the rod {literal(loop.name)}", METER
 
@@ -154,7 +154,7 @@ def _of_joint(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:
     n, parent = s.numbers[i], s.numbers[s.tree.bodies[i].parent]
     start = f"joint {parent}" if parent else "the base's origin"
     body = s.symbols.model.bodies[n - 1]
-    yield from _placed(body.joint.placement, f"from {start} to joint {n}")
+    yield from placed(body.joint.placement, f"from {start} to joint {n}")
     for number, value in zip(body.kind.numbers, body.joint.numbers, strict=True):
         for parameter in each_parameter(value):
             yield parameter, f"{number.what} of joint {n}", number.unit
@@ -168,7 +168,7 @@ def _of_body(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:
             yield parameter, f"mass of body {n}", KILOGRAM
         centre = f"distance from joint {n} to the centre of mass of body {n}"
         bare = all(isinstance(x, float) and x == 0.0 for x in part.inertia.com)
-        yield from _placed(part.placement, centre.removeprefix("distance ") if bare else "")
+        yield from placed(part.placement, centre.removeprefix("distance ") if bare else "")
         for x in part.inertia.com:
             for parameter in each_parameter(x):
                 yield parameter, centre if x is parameter else "", METER
@@ -180,7 +180,7 @@ def _of_body(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:
             yield parameter, f"{words} of joint {n}", units[0 if s.turns(i) else 1]
 
 
-def _placed(placement: Placement, words: str) -> Iterator[tuple[Parameter, str, str]]:
+def placed(placement: Placement, words: str) -> Iterator[tuple[Parameter, str, str]]:
     """Lengths and angles of a constant pose."""
     for step in placement.steps:
         turn = isinstance(step, AxisRotation)

@@ -23,7 +23,7 @@ class LivingParts:
 STYLE = """
 .try{border:1px solid #c9d0d8;border-radius:.5rem;padding:.2rem 1rem;margin:1.5rem 0;
 font-size:.9rem}
-.try h2{margin:.6rem 0}.try svg{display:block;width:100%;max-width:25rem}
+.try h2{margin:.6rem 0}.try svg{display:block;width:100%;max-width:34rem}
 .try summary{padding:.3rem 0}
 .slider{display:flex;gap:.6rem;align-items:center;margin:.15rem 0}
 .slider label{min-width:2.4rem}.slider input{flex:1;min-width:4rem}.slider span{min-width:7.5rem}
@@ -33,7 +33,11 @@ font-size:.9rem}
 .answer{margin:.6rem 0}.answer p{margin:.2rem 0;overflow-wrap:anywhere}
 .answer.right p{color:#2b7a3d}
 .answer input{font:inherit;width:24rem;max-width:90%}
+@media screen and (min-width:48rem) and (max-width:81.99rem){.living .try{display:grid;
+grid-template-columns:1fr 1fr;gap:0 2rem}.living .try h2{grid-column:1/3}
+.living .drawn{position:sticky;top:1rem;align-self:start}}
 @media screen and (min-width:82rem){.living{margin-right:27rem}
+.drawn{display:contents}#arm{position:sticky;top:0}
 .try{position:fixed;top:1rem;right:1rem;width:23rem;margin:0;max-height:calc(100vh - 3rem);
 overflow-y:auto}}
 @media print{.try,.values{display:none}}

@@ -1,0 +1,84 @@
+"""Units of what a page shows: of its sliders, and of the values below its equations."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+
+from freebody.derivations.derivation import Derivation
+from freebody.derivations.expressions.expression import Expression, Symbol
+from freebody.derivations.expressions.nodes import Negative, Sum
+from freebody.derivations.methods.glossary import placed
+from freebody.derivations.polynomials.symbols import RATE
+
+VELOCITY = re.compile(r"(v|omega)_[xyz](_d)?")
+"""Names of a free body's velocities, by components."""
+
+
+def units_of_symbols(derivation: Derivation) -> dict[str, str]:
+    """By name, as the derivation's table tells them, and of lengths that only the drawing needs."""
+    symbols = derivation.equations.symbols
+    found = {symbol.name: unit for symbol, unit in _told(derivation)}
+    for name in symbols.extra:
+        if VELOCITY.fullmatch(name):
+            found[name] = ("rad/s" if "omega" in name else "m/s") + "²" * name.endswith(RATE)
+    if symbols.model.tip is not None:
+        for parameter, _, unit in placed(symbols.model.frame().placement, ""):
+            found.setdefault(parameter.name, unit)
+    return found
+
+
+def _told(derivation: Derivation) -> Iterator[tuple[Symbol, str]]:
+    """Symbols of the table with their units; of several units in a row each serves as many. What
+    has one unit "or" another has none that is sure."""
+    for row in derivation.glossary:
+        units = [unit if " or " not in unit else "" for unit in row.unit.split(", ")]
+        each = max(1, len(row.symbols) // len(units))
+        for k, symbol in enumerate(row.symbols):
+            if isinstance(symbol, Symbol):
+                yield symbol, units[min(k // each, len(units) - 1)]
+
+
+class LineUnits:
+    """Units of left sides, by the symbol that they are or begin with: its own, or that of symbols
+    with its letter and like indices; "" where the table tells none, or several."""
+
+    def __init__(self, derivation: Derivation, known: Mapping[str, str]):
+        self._known = known
+        self._alike: dict[object, set[str]] = {}
+        for symbol, unit in _told(derivation):
+            for key in _keys(symbol):
+                self._alike.setdefault(key, set()).add(_still(unit, symbol.dots))
+
+    def __call__(self, left: Expression) -> str:
+        while isinstance(left, Sum | Negative):
+            left = left.terms[0] if isinstance(left, Sum) else left.operand
+        if not isinstance(left, Symbol):
+            return ""
+        if left.name in self._known:
+            return self._known[left.name]
+        alike = next((self._alike[key] for key in _keys(left) if key in self._alike), set())
+        unit = next(iter(alike)) if len(alike) == 1 else ""
+        return _per_second(unit, left.dots)
+
+
+def _keys(symbol: Symbol) -> Iterator[object]:
+    """From near to far: the letter with its kinds of indices, the letter alone."""
+    yield symbol.letter, symbol.high, tuple(re.sub("[0-9ik]", "#", x) for x in symbol.low)
+    yield symbol.letter
+
+
+_RATES = {"rad": "rad/s", "rad/s": "rad/s²", "m": "m/s", "m/s": "m/s²"}
+
+
+def _per_second(unit: str, dots: int) -> str:
+    for _ in range(dots):
+        unit = _RATES.get(unit, "")
+    return unit
+
+
+def _still(unit: str, dots: int) -> str:
+    back = {rate: unit for unit, rate in _RATES.items()}
+    for _ in range(dots):
+        unit = back.get(unit, "")
+    return unit

@@ -1,0 +1,54 @@
+"""Units that pages show are those in which the values are counted: with other units of length, mass
+and time they change as these do."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.derivations.living.kernel import PageProgram, entries
+from freebody.derivations.living.line_units import LineUnits, units_of_symbols
+from freebody.derivations.living.line_values import line_values
+
+METER, KILOGRAM, SECOND = 2.0, 3.0, 5.0
+NEWTON = KILOGRAM * METER / SECOND**2
+FACTORS = {"m": METER, "kg": KILOGRAM, "s": SECOND, "N": NEWTON, "J": NEWTON * METER, "rad": 1.0}
+
+
+def factor(unit: str) -> float:
+    """Of a unit such as "kg m²" or "N m/rad"."""
+    above, _, below = unit.partition("/")
+    top, bottom = (
+        math.prod(
+            FACTORS[name] ** (2 if square else 1)
+            for name, square in re.findall("([a-zA-Z]+)(²?)", part)
+        )
+        for part in (above, below)
+    )
+    return top / bottom
+
+
+@pytest.mark.parametrize(
+    ("letters", "method"),
+    [("RP", "newton-euler"), ("RR", "lagrange"), ("RP", "kane"), ("PR", "lagrange-first-kind")],
+)
+def test_units_are_those_of_the_values(letters, method):
+    derivation = fb.derive(fb.planar(letters), method)
+    symbols = derivation.equations.symbols
+    kernel = PageProgram(symbols.ring.names, derivation.equations.layout.form)
+    units = units_of_symbols(derivation)
+    inputs = [name for name in symbols.ring.names if not name.startswith("sgn")]
+    assert all(units[name] for name in inputs)
+    lines, unit_of = line_values(derivation).lines, LineUnits(derivation, units)
+    told = [
+        (x, unit) for line in lines if (unit := unit_of(line.line.lhs)) for x in entries(line.value)
+    ]
+    assert len(told) > 0.4 * len(lines)
+    given = dict(zip(inputs, np.linspace(0.4, 1.3, len(inputs)), strict=True))
+    other = {name: x * factor(units[name]) for name, x in given.items()}
+    first, second = (kernel.at_random([x for x, _ in told], **x)[:, 0] for x in (given, other))
+    np.testing.assert_allclose(second, first * [factor(unit) for _, unit in told], rtol=1e-12)
