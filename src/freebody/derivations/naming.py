@@ -71,13 +71,30 @@ class Naming:
     def _coordinates(self) -> list[tuple[str, ...]]:
         return names_by_body(self.model)
 
+    def follows(self, n: int) -> bool:
+        """Whether joint n follows another."""
+        return self.body(n).joint.mimic is not None
+
+    def leader(self, n: int) -> int:
+        """Number of the joint that joint n follows; n of one that follows none."""
+        mimic = self.body(n).joint.mimic
+        return n if mimic is None else self.model.joint_names.index(mimic.joint) + 1
+
+    def together(self, n: int) -> tuple[int, ...]:
+        """Numbers of the joints that the motor of joint n moves: n and those that follow it."""
+        return tuple(k for k in range(1, len(self.model.bodies) + 1) if self.leader(k) == n)
+
+    def place(self, n: int) -> int:
+        """Of joint n's coordinate among all, from 1: joints that follow others have none."""
+        return n - sum(map(self.follows, range(1, n)))
+
     def driven(self, n: int) -> bool:
-        """Whether a motor acts on joint n."""
-        return not self.body(n).joint.passive
+        """Whether a motor acts on joint n, be it that of the joint that it follows."""
+        return not self.body(self.leader(n)).joint.passive
 
     def torque(self, n: int) -> Symbol:
-        """τ_n."""
-        return self.letters.symbol(sym_of(f"tau{n}"))
+        """τ of joint n's motor, with the number of its coordinate."""
+        return self.letters.symbol(sym_of(f"tau{self.place(n)}"))
 
     def motor(self, n: int) -> Expression:
         """τ_n, or 0 where joint n has no motor."""
@@ -85,8 +102,9 @@ class Naming:
 
     def joint_moment(self, n: int) -> Expression:
         """The moment of the body before on body n at joint n: n, but in a turning joint of the
-        plane τ_n or 0."""
-        if self.planar and self.turns(n) and not self._drives(n):
+        plane τ_n or 0, unless other joints follow it."""
+        alone = len(self.together(n)) == 1  # others would take a part of the motor's torque
+        if self.planar and self.turns(n) and alone and not self._drives(n):
             return self.motor(n)
         return self.moment(self.parent(n), n)
 

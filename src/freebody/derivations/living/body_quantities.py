@@ -60,4 +60,5 @@ def _of_body(s: Setting, reactions: SolvedReactions, i: int) -> dict[str, Any]:
             made[name] = tuple(vector(s, row) for row in matrix)
         made[f"I{n}"] = tuple(vector(s, row) for row in s.inertia(i))
         made[f"n{above}_{n}"] = made[f"n{n}"]
-    return made | {f"m{n}": s.symbols.element(s.mass(i)), f"tau{n}": reactions.motor(i)}
+    made |= {f"m{n}": s.symbols.element(s.mass(i))}
+    return made if s.follows(i) else made | {f"tau{s.index(i) + 1}": reactions.motor(i)}

@@ -110,7 +110,12 @@ _CONSTANTS = re.compile(r"(?m)(?:^ *const [^\n]*;\n)+")
 
 
 def _in_one(lines: re.Match[str]) -> str:
-    """One declaration in the place of one a line: a third of a long program is `const`."""
+    """One declaration in the place of one a line, without blanks: a third of a long program is
+    `const`."""
     declared = [line.strip().removeprefix("const ")[:-1] for line in lines[0].splitlines()]
-    joined = ",\n".join(declared)
+    joined = _BLANKS.sub(r"\1", ",\n".join(declared))
     return f"const {joined};\n"
+
+
+_BLANKS = re.compile(r" ([-+*/=]) (?![-+])")
+"""Around an operator, but where it would join another."""

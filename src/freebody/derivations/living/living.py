@@ -38,7 +38,7 @@ from freebody.derivations.methods.setting import Setting
 from freebody.derivations.naming import Naming
 from freebody.derivations.notations.lettering import Lettering
 from freebody.derivations.notations.notation import PRESETS
-from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.polynomials.symbols import RATE, SECOND, names_by_body
 from freebody.derivations.polynomials.typical_values import typical
 from freebody.derivations.relations.formula_values import rank
 from freebody.derivations.relations.quantities import Quantities, branches
@@ -244,9 +244,9 @@ def _group(name: str, coordinates: Iterable[str]) -> str:
 
 
 def _angles(derivation: Derivation) -> set[str]:
-    symbols = derivation.equations.symbols
-    pairs = zip(symbols.coordinates, derivation.equations.symbols.model.bodies, strict=True)
-    return {name for name, body in pairs if body.kind.turns}
+    model = derivation.equations.symbols.model
+    pairs = zip(names_by_body(model), model.bodies, strict=True)
+    return {name for names, body in pairs for name in names if body.kind.turns}
 
 
 def _json(page: dict[str, Any]) -> str:

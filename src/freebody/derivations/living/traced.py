@@ -78,5 +78,6 @@ class TracedSetting(Setting):
         found: list[Scalar] = [0.0] * self.tree.nv
         for body in self.tree.bodies:
             if body.drive is not None:
-                found[body.coordinates.v[0]] = friction_and_spring(body, s.q, s.qd)
+                k, ratio = body.coordinates.v[0], body.coordinates.ratio
+                found[k] = found[k] + ratio * friction_and_spring(body, s.q, s.qd)
         return _Drives(found)

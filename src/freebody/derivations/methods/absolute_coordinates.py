@@ -32,6 +32,11 @@ from freebody.scalars.trig import Trig
 
 def work_out(s: Setting) -> Worked:
     """The steps; planar chains, open or closed."""
+    if len(s.leaders) < len(s.order):
+        raise FreebodyError(
+            f"derive: absolute coordinates are written out for joints that move by themselves; in "
+            f"{s.symbols.model.name!r} some follow others; leave coordinates out."
+        )
     if not s.planar:
         raise FreebodyError(
             f"derive: absolute coordinates are written out for the plane, and "

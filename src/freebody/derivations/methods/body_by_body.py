@@ -98,14 +98,15 @@ class FreeBodies:
             eq(s.force_name(s.tree.bodies[i].parent, i), self.passed(i)),
             eq(s.joint_moment(i), self.held(i)),
         ]
-        if not s.is_pin(i):
+        if not s.is_pin(i) and s.is_alone(i):
             lines.append(eq(s.motor(i), self.reactions.motor_rule(i, s.joint_moment(i))))
         numbers = {("R", 1): ("3.7",), ("RR", 1): ("3.15",), ("RR", 2): ("3.14",)}.get(
             (s.cited, n), ()
         )
         return Step(
             f"Eliminate the reactions at joint {n}",
-            step_reasons.eliminated(s, i, self.left_over(i)) + step_reasons.drive(s, i),
+            step_reasons.eliminated(s, i, self.left_over(i))
+            + (step_reasons.drive(s, i) if s.is_alone(i) else ""),
             tuple(lines),
             numbers,
         )
@@ -132,7 +133,8 @@ class FreeBodies:
             lines.append(eq(s.force_name(s.tree.bodies[i].parent, i), s.column(force)))
             if not pin:
                 lines.append(eq(s.joint_moment(i), s.angular(moment)))
-        lines.append(eq(s.motor(i), s.show(self.tau[i])))
+        if s.is_alone(i):
+            lines.append(eq(s.motor(i), s.show(self.tau[i])))
         reason = step_reasons.substituted(s, i, reactions)
         if reactions:
             given = self.reactions.f[i] if pin else (*self.reactions.f[i], *self.reactions.n[i])

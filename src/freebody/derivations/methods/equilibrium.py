@@ -77,21 +77,22 @@ class Equilibrium:
         name = s.joint_moment(i)
         lines = [eq(s.force_name(s.tree.bodies[i].parent, i), force, s.column(self.reactions.f[i]))]
         lines.append(eq(name, moment))
-        if not s.is_pin(i):
+        if not s.is_pin(i) and s.is_alone(i):
             lines.append(eq(s.motor(i), self.reactions.motor_rule(i, name)))
         numbers = {("RR", 1): ("2.46",), ("RR", 2): ("2.45",)}.get((s.cited, n), ())
         motor = (
-            f"the {s.words(i).effort} of its motor"
+            f" and the {s.words(i).effort} of its motor"
             if s.driven(i)
-            else "the torque or force there, which must be 0 because it has no motor"
+            else " and the torque or force there, which must be 0 because it has no motor"
         )
-        reason = f"The two equations of body {n} give the reaction at joint {n} and {motor}."
+        motor = motor if s.is_alone(i) else ""
+        reason = f"The two equations of body {n} give the reaction at joint {n}{motor}."
         return Step(f"Solve for joint {n}", reason, tuple(lines), numbers)
 
     def result(self, tau: dict) -> Step:
         """The torques written out."""
         s = self.s
-        lines = tuple(eq(s.motor(i), s.show(tau[i])) for i in s.order)
+        lines = tuple(eq(s.motor(i), s.show(tau[i])) for i in s.leaders)
         numbers = ("2.47", "2.48") if s.cited == "RR" else ()
         reason = f"Substituting the vectors gives {Efforts.of(s).holding} the arm at rest."
         if not all(map(s.driven, s.order)):

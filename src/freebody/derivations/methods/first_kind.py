@@ -74,7 +74,7 @@ def _open_chain(setting: Setting) -> Worked:
     step = Step(
         "No loops, no multipliers",
         reason,
-        (eq("f", ex.sub("n", "m"), ex.sub(len(setting.order), 0)),),
+        (eq("f", ex.sub("n", "m"), ex.sub(len(setting.leaders), 0)),),
         ("5.24",),
     )
     return replace(second, steps=(step, *second.steps))

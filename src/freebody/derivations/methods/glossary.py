@@ -52,7 +52,7 @@ def _occurring(s: Setting, rows: Iterable[Meaning], steps: Iterable[Step]) -> It
 
 def _coordinates(s: Setting, motors: bool) -> Iterator[Meaning]:
     joints_by_words: dict[JointWords, list[int]] = {}
-    for i in s.order:
+    for i in s.leaders:
         joints_by_words.setdefault(s.words(i), []).append(i)
     for words in sorted(joints_by_words, key=lambda words: words.unit != "rad"):  # angles first
         joints = joints_by_words[words]

@@ -9,6 +9,7 @@ from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, Symbol
 from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.methods import step_reasons
+from freebody.derivations.methods.coupled_joints import coupled, shared_motors
 from freebody.derivations.methods.geometry import rotation_name
 from freebody.derivations.methods.reactions import drive_part
 from freebody.derivations.methods.setting import Setting
@@ -50,7 +51,10 @@ class Inward:
             if self._is_first(i)
             else ""
         )
-        letters = step_reasons.drive(s, i) + self._unborne(i) + letters
+        drive = step_reasons.drive(s, i) if s.is_alone(i) else ""
+        letters = drive + self._unborne(i) + letters
+        if not s.is_alone(i):
+            return f"{needed} come through joint {n}.{letters}"
         if s.driven(i):
             return f"{needed} come through joint {n}; the motor gives {part}.{letters}"
         return f"{needed} come through joint {n}, which has no motor to give {part}.{letters}"
@@ -63,7 +67,11 @@ class Inward:
             return ""
         held = s.angular(self.record.n[i])
         for k in s.tree.children(i):
-            if not s.driven(k) and held == s.show(self.record.tau[s.index(k)]) != ex.ZERO:
+            if (
+                s.is_alone(k)
+                and not s.driven(k)
+                and held == s.show(self.record.tau[s.index(k)]) != ex.ZERO
+            ):
                 on = f"{s.numbers.get(s.tree.bodies[i].parent, 0)},{s.numbers[i]}"
                 return f" n_{on} is 0 by the equation of joint {s.numbers[k]}."
         return ""
@@ -99,7 +107,16 @@ class Inward:
         if s.is_pin(i):
             return [f, worked(name, moment, torque, rules)]
         held = worked(name, moment, s.angular(self.record.n[i]), rules)
+        if not s.is_alone(i):
+            return [f, held]
         return [f, held, worked(s.motor(i), self._motor(i), torque, rules)]
+
+    def shared(self) -> list[Step]:
+        """The motors that move several joints."""
+        s, tau = self.s, self.record.tau
+        drives = {i: drive_part(s, i) for i in coupled(s)}
+        values = {i: tau[s.index(i)] for i in drives}
+        return shared_motors(s, drives, None if self.rules else values)
 
     def _needed(self, i: int) -> Expression:
         """The inertia force, with the weight taken off where gravity is explicit; 0 of a body

@@ -18,8 +18,10 @@ from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods import glossary, step_reasons
 from freebody.derivations.methods.body_motion import motion
 from freebody.derivations.methods.closed_form_steps import closed_form
+from freebody.derivations.methods.coupled_joints import joints
 from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.method import Method, Worked
+from freebody.derivations.methods.reactions import rotor_part
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import RATE
 from freebody.errors import listed
@@ -30,7 +32,7 @@ from freebody.spatial import Vector, dot, scale
 def work_out(setting: Setting) -> Worked:
     """The steps, and the torques that make the generalized forces of every joint add up to zero."""
     s = setting
-    joints = [_JointRate(s, i) for i in s.order]
+    joints = [_JointRate(s, i) for i in s.leaders]
     steps = [_speeds(s), geometry(s), *motion(s), _inertia_forces(s)]
     for joint in joints:
         steps += [joint.partial_velocities(), joint.forces(), joint.equation()]
@@ -39,7 +41,7 @@ def work_out(setting: Setting) -> Worked:
 
 
 def _speeds(s: Setting) -> Step:
-    rates = ex.Vector(tuple(sym(s.coordinate(i) + RATE) for i in s.order))
+    rates = ex.Vector(tuple(sym(s.coordinate(i) + RATE) for i in s.leaders))
     many = (
         "The generalized speeds describe the motion, one for each degree of freedom. The rates of "
         "the joints are chosen: velocities are linear in them, and each can be varied alone."
@@ -48,7 +50,7 @@ def _speeds(s: Setting) -> Step:
         "One generalized speed describes the motion of one degree of freedom. "
         "The rate of the joint is chosen."
     )
-    reason = (one if len(s.order) == 1 else many) + step_reasons.motorless(s)
+    reason = (one if len(s.leaders) == 1 else many) + step_reasons.motorless(s)
     return Step("Choose generalized speeds", reason, (eq(vec("q_d"), rates),))
 
 
@@ -72,7 +74,7 @@ class _JointRate:
 
     def __init__(self, s: Setting, i: int):
         self.s, self.i, self.number = s, i, s.numbers[i]
-        self.is_first = i == s.order[0]
+        self.is_first = i == s.leaders[0]
         self.rate = s.coordinate(i) + RATE
         self.centres = {k: self._partial(s.centre_velocity(k)) for k in s.weighted}
         self.turning = {k: self._partial(s.motion.w[k]) for k in s.weighted if not s.is_point(k)}
@@ -100,15 +102,13 @@ class _JointRate:
                 )
         if s.load and _some(self._tip()):
             lines.append(eq(self._tip_name(), s.column(self._tip())))
-        what = (
-            f"They describe how the bodies move when only joint {self.number} moves, at unit rate"
-        )
+        what = f"They describe how the bodies move when only {self._moved} at unit rate"
         if self.is_first:
             what = (
                 f"A partial velocity is the factor of one joint's rate in the velocity of a point, "
                 f"a partial angular velocity its factor in the angular velocity of a body. {what}"
             )
-        rest = "; those that are not listed are zero" if self.s.order[1:] else ""
+        rest = "; those that are not listed are zero" if self.s.leaders[1:] else ""
         figure = f"partial {self.number}" if any(map(_some, self.centres.values())) else None
         return Step(
             f"Partial velocities: joint {self.number}",
@@ -116,6 +116,13 @@ class _JointRate:
             tuple(lines),
             figure=figure,
         )
+
+    @property
+    def _moved(self) -> str:
+        """What moves, with the comma that goes before its rate."""
+        if self.s.is_alone(self.i):
+            return f"joint {self.number} moves,"
+        return f"{joints(self.s, self.i)} move, joint {self.number}"
 
     def _v(self, k: int) -> Expression:
         """v_ck,r."""
@@ -157,7 +164,9 @@ class _JointRate:
         acting = [f"the {s.words(self.i).effort} of the motor"] if s.driven(self.i) else []
         acting += ["the weights"] if s.weighs else []
         acting += ["the load on the tip"] if s.load else []
-        acting += ["friction and springs of the joint"] if not self._resisting.is_zero else []
+        acting += (
+            [f"friction and springs of {self._resisted}"] if not self._resisting.is_zero else []
+        )
         found = listed(acting) or "nothing"
         if not self.is_first:
             return (
@@ -171,6 +180,10 @@ class _JointRate:
             f"not occur, for together they do no work in any motion of the joints. The generalized "
             f"inertia force is the same sum over the inertia forces and torques."
         )
+
+    @property
+    def _resisted(self) -> str:
+        return "the joint" if self.s.is_alone(self.i) else joints(self.s, self.i)
 
     @property
     def active_name(self) -> Expression:
@@ -207,10 +220,7 @@ class _JointRate:
 
     @property
     def _rotor(self) -> Trig:
-        drive, s = self.s.tree.bodies[self.i].drive, self.s
-        return s.symbols.element(
-            0.0 if drive is None else drive.rotor * s.symbols.qdd[self.s.index(self.i)]
-        )
+        return rotor_part(self.s, self.i)
 
     @property
     def _active(self) -> Trig:

@@ -45,7 +45,7 @@ def _symbols(s: Setting) -> Iterator[Meaning]:
     yield Meaning((sym("r_P", True),), "position of the tip, from the base's origin", METER)
     if s.planar:
         yield reach()
-        if len(s.order) > 2:
+        if len(s.leaders) > 2:
             yield Meaning((sym("phi"),), "angle of the last body from the x axis", "rad")
     yield Meaning((sym("J"),), "Jacobian of the tip", "m or 1")
 
@@ -57,7 +57,7 @@ class _Tip:
     def __init__(self, setting: Setting):
         self.s = setting
         self.closed = Kinematics(setting.symbols, setting.symbols.model.frame().name)
-        n, dim = len(setting.order), setting.tree.space.dim
+        n, dim = len(setting.leaders), setting.tree.space.dim
         self.rows = tuple(range(3)) if dim == 3 or n >= 3 else (0, 1)
 
     @cached_property
@@ -108,8 +108,8 @@ class _Tip:
         return path
 
     def _angle(self) -> Equation:
-        turning = [sym(self.s.coordinate(i)) for i in self._path() if self.s.turns(i)]
-        return eq("phi", ex.add(*turning))
+        angles = [self.s.position(i) for i in self._path() if self.s.turns(i)]
+        return eq("phi", ex.add(*angles))
 
     def velocity(self) -> Step:
         """The derivative of the position."""
@@ -135,7 +135,7 @@ class _Tip:
     def jacobian(self) -> Step:
         """The factors of the rates."""
         s = self.s
-        rates = ex.Vector(tuple(sym(s.coordinate(i) + RATE) for i in s.order))
+        rates = ex.Vector(tuple(sym(s.coordinate(i) + RATE) for i in s.leaders))
         J = [[s.show_moved(self.closed.J[r][k]) for k in self._columns()] for r in self.rows]
         moved = ex.Vector((vec("r_P_d"), sym("phi_d"))) if self.turning else vec("r_P_d")
         return Step(
@@ -148,13 +148,13 @@ class _Tip:
         )
 
     def _columns(self) -> list[int]:
-        return [self.s.index(i) for i in self.s.order]
+        return [self.s.index(i) for i in self.s.leaders]
 
     # ------------------------------------------------------------ singular poses
     def singular(self) -> list[Step]:
         """Where det J = 0, if J is square."""
         s = self.s
-        if len(self.rows) != len(s.order):
+        if len(self.rows) != len(s.leaders):
             return []
         found = jacobian_determinant(self.closed, self.rows)
         expanded, name = s.show(found.polynomial), ex.Function("det", sym("J"))
@@ -200,7 +200,7 @@ class _Tip:
 
     def back(self) -> list[Step]:
         """Joint velocities and accelerations for a given motion of the tip."""
-        if len(self.rows) != len(self.s.order):
+        if len(self.rows) != len(self.s.leaders):
             return []
         inverse = ex.power("J", -1)
         moved, second = (vec(f"r_P{d}") for d in (RATE, SECOND))

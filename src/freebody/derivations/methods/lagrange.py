@@ -32,9 +32,9 @@ def work_out(setting: Setting) -> Worked:
     if s.load:
         step, works = virtual_work(s)
         steps.append(step)
-    by_coordinate = [derivatives(s, energies, i) for i in s.order]
+    by_coordinate = [derivatives(s, energies, i) for i in s.leaders]
     tau = []
-    for i, one in zip(s.order, by_coordinate, strict=True):
+    for i, one in zip(s.leaders, by_coordinate, strict=True):
         equation, torque = _equation(s, i, one, works.get(i, load))
         steps += [one.step, equation]
         tau.append(torque)
@@ -71,12 +71,13 @@ def lagrangian(s: Setting) -> tuple[Energies, list[Step]]:
 
 
 def _coordinates(s: Setting) -> Step:
-    names = ex.Vector(tuple(sym(s.coordinate(i)) for i in s.order))
-    forces = ex.Vector(tuple(s.motor(i) for i in s.order))
-    one = len(s.order) == 1
-    motor = " or ".join(sorted({s.words(i).effort for i in s.order}, reverse=True))
+    names = ex.Vector(tuple(sym(s.coordinate(i)) for i in s.leaders))
+    forces = ex.Vector(tuple(s.motor(i) for i in s.leaders))
+    one = len(s.leaders) == 1
+    motor = " or ".join(sorted({s.words(i).effort for i in s.leaders}, reverse=True))
     reason = (
-        f"The joint's variable fixes the pose of the body; its motor's {motor} does work along it."
+        f"The joint's variable fixes the pose of {'every' if s.order[1:] else 'the'} body; its "
+        f"motor's {motor} does work along it."
         if one
         else "The joint variables fix the pose of every body and can be varied one by one; "
         f"along each only its own motor's {motor} does work."
@@ -107,7 +108,7 @@ def _angular_velocities(s: Setting, moving: BodyMotions) -> Step:
     lines = []
     for i in s.order:
         parent = s.tree.bodies[i].parent
-        rate = s.show(s.symbols.qd[s.index(i)])
+        rate = s.show(s.rate(i, s.symbols.qd))
         chain: list[Expression] = [s.angular_name("omega", parent)] if parent >= 0 else []
         if s.turns(i):
             chain.append(rate if s.planar else ex.mul(rate, s.name("z", i)))
@@ -206,7 +207,7 @@ def _equation(s: Setting, i: int, found: LagrangianDerivatives, work: Trig) -> t
     """The equation of one coordinate; work: what the load adds to its force."""
     torque, x, friction = found.needed - work, s.coordinate(i), found.friction
     slope, d_position = ex.partial("L", x + RATE), ex.partial("L", x)
-    force = s.motor(i) if not s.load else sym(f"Q{s.numbers[i]}")
+    force = s.motor(i) if not s.load else sym(f"Q{s.index(i) + 1}")
     right = ex.add(force, ex.neg_each(s.show(friction)))
     number = {("RR", 1): "5.15", ("RR", 2): "5.16"}.get(
         (s.cited, s.numbers[i]), "" if s.planar else "6.15"

@@ -82,7 +82,7 @@ class Mechanism:
     @cached_property
     def cited(self) -> str:
         """ "R" or "RR" where the model is an arm that the notes derive, else ""."""
-        if self.tree.loops:
+        if self.tree.loops or len(self.leaders) < len(self.order):
             return ""
         bodies = [self.tree.bodies[i] for i in self.order]
         is_chain = all(self.numbers[body.parent] == k for k, body in enumerate(bodies))
@@ -106,6 +106,31 @@ class Mechanism:
     def driven(self, i: int) -> bool:
         """Whether a motor acts on the joint of body i."""
         return self.naming.driven(self.numbers[i])
+
+    @cached_property
+    def leaders(self) -> tuple[int, ...]:
+        """Bodies whose joints have a coordinate of their own, by their number."""
+        return tuple(i for i in self.order if not self.follows(i))
+
+    def follows(self, i: int) -> bool:
+        """Whether the joint of body i follows another."""
+        return self.naming.follows(self.numbers[i])
+
+    def together(self, i: int) -> tuple[int, ...]:
+        """Body i and those whose joints follow its."""
+        return (i, *(k for k in self.order if self.follows(k) and self.index(k) == self.index(i)))
+
+    def is_alone(self, i: int) -> bool:
+        """Whether the joint of body i neither follows another nor is followed."""
+        return not self.follows(i) and len(self.together(i)) == 1
+
+    def ratio(self, i: int) -> float:
+        """How far the joint of body i goes for each unit of its coordinate."""
+        return self.tree.bodies[i].coordinates.ratio
+
+    def rate(self, i: int, rates: Vector) -> Scalar:
+        """The rate of body i's joint, or its acceleration, of those of the coordinates."""
+        return self.tree.bodies[i].rates(rates)[0]
 
     # ------------------------------------------------------------ masses
     def _mass(self, i: int) -> Mass:
@@ -163,11 +188,12 @@ class Mechanism:
 
 
 def require_single_joints(symbols: Symbols, what: str) -> None:
-    """Refuse what is not written out body by body: joints of several coordinates, and joints that
-    follow others."""
+    """Refuse what is not written out body by body: joints of several coordinates, and in closed
+    chains joints that follow others."""
     model = symbols.model
     for body in model.bodies:
-        if body.kind.nv != 1 or body.joint.mimic is not None:
+        follows = bool(model.loops) and body.joint.mimic is not None
+        if body.kind.nv != 1 or follows:
             instead = (
                 "fb.loop_equations gives those of its loops"
                 if model.loops
@@ -175,6 +201,7 @@ def require_single_joints(symbols: Symbols, what: str) -> None:
             )
             raise FreebodyError(
                 f"{what}: joint {body.joint.name!r} of {model.name!r} is {body.kind.name}"
-                f"{' and follows another' if body.joint.mimic else ''}; derivations are written "
-                f"for independent joints of one coordinate: {instead}."
+                f"{' and follows another' if follows else ''}; derivations"
+                f"{' of closed chains' if follows else ''} are written "
+                f"for {'independent ' if follows else ''}joints of one coordinate: {instead}."
             )

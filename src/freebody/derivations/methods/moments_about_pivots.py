@@ -19,7 +19,7 @@ def about_pivots(s: Setting, drives: Mapping[int, Trig]) -> list[Step]:
     takes."""
     if s.cited == "R":
         return [_fixed_axis(s, s.show(drives[s.order[0]]))]
-    return [_carried(s, i, s.show(drives[i])) for i in s.order]
+    return [_carried(s, i, drives) for i in s.order]
 
 
 def arms_of_pivots(s: Setting) -> Iterator[Meaning]:
@@ -54,14 +54,23 @@ def _fixed_axis(s: Setting, drive: Expression) -> Step:
     )
 
 
-def _carried(s: Setting, i: int, drive: Expression) -> Step:
+def _carried(s: Setting, i: int, drives: Mapping[int, Trig]) -> Step:
     n, parent = s.numbers[i], s.numbers[s.tree.bodies[i].parent]
     held = f"f_{parent},{n}" + ("" if s.is_pin(i) else f" with the moment n_{parent},{n}")
     found = (
         f"the {s.words(i).effort}" if s.driven(i) else "an equation of motion: there is no motor"
     )
-    lines = [*_arms(s, i), eq(s.motor(i), ex.add(_balance(s, i), drive))]
-    if s.turns(i):
+    line = eq(s.motor(i), ex.add(_balance(s, i), s.show(drives[i]))) if s.is_alone(i) else None
+    if line is None:
+        reaction = s.force_name(s.tree.bodies[i].parent, i)
+        line = eq(s.along(i, s.joint_moment(i), reaction), _balance(s, i))
+    lines = [*_arms(s, i), line]
+    if not s.is_alone(i):
+        reason = (
+            f"Take all that joint {n} carries as one system: the reactions inside it cancel, and "
+            f"one equation gives the part of the reaction {held} at the joint that does work."
+        )
+    elif s.turns(i):
         pivot = "the pivot" if s.planar else "its axis"
         none = f"has no moment about {pivot}, so that one moment equation gives {found}"
         if s.slides(i):

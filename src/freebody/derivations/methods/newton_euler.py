@@ -15,6 +15,7 @@ from freebody.derivations.methods import free_bodies, glossary, loop_free_bodies
 from freebody.derivations.methods.body_by_body import FreeBodies
 from freebody.derivations.methods.body_motion import motion
 from freebody.derivations.methods.closed_form_steps import closed_form
+from freebody.derivations.methods.coupled_joints import shared_motors
 from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.method import Method, MethodOption, Worked
 from freebody.derivations.methods.modular import meanings
@@ -33,10 +34,10 @@ def work_out(setting: Setting, route: str) -> Worked:
         return loop_free_bodies.work_out(setting, route)
     inward = tuple(reversed(setting.order))
     reactions = SolvedReactions(setting)
-    tau = {i: reactions.motor(i) for i in inward}
+    tau = {i: reactions.motor(i) for i in setting.leaders}
     work = FreeBodies(setting, reactions, tau)
     about = about_pivots(setting, reactions.drives) if route == "pivot" else work.about_centres()
-    torques = tuple(tau[i] for i in setting.order)
+    torques = tuple(tau.values())
     symbols = list(_symbols(setting, route))
     if not recursive.is_readable(setting, torques):
         steps = [*about, *recursive.modular_steps(setting, "explicit")]
@@ -50,7 +51,9 @@ def work_out(setting: Setting, route: str) -> Worked:
             geometry(setting),
             *(moving[:1] if route == "pivot" and setting.cited == "R" else moving),
         ]
-        steps += [work.substituted(i, route == "centre") for i in inward]
+        told = inward if route == "centre" else filter(setting.is_alone, inward)
+        steps += [work.substituted(i, route == "centre") for i in told]
+        steps += shared_motors(setting, reactions.drives, tau)
         steps.append(closed_form(setting))
     title = f"{METHOD.title}, moments about the pivots" if route == "pivot" else ""
     return Worked(tuple(steps), torques, symbols, title)

@@ -3,7 +3,10 @@ symbols."""
 
 from __future__ import annotations
 
+import re
+
 from freebody.derivations.derivation import Meaning
+from freebody.derivations.methods.coupled_joints import coupled, following
 from freebody.derivations.methods.glossary import glossary
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
@@ -20,7 +23,7 @@ def overview(s: Setting, method: Method, worked: Worked) -> tuple[str, tuple[Mea
     forces = method.finds_torques
     gravity = _gravity(s) if forces else []
     axes = _axes(s) if forces or s.planar else ["Vectors have components in the world's axes."]
-    robot = worked.robot or (_arm(s), *_composed(s), *_loops(s))
+    robot = worked.robot or (_arm(s), *_composed(s), *_coupled(s, forces), *_loops(s))
     told = [
         *_about(s),
         *robot,
@@ -80,7 +83,7 @@ def _rows(s: Setting) -> str:
 def _kinds(s: Setting) -> str:
     """What the joints are, and which have no motor."""
     by_words: dict[tuple[str, str], list[int]] = {}
-    for i in s.order:
+    for i in s.leaders:
         by_words.setdefault((s.words(i).joint, s.words(i).coordinate), []).append(i)
     told = []
     for (joint, coordinate), joints in by_words.items():
@@ -93,7 +96,12 @@ def _kinds(s: Setting) -> str:
             f"{_joints(numbers)} {'are' if many else 'is'} {joint} ({coordinate}{'s' * many} "
             f"{', '.join(own)})"
         )
-    passive = [s.numbers[i] for i in s.order if not s.driven(i)]
+    told += [
+        f"joint {s.numbers[i]} is {s.words(i).joint} ({_follows(s, i)})"
+        for i in s.order
+        if s.follows(i)
+    ]
+    passive = [s.numbers[i] for i in s.leaders if not s.driven(i)]
     if passive:
         told.append(f"{_joints(passive)} {'are' if len(passive) > 1 else 'is'} passive")
     sentence = "; ".join(told)
@@ -122,15 +130,48 @@ def _body(n: int) -> str:
 
 def _joint(s: Setting, i: int) -> str:
     n, below = s.numbers[i], _body(s.numbers[s.tree.bodies[i].parent])
-    how = f"{s.words(i).joint}, {s.words(i).coordinate}"
-    passive = "" if s.driven(i) else ", passive"
-    return f"joint {n} ({how} {_coordinate(s, i)}{passive}) joins body {n} to {below}"
+    how = f"{s.words(i).coordinate} {_coordinate(s, i)}"
+    if s.follows(i):
+        how = _follows(s, i)
+    elif not s.driven(i):
+        how += ", passive"
+    return f"joint {n} ({s.words(i).joint}, {how}) joins body {n} to {below}"
+
+
+def _follows(s: Setting, i: int) -> str:
+    """The coordinate of a joint by that of another, and which that is."""
+    leader = s.naming.leader(s.numbers[i])
+    return f"{s.words(i).coordinate} {_coordinate(s, i)}, follows joint {leader}"
+
+
+def _coupled(s: Setting, forces: bool) -> list[str]:
+    """What it means that joints follow others; forces: whether there are any."""
+    what, told = "the rate" if s.at_rest else "the rate and the acceleration", []
+    for i in coupled(s):
+        every = "both" if len(s.together(i)) == 2 else "all of them"
+        motor = f", and one motor moves {every}" if forces and s.driven(i) else ""
+        told.append(f"{following(s, i, what)}{motor}.")
+    if told and forces:
+        told.append("What couples such joints, gears or a belt, does no work of its own.")
+    other = next((i for i in s.leaders if s.index(i) + 1 != s.numbers[i]), None)
+    if other is not None:
+        place = s.index(other) + 1
+        motor = f" and motor {place} belong" if forces else " belongs"
+        told.append(
+            f"Joints that follow others are not counted: coordinate {place}{motor} to joint "
+            f"{s.numbers[other]}."
+        )
+    return told
 
 
 def _coordinate(s: Setting, i: int) -> str:
-    """θ_1 or d_1, or the slide's own name."""
-    name, n = s.coordinate(i), s.numbers[i]
-    return f"θ_{n}" if name == f"theta{n}" else f"d_{n}" if name == f"d{n}" else name
+    """θ_1 or d_1, or the slide's own name; of a joint that follows another by its leader's."""
+    name, at = s.coordinate(i), s.tree.bodies[i].coordinates
+    found = re.fullmatch(r"(theta|d)(\d+)", name)
+    name = f"{'θ' if found[1] == 'theta' else 'd'}_{found[2]}" if found else name
+    factor = {1.0: "", -1.0: "-"}.get(at.ratio, f"{at.ratio:.15g} ")
+    offset = f" {'-' if at.offset < 0.0 else '+'} {abs(at.offset):.15g}" if at.offset else ""
+    return f"{factor}{name}{offset}"
 
 
 def _composed(s: Setting) -> list[str]:
@@ -243,7 +284,7 @@ def _load(s: Setting) -> list[str]:
 
 
 def _sought(s: Setting) -> str:
-    efforts, free = Efforts.of(s), [s.numbers[i] for i in s.order if not s.driven(i)]
+    efforts, free = Efforts.of(s), [s.numbers[i] for i in s.leaders if not s.driven(i)]
     condition = (
         f"{_joints(free)} {'has' if len(free) == 1 else 'have'} no motor, and the motion must "
         f"satisfy {'its equation' if len(free) == 1 else 'their equations'}"

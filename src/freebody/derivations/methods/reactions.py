@@ -42,7 +42,9 @@ class SolvedReactions:
 
     def _without_motor(self, i: int, reaction: Reaction) -> Reaction:
         s, (f, n) = self.s, reaction
-        if s.driven(i) or not self.drives[i].is_zero or s.turns(i) == s.slides(i):
+        if s.driven(i) or not s.is_alone(i) or s.turns(i) == s.slides(i):
+            return reaction
+        if not self.drives[i].is_zero:
             return reaction
         ((w, v),) = s.tree.bodies[i].columns
         v = s.axes(i, v)
@@ -81,17 +83,19 @@ class SolvedReactions:
             yield s.tip_force(), s.tree.space.moment(s.to_tip(i), s.tip_force())
 
     def motor(self, i: int) -> Trig:
-        """The component of joint i's reaction that its motor gives, and what its drive takes
-        besides."""
-        s, (f, n) = self.s, self._found[i]
-        ((w, v),) = s.tree.bodies[i].columns
-        along = dot(w, n) + dot(s.axes(i, v), f)
-        return s.symbols.element(along) + self.drives[i]
+        """The component of joint i's reaction that its motor gives, with those of the joints that
+        it moves besides, and what its drive takes."""
+        s, total = self.s, self.drives[i]
+        for k in s.together(i):
+            f, n = self._found[k]
+            ((w, v),) = s.tree.bodies[k].columns
+            total = total + s.ratio(k) * (dot(w, n) + dot(s.axes(k, v), f))
+        return s.symbols.element(total)
 
     @cached_property
     def drives(self) -> dict[int, Trig]:
-        """Friction, spring and rotor of each joint; of one at rest its spring."""
-        return {i: drive_part(self.s, i) for i in self.s.order}
+        """Friction, springs and rotors by the motors that they burden; at rest the springs."""
+        return {i: drive_part(self.s, i) for i in self.s.leaders}
 
     def motor_rule(self, i: int, moment: Expression) -> Expression:
         """The component of the reaction that is the motor's, and its drive's part."""
@@ -101,11 +105,22 @@ class SolvedReactions:
 
 
 def drive_part(s: Setting, i: int) -> Trig:
-    """What friction, spring and rotor of joint i take of its motor; at rest the spring alone."""
-    body, k = s.tree.bodies[i], s.index(i)
-    if body.drive is None:
-        return s.symbols.zero()
-    if s.at_rest:
-        (q,) = body.position(s.symbols.q)
-        return s.symbols.element(body.drive.stiffness * (q - body.drive.rest))
-    return s.equations.drives[k] + body.drive.rotor * s.symbols.qdd[k]
+    """What friction, spring and rotor of joint i, and of those that follow it, take of its motor;
+    at rest the springs alone."""
+    total = s.symbols.zero()
+    for k in s.together(i) if s.at_rest else ():
+        body = s.tree.bodies[k]
+        if body.drive is not None:
+            stretch = body.position(s.symbols.q)[0] - body.drive.rest
+            total = total + s.ratio(k) * (body.drive.stiffness * stretch)
+    return total if s.at_rest else s.equations.drives[s.index(i)] + rotor_part(s, i)
+
+
+def rotor_part(s: Setting, i: int) -> Trig:
+    """The same of rotors alone."""
+    total = s.symbols.zero()
+    for k in s.together(i):
+        drive = s.tree.bodies[k].drive
+        if drive is not None:
+            total = total + s.ratio(k) * (drive.rotor * s.rate(k, s.symbols.qdd))
+    return total

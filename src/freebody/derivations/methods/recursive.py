@@ -19,7 +19,6 @@ from freebody.derivations.methods.method import Method, MethodOption, Worked
 from freebody.derivations.methods.modular import ModularSetting, last_step, meanings
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import coriolis
-from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.scalars.trig import Trig
 
 GRAVITIES = ("base", "explicit")
@@ -30,7 +29,7 @@ def work_out(setting: Setting, gravity: str, values: str) -> Worked:
     as long as they can be read, or modular."""
     base = gravity == "base" or not setting.weighs
     record = setting.recursion(gravity)
-    tau = tuple(setting.symbols.element(record.tau[setting.index(i)]) for i in setting.order)
+    tau = tuple(setting.symbols.element(record.tau[setting.index(i)]) for i in setting.leaders)
     names = list(symbols(setting))
     if values == "modular" or not is_readable(setting, tau):
         steps = modular_steps(setting, gravity)
@@ -65,6 +64,7 @@ def _steps(s: Setting, record: Recursion, base: bool, rules: bool = False) -> li
         outward.start(),
         *map(outward.step, s.order),
         *map(inward.step, reversed(s.order)),
+        *inward.shared(),
     ]
 
 
@@ -159,16 +159,17 @@ class _Outward:
         return [self._worked(name, rule, s.column(s.gravity(i)))]
 
     def _angular(self, i: int) -> list[Equation]:
-        s, motion, q = self.s, self.record.motion, self.s.coordinate(i)
+        s, motion = self.s, self.record.motion
         parent = s.tree.bodies[i].parent
         rows = []
-        for dots, ending, value in (("", RATE, motion.w[i]), ("_d", SECOND, motion.wd[i])):
+        for dots, value in (("", motion.w[i]), ("_d", motion.wd[i])):
             before = (
                 self._carried(s.angular_name("omega", parent, dots), i) if parent >= 0 else ex.ZERO
             )
             own: Expression = ex.ZERO
             if s.turns(i):
-                own = sym(q + ending) if s.planar else ex.mul(sym(q + ending), s.name("z", i))
+                own = self._rate(i, dots)
+                own = own if s.planar else ex.mul(own, s.name("z", i))
                 if dots and not s.planar and parent >= 0:
                     own = ex.add(own, self._swing(i))
             rows.append(
@@ -182,7 +183,12 @@ class _Outward:
         """ω × θ̇ z: the joint's own turning is carried around."""
         s = self.s
         before = self._carried(s.angular_name("omega", s.tree.bodies[i].parent), i)
-        return ex.cross(before, ex.mul(sym(s.coordinate(i) + RATE), s.name("z", i)))
+        return ex.cross(before, ex.mul(self._rate(i), s.name("z", i)))
+
+    def _rate(self, i: int, dots: str = "") -> Expression:
+        """The rate of joint i, or its acceleration."""
+        s = self.s.symbols
+        return self.s.show(self.s.rate(i, s.qdd if dots else s.qd))
 
     def _carried(self, x: Expression, i: int) -> Expression:
         """A vector of the body before, in the axes of body i."""
@@ -209,8 +215,9 @@ class _Outward:
 
     def _slid(self, i: int, dots: str) -> list[Expression]:
         """What a slide adds: its rate, or its acceleration and Coriolis' term."""
-        s, q = self.s, self.s.coordinate(i)
-        speed, change = (ex.mul(s.advance(i), sym(q + x), s.axis_name(i)) for x in (RATE, SECOND))
+        s = self.s
+        rates = self._rate(i), self._rate(i, "_d")
+        speed, change = (ex.mul(s.advance(i), x, s.axis_name(i)) for x in rates)
         parent = s.tree.bodies[i].parent
         still = parent < 0 or s.angular(self.record.motion.w[parent]) == ex.ZERO
         if not dots or still:

@@ -132,6 +132,13 @@ class ShownMechanism(Mechanism):
         return vec("g")
 
     # ------------------------------------------------------------ terms of equations
+    def position(self, i: int) -> Expression:
+        """What the joint of body i has turned or slid: its coordinate, or of one that follows
+        another ratio times that and the offset."""
+        at = self.tree.bodies[i].coordinates
+        turned = ex.mul(self.show(at.ratio), sym(self.coordinate(i)))
+        return ex.add(turned, self.show(at.offset))
+
     def advance(self, i: int) -> Expression:
         """How far joint i takes its body along its axis for each unit of its coordinate."""
         return self.show(self.tree.bodies[i].primitive.advance)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from freebody.derivations.derivation import Meaning
 from freebody.derivations.methods import glossary, loop_statics
+from freebody.derivations.methods.coupled_joints import shared_motors
 from freebody.derivations.methods.equilibrium import Equilibrium
 from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.method import Method, Worked
@@ -21,14 +22,18 @@ def work_out(setting: Setting) -> Worked:
         return loop_statics.work_out(setting)
     reactions = SolvedReactions(setting)
     work = Equilibrium(setting, reactions)
-    tau = {i: reactions.motor(i) for i in setting.order}
+    tau = {i: reactions.motor(i) for i in setting.leaders}
     steps = [work.convention()] if setting.load else []
     steps += [*map(work.body, setting.order)]
     steps += [work.solved(i) for i in reversed(setting.order)]
-    steps += [geometry(setting, inertias=False), work.result(tau)]
+    steps += [
+        *shared_motors(setting, reactions.drives),
+        geometry(setting, inertias=False),
+        work.result(tau),
+    ]
     if setting.load:
         steps.append(work.transpose())
-    torques = tuple(tau[i] for i in setting.order)
+    torques = tuple(tau.values())
     sought = f"Sought: {Efforts.of(setting).holding} the arm at rest."
     return Worked(tuple(steps), torques, _symbols(setting), sought=sought)
 

@@ -60,7 +60,7 @@ class Efforts:
     @classmethod
     def of(cls, s: Setting) -> Efforts:
         """Those of all joints with a motor."""
-        found = Counter(s.words(i).effort for i in s.order if s.driven(i))
+        found = Counter(s.words(i).effort for i in s.leaders if s.driven(i))
         named = [f"{effort}{'s' * (n > 1)}" for effort, n in found.items()]
         return cls(f"motor {listed(named)}" if named else "", found.total())
 
@@ -106,10 +106,16 @@ def _acting(s: Setting, i: int) -> list[str]:
     if not s.is_pin(i):
         acting.append(f"the moment n_{parent},{n} there")
     elif s.driven(i):
-        acting.append(f"the torque τ_{n}")
+        acting.append(f"the torque τ_{s.naming.place(n)}")
     for k in s.tree.children(i):
         c = s.numbers[k]
-        moment = f" and -n_{n},{c}" if not s.is_pin(k) else f" and -τ_{c}" if s.driven(k) else ""
+        moment = (
+            f" and -n_{n},{c}"
+            if not s.is_pin(k)
+            else f" and -τ_{s.naming.place(c)}"
+            if s.driven(k)
+            else ""
+        )
         acting.append(f"-f_{n},{c}{moment}, the opposite of its action on body {c} at joint {c}")
     if s.weighs and i in s.weighted:
         acting.append("its weight")
@@ -159,7 +165,7 @@ def _carried_round(s: Setting, i: int) -> bool:
 
 def motorless(s: Setting) -> str:
     """Which joints have no motor, as a sentence with a blank in front; or nothing."""
-    joints = [f"joint {s.numbers[i]}" for i in s.order if not s.driven(i)]
+    joints = [f"joint {s.numbers[i]}" for i in s.leaders if not s.driven(i)]
     return (
         f" {listed(joints).capitalize()} {'has' if len(joints) == 1 else 'have'} no motor."
         if joints
@@ -169,10 +175,12 @@ def motorless(s: Setting) -> str:
 
 def eliminated(s: Setting, i: int, rest: str = "nothing unknown") -> str:
     """How the reaction at joint i leaves the equations; rest: what is left besides the motor."""
-    n = s.numbers[i]
+    n, torque = s.numbers[i], f"τ_{s.naming.place(s.numbers[i])}"
     first = f"Newton's equation of body {n} gives the force at joint {n}"
     if s.tree.children(i):
         first += ", the forces on the next bodies being known"
+    if not s.is_alone(i):
+        return f"{first}; Euler's equation gives the moment."
     if not s.turns(i):
         force = f"f_{s.numbers[s.tree.bodies[i].parent]},{n}"
         along = f"the part of {force} along the slide u_{n}"
@@ -180,13 +188,15 @@ def eliminated(s: Setting, i: int, rest: str = "nothing unknown") -> str:
         return f"{first}; Euler's equation gives the moment of the guide; {motor}."
     into = f"{first}; substituted into Euler's equation, it"
     if s.is_pin(i):
-        left = f"the torque τ_{n} and {rest}" if s.driven(i) else f"{rest}, for there is no motor"
+        left = (
+            f"the torque {torque} and {rest}" if s.driven(i) else f"{rest}, for there is no motor"
+        )
         return f"{into} leaves {left}."
     if not s.driven(i):
         return f"{into} gives the moment; there is no motor to give {working_part(s, i)}."
     if s.slides(i):
-        return f"{into} gives the moment; the torque τ_{n} is {working_part(s, i)}."
-    return f"{into} gives the moment, whose part about the axis is the torque τ_{n}."
+        return f"{into} gives the moment; the torque {torque} is {working_part(s, i)}."
+    return f"{into} gives the moment, whose part about the axis is the torque {torque}."
 
 
 def substituted(s: Setting, i: int, reactions: bool) -> str:
@@ -195,23 +205,25 @@ def substituted(s: Setting, i: int, reactions: bool) -> str:
     if not s.driven(i):
         motor = f"the equation of motion of joint {s.numbers[i]}, which has no motor"
     what = "force" if s.is_pin(i) else "force and the moment"
-    carried = (
-        f"the {what} that the {s.words(i).bearing} of joint {s.numbers[i]} passes on, and "
-        if reactions
-        else ""
-    )
-    return f"With the vectors substituted: {carried}{motor}, sorted by accelerations and rates."
+    carried = f"the {what} that the {s.words(i).bearing} of joint {s.numbers[i]} passes on, and "
+    told = f"{carried if reactions else ''}{motor}"
+    if not s.is_alone(i):
+        told = f"the force and the moment that joint {s.numbers[i]} passes on"
+    return f"With the vectors substituted: {told}, sorted by accelerations and rates."
 
 
 def drive(s: Setting, i: int) -> str:
     """What else the motor of joint i works against, as a sentence with a blank in front; or
     nothing."""
-    own = s.tree.bodies[i].drive
-    if own is None:
-        return ""
-    parts = [] if s.at_rest else [("rotor", (own.rotor,)), ("friction", (own.viscous, own.coulomb))]
-    parts.append(("spring", (own.stiffness,)))
-    found = [
-        name for name, values in parts if any(not s.symbols.element(x).is_zero for x in values)
-    ]
-    return f" The other terms are those of the joint's {listed(found)}." if found else ""
+    moved = s.together(i)
+    drives = [own for k in moved if (own := s.tree.bodies[k].drive) is not None]
+    parts = [("spring", "stiffness")]
+    if not s.at_rest:
+        parts = [("rotor", "rotor"), ("friction", "viscous"), ("friction", "coulomb"), *parts]
+    found = dict.fromkeys(
+        name
+        for name, field in parts
+        if any(not s.symbols.element(getattr(own, field)).is_zero for own in drives)
+    )
+    whose = "joint's" if len(moved) == 1 else "joints'"
+    return f" The other terms are those of the {whose} {listed(found)}." if found else ""

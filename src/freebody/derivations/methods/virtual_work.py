@@ -19,12 +19,12 @@ def virtual_work(s: Setting) -> tuple[Step, dict[int, Trig]]:
         eq(vec("r_P"), s.column(tuple(tip))),
     ]
     works: dict[int, Trig] = {}
-    for i in s.order:
+    for i in s.leaders:
         x = s.coordinate(i)
         works[i] = inner([position.derivative(x) for position in tip], s.load_components, s.symbols)
         part = ex.dot(vec("f"), ex.partial(vec("r_P"), x))
         motor = s.motor(i)
-        lines.append(eq(f"Q{s.numbers[i]}", ex.add(motor, part), ex.add(motor, s.show(works[i]))))
+        lines.append(eq(f"Q{s.index(i) + 1}", ex.add(motor, part), ex.add(motor, s.show(works[i]))))
     reason = (
         "The work of motors and load in a small change of the coordinates, Σ τ_i δq_i + f · δr_P, "
         "is Σ Q_i δq_i: the load adds its component along the direction in which each coordinate "
