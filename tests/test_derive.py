@@ -20,7 +20,7 @@ from freebody.derivations.render import page
 from freebody.derivations.render.equation_numbers import cited
 from freebody.model.model import Model
 from support.printed_values import evaluate
-from support.symbolic import METHODS, WAYS, spatial_arm, with_values
+from support.symbolic import METHODS, WAYS, coupled, spatial_arm, with_values
 
 WORDS = ["".join(w) for n in (1, 2, 3, 4) for w in itertools.product("RP", repeat=n)]
 
@@ -62,6 +62,51 @@ def test_bundled_robots_are_derived(names):
     model = fb.load(names, physical="ignore")
     first = fb.derive(model, "newton-euler")
     assert compare(first, fb.derive(model, "recursive"))
+
+
+COUPLED = [
+    coupled(fb.planar("RR"), joint2=("joint1", -1.0, 0.0)),
+    coupled(
+        fb.planar(
+            "PRP", drives=[fb.Drive(0.4, 0.2, 0.1, 2.0), None, fb.Drive(0.1, 0.3, stiffness=5.0)]
+        ),
+        joint1=("joint3", -1.5, 0.2),
+    ),
+    coupled(spatial_arm(8, 3), joint1=("joint2", 0.5, 0.1), joint3=("joint2", -2.0, 0.3)),
+]
+"""Arms whose joints follow others: later and earlier ones, two that follow one, with drives; of the
+second the coordinates are those of joints 2 and 3."""
+
+
+@pytest.mark.parametrize("model", COUPLED)
+def test_joints_that_follow_others_are_derived_by_every_method(model):
+    ends_alike(model)
+    kinematics_has_the_kernels_values(model)
+    bound = with_values(model)
+    q, _, _ = fb.random_state(bound, seed=1, batch=3)
+    force = dict(zip(("fx", "fy", "fz"), (3.0, -2.0, 1.0)[: model.dim], strict=False))
+    wrench = np.zeros(3 if model.dim == 2 else 6)
+    wrench[: model.dim] = list(force.values())
+    tau = values_of(fb.derive(bound, "statics"), q, **force)
+    np.testing.assert_allclose(tau, fb.static_torque(bound, q, wrench), rtol=1e-11, atol=1e-11)
+
+
+def test_one_motor_moves_two_joints():
+    model = COUPLED[0]
+    for way, line in (("centre", "τ₁ = n₀₁ − n₁₂"), ("pivot", "n₁₂ = I₂ ω̇₂ + sc₂ × m₂ (v̇c₂ − g)")):
+        derivation = fb.derive(model, "newton-euler", route=way)
+        assert line in " ".join(map(str, lines_of(derivation))), way
+        assert not re.search("[θτ]₂", derivation.text())
+        assert "(revolute, angle −θ₁, follows joint 1)" in " ".join(derivation.text().split())
+    assert "ω₂ = ω₁ − θ̇₁ = 0" in lines_of(fb.derive(model, "recursive"))
+    text = " ".join(fb.derive(COUPLED[1], "newton-euler").text().split())
+    assert "coordinate 1 and motor 1 belong to joint 2" in text
+    assert "τ₂ = u₃ · f₂₃ − 1.5 (u₁ · f₀₁)" in text
+    with pytest.raises(fb.FreebodyError, match="absolute coordinates are written out for joints"):
+        fb.derive(model, "lagrange-first-kind", coordinates="absolute")
+    right = ["tau1 = n01 - n12", "omega2 = 0", "H11 = m1 lc1^2 + I1 + m2 l1^2"]
+    assert fb.check(model, "\n".join(right))
+    assert not fb.check(model, "omega2 = theta1_d")
 
 
 LOADED = [
@@ -400,6 +445,11 @@ def test_kinematics_of_the_2r_arm_is_the_notes():
     "model", [fb.planar("RP"), fb.planar("RRR"), fb.planar("PR"), spatial_arm(5, 3)]
 )
 def test_kinematics_has_the_kernels_values(model):
+    kinematics_has_the_kernels_values(model)
+
+
+def kinematics_has_the_kernels_values(model: Model) -> None:
+    """Jacobian, position and acceleration of the tip."""
     derivation = fb.derive(model, "kinematics")
     bound = with_values(model)
     q, qd, qdd = fb.random_state(bound, seed=2, batch=3)

@@ -31,6 +31,7 @@ from freebody.model.placement import shift, turn
 from support.extras import extra
 from support.helpers import numbers
 from support.printed_values import evaluate
+from support.symbolic import coupled
 
 WORDS = ["".join(w) for n in (1, 2, 3) for w in itertools.product("RP", repeat=n)]
 DRIVES = [
@@ -429,6 +430,9 @@ def test_following_by_a_fraction_is_refused() -> None:
         match=r"joint 'second' of 'gears' turns 0.5 times as far as 'first'.*mimic=.free.",
     ):
         fb.equations(following(0.5))
+    swapped = coupled(fb.planar("PR"), joint2=("joint1", 2.0, 0.0))
+    with pytest.raises(FreebodyError, match=r"turns as 'joint1' slides: .*turning joint lead"):
+        fb.equations(swapped)
 
 
 def test_joints_without_closed_form_are_refused() -> None:

@@ -17,7 +17,7 @@ from freebody_notes.contents import chapters, items
 from freebody_notes.page import pages
 from freebody_notes.run import run_all
 from support.browser import browser
-from support.symbolic import METHODS
+from support.symbolic import METHODS, coupled
 
 pytestmark = [
     pytest.mark.browser,
@@ -83,13 +83,19 @@ def values(driver) -> dict[str, list[list[float]]]:
     return found
 
 
-@pytest.mark.parametrize("letters", ["RR", "RP", "PRR"])
-def test_the_numbers_are_those_of_the_kernels(driver, tmp_path, letters):
+@pytest.mark.parametrize(
+    "model",
+    [
+        *map(fb.planar, ("RP", "PRR")),
+        coupled(fb.planar("RRR"), joint2=("joint1", -1.0, 0.2)),
+    ],
+)
+def test_the_numbers_are_those_of_the_kernels(driver, tmp_path, model):
     """Torques and forces at the joints, against the recursion in numbers, to 1e-9."""
-    model = fb.planar(letters)
     opened(driver, tmp_path, fb.derive(model, "newton-euler"))
     names = driver.execute_script(NAMES)
-    assert {*model.parameters} - {*names} <= {f"l{len(letters)}"}  # that of the tip is not needed
+    bodies = range(len(model.bodies))
+    assert {*model.parameters} - {*names} <= {f"l{len(bodies)}"}  # that of the tip is not needed
     coordinates = fb.equations(model).symbols.coordinates
     for _ in range(3):
         state = RANDOM.uniform(0.2, 1.5, len(names)).tolist()
@@ -98,9 +104,10 @@ def test_the_numbers_are_those_of_the_kernels(driver, tmp_path, letters):
         arm = model.bind(**{name: numbers.get(name, 0.3) for name in model.parameters})
         motion = [[numbers[x + dots] for x in coordinates] for dots in ("", "_d", "_dd")]
         tau, forces = fb.inverse_dynamics(arm, *motion), fb.joint_wrenches(arm, *motion)
-        for k in range(len(letters)):
+        for k in range(model.nv):
             for found in shown[f"tau{k + 1}"]:
                 np.testing.assert_allclose(found, [tau[k]], rtol=1e-9, atol=1e-11)
+        for k in bodies:
             for found in shown[f"f{k}{k + 1}"]:
                 np.testing.assert_allclose(found, forces[k][:2], rtol=1e-9, atol=1e-11)
 

@@ -10,17 +10,11 @@ from support.formula_font import lacking
 
 LARGEST = 600_000  # bytes
 LONG = {"3RRR", "bricard", "double_four_bar", "five_bar", "five_bar_rods", "four_bar", "stewart"}
-REFUSED = {"panda"}
-"""A finger follows the other: there is no derivation."""
 
 
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=[pytest.mark.long] * (name in LONG))
-        for name in fb.models()
-        if name not in REFUSED
-    ],
+    [pytest.param(name, marks=[pytest.mark.long] * (name in LONG)) for name in fb.models()],
 )
 @pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
 def test_the_page_of_every_bundled_robot_is_small_and_brings_its_letters(name):

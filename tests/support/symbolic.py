@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 
 import freebody as fb
 from freebody.derivations.methods import METHODS as TABLE
+from freebody.model.description import Mimic
 from freebody.model.model import Model
 
 METHODS = list(TABLE)
@@ -41,6 +43,17 @@ def spatial_arm(seed: int, n: int) -> Model:
         for i in range(1, n + 1)
     ]
     return fb.dh(rows, convention=str(rng.choice(["standard", "modified"])), name=f"arm{seed}")
+
+
+def coupled(model: Model, **followers: tuple[str, float, float]) -> Model:
+    """The arm with some joints following others, each by (joint, ratio, offset)."""
+    bodies = [
+        replace(body, joint=replace(body.joint, mimic=Mimic(*followers[body.joint.name])))
+        if body.joint.name in followers
+        else body
+        for body in model.bodies
+    ]
+    return replace(model, bodies=tuple(bodies))
 
 
 def with_values(model: Model) -> Model:

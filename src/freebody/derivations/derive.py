@@ -47,7 +47,8 @@ def undrawn_derivation(
     those given by formulas or numbers, {"lc": "l/2"} of all links, {"I1": "m1*l1^2/12"}. options:
     the method's own. A joint of several coordinates is taken apart into joints of one, a quaternion
     into yaw, pitch and roll (R = R_z R_y R_x). Bodies that nothing holds, such as the quadrotor,
-    are derived in their own axes by the first method. Raises FreebodyError for followers, for a
+    are derived in their own axes by the first method; joints that follow others, in open chains,
+    by their leader's coordinate. Raises FreebodyError for a turn by a fraction of another, for a
     load on a model without a tip, for a notation that calls two things by one name, and for
     options that the method does not use. Source: S. Bai, Dynamics of robotic manipulators, lecture
     notes, Aalborg University, 2019, where the method's line names no other.

@@ -4,7 +4,7 @@ ratio."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 from freebody.derivations.derivation import Step
 from freebody.derivations.expressions import expression as ex

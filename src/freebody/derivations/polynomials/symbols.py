@@ -293,10 +293,19 @@ def names_by_body(model: Model) -> list[tuple[str, ...]]:
 
 
 def _require_whole_ratios(model: Model) -> None:
-    """Refuse a turning joint that follows another by a fraction of its angle."""
+    """Refuse a turning joint that follows another by a fraction of its angle, or a slide."""
+    turning = {body.joint.name: any(body.kind.angular) for body in model.bodies}
     for body in model.bodies:
         mimic = body.joint.mimic
-        if mimic is not None and any(body.kind.angular) and mimic.ratio != round(mimic.ratio):
+        if mimic is None or not turning[body.joint.name]:
+            continue
+        if not turning[mimic.joint]:
+            raise FreebodyError(
+                f"joint {body.joint.name!r} of {model.name!r} turns as {mimic.joint!r} slides: "
+                f"closed forms need an angle, since sines and cosines of a length are not "
+                'polynomials. Load with mimic="free", or let the turning joint lead.'
+            )
+        if mimic.ratio != round(mimic.ratio):
             raise FreebodyError(
                 f"joint {body.joint.name!r} of {model.name!r} turns {mimic.ratio:g} times as far "
                 f"as {mimic.joint!r}: closed forms need a whole number, since sines and cosines of "

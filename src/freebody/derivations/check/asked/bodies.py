@@ -44,8 +44,6 @@ class QuantitiesOfBodies(QuantityGroup):
     def _vectors(self) -> dict[str, Table]:
         """Vectors of bodies, in the axes in which `fb.quantities` gives them."""
         tree = self.setting.equations.symbols.tree
-        if tree.follows:
-            return {}
         chain = not branches(tree) and self.setting.system is None
         dim = self.setting.symbols.model.dim
         found = {"gravity": self._constants("the gravitational acceleration", tree.gravity)}
