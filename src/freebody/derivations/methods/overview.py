@@ -19,13 +19,12 @@ from freebody.model.single_joints import is_taken_apart
 
 
 def overview(s: Setting, method: Method, worked: Worked) -> tuple[str, tuple[Meaning, ...]]:
-    """(what is given and sought, symbols)."""
+    """(what is given and sought, a line for each paragraph; symbols)."""
     forces = method.finds_torques
     gravity = _gravity(s) if forces else []
     axes = _axes(s) if forces or s.planar else ["Vectors have components in the world's axes."]
     robot = worked.robot or (_arm(s), *_composed(s), *_coupled(s, forces), *_loops(s))
     told = [
-        *_about(s),
         *robot,
         *gravity,
         *(() if worked.robot else axes),
@@ -33,13 +32,14 @@ def overview(s: Setting, method: Method, worked: Worked) -> tuple[str, tuple[Mea
         *_numbers(s),
         worked.sought or _sought(s),
     ]
-    return " ".join(told), worked.table or glossary(s, worked.symbols, forces, worked.steps)
+    given = "\n".join([*_about(s), " ".join(told)])
+    return given, worked.table or glossary(s, worked.symbols, forces, worked.steps)
 
 
 def _about(s: Setting) -> list[str]:
     about = s.symbols.model.about
     other = s.symbols.turned is not None or any(s.symbols.quarters)  # angles than it speaks of
-    return [literal(s.letters.words(about))] if about and not other else []
+    return [literal(s.letters.words(" ".join(about.split())))] if about and not other else []
 
 
 FEW = 3

@@ -90,7 +90,10 @@ class _Document:
                 (self.listed(list(map(self.symbol, m.symbols))), prose(m.words), prose(m.unit))
                 for m in derivation.glossary
             ]
-            blocks.append(self.given.format(self.wrap(prose(derivation.given), "")))
+            blocks += [
+                self.given.format(self.wrap(prose(words), ""))
+                for words in derivation.given.split("\n")
+            ]
             blocks.append(self.table.format(self.rows(self, rows)))
         if "overview" in left:
             blocks.append(self.figure.format(left.pop("overview")))
@@ -135,7 +138,8 @@ def _terminal(width: int) -> _Document:
         rows=lambda _, rows: _text_table(rows, width),
         title="{}",
         underline="=",
-        given="\n{}\n",
+        given="\n{}",
+        table="\n{}",
         heading="\n{}{}{}",
         notes="  [notes {}]",
         source="\n{}",
@@ -206,6 +210,7 @@ _LATEX = _Document(
     symbol=_MARKDOWN.symbol,
     equations=_display,
     title=r"{{\LARGE\bfseries {}\par}}\bigskip",
+    given="{}\n",
     row="\n{} & {} & {} \\\\",
     table="\\begin{{center}}\\small\n\\begin{{tabular}}{{lp{{70mm}}l}}{}\n\\end{{tabular}}\n"
     "\\end{{center}}",
