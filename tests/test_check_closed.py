@@ -109,7 +109,7 @@ def test_the_tip_of_a_closed_chain_is_reached_along_every_leg(answer: str):
         "(x - b - l1 cos θ1)^2 + (y - l1 sin θ1)^2 = l3^2",
         "(x - b - l2 cos θ2)^2 + (y - l2 sin θ2)^2 = l3^2",
         "(x - b - l2 cos θ2)^2 + (y + l2 sin θ2)^2 = l4^2",
-        "x + y = y + x",
+        "x + y = 2 b",
     ],
 )
 def test_a_wrong_way_along_a_leg_is_not_right(answer: str):

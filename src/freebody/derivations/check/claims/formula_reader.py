@@ -46,7 +46,8 @@ class FormulaReader:
         self.source, self.vocabulary, self.targets = source, vocabulary, targets
         self.numbers = numbers
         self.setting = vocabulary.setting
-        self.replaced: dict[str, Trig] = {}
+        self.replaced: dict[AskedQuantity, Trig] = {}
+        """Values that quantities have for a while."""
         self.letters_of_vectors: frozenset[str] = frozenset()
         """Letters such as v that other lines give as vectors: v1 = 0 is one too."""
         self.load: frozenset[str] = frozenset()
@@ -112,13 +113,13 @@ class FormulaReader:
         return PolynomialReader(self.source, self.setting.ring).quotient(node)
 
     def _quantity(self, name: str) -> Value | None:
-        if name in self.replaced:
-            return self.replaced[name]
         if name not in self.targets.single:
             return None
         return self._value_of(self.targets.single[name])
 
     def _value_of(self, target: AskedQuantity) -> Value:
+        if target in self.replaced:
+            return self.replaced[target]
         return self.setting.zero if target.idle else self.with_load(target).compute()
 
     def with_load(self, target: AskedQuantity) -> AskedQuantity:

@@ -70,11 +70,16 @@ class OwnDefinitions(SolvedQuantities):
         if self._repeats_a_formula(name, line):
             return [line]
         if name in self.vocabulary.waves or name in self.setting.zeros or not self._is_free(name):
+            own, given = self.vocabulary.symbols.get(name), self._given(line[1])
+            if own is not None and given is not None and difference(own, given).is_zero:
+                self.source.fail(
+                    "both sides are the same: there is nothing to check", line[1][0].span
+                )
             self.source.fail(
                 f"{self.source[first[0].span]} is a symbol of the model, not a result to be "
                 f"checked",
                 first[0].span,
-                "" if name in self.vocabulary.waves else _BY_FORMULA,
+                _BY_FORMULA if name in self.setting.symbols.model.parameters else "",
             )
         node = self.parse(line[1])
         given = tuple(use.target for use in uses(node, self.targets.single, self.vocabulary))

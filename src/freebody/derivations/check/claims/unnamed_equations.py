@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 from itertools import product
 
 from freebody.derivations.check.algebra.answer_tree import Named
+from freebody.derivations.check.algebra.quotients import difference
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.claims.formula_reader import FormulaReader, entries_of
 from freebody.derivations.check.reading.answer_lines import Line
 from freebody.derivations.check.reading.circular_answers import uses
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reasons import undriven_joints
-from freebody.derivations.expressions.nodes import Expression, Matrix, Negative, Number, Sum, nodes
+from freebody.derivations.expressions.nodes import (
+    Expression,
+    Matrix,
+    Negative,
+    Number,
+    Sum,
+    nodes,
+)
 from freebody.derivations.grammar.parser import around
+from freebody.derivations.polynomials.symbols import SECOND
 from freebody.scalars.trig import Trig
 
 _LONGEST_LABEL = 60
@@ -25,7 +35,7 @@ class UnnamedEquations(FormulaReader):
 
     def unnamed(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
         """An equation that holds one τ_i somewhere, solved for it; without any, that of a passive
-        joint."""
+        joint, or an equation between other quantities."""
         span = (line[0][0].start, line[-1][-1].end)
         inside = {
             t.text
@@ -33,24 +43,28 @@ class UnnamedEquations(FormulaReader):
             for t in side
             if t.kind == "name" and t.text in self.targets.single
         }
-        inside -= set(self.vocabulary.symbols)
-        torques = {
-            self.targets.single[name]
-            for name in inside
-            if self.targets.single[name].family == "tau"
-        }
-        torques = {target for target in torques if not target.idle}
+        inside -= {*self.vocabulary.symbols, *self.vocabulary.waves}
+        asked = {self.targets.single[name] for name in inside}
+        torques = {target for target in asked if target.family == "tau" and not target.idle}
+        if len(line) == 2 and self._says_nothing(line):
+            self.source.fail(
+                "both sides are the same, whatever its quantities are: there is nothing to check",
+                span,
+            )
         if self.setting.is_free_body:
             return self._identities(line)
+        between = asked and not torques and not self._tells_of_motion(line)
         if len(line) == 2 and not torques and self.setting.system is not None:
             if along := self._along_legs(line):
                 return along
+            if between:
+                return self._identities(line)
             closing = self._closing(line)
             if closing is not None:
                 return [closing]
-        if len(line) == 2 and not torques and self.targets.passive:
+        if len(line) == 2 and not torques and not between and self.targets.passive:
             return [self._unpowered(line, before)]
-        if (len(line) != 2 or len(torques) != 1) and self.of_bodies:
+        if (len(line) != 2 or len(torques) != 1) and (self.of_bodies or between):
             return self._identities(line)
         if len(line) != 2 or len(torques) != 1:
             self.source.fail(
@@ -66,11 +80,43 @@ class UnnamedEquations(FormulaReader):
         if slope is None:
             self.source.fail(f"this equation cannot be solved for {name}", span)
         node = Named(name, rest / -slope, span=span)
-        nodes = map(self.parse, line)
-        used = [use for side in nodes for use in uses(side, self.targets.single, self.vocabulary)]
+        sides = map(self.parse, line)
+        used = [use for side in sides for use in uses(side, self.targets.single, self.vocabulary)]
         used = [use for use in used if use.target != target]
-        asked = self.with_load(target)
-        return [Claim(name, asked, node, rest / -slope, self.source, tuple(used))]
+        return [Claim(name, self.with_load(target), node, rest / -slope, self.source, tuple(used))]
+
+    def _says_nothing(self, line: Line) -> bool:
+        """Whether the sides are equal whatever values its quantities have, as in T + V = V + T."""
+        sides = list(map(self.parse, line))
+        parts = [x for side in sides for x in nodes(side) if isinstance(x, Named)]
+        if any(isinstance(x, Matrix) for x in sides) or any(x.is_derivative for x in parts):
+            return False
+        inside = {
+            use.target for x in sides for use in uses(x, self.targets.single, self.vocabulary)
+        }
+        try:
+            self.replaced = {
+                target: self.setting.zero + Fraction(1009 + 7 * k, 13 + k)
+                for k, target in enumerate(inside)
+            }
+            left, right = (self.quotient(self.parse(side)) for side in line)
+            return difference(left, right).is_zero
+        finally:
+            self.replaced = {}
+
+    def _tells_of_motion(self, line: Line) -> bool:
+        """Whether accelerations of coordinates or multipliers stand in it, as in an equation of
+        motion."""
+        values = [
+            self.vocabulary.symbols.get(t.text) for side in line for t in side if t.kind == "name"
+        ]
+        return any(
+            name.endswith(SECOND) or name.startswith("lam")
+            for value in values
+            if isinstance(value, Trig)
+            for powers, _ in value.terms()
+            for name in powers
+        )
 
     def _closing(self, line: Line) -> Claim | None:
         """A loop equation without its name, l1 c1 + l2 c12 - d - l3 c3 = 0, with either sign; None
@@ -106,7 +152,9 @@ class UnnamedEquations(FormulaReader):
 
     def _agrees(self, line: Line, names: Sequence[str], values: Sequence[Trig]) -> bool:
         """Whether the sides are equal where quantities have such values."""
-        self.replaced = dict(zip(names, values, strict=True))
+        self.replaced = {
+            self.targets.single[name]: x for name, x in zip(names, values, strict=True)
+        }
         return self._difference(line)[1].is_zero
 
     def _difference(self, line: Line) -> tuple[Expression, Trig]:
@@ -165,11 +213,7 @@ class UnnamedEquations(FormulaReader):
         """a and k of a + k τ = 0; k None where it is no number."""
         values = []
         for k in range(3):
-            self.replaced = {
-                name: self.setting.zero + k
-                for name, other in self.targets.single.items()
-                if other == target
-            }
+            self.replaced = {target: self.setting.zero + k}
             left, right = (self.value(self.parse(side)) for side in line)
             values.append(left - right)
         self.replaced = {}
