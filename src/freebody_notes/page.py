@@ -22,6 +22,7 @@ from freebody.derivations.render import page as formulas
 from freebody.derivations.render.living_parts import STYLE
 from freebody.derivations.render.mathml import lean, mathml
 from freebody.derivations.render.prose import web_prose
+from freebody.derivations.render.small_screens import SCROLLED, TOUCHED
 from freebody.figures import colours
 from freebody.outputs.page import math_style, policy
 from freebody.outputs.text import legal
@@ -86,6 +87,7 @@ def pages(findings: Sequence[ExecutedItem], contents: str) -> dict[str, str]:
         "version": freebody.__version__,
         "seconds": sum(f.seconds for f in findings),
         "colours": (colours.page_colours(dark=False), colours.page_colours(dark=True)),
+        "small_style": Markup(SCROLLED + TOUCHED),
         "math_style": Markup(math_style() + formulas.STYLE),
         "figure_style": Markup(colours.style("@media screen and (prefers-color-scheme:dark)")),
     }
@@ -193,12 +195,17 @@ def _card(finding: ExecutedItem, place: Place | None, shown_at: Item | None) -> 
         tuple(map(found_item, item.same_as)),
         _form(item, item.printed) if own else Markup(),
         _form(item, item.corrected) if own and finding.corrected else Markup(),
-        Markup(notes_figure(item.figure).picture.inline()) if item.is_figure else Markup(),
+        _drawn(item.figure) if item.is_figure else Markup(),
         item.check.call(item.printed or item.corrected),
         place,
         shown_at,
         Markup(step),
     )
+
+
+def _drawn(number: str) -> Markup:
+    """The drawings of a figure, side by side where there is room."""
+    return Markup("".join(picture.inline() for picture in notes_figure(number).pictures))
 
 
 def _form(item: Item, form: str) -> Markup:

@@ -45,8 +45,12 @@ class Figure(Titled):
     @cached_property
     def picture(self) -> Picture:
         """The sheet."""
-        pictures = [picture(drawing, self.width, self.tallest) for drawing in self.drawings]
-        return sheet(pictures, self.title, self.columns, self.level)
+        return sheet(self.pictures, self.title, self.columns, self.level)
+
+    @property
+    def pictures(self) -> list[Picture]:
+        """Each drawing by itself, for pages that have no room for the sheet."""
+        return [picture(drawing, self.width, self.tallest) for drawing in self.drawings]
 
     @property
     def drawing(self) -> Drawing:

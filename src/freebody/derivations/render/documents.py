@@ -22,6 +22,7 @@ from freebody.derivations.render.prose import (
     text_prose,
     web_prose,
 )
+from freebody.derivations.render.small_screens import NARROW, SCROLLED, TOUCHED
 from freebody.outputs.page import math_style, policy
 from freebody.outputs.text import legal
 
@@ -299,13 +300,15 @@ def html(
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">{policy(scripts)}'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         '<meta name="color-scheme" content="light dark"><link rel="icon" href="data:,">'
-        f"<title>{title}</title><style>{math_style()}{style}{_STYLE}{page.STYLE}{term_sources.STYLE}</style></head>\n"
+        f"<title>{title}</title><style>{math_style()}{style}{_STYLE}{page.STYLE}{term_sources.STYLE}"
+        f"{SCROLLED}{TOUCHED}{NARROW}</style></head>\n"
         f"<body><main{kind}>\n{lean(inside(derivation, figures))}\n</main>{run}</body></html>\n"
     )
 
 
 _STYLE = """
-body{font:17px/1.6 system-ui,sans-serif;margin:0;color:#1b2430;background:#fff}
+body{font:17px/1.6 system-ui,sans-serif;margin:0;color:#1b2430;
+--paper:#fff;background:var(--paper)}
 main{max-width:60rem;margin:0 auto;padding:2rem 1.2rem 4rem}
 h1{font-size:1.9rem;line-height:1.25}
 h2{font-size:1.2rem;margin:2.4rem 0 .3rem}h2 span{color:#8a94a3;margin-right:.4em}
@@ -319,7 +322,7 @@ p{max-width:44rem}.equations{overflow-x:auto;padding:.3rem 0}
 math{font-size:1.2rem}p math,td math{font-size:1.1em}
 figure{margin:1rem 0;text-align:center}figure svg{max-width:100%;height:auto}
 .source{color:#5a6675;font-size:.9rem;margin-top:3rem}
-@media (prefers-color-scheme:dark){body{color:#e4e9f0;background:#14181e}
+@media (prefers-color-scheme:dark){body{color:#e4e9f0;--paper:#14181e}
 .source,h2 .notes{color:#9aa6b5}}
 @media print{body{font-size:11pt}main{max-width:none;padding:0}
 math{font-size:1rem}.equations math{font-size:13.8px}.equations{overflow:visible}
