@@ -70,3 +70,11 @@ def difference(a: Value, b: Value) -> Trig:
 
 def _one(x: Trig) -> Trig:
     return Trig(x.ring, x.ring.constant(1), 0)
+
+
+def generator(x: Value) -> str | None:
+    """The generator of the ring that a polynomial is, if it is one."""
+    terms = list(x.terms()) if isinstance(x, Trig) else []
+    if len(terms) != 1 or terms[0][1] != 1 or sum(terms[0][0].values()) != 1:
+        return None
+    return next(iter(terms[0][0]))

@@ -12,6 +12,7 @@ from freebody.derivations.check.asked.energies import EnergyQuantities
 from freebody.derivations.check.asked.free_body import FreeBodyQuantities
 from freebody.derivations.check.asked.group import QuantityGroup
 from freebody.derivations.check.asked.joints import JointQuantities, VelocityCoefficients
+from freebody.derivations.check.asked.kane import KaneQuantities
 from freebody.derivations.check.asked.loops import LoopQuantities
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.check.asked.right_equations import RightEquations
@@ -35,7 +36,8 @@ last."""
 
 @dataclass(frozen=True)
 class Targets:
-    """The quantities of a model by name; `velocity`: also h, h1, … of the notes' form."""
+    """The quantities of a model by name; `velocity`: also h, h1, … of the notes' form; `kane`: also
+    those of Kane's equations."""
 
     setting: RightEquations
     velocity: bool = False
@@ -43,6 +45,7 @@ class Targets:
     """Letters of the families."""
     based: bool = False
     """Whether the base is accelerated by -g, which then is in all accelerations."""
+    kane: bool = False
 
     @cached_property
     def names(self) -> frozenset[str]:
@@ -58,7 +61,8 @@ class Targets:
     def _groups(self) -> list[QuantityGroup]:
         if self.setting.is_free_body:
             return [FreeBodyQuantities(self.setting, self.letters, self.based)]
-        kinds = (*_GROUPS, *[VelocityCoefficients] * self.velocity)
+        of_kane = [KaneQuantities] * self.kane
+        kinds = (*of_kane, *_GROUPS, *[VelocityCoefficients] * self.velocity)
         return [kind(self.setting, self.letters, self.based) for kind in kinds]
 
     @cached_property

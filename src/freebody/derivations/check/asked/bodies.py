@@ -18,17 +18,19 @@ from freebody.scalars.trig import Trig
 
 _WORLD = "This would be right in the world's axes; here the components are along those of body {}."
 
+_TRANSPOSED = "This is its transpose, which turns the other way."
+
 
 class QuantitiesOfBodies(QuantityGroup):
     """ω_2, r_c2, v_c2, f_12, …, whole and by components."""
 
     def single(self) -> Iterator[Named]:
-        yield from self._entries()
+        yield from self.entries_of(self.vectors)
         yield from self._of_the_only_body()
         yield from self._coordinates_of_centres()
 
     def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
-        return self._vectors
+        return self.vectors
 
     @cached_property
     def _setting(self) -> Setting:
@@ -41,7 +43,7 @@ class QuantitiesOfBodies(QuantityGroup):
         return [values.of_body(i) for i in self._setting.order]
 
     @cached_property
-    def _vectors(self) -> dict[str, Table]:
+    def vectors(self) -> dict[str, Table]:
         """Vectors of bodies, in the axes in which `fb.quantities` gives them."""
         tree = self.setting.equations.symbols.tree
         chain = not branches(tree) and self.setting.system is None
@@ -61,7 +63,61 @@ class QuantitiesOfBodies(QuantityGroup):
                     found |= dict.fromkeys(
                         (name for name in record.spelt(n) if name not in found), table
                     )
-        return found
+        for n, i in enumerate(self._setting.order, 1):
+            found |= self._axis(found, i, n)
+        return found if self.setting.is_planar else self._turns(len(tree.bodies)) | found
+
+    def _axis(self, found: Mapping[str, Table], i: int, n: int) -> dict[str, Table]:
+        """u_n, along which joint n slides, or z_n, about which it turns, as the notes have them; in
+        space in the axes of body n, while z_n may also be the z axis of body n in the world's."""
+        s = self._setting
+        if s.turns(i) and s.planar:
+            return {}
+        letter, does = ("z", "turns about") if s.turns(i) else ("u", "slides along")
+        words, element = f"the axis that joint {n} {does}", self.setting.equations.symbols.element
+        own = [self.element(lambda x=x: element(x)) for x in s.axis(i)]
+        asked = AskedQuantity("of body", (n,), own[0], words=words)
+        table = [[replace(asked, compute=x, axis=k)] for x, k in zip(own, "xyz", strict=False)]
+        for row, (told,) in zip(table, found.get(f"z{n}", ()), strict=False):
+            note = f"It is read as {told.words} in the world's axes."
+            in_world = {"in_world": told.compute, "also": ((note, told.compute),)}
+            row[0] = replace(row[0], **in_world)
+        return {f"{letter}{n}": table}
+
+    def _turns(self, count: int) -> dict[str, Table]:
+        """R_k^i between any two bodies, R_0^2 among them, which turns components in the axes of the
+        first to those of the second: named R20."""
+        bodies = [-1, *self._setting.order]
+        return {
+            f"R{b}{a}": self._turn(bodies[a], bodies[b], f"from body {a} to body {b}")
+            for a in range(count + 1)
+            for b in range(count + 1)
+            if a != b
+        }
+
+    def _turn(self, a: int, b: int, words: str) -> Table:
+        s = self._setting
+        eye = [[int(i == j) for j in range(3)] for i in range(3)]
+        of = [s.world[i][0] if i >= 0 else eye for i in (a, b)]
+
+        def entry(i: int, j: int) -> Callable[[], Trig]:
+            def value() -> Trig:
+                x = self.setting.equations.symbols
+                terms = (of[1][k][i] * of[0][k][j] for k in range(3))
+                return self.setting.element(x.element(sum(terms, x.zero())))
+
+            return value
+
+        return [
+            [
+                AskedQuantity(
+                    "of body", (i + 1, j + 1), entry(i, j), words=f"the rotation {words}",
+                    thoughts=((_TRANSPOSED, entry(j, i)),),
+                )
+                for j in range(3)
+            ]
+            for i in range(3)
+        ]  # fmt: skip
 
     def _constants(self, words: str, vector: Sequence[Any]) -> Table:
         element = self.setting.equations.symbols.element
@@ -77,21 +133,30 @@ class QuantitiesOfBodies(QuantityGroup):
 
         def entry(*at: int, axis: str = "") -> AskedQuantity:
             index = (n,) if axis or not at else tuple(k + 1 for k in at)
-            own, thoughts = self._part(n, known, *at), []
+            own, thoughts, world = self._part(n, known, *at), [], None
             if record.reaction:
                 text = record.reaction.format(**numbers(n))
                 thoughts.append((text, lambda: own() * -1))
+            if record.turns and known[0] == "R":
+                thoughts.append((_TRANSPOSED, self._part(n, known, *at[::-1])))
+            if known == f"I{n}" and record.turns:
+                world = self._inertia_in_world(n, *at)
             if axis and record.own_axes and dim == 3:
-                thoughts.append((_WORLD.format(n), self._in_world(n, known, at[0])))
-            return AskedQuantity("of body", index, own, False, "", axis, words, tuple(thoughts))
+                world = self._in_world(n, known, at[0])
+                thoughts.append((_WORLD.format(n), world))
+            return AskedQuantity(
+                "of body", index, own, axis=axis, in_world=world, words=words,
+                thoughts=tuple(thoughts),
+            )  # fmt: skip
 
         if record.turns:
             return [[entry(i, j) for j in range(3)] for i in range(3)]
         axes = record.axes(dim)
         return [[entry(k, axis=axis)] for k, axis in enumerate(axes)] if axes else [[entry()]]
 
-    def _entries(self) -> Iterator[Named]:
-        for name, table in self._vectors.items():
+    def entries_of(self, vectors: Mapping[str, Table]) -> Iterator[Named]:
+        """Components: vc1x, and what is one number."""
+        for name, table in vectors.items():
             for row in table:
                 for entry in row:
                     if entry.axis or len(table) == 1:
@@ -111,7 +176,7 @@ class QuantitiesOfBodies(QuantityGroup):
             ("omega", ("omega", "w"), 1),
             ("nc", ("M", "n", "N"), 0),
         ):
-            column = self._vectors.get(next(iter(spellings(name, str(n), dots))), ())
+            column = self.vectors.get(next(iter(spellings(name, str(n), dots))), ())
             for k, (entry,) in enumerate(column):
                 own = replace(entry, thoughts=self._of_spin(n, k)) if name == "nc" else entry
                 names = (spellings(letter, entry.axis, dots) for letter in letters)
@@ -142,7 +207,7 @@ class QuantitiesOfBodies(QuantityGroup):
         of_rates = "rva" if self.setting.symbols.model.dim == 2 else "r"
         for n in range(1, len(self._bodies) + 1):
             for dots, letter in enumerate(of_rates):
-                for (entry,) in self._vectors.get(f"{letter}c{n}", ()):
+                for (entry,) in self.vectors.get(f"{letter}c{n}", ()):
                     names = (spellings(entry.axis, f"{place}{n}", dots) for place in "cG")
                     yield tuple(itertools.chain.from_iterable(names)), entry
 
@@ -153,6 +218,17 @@ class QuantitiesOfBodies(QuantityGroup):
             R = self._setting.world[self._setting.order[n - 1]][0]
             s = self.setting.equations.symbols
             terms = (x * y for x, y in zip(R[row], self._bodies[n - 1][name], strict=True))
+            return self.setting.element(s.element(sum(terms, s.zero())))
+
+        return value
+
+    def _inertia_in_world(self, n: int, i: int, j: int) -> Callable[[], Trig]:
+        """An entry of R I Rᵀ."""
+
+        def value() -> Trig:
+            s, at = self.setting.equations.symbols, range(3)
+            R, I = self._setting.world[self._setting.order[n - 1]][0], self._bodies[n - 1][f"I{n}"]
+            terms = (R[i][a] * I[a][b] * R[j][b] for a in at for b in at)
             return self.setting.element(s.element(sum(terms, s.zero())))
 
         return value

@@ -26,6 +26,8 @@ class AskedQuantity:
     """The joint that it belongs to, in words."""
     axis: str = ""
     """Of a body's vector: x, y or z."""
+    in_world: Callable[[], Trig] | None = None
+    """The same component in the world's axes, of a vector that has those of its own body."""
     words: str = ""
     """What it is, where its family alone does not tell."""
     thoughts: tuple[Mistaken, ...] = ()
@@ -77,5 +79,7 @@ _TITLES = {
     "q": "one of the coordinates and their rates",
     "solved": "solved for it",
     "inverse": "entry {}, {} of the inverse of {joint}",
+    "active": "the generalized active force of {joint}",
+    "inertia": "the generalized inertia force of {joint}",
     "identity": "an equation between the robot's quantities",
 }

@@ -71,7 +71,10 @@ class TipQuantities(QuantityGroup):
             for k in range(dim):
                 value = self.element(lambda k=k, x=vector: getattr(tip, x)[k])
                 column.append([AskedQuantity("tip", (), value, axis="xyz"[k], words=words)])
-            for letter in ("r", "rP", *["x", "X"] * (dots > 0)):
+            of_vector = [
+                x for x in ("x", "X") if dots and x not in self.setting.symbols.coordinates
+            ]
+            for letter in ("r", "rP", *of_vector):
                 found |= dict.fromkeys(spellings(letter, "", dots), column)
         rows = []
         for i in range(dim):

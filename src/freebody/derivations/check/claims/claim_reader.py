@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 from freebody.derivations.check.algebra.answer_tree import Named
 from freebody.derivations.check.algebra.quotients import difference
@@ -15,8 +16,8 @@ from freebody.derivations.check.claims.own_definitions import OwnDefinitions
 from freebody.derivations.check.claims.unnamed_equations import UnnamedEquations
 from freebody.derivations.check.numbers.units import unit_of_quantity
 from freebody.derivations.check.reading.answer_lines import Line
+from freebody.derivations.check.reading.behind_names import inverse_behind, turn_behind
 from freebody.derivations.check.reading.claim import Claim
-from freebody.derivations.check.reading.reading import inverse_behind
 from freebody.derivations.expressions.nodes import Expression, Matrix, Number
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.polynomials.symbols import RATE, SECOND
@@ -39,16 +40,28 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         if not self.setting.is_free_body and any(map(self._is_of_joints, named)):
             self.of_bodies = False
         other = [side for side, subject in zip(line, subjects, strict=True) if subject is None]
+        given = {x.text for side in other for x in side if x.kind == "name"}
+        for subject in named[1:]:  # F1 = τ1 + m1 g·v = τ1: given by τ1, not about it
+            if isinstance(subject, Token) and subject.text in given:
+                named.remove(subject)
+                other.append((subject,))
         if not other:
             named, other = named[:1], list(line[1:])
         found = []
         for side in other:
             if self._closes(named[0], side, len(other)):
                 continue
-            node = self.parse(side, self._shape_of(named[0]))
-            for subject in named:
-                found += self._pairs(subject, node)
+            stated = partial(self._stated, named, side, any(map(self.is_matrix, other)))
+            found += self.in_some_axes(side, stated)
         return found
+
+    def _stated(
+        self, named: Sequence[Token | Named | Matrix], side: Sequence[Token], as_vector: bool
+    ) -> list[Claim]:
+        """What a side says of the quantities that it is equal to; as_vector: another side is one,
+        by its entries."""
+        node = self.parse(side, self._shape_of(named[0], as_vector))
+        return [claim for subject in named for claim in self._pairs(subject, node)]
 
     def _closes(self, subject: Token | Named | Matrix, side: Sequence[Token], count: int) -> bool:
         """Whether a side is the 0 of Φ1 = … = 0, which says that the loop is closed, or of
@@ -63,13 +76,15 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         family = self.targets.tables[subject.text][0][0].family
         return family != "q" and family not in BODY_FAMILIES
 
-    def _shape_of(self, subject: Token | Named | Matrix) -> Shape | None:
-        """The shape of a vector or matrix that cannot be one number."""
+    def _shape_of(self, subject: Token | Named | Matrix, as_vector: bool) -> Shape | None:
+        """The shape of a vector or matrix, if it cannot be one number."""
         if isinstance(subject, Matrix):
             return len(subject.rows), len(subject.rows[0])
-        if isinstance(subject, Named) or subject.text in self.targets.single:
+        if isinstance(subject, Named) or (subject.text in self.targets.single and not as_vector):
             return None
-        table = self.targets.tables[subject.text]
+        table = self.targets.tables.get(subject.text)
+        if table is None:
+            return None
         return len(table), len(table[0])
 
     def _subject(self, side: Sequence[Token]) -> Token | Named | Matrix | None:
@@ -81,6 +96,9 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         name = first.text + INVERSE
         if name in self.targets.tables and inverse_behind(side[1:]) == len(side) - 1 > 0:
             return replace(first, text=name, end=side[-1].end)
+        turn, behind = turn_behind(first.text, side[1:])
+        if turn in self.targets.tables and behind == len(side) - 1:
+            return replace(first, text=turn, end=side[-1].end)
         if first.kind != "partial" and not self.is_matrix(side):
             return None
         node = self.parse(side)
@@ -163,7 +181,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             size = f"{len(table)} × {len(table[0])}"
             self.source.fail(f"{label} has {size} entries here", node.span)
         return [
-            self.claim(entry_label(label, target), target, entry)
+            self.claim(entry_label(label, target), self.in_axes(target), entry)
             for row, targets in zip(rows, table, strict=True)
             for entry, target in zip(row, targets, strict=True)
         ]

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
 from freebody.derivations.check.algebra.answer_tree import Named
+from freebody.derivations.check.asked import kane
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.claims import own_names
@@ -22,6 +23,7 @@ from freebody.derivations.check.reading.circular_answers import refuse_circles
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reading.vocabulary import Vocabulary
 from freebody.derivations.check.spelling.answer_text import AnswerError
+from freebody.derivations.check.spelling.formula_spellings import respelt
 from freebody.derivations.check.verdict import UnreadEquation
 from freebody.derivations.check.verdicts import singular_poses
 from freebody.derivations.grammar import words
@@ -55,7 +57,8 @@ def statements(
     coefficients = setting.turned is None and re.search(
         r"(?<![A-Za-z\\])h(?![a-z])", document.formulas
     )
-    targets = Targets(setting, bool(coefficients), notation.all_letters)
+    of_kane = kane.is_told(respelt(document.formulas))
+    targets = Targets(setting, bool(coefficients), notation.all_letters, kane=of_kane)
     vocabulary = Vocabulary(setting, targets.names, targets.alone)
     for name, value in setting.given.items():
         vocabulary.define(name, value)

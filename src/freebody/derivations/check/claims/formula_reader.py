@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from freebody.derivations.check.algebra.answer_tree import Named
 from freebody.derivations.check.algebra.exact_polynomials import PolynomialReader
-from freebody.derivations.check.algebra.quotients import Value
+from freebody.derivations.check.algebra.quotients import Value, difference
 from freebody.derivations.check.algebra.tables_in_formulas import Shape, worked_out
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.dotted_names import spellings
@@ -29,7 +29,9 @@ from freebody.scalars.trig import Trig
 
 _OF_BODIES = {"g": "gravity", "J": "JP"}
 """What names stand for in equations of bodies."""
-BODY_FAMILIES = frozenset(("of body", "tip", "tip_d", "tip_dd", "T", "V", "L", "Ti", "Vi", "J_d"))
+BODY_FAMILIES = frozenset(
+    ("of body", "tip", "tip_d", "tip_dd", "T", "V", "L", "Ti", "Vi", "J_d", "active", "inertia")
+)
 """Families that only equations of bodies have."""
 
 
@@ -56,6 +58,8 @@ class FormulaReader:
         """Whether the line has some of them."""
         self.families: frozenset[str] = frozenset()
         """Of the line's quantities."""
+        self.common_axes = False
+        """Whether vectors are in the world's axes, not each in those of its body."""
         self.of_bodies = False
         """Whether the line is about bodies, so that g is the gravitational acceleration and J that
         of the tip's position; else they are what stands in the equations of motion."""
@@ -98,11 +102,45 @@ class FormulaReader:
             return None
         return Matrix(
             tuple(
-                tuple(Named(entry_label(meant, x), self._value_of(x), span=span) for x in row)
+                tuple(
+                    Named(entry_label(meant, x), self._value_of(self.in_axes(x)), span=span)
+                    for x in row
+                )
                 for row in table
             ),
             span=span,
         )
+
+    def in_axes(self, target: AskedQuantity) -> AskedQuantity:
+        """A component in the axes that the line is read in."""
+        if target.in_world is None or not self.common_axes:
+            return target
+        return replace(target, compute=target.in_world)
+
+    def in_some_axes(self, side: Sequence[Token], stated: Callable[[], list[Claim]]) -> list[Claim]:
+        """What a side states; where that is wrong of vectors in the axes of their bodies, and right
+        of the vectors themselves, that: f12 - f23 + m2 g = m2 v̇c2 needs no axes."""
+        found = stated()
+        bodies = self._bodies_without_axes(side)
+        if not bodies or all_right(found):
+            return found
+        self.common_axes = True
+        try:
+            again = stated()
+        finally:
+            self.common_axes = False
+        return again if all_right(again) or len(bodies) > 1 else found
+
+    def _bodies_without_axes(self, side: Sequence[Token]) -> frozenset[int]:
+        """The bodies in whose axes vectors of a side would be, if it may be a relation between
+        vectors of whatever axes: in space, none turned, no components."""
+        names = {token.text for token in side if token.kind == "name"}
+        tables = [x for name in names if (x := self.targets.tables.get(name))]
+        turned = any(name[0] == "R" and name in self.targets.tables for name in names)
+        parts = any(self.targets.single[x].axis for x in names if x in self.targets.single)
+        if turned or parts or any(token.kind == "begin" or token.text == "[" for token in side):
+            return frozenset()
+        return frozenset(x[0][0].index[0] for x in tables if x[0][0].in_world is not None)
 
     def value(self, node: Expression) -> Trig:
         """A tree as polynomial."""
@@ -171,6 +209,11 @@ class FormulaReader:
 def entry_label(label: str, target: AskedQuantity) -> str:
     """c of joint 2 is c2; the second entry of vc1 is vc1y."""
     return label + (target.axis or "".join(map(str, target.index)))
+
+
+def all_right(claims: Sequence[Claim]) -> bool:
+    """Whether claims hold as they stand."""
+    return all(difference(x.value, x.target.compute()).is_zero for x in claims)
 
 
 def entries_of(node: Expression) -> list[Expression]:

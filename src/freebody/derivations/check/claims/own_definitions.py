@@ -15,7 +15,7 @@ from freebody.derivations.check.reading.answer_lines import Line
 from freebody.derivations.check.reading.circular_answers import refuse_itself, uses
 from freebody.derivations.check.spelling.answer_text import AnswerError
 from freebody.derivations.closed_chains.linear import Ratio
-from freebody.derivations.expressions.nodes import Matrix
+from freebody.derivations.expressions.nodes import Matrix, Number
 from freebody.derivations.grammar.lexer import Token
 
 _BY_FORMULA = (
@@ -35,7 +35,7 @@ class OwnDefinitions(SolvedQuantities):
             line[0][0].text[0]
             for line in lines
             if len(line[0]) == 1
-            and line[0][0].text in self.targets.soft
+            and line[0][0].text in {*self.targets.soft, *self.targets.alone}
             and any(self.is_matrix(side) for side in line[1:])
         )
 
@@ -142,7 +142,9 @@ class OwnDefinitions(SolvedQuantities):
         """Whether a name of a body's vector is given to one number."""
         if name not in self.targets.soft or name in self.targets.single:
             return False
-        return not isinstance(self.parse(line[1]), Matrix)
+        node = self.parse(line[1])
+        zero = isinstance(node, Number) and not node.value and name[0] in self.letters_of_vectors
+        return not (zero or isinstance(node, Matrix))
 
     def _is_own_h(self, name: str, line: Line, lines: Sequence[Line]) -> bool:
         """Whether a line defines a velocity coefficient that other lines are written with."""

@@ -9,7 +9,7 @@ from itertools import product
 from freebody.derivations.check.algebra.answer_tree import Named
 from freebody.derivations.check.algebra.quotients import difference
 from freebody.derivations.check.asked.quantity import AskedQuantity
-from freebody.derivations.check.claims.formula_reader import FormulaReader, entries_of
+from freebody.derivations.check.claims.formula_reader import FormulaReader, all_right, entries_of
 from freebody.derivations.check.reading.answer_lines import Line
 from freebody.derivations.check.reading.circular_answers import uses
 from freebody.derivations.check.reading.claim import Claim
@@ -37,6 +37,9 @@ class UnnamedEquations(FormulaReader):
         """An equation that holds one τ_i somewhere, solved for it; without any, that of a passive
         joint, or an equation between other quantities."""
         span = (line[0][0].start, line[-1][-1].end)
+        if len(line) > 2:  # 0 = a = b
+            pairs = ((line[0], side) for side in line[1:])
+            return [claim for pair in pairs for claim in self.unnamed(pair, before)]
         inside = {
             t.text
             for side in line
@@ -63,7 +66,7 @@ class UnnamedEquations(FormulaReader):
             if closing is not None:
                 return [closing]
         if len(line) == 2 and not torques and not between and self.targets.passive:
-            return [self._unpowered(line, before)]
+            return self._of_bodies(line) or [self._unpowered(line, before)]
         if (len(line) != 2 or len(torques) != 1) and (self.of_bodies or between):
             return self._identities(line)
         if len(line) != 2 or len(torques) != 1:
@@ -167,8 +170,18 @@ class UnnamedEquations(FormulaReader):
                 node = side
         return node, self.value(node)
 
+    def _of_bodies(self, line: Line) -> list[Claim]:
+        """What a line says of bodies, if it is between vectors or holds in any motion."""
+        stated = self._identities(line) if self.of_bodies else []
+        return stated if all_right(stated) or len(stated) > 1 else []
+
     def _identities(self, line: Line) -> list[Claim]:
         """An equation between quantities of bodies, f01 - f12 + m1 g = m1 v̇c1, entry by entry."""
+        whole = [token for side in line for token in side]
+        return self.in_some_axes(whole, lambda: self._between(line))
+
+    def _between(self, line: Line) -> list[Claim]:
+        """The same in given axes."""
         left, right = self.parse(line[0]), self.parse(line[1])
         if isinstance(left, Matrix) != isinstance(right, Matrix):
             table, k = (left, 1) if isinstance(left, Matrix) else (right, 0)

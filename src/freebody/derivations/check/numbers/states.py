@@ -10,7 +10,7 @@ from fractions import Fraction
 from typing import Any
 
 from freebody.derivations.check.algebra.exact_polynomials import PolynomialReader
-from freebody.derivations.check.algebra.quotients import Value
+from freebody.derivations.check.algebra.quotients import generator
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.numbers.units import unit_of
 from freebody.derivations.check.numbers.written_units import WrittenUnit, si_text, unit_at
@@ -26,7 +26,6 @@ from freebody.derivations.polynomials.symbols import RATE
 from freebody.errors import FreebodyError
 from freebody.identifiers import word_set
 from freebody.outputs.numbers import shortest
-from freebody.scalars.trig import Trig
 
 _PI = r"(?:\\pi(?![a-zA-Z])|pi(?!\w)|π)"
 _DIGITS = r"(?:\d{1,30}(?:\.\d{1,30})?|\.\d{1,30})(?:[eE][-+]?\d{1,3})?"
@@ -186,7 +185,7 @@ class StateReader:
         values = [value] if value is not None else []
         if value is None and table is not None and table[0][0].family == "q":
             values = [row[0].compute() for row in table]
-        names = [_generator(value) for value in values]
+        names = [generator(value) for value in values]
         own = [name for name in names if name]
         return (own, word.end) if own and len(own) == len(names) else None
 
@@ -212,14 +211,6 @@ class StateReader:
                 f"{si_text(needed, angular)}",
                 span,
             )
-
-
-def _generator(x: Value) -> str | None:
-    """The generator that a polynomial is."""
-    terms = list(x.terms()) if isinstance(x, Trig) else []
-    if len(terms) != 1 or terms[0][1] != 1 or sum(terms[0][0].values()) != 1:
-        return None
-    return next(iter(terms[0][0]))
 
 
 def _join(found: dict[str, GivenValue], values: State) -> None:

@@ -12,7 +12,8 @@ from freebody.derivations.check.algebra.answer_tree import Named, Wave
 from freebody.derivations.check.algebra.exact_polynomials import LARGEST_EXPONENT, PolynomialReader
 from freebody.derivations.check.algebra.quotients import Value
 from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity
-from freebody.derivations.check.reading.circular_answers import uses
+from freebody.derivations.check.reading.behind_names import inverse_behind, turn_behind
+from freebody.derivations.check.reading.derivatives import DerivativeParser
 from freebody.derivations.check.reading.vocabulary import Vocabulary
 from freebody.derivations.expressions.nodes import (
     Arguments,
@@ -23,12 +24,13 @@ from freebody.derivations.expressions.nodes import (
     Matrix,
     Number,
     Power,
+    Product,
     Quotient,
     Span,
     nodes,
 )
 from freebody.derivations.grammar.lexer import Token
-from freebody.derivations.grammar.parser import PI, Parser, around, product_of
+from freebody.derivations.grammar.parser import PI, around, product_of
 from freebody.derivations.grammar.source import Source
 from freebody.errors import FreebodyError
 from freebody.scalars.trig import Trig
@@ -37,18 +39,7 @@ INVERSE_FUNCTIONS = ("arccos", "arcsin", "arctan", "atan2", "sqrt")
 """Functions by which coordinates are told."""
 
 
-def inverse_behind(tokens: Sequence[Token]) -> int:
-    """How many tokens are the power -1 with which they begin: ⁻¹, ^-1, ^{-1}."""
-    if tokens and tokens[0].kind == "power":
-        return int(tokens[0].value == -1)
-    texts = [token.text for token in tokens]
-    for written in (["^", "-", "1"], ["^", "{", "-", "1", "}"], ["^", "(", "-", "1", ")"]):
-        if texts[: len(written)] == written:
-            return len(written)
-    return 0
-
-
-class AnswerParser(Parser):
+class AnswerParser(DerivativeParser):
     """Reads one side of an equation. `quantity(name)` gives the right value of τ1, H12, … where one
     stands for it; `quantities` are what these names stand for, `tables` the vectors and
     matrices."""
@@ -68,7 +59,6 @@ class AnswerParser(Parser):
         super().__init__(source, tokens)
         self.tables = tables
         self.others: dict[Expression, Matrix] = {}
-        """The vectors and matrices that names of scalars also stand for."""
         self.vocabulary, self.quantity = vocabulary, quantity
         self.quantities = quantities
         self.reader = PolynomialReader(source, vocabulary.setting.ring)
@@ -81,7 +71,7 @@ class AnswerParser(Parser):
             return self.bracket() if self.token.kind == "open" else super().primary()
         first = self.take()
         self._deeper(first)
-        node = self._differentiated(first.start)
+        node = self.differentiated(first.start)
         self.depth -= 1
         return node
 
@@ -98,42 +88,6 @@ class AnswerParser(Parser):
             if depth <= rows and (token.kind in ("comma", "row") or token.text == ";"):
                 return True
         return False
-
-    def _differentiated(self, start: int) -> Expression:
-        of = None if self.is_operator("/") else self._operand()
-        if not self.is_operator("/"):
-            self.fail_here("the bar of a derivative, as in ∂L/∂θ̇1,")
-        self.take()
-        self.expect("partial", "∂")
-        by = self.expect("name", "what is differentiated by")
-        of = self._operand() if of is None else of
-        span = self.since(start)
-        value = self.reader.read(of)
-        if by.text == "t":
-            value = value.along(self.vocabulary.setting.symbols.rates)
-        else:
-            value = value.derivative(self._variable(by))
-        self.vocabulary.uses[self.source[span]] = tuple(
-            use.target for use in uses(of, self.quantities, self.vocabulary)
-        )
-        return Named(self.source[span], value, is_derivative=True, span=span)
-
-    def _operand(self) -> Expression:
-        """What is differentiated: a bracket, a derivative or a name."""
-        if self.token.kind not in ("open", "partial", "name"):
-            self.fail_here("what is differentiated")
-        return self.primary()
-
-    def _variable(self, token: Token) -> str:
-        """The coordinate, rate or parameter of a name."""
-        value = self.vocabulary.symbols.get(token.text)
-        terms = list(value.terms()) if isinstance(value, Trig) else []
-        if len(terms) == 1 and terms[0][1] == 1 and set(terms[0][0].values()) == {1}:
-            (name,) = terms[0][0]
-            return name
-        self.source.fail(
-            f"{self.source[token.span]} is not a coordinate to differentiate by", token.span
-        )
 
     def makes_table(self, function: Token) -> bool:
         return self._function(function) == "Matrix"
@@ -156,6 +110,11 @@ class AnswerParser(Parser):
         if inverse is not None:
             self.at += behind
             return replace(inverse, span=self.since(token.start))
+        turn, behind = turn_behind(name, self.tokens[self.at : self.at + 4])
+        turned = self.tables(turn, token.span) if name not in vocabulary.symbols else None
+        if turned is not None:
+            self.at += behind
+            return replace(turned, span=self.since(token.start))
         span = self.since(token.start)
         table = self.tables(name, span)
         if name in vocabulary.symbols:
@@ -208,17 +167,24 @@ class AnswerParser(Parser):
         if not self._may_be_table(product_of(factors)):
             return first
         behind = [first]
-        while self.token.kind in ("name", "open") and not self._is_table(behind[-1]):
+        while self.token.kind in ("name", "open") and not self._is_vector(behind[-1]):
             behind.append(self.factor())
         return product_of(behind)
 
     def _is_dot(self, sign: Token, left: Expression, right: Expression) -> bool:
-        """Whether a raised dot stands between a name that may be a vector and a vector."""
+        """Whether a raised dot stands between what may be a vector, m1 g, and a vector."""
         dotted = self.source.text[sign.start : sign.end] in ("·", "⋅", "∙", "•", "\\cdot")
-        return dotted and left in self.others and self._is_table(right)
+        factors = left.factors if isinstance(left, Product) else (left,)
+        before = any(x in self.others for x in factors) and self._is_table(right)
+        return dotted and (before or (self._is_vector(left) and right in self.others))
 
     def _is_table(self, node: Expression) -> bool:
         return any(isinstance(x, Matrix | Cross) for x in nodes(node))
+
+    def _is_vector(self, node: Expression) -> bool:
+        """Whether it is a vector, and no matrix in front of one."""
+        tables = [x for x in nodes(node) if isinstance(x, Matrix | Cross)]
+        return any(isinstance(x, Cross) or len(x.rows[0]) == 1 for x in tables)
 
     def _may_be_table(self, node: Expression) -> bool:
         return self._is_table(node) or any(x in self.others for x in nodes(node))
@@ -231,7 +197,7 @@ class AnswerParser(Parser):
         token = self.take()
         function = self._function(token)
         if function == "Derivative":
-            return self._derivative(token)
+            return self.derivative(token)
         if function == "Matrix":
             self.at -= 1
             return self.table()
@@ -330,28 +296,3 @@ class AnswerParser(Parser):
             return self.reader.read(argument).sign()
         except FreebodyError:
             self.source.fail("sgn needs a single rate here", argument.span)
-
-    def _derivative(self, token: Token) -> Expression:
-        """Derivative(theta1(t), t), Derivative(theta1(t), (t, 2))."""
-        self.expect("open", "'('")
-        value = self.reader.read(self.expression())
-        order = 0
-        while self.token.kind == "comma":
-            self.take()
-            pair = self.token.kind == "open"
-            if pair:
-                self.take()
-            if self.expect("name", "the time t").text != "t":
-                self.source.fail("only derivatives with respect to the time t are read", token.span)
-            times = 1
-            if pair:
-                self.expect("comma", "','")
-                times = int(self.expect("number", "the order").value)
-                self.expect("close", "')'")
-            order += times
-        span = (token.start, self.expect("close", "')'").end)
-        if not 1 <= order <= 2:
-            self.source.fail("a derivative must be the first or second one by t", span)
-        for _ in range(order):
-            value = value.along(self.vocabulary.setting.symbols.rates)
-        return Named(self.source[span], value, span=span)

@@ -99,6 +99,12 @@ _ENTRY = re.compile(
     r"\[\s?([1-9])\s?(?:,\s?([1-9])\s?)?\]|\(([1-9])\s?,\s?([1-9])\)|_([1-9]),([1-9])(?=\s?=))"
 )
 """H[1,2], tau[1], M(1,2), M_1,2, counted from 1."""
+_ASTERISK = rf"\^{_S}\{{?{_S}(?:\*|\\(?:ast|star)(?![A-Za-z])){_S}\}}?"
+_INERTIA_FORCE = re.compile(
+    rf"(?<![\w\\])(?:(?P<name>F{_S}_?{_S}(?:\{{[1-9]\}}|[1-9₁-₉]))"
+    rf"(?:{_ASTERISK}|\*(?=\s*(?:[=+\n]|[-−]\s|$)))|F{_ASTERISK}_\{{?(?P<number>[1-9])\}}?)"
+)
+"""Kane's F_1*, F₁*, F^*_1: a number follows where * multiplies."""
 
 
 def respelt(text: str) -> str:
@@ -167,4 +173,5 @@ _SPELLINGS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] =
     (_BY_TIME_OF, lambda match: "∂/∂t"),
     (_ARGUMENTS, _alone),
     (_DETERMINANT, lambda match: "detJ"),
+    (_INERTIA_FORCE, lambda match: f"{match['name'] or 'F' + match['number']}'"),
 )

@@ -111,16 +111,19 @@ class Judge:
         if not target.also:
             return target
         ((note, other),) = target.also
-        second = self._senses.index(max(self._senses)) if any(self._senses) else self._nearer(claim)
+        senses = self._senses(target.family)
+        second = senses.index(max(senses)) if any(senses) else self._nearer(claim)
+        if target.family == "of body":
+            return replace(target, compute=other, note=note) if second else target
         if not second:
             return replace(target, thoughts=((_OTHER_SENSE, other), *target.thoughts))
         first = (_OTHER_SENSE, target.compute)
         return replace(target, compute=other, note=note, thoughts=(first, *target.thoughts))
 
-    @cached_property
-    def _senses(self) -> tuple[int, int]:
-        """How many claims are right in the first sense, and in the second."""
-        told = [claim for claim in self.claims if claim.target.also]
+    def _senses(self, family: str) -> tuple[int, int]:
+        """How many claims about a family are right in the first sense, and in the second."""
+        of = {"of body"} if family == "of body" else {x.target.family for x in self.claims}
+        told = [x for x in self.claims if x.target.also and x.target.family in of]
         first = sum(_is_right(claim, claim.target.compute) for claim in told)
         return first, sum(_is_right(claim, claim.target.also[0][1]) for claim in told)
 

@@ -1,0 +1,110 @@
+"""Kane's equations: partial velocities, generalized active and inertia forces."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+
+from freebody.derivations.check.algebra.quotients import Value, pair
+from freebody.derivations.check.asked.bodies import QuantitiesOfBodies
+from freebody.derivations.check.asked.group import Named
+from freebody.derivations.check.asked.quantity import AskedQuantity, Mistaken, Table
+from freebody.derivations.grammar.words import PRIME
+from freebody.derivations.polynomials.symbols import RATE
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
+
+_NUMBER = r"\s?_?\s?\{?[\d₀-₉]{1,2}\}?"
+_TOLD = re.compile(
+    rf"(?<![A-Za-z])F{_NUMBER}['′]|[vω]\}}?\s?_?\{{?(?:c|G)[\d₀-₉]_?,?\s?[\d₀-₉]"
+    r"|∂\s?(?:\\(?:mathbf|boldsymbol)\{)?(?:v|ω|\\omega)"
+)
+Slope = Callable[[], Trig]
+_LETTERS = ("vc", "vG", "omega", "w")
+
+
+def is_told(formulas: str) -> bool:
+    """Whether an answer is about Kane's quantities: it has v_c2,1, ∂v_c2/∂θ̇1 or F_1*. Elsewhere F_1
+    is a force and ω_21 perhaps that of body 2 as seen from body 1."""
+    return _TOLD.search(formulas) is not None
+
+
+class KaneQuantities(QuantitiesOfBodies):
+    """v_c2,1 and ω_2,1, the factors of a rate in velocities, and F_1 and F_1*, of open chains."""
+
+    def single(self) -> Iterator[Named]:
+        yield from self.entries_of(self._partials)
+        if self.setting.system is None:
+            for i in self.numbers:
+                yield (f"F{i}",), self._active(i)
+                yield (f"F{i}{PRIME}",), self._inertia(i)
+
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+        return self._partials
+
+    @cached_property
+    def _partials(self) -> dict[str, Table]:
+        found: dict[str, Table] = {}
+        for letter in _LETTERS:
+            for n in range(1, len(self.setting.symbols.model.bodies) + 1):
+                whole = self.vectors.get(f"{letter}{n}", [])
+                for r in self.numbers if whole else ():
+                    found[f"{letter}{n}{r}"] = [[self._partial(x, r)] for (x,) in whole]
+        return found
+
+    def _partial(self, entry: AskedQuantity, r: int) -> AskedQuantity:
+        """The factor of rate r in a component of a velocity."""
+
+        def by(ending: str, k: int, value: Callable[[], Value] = entry.compute) -> Slope:
+            name = self.setting.symbols.coordinates[k - 1] + ending
+            return lambda: pair(value())[0].derivative(name)
+
+        thoughts: list[Mistaken] = [
+            (f"This is the factor of joint {k}'s rate.", by(RATE, k))
+            for k in self.numbers
+            if k != r
+        ]
+        thoughts.append(("A partial velocity is a derivative by the rate.", by("", r)))
+        return replace(
+            entry,
+            index=(*entry.index, r),
+            compute=by(RATE, r),
+            in_world=entry.in_world and by(RATE, r, entry.in_world),
+            words=f"the factor of joint {r}'s rate in {entry.words}",
+            thoughts=tuple(thoughts),
+        )
+
+    # ------------------------------------------------------------ generalized forces
+    def _active(self, i: int) -> AskedQuantity:
+        """F_i: the torque of the drive, friction and springs, weights."""
+        tau, applied = self._parts(i)
+        plain = self.setting.zero if i in self.passive else None
+
+        def motor() -> Trig:
+            return tau() if plain is None else plain
+
+        gravity = self.entry("g", i)
+        thoughts: list[Mistaken] = [
+            ("The weights have the wrong sign.", lambda: motor() + applied() + gravity() * 2)
+        ]
+        if plain is None:
+            thoughts.append(("The torque or force of the drive is missing.", applied))
+        return AskedQuantity(
+            "active", (i,), lambda: motor() + applied(), joint=f"joint {i}",
+            thoughts=tuple(thoughts),
+        )  # fmt: skip
+
+    def _inertia(self, i: int) -> AskedQuantity:
+        """F_i*: the opposite of mass times acceleration."""
+        tau, applied = self._parts(i)
+        law = "The inertia force is the opposite: F* = −(Σ m a · ∂v/∂q̇ + …)."
+        opposite = (law, lambda: tau() + applied())
+        return AskedQuantity(
+            "inertia", (i,), lambda: -tau() - applied(), joint=f"joint {i}", thoughts=(opposite,)
+        )
+
+    def _parts(self, i: int) -> tuple[Callable[[], Trig], Callable[[], Trig]]:
+        """The torque that the motion needs, and the forces that no drive applies."""
+        gravity, resisting = self.entry("g", i), self.entry("drives", i)
+        return self.entry("tau", i), lambda: -gravity() - resisting()
