@@ -569,6 +569,53 @@ def test_predict_first(driver, tmp_path):
     assert driver.execute_script(shown)
 
 
+_H12, _G1 = "m2 lc2^2 + I2 + m2 l1 lc2 ", "(m1 lc1 + m2 l1) g c1 + m2 lc2 g "
+READ = {
+    "H12": [
+        *(_H12 + x for x in (
+            "cos theta2", "cosθ2", "cos θ₂", "c_2", "c_{2}", "cos(q_2)", "cosq2", "cos th2",
+            "Cos(theta2)", "\\cos\\theta_2", "cos [theta2]", "cos{theta2}.", "cos -theta2",
+            "sin(theta2 + pi/2)", "(cos θ2)",
+        )),
+        "H_{12} = m_2 l_{c2}^{2} + I_2 + m_2 l_1 l_{c2} \\cos\\theta_2",
+        "I2 + m2 [lc2^(2) + l1 l_c2 cos θ2]", "m2lc2^2+I2+m2l1lc2cosθ2",
+        "m2 cosθ2 l1 lc2 + m2 lc2² + I2",
+        "m2 lc2^2 (sin^2 theta2 + cos²(q2)) + I2 + m2 l1 lc2 c2",
+        "\\frac{2 m_2}{2} lc2^2 + I2 + \\left( m2 l1 \\right) lc2 c2",
+        _H12 + "cos 2 θ2", _H12 + "sin theta2", _H12 + "cos 2", "m2lc2^2+I2+m2l1lc1cosθ2", _H12,
+    ],
+    "G1": [
+        _G1 + "c_12", _G1 + "cos θ12", _G1 + "cos θ1", _G1 + "cos theta1 + theta2", _G1 + "s12",
+        _G1 + "(c1 c2 − s1 s2)", _G1 + "cos theta1 theta2", "g m1lc1c1 + g m2 (l1c1 + lc2c12)",
+    ],
+    "omega2": [
+        "θ1' + theta2'", "\\dot\\theta_1 + \\dot{\\theta}_2", "dq1 + theta_dot_2",
+        "w1 + theta2_dot", "thetadot1 + thetadot2", "\\ddot\\theta_1 + \\dot\\theta_2",
+        "θ1'' + θ2'", "theta12_d",
+    ],
+}  # fmt: skip
+
+
+UNREAD_BY_PAGES = ("cos 2", "theta12_d")
+
+
+def test_pages_read_answers_as_check_does(driver, tmp_path):
+    """What a page reads means the same to `fb.check`."""
+    model = fb.load("2R")
+    opened(driver, tmp_path, fb.derive(model, "newton-euler"))
+    driver.find_element("id", "predict").click()
+    for line, answers in READ.items():
+        for answer in answers:
+            said, _ = driver.execute_script(ANSWER, line, answer)
+            right = fb.check(model, answer if "=" in answer else f"{line} = {answer}")
+            verdict = {True: "Right: ", False: "Not right: "}[bool(right)]
+            unread = answer.endswith(UNREAD_BY_PAGES)
+            assert said.startswith("Cannot be" if unread else verdict), (answer, said)
+    for line, answer in (("omega2", "w2"), ("omega2", "omega_2"), ("f12", "[f12x, f_{12}y]")):
+        said, _ = driver.execute_script(ANSWER, line, answer)
+        assert said.startswith("Cannot be read: There is no "), said  # its own reason
+
+
 def test_answers_are_typed_in_the_letters_of_the_notation(driver, tmp_path):
     """Siciliano's l2 is the distance of a centre of mass, a1 a length."""
     opened(driver, tmp_path, fb.derive(fb.load("2R"), "lagrange", notation="siciliano"))

@@ -2,26 +2,39 @@
 // function of the inputs x and the values y, whose result is a number or, of a vector, [a, b] or [a, b, c].
 
 const MARKS = "\u2080\u2081\u2082\u2083\u2084\u2085\u2086\u2087\u2088\u2089";
-const GREEK = {"\u03b8": "theta", "\u03c4": "tau", "\u03c9": "omega", "\u03bb": "lam"};
+const GREEK = {"\u03b8": "theta", "\u03c4": "tau", "\u03c9": "omega", "\u03bb": "lam", "\u03c0": "pi",
+  "\u03c6": "phi", "\u03c8": "psi", "\u03b1": "alpha", "\u03b2": "beta", "\u03b3": "gamma", "\u03a6": "Phi", "\u0394": "Delta"};
 const LONGEST = 2000, DEEPEST = 60;
 const COMMA = "Vectors are written in square brackets, [a, b], and decimals with a point.";
 const FUNCTIONS = {sin: 1, cos: 1, sgn: 1, cross: 2, dot: 2};
+const functionOf = (word) => Object.hasOwn(FUNCTIONS, word.toLowerCase()) ? word.toLowerCase() : "";
 
 function unreadable(message) { return Object.assign(new Error(message), {unreadable: true}); }
 
-// Greek letters, dots above, subscripts and raised numbers in plain letters.
+// LaTeX, Greek letters, dots above, primes, subscripts and raised numbers in plain letters.
 function plainly(text) {
+  if (text.length > LONGEST) throw unreadable("The formula is too long.");
   let plain = text.normalize("NFD").replace(/[\u2080-\u2089]/g, (c) => MARKS.indexOf(c));
-  plain = plain.replace(/[\u03b8\u03c4\u03c9\u03bb]/g, (c) => GREEK[c]);
-  plain = plain.replace(/([A-Za-z]+)([\u0307\u0308])(\d*)/g, (_, letters, dots, digits) =>
-    letters + digits + (dots === "\u0307" ? "_d" : "_dd"));
+  plain = plain.replace(/([_^])\s*\{\s*(-?\w+)\s*\}/g, "$1$2").replace(/\\(?:left|right|[,;:! ])/g, " ");
+  plain = plain.replace(/\\(?:cdot|times|ast)\b/g, "*").replace(/\\lambda(?![A-Za-z])/g, "\u03bb");
+  plain = plain.replace(/\\(d?dot)\s*\{?\s*\\?([A-Za-z]+|[^\x00-\x7f])\s*\}?/g, (_, dots, letters) =>
+    ` ${letters}${dots === "dot" ? "\u0307" : "\u0308"}`);
+  for (let before = ""; before !== plain;) {
+    before = plain;
+    plain = plain.replace(/\\[dt]?frac\s*\{([^{}]*)\}\s*\{([^{}]*)\}/g, " (($1)/($2))");
+  }
+  plain = plain.replace(/\\([A-Za-z]+)/g, " $1").replace(/[\u0370-\u03ff]/g, (c) => GREEK[c] || c);
+  plain = plain.replace(/([A-Za-z]+)([\u0307\u0308])(?:_?(\d+)|_(\w+))?/g, (_, letters, dots, digits, low) =>
+    letters + (digits || low || "") + (dots === "\u0307" ? "_d" : "_dd"));
+  plain = plain.replace(/\b([A-Za-z]\w*)('{1,2}|[\u2019\u2032\u2033])/g, (_, name, primes) =>
+    name + (primes === "''" || primes === "\u2033" ? "_dd" : "_d"));
   plain = plain.replace(/\u00b2/g, "^2").replace(/\u00b3/g, "^3").replace(/\*\*/g, "^");
   plain = plain.replace(/[\u00bc-\u00be\u2153-\u215e]/g, (c) => `(${c.normalize("NFKD").replace("\u2044", "/")})`);
-  return plain.replace(/\u2212/g, "-").replace(/[\u00b7\u00d7\u22c5]/g, "*");
+  plain = plain.replace(/\{/g, "(").replace(/\}/g, ")").replace(/[\s.;]+$/, "");
+  return plain.replace(/\u2212/g, "-").replace(/[\u00b7\u00d7\u22c5]/g, "*").trim();
 }
 
 function tokens(text) {
-  if (text.length > LONGEST) throw unreadable("The formula is too long.");
   const plain = plainly(text), found = [];
   const pattern = /\s*(?:(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+)|([A-Za-z][A-Za-z0-9_]*)|([-+*\/^()\[\],]))/y;
   const rest = /\s*$/y;
@@ -69,16 +82,41 @@ function dot(a, b) {
   if (!isVector(a) || !isVector(b) || a.length !== b.length) throw unreadable("dot(a, b) needs two vectors.");
   return a.reduce((total, u, k) => total + u * b[k], 0);
 }
+const raised = (a, power) => power === 1 ? a : isVector(a) && power === 2 ? dot(a, a) : scalar(a) ** power;
 const CALLS = {
   sin: (a) => Math.sin(scalar(a)), cos: (a) => Math.cos(scalar(a)), sgn: (a) => Math.sign(scalar(a)),
   cross, dot,
 };
 
-// meaning(name): a function of (x, y), or undefined.
+// A word as the fewest names and functions that it can be made of, m2lc2 or cosq2; null where there
+// is no way, or not one alone.
+function cut(word, meaning) {
+  let ways = [[0, []]];
+  const best = new Map(ways);
+  for (let end = 1; end <= word.length && word.length <= 60; end++) {
+    ways = [...best].filter(([from]) => meaning(word.slice(from, end)) || functionOf(word.slice(from, end)));
+    const shortest = Math.min(...ways.map(([, way]) => way.length));
+    const found = ways.filter(([, way]) => way.length === shortest);
+    if (found.length) best.set(end, found.length > 1 ? Array(99) : [...found[0][1], word.slice(found[0][0], end)]);
+  }
+  const way = best.get(word.length);
+  return way && way.length < 99 ? way : null;
+}
+
+// meaning(name): a function of (x, y), with .vector where that is one, or undefined. So is what is
+// returned.
 function readFormula(text, meaning) {
   const all = tokens(text);
   let at = 0, depth = 0, bare = -1; // bare: where the last number without a power ended
-  const next = () => all[at] ? all[at].kind : "end";
+  let vector = false;
+  function next() {
+    const token = all[at];
+    if (token && token.kind === "name" && !functionOf(token.text) && !meaning(token.text)) {
+      const way = cut(token.text, meaning);
+      if (way) all.splice(at, 1, ...way.map((piece) => ({kind: "name", text: piece})));
+    }
+    return all[at] ? all[at].kind : "end";
+  }
   function expect(kind) {
     if (next() !== kind) throw unreadable(`${kind} is missing ${all[at] ? `before ${all[at].text}` : "at the end"}.`);
     return all[at++];
@@ -101,7 +139,7 @@ function readFormula(text, meaning) {
         const above = bare === at++, right = signed();
         total = (x, y) => quotient(left(x, y), right(x, y));
         divided ||= !(above && bare === at); // 1/2 m can mean but one thing
-      } else if (kind === "*" || kind === "number" || kind === "name" || kind === "(") {
+      } else if (kind === "*" || kind === "number" || kind === "name" || kind === "(" || kind === "[") {
         if (kind === "*") at++;
         else if (divided) throw unreadable("Write * or brackets after a division.");
         const right = kind === "*" ? signed() : factor();
@@ -129,16 +167,23 @@ function readFormula(text, meaning) {
       if (all[at - 1].kind === "number") bare = at;
       return base;
     }
+    const power = exponent();
+    return (x, y) => raised(base(x, y), power);
+  }
+  function exponent() {
     at++;
+    const inside = next() === "(";
+    if (inside) at++;
     const minus = next() === "-";
     if (minus) at++;
     const power = expect("number").value * (minus ? -1 : 1);
+    if (inside) expect(")");
     if (!Number.isInteger(power)) throw unreadable("Powers are whole numbers.");
     if (next() === "^") throw unreadable("Write brackets around a power of a power.");
-    const raised = (a) => isVector(a) && power === 2 ? dot(a, a) : scalar(a) ** power;
-    return (x, y) => raised(base(x, y));
+    return power;
   }
   function atom() {
+    next();
     const token = all[at++];
     if (!token) throw unreadable("The formula ends too soon.");
     if (token.kind === "number") return () => token.value;
@@ -154,31 +199,52 @@ function readFormula(text, meaning) {
         at++;
         entries.push(expression());
       }
-      if (entries.length < 2) expect(",");
       expect("]");
+      if (entries.length < 2) return entries[0];
+      vector = true;
       return (x, y) => entries.map((entry) => scalar(entry(x, y)));
     }
     if (token.kind !== "name") throw unreadable(`${token.text} stands where a number or a name is needed.`);
-    return Object.hasOwn(FUNCTIONS, token.text) ? call(token.text) : name(token.text);
+    return functionOf(token.text) ? call(functionOf(token.text)) : name(token.text);
   }
   function call(word) {
-    if (next() !== "(") throw unreadable(`Write brackets: ${word}(...).`);
-    at++;
+    if (FUNCTIONS[word] > 1) vector = true;
+    let power = 1;
+    if (next() === "^" && FUNCTIONS[word] === 1) power = exponent();
+    if (power < 1) throw unreadable(`Write (${word}(...))^${power}.`);
+    const given = next() === "(" || next() === "[" ? inBrackets() : [angle(word)];
+    if (given.length !== FUNCTIONS[word]) throw unreadable(`${word} is given ${given.length} values.`);
+    return (x, y) => raised(CALLS[word](...given.map((f) => f(x, y))), power);
+  }
+  function inBrackets() {
+    const close = all[at++].kind === "(" ? ")" : "]";
     const given = [expression()];
     while (next() === ",") {
       at++;
       given.push(expression());
     }
-    expect(")");
-    if (given.length !== FUNCTIONS[word]) throw unreadable(`${word} is given ${given.length} values.`);
-    return (x, y) => CALLS[word](...given.map((f) => f(x, y)));
+    expect(close);
+    return given;
+  }
+  // Without brackets a function takes numbers and one name: cos 2 theta1.
+  function angle(word) {
+    const factors = [];
+    while (next() === "number" || next() === "-") {
+      const token = all[at++];
+      factors.push(() => token.kind === "-" ? -1 : token.value);
+    }
+    if (next() !== "name" || functionOf(all[at].text) || FUNCTIONS[word] > 1) throw unreadable(`Write brackets: ${word}(...).`);
+    factors.push(name(all[at++].text));
+    if (next() === "^") throw unreadable(`Write ${word}^2(...) or ${word}((...)^2).`);
+    return (x, y) => factors.reduce((total, factor) => total * scalar(factor(x, y)), 1);
   }
   function name(word) {
-    const found = meaning(word);
+    const found = meaning(word) || (word === "pi" ? () => Math.PI : undefined);
     if (!found) throw unreadable(`There is no ${word} that this line may use.`);
+    vector ||= Boolean(found.vector);
     return found;
   }
   const whole = expression();
   if (at < all.length) throw unreadable(next() === "," ? COMMA : `${all[at].text} is not expected.`);
-  return whole;
+  return Object.assign(whole, {vector});
 }

@@ -257,8 +257,10 @@ def _json(page: dict[str, Any]) -> str:
 
 @cache
 def _script() -> str:
-    """The page's own script, the same of all pages but for the data."""
+    """The page's own script, the same of all pages but for the data; without its comments."""
     folder = resources.files("freebody.derivations.living")
     names = ("formula.js", "placing.js", "drawing.js", "closing.js", "page.js")
     text = "\n".join(folder.joinpath(name).read_text(encoding="utf-8") for name in names)
-    return f'(function () {{\n"use strict";\n{text}}})();\n'
+    lines = filter(None, (line.strip() for line in text.splitlines()))
+    code = "\n".join(line for line in lines if not line.startswith("//"))
+    return f'(function () {{\n"use strict";\n{code}\n}})();\n'

@@ -39,45 +39,57 @@ function follow() {
   line(legend, "reaction", [8, 12], [8 + LONGEST_ARROW, 12]);
 }
 
-// Other spellings of a coordinate and its derivatives: q1, qd1, dtheta1, theta1dot, ...
+// Other spellings of a coordinate, an angular velocity and their derivatives: q1, qd1, dtheta1,
+// theta1dot, w1, ...
+const LETTERS = {theta: ["theta", "q", "th"], d: ["d", "q"], omega: ["omega", "w"]};
 function spellings(name) {
-  const parts = /^(theta|d)(\d+)(_d{1,2})?$/.exec(name);
+  const parts = /^(theta|omega|d)(\d+)(_d{1,2})?$/.exec(name);
   if (!parts) return [];
-  const [, letter, digits, ending] = parts, dots = ending ? ending.slice(1) : "";
-  const found = [`q${dots}${digits}`, `q${digits}${ending || ""}`];
-  const dotted = dots === "d" ? "dot" : dots === "dd" ? "ddot" : "";
-  if (dots) found.push(`${dots}${letter}${digits}`, `${letter}${digits}${dotted}`, `q${digits}${dotted}`);
-  return found;
+  const [, letters, digits, ending] = parts, dots = ending ? ending.slice(1) : "";
+  const dotted = ["", "dot", "ddot"][dots.length];
+  return LETTERS[letters].flatMap((letter) => dots
+    ? [`${letter}${digits}${ending}`, `${letter}${dots}${digits}`, `${dots}${letter}${digits}`, `${letter}${digits}${dotted}`, `${letter}${dotted}${digits}`]
+    : [`${letter}${digits}`]);
 }
-const known = new Map();
+// What words mean: the name of the quantity, and its value. Names without their underscores are
+// read too, where only one is meant.
+const known = new Map(), squeezed = (word) => word.replace(/_/g, ""), loose = new Map();
+function know(word, name, value, vector) {
+  if (!known.has(word)) known.set(word, {name, value: Object.assign(value, {vector})});
+}
+page.inputs.forEach((input, k) => know(input.name, input.name, (x) => x[k]));
 for (const [name, places] of Object.entries(page.names)) {
-  known.set(name, (x, y) => valueOf(places, y));
+  const vector = places.length > 1;
+  know(name, name, (x, y) => valueOf(places, y), vector);
   const [, letters, dots] = /^(.*?)((?:_d{1,2})?)$/.exec(name);
-  if (places.length > 1) ["x", "y", "z"].slice(0, places.length).forEach((axis, k) => known.set(letters + axis + dots, (x, y) => y[places[k]]));
+  if (vector) ["x", "y", "z"].slice(0, places.length).forEach((axis, k) => know(letters + axis + dots, name, (x, y) => y[places[k]]));
 }
-page.inputs.forEach((input, k) => {
-  for (const name of [input.name, ...spellings(input.name)]) {
-    if (name === input.name || !known.has(name)) known.set(name, (x) => x[k]);
-  }
-});
+for (const {name, value} of [...known.values()]) {
+  for (const word of spellings(name)) know(word, name, (x, y) => value(x, y), value.vector);
+}
+for (const word of new Set([...Object.keys(page.called), ...known.keys()])) {
+  const short = squeezed(word), found = known.get(Object.hasOwn(page.called, word) ? page.called[word] : word);
+  loose.set(short, loose.has(short) && loose.get(short)?.name !== found?.name ? undefined : found);
+}
 const turns = page.inputs.filter((input) => input.turns).map((input) => input.name);
 
-// A name of the page's notation as it is called here.
-function plain(word) {
-  return Object.hasOwn(page.called, word) ? page.called[word] : word;
-}
-
-// c12, s12: of the sum of the angles of those joints, if they all turn.
+// c12, s12, and theta12: of the sum of the angles of those joints, if they all turn.
 function wave(word) {
-  const parts = /^([A-Za-z]+)([1-9]+)$/.exec(word);
+  const parts = /^([A-Za-z]+)_?([1-9]+)$/.exec(word);
   const names = parts ? [...parts[2]].map((digit) => `theta${digit}`) : [];
-  if (!parts || !Object.hasOwn(page.waves, parts[1]) || !names.every((name) => turns.includes(name))) return undefined;
-  const f = Math[page.waves[parts[1]]];
-  return (x, y) => f(names.reduce((total, name) => total + known.get(name)(x, y), 0));
+  const isWave = parts && Object.hasOwn(page.waves, parts[1]), isSum = parts && names.length > 1 && LETTERS.theta.includes(parts[1]);
+  if (!(isWave || isSum) || !names.every((name) => turns.includes(name))) return undefined;
+  const f = isWave ? Math[page.waves[parts[1]]] : (angle) => angle;
+  return (x, y) => f(names.reduce((total, name) => total + known.get(name).value(x, y), 0));
 }
-function meaning(line) {
-  const own = line.own.flatMap((name) => [name, `${name}x`, `${name}y`, `${name}z`]);
-  return (word) => own.includes(plain(word)) ? undefined : known.get(plain(word)) || wave(word);
+// waves: whether s1 is a sine rather than a vector of that name.
+function meaning(line, waves) {
+  return (word) => {
+    if (waves && wave(word)) return wave(word);
+    const called = Object.hasOwn(page.called, word) ? page.called[word] : word;
+    const found = known.get(called) || loose.get(squeezed(word));
+    return found ? line.own.includes(found.name) ? undefined : found.value : wave(word);
+  };
 }
 
 // States that are random, and the same at each try.
@@ -102,22 +114,35 @@ function isRight(answer, line) {
   });
 }
 
-// Whether a formula holds no vectors, which freebody check does not read.
-function isScalar(text, line) {
-  return tokens(text).every((token) => token.kind !== "[" && (token.kind !== "name" ||
-    (Object.hasOwn(FUNCTIONS, token.text) ? FUNCTIONS[token.text] === 1 : !isVector(meaning(line)(token.text)(x, y)))));
+// An answer as it is right, if one of its readings is, else as it can be read.
+function reading(typed, line) {
+  let found = null;
+  for (const waves of [false, true]) {
+    try {
+      const answer = readFormula(typed, meaning(line, waves));
+      const one = {answer, here: answer(x, y), right: isRight(answer, line)};
+      if (one.right || !found || found.unreadable) found = one;
+    } catch (problem) {
+      if (!problem.unreadable) throw problem;
+      found ||= problem;
+    }
+  }
+  if (found.unreadable) throw found;
+  return found;
 }
 
 // What is said of an answer, and whether it is right.
 function judged(row, text) {
-  const {line} = row, parts = text.split("=");
-  const typed = parts.length === 2 && plainly(parts[0]).trim() === line.name ? parts[1] : text;
+  const {line} = row, parts = text.split("="), typed = parts.at(-1);
   if (!typed.trim()) return [false, "Type what you expect on the right of the =."];
   try {
-    const answer = readFormula(typed, meaning(line)), here = answer(x, y);
-    if (isRight(answer, line)) return [true, `Right: equal at ${STATES} random states.`];
-    const command = `freebody check ROBOT '${line.name} = ${plainly(typed).trim()}'${page.option}`;
-    const diagnosis = line.diagnosed && isScalar(typed, line) ? ` For the full diagnosis: ${command}` : "";
+    if (parts.length > 2 || (parts.length > 1 && squeezed(plainly(parts[0])) !== squeezed(line.name))) {
+      throw unreadable(`This line gives ${line.name} alone: type what stands on its right.`);
+    }
+    const {answer, here, right: isSame} = reading(typed, line);
+    if (isSame) return [true, `Right: equal at ${STATES} random states.`];
+    const command = `freebody check ROBOT '${line.name} = ${plainly(typed)}'${page.option}`;
+    const diagnosis = line.diagnosed && !answer.vector ? ` For the full diagnosis: ${command}` : "";
     const [yours, right] = [here, valueOf(line.places, y)].map(told);
     const differing = yours === right ? "as the line, but not with other values of the sliders" : `the line ${right}`;
     return [false, `Not right: here it is ${yours}, ${differing}.${diagnosis}`];
