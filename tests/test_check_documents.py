@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -355,3 +356,42 @@ def test_brackets_may_stand_around_the_end_of_a_row(opening: str, closing: str):
         wrong = fb.check(ARM, answer.replace("+ 2 l_1", "- 2 l_1"), form=form)
         assert not wrong
         assert not wrong.unread
+
+
+MACROS = [
+    r"\newcommand{\ta}{\theta_1} $G_2 = m_2 g l_{c2} \cos(\ta + \theta_2)$",
+    r"\newcommand\ta{\ensuremath{\theta_1}\xspace}$G_2 = m_2 g l_{c2} \cos(\ta+\theta_2)$",
+    r"\def\th#1{\theta_{#1}}\def\G{G_2} $\G = m_2 g l_{c2} \cos(\th1 + \th{2})$",
+    r"\newcommand{\dd}[2]{\frac{d #1}{d #2}} $v_2 = m_2 l_1 l_{c2} \cos(\theta_2 - \pi/2) "
+    r"\left(\dd{\theta_1}{t}\right)^2$",
+    r"\newcommand{\lc}[1][2]{l_{c#1}}\newcommand*\w{m_2 g \lc}$G_2 = \w \cos(\theta_1+\theta_2)$",
+    "% \\newcommand{\\ta}{\\theta_2}\n\\newcommand{\\ta}{\\theta_1}\n\\begin{document}\n"
+    r"$G_2 = m_2 g l_{c2} \cos(\ta + \theta_2)$ \end{document}",
+    r"\DeclareMathOperator{\cs}{cos} $G_2 = m_2 g l_{c2} \cs(\theta_1+\theta_2)$",
+]
+
+
+@pytest.mark.parametrize("text", MACROS)
+def test_commands_of_its_own_are_put_in(text: str):
+    verdict = fb.check(ARM, text, form="latex")
+    assert verdict
+    assert not verdict.unread
+    assert not fb.check(ARM, text.replace("cos", "sin"), form="latex")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        r"\def\a{\a} $G_2 = \a$",
+        r"\def\a{\b\b}\def\b{\a} $G_2 = \a$",
+        r"\def\a#1{\a{#1#1}} $G_2 = \a{x}$",
+        "".join(rf"\def\{a}{{\{b}\{b}}}" for a, b in pairwise("abcdefghijklmnopqrstu"))
+        + r"$G_2 = \a$",
+        r"\def\a{x}" + r"\a" * 30_000,
+    ],
+)
+def test_commands_that_grow_without_end_are_refused(text: str):
+    begun = time.process_time()
+    with pytest.raises(AnswerError, match="stands for itself, or for a text that is too long"):
+        fb.check(ARM, text, form="latex")
+    assert time.process_time() - begun < 2.0

@@ -257,6 +257,13 @@ def test_the_sign_of_a_formula_is_judged_with_the_values_of_the_model():
     assert fb.check(arm, "H22 = I2", parameters={"m2": 0})
 
 
+def test_numbers_in_place_of_parameters_have_no_units_to_fit():
+    verdict = fb.check(ARM, "H12 = m2 (lc2² + l2 lc2 c2) + I2", parameters={"lc": 0.5})
+    assert "‘l2’ must be l₁" in verdict.text
+    assert "units" not in verdict.text
+    assert "The units do not fit" in fb.check(ARM, "H22 = m2 + I2", parameters={"lc": "l/2"}).text
+
+
 def test_the_commands_take_parameters(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     rod = ["--parameter", "lc=l/2", "--parameter", "I=m*l^2/12"]
     assert run(["derive", "RR", *rod]) == 0

@@ -117,7 +117,7 @@ def test_angles_may_be_measured_from_the_vertical(zero: str):
     [
         ("title = 3", "mine.toml:1: title is 3, expected text"),
         ("angle = 'absolute'", "mine.toml:1: no key 'angle'"),
-        ("angles = 'relativ'", "Did you mean 'relative'"),
+        ("angles = 'relativ'", "Did you mean 'relative'[?] Angles: relative, absolute"),
         ("zero = 'north'", "no zero 'north'"),
         ("[letters]\nmas = 'B'", "mine.toml:2.*no key 'mas'.*Did you mean 'mass'"),
         ("names = 'a'", "names is a table"),

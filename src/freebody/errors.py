@@ -141,9 +141,11 @@ class UnknownNameError(FreebodyError, KeyError):
         known = list(names)
         near = likely(str(name), known)
         hint = f" Did you mean {near[0]!r}?" if near else ""
-        plural = (
-            f"{what[:-1]}ies" if what.endswith("y") and what[-2:-1] not in "aeou" else f"{what}s"
-        )
+        plural = what if what.endswith("s") else f"{what}s"
+        if what.endswith("y") and what[-2:-1] not in "aeou":
+            plural = f"{what[:-1]}ies"
+        elif what.endswith("is"):  # axis
+            plural = f"{what[:-2]}es"
         listed = (
             f" {plural[0].upper()}{plural[1:]}: {_listing(known)}."
             if known

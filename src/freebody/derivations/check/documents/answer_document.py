@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from freebody.derivations.check.documents.macros import expanded
 from freebody.derivations.check.spelling.answer_text import AnswerError
 from freebody.derivations.grammar.source import Span, decomposed
 
@@ -61,12 +62,12 @@ class DocumentForm:
 
 
 def plain_characters(text: str) -> str:
-    """A text with accents decomposed, mathematical letters plain, the line ends of any system as
-    one character, = for all signs of definition, and blanks for the numbers of equations and of
-    questions; raises AnswerError where it is too long."""
+    """A text with its own commands put in, accents decomposed, mathematical letters plain, the line
+    ends of any system as one character, = for all signs of definition, and blanks for the numbers
+    of equations and of questions; raises AnswerError where it is too long."""
     if len(text) > LARGEST:
         raise AnswerError(f"the answer has {len(text)} characters; at most {LARGEST} are read")
-    plain = decomposed(text.replace("\r\n", "\n").replace("\r", "\n"))
+    plain = decomposed(expanded(text.replace("\r\n", "\n").replace("\r", "\n")))
     plain = _DEFINED.sub(lambda sign: "=".rjust(len(sign[0])), plain)
     for number in (_NUMBER, _LABEL):
         plain = number.sub(lambda match: " " * len(match[0]), plain)

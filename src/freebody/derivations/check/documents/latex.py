@@ -14,6 +14,7 @@ from freebody.derivations.check.documents.answer_document import (
     between,
     plain_characters,
 )
+from freebody.derivations.check.documents.macros import closing_braces
 from freebody.derivations.grammar.lexer import MATRICES
 from freebody.derivations.grammar.source import Span
 from freebody.derivations.grammar.words import spelt
@@ -139,7 +140,7 @@ def clean(whole: Blanks, found: list[Span]) -> list[FormulaPiece]:
 def _open_boxes(whole: Blanks) -> None:
     """Formulas without the boxes and braces around them."""
     text = str(whole)
-    braces = _braces(text)
+    braces = closing_braces(text)
     for match in _AROUND.finditer(text):
         close = braces.get(match.end())
         is_mark = "line" in match[0] and close is not None and spelt(text[match.end() + 1 : close])
@@ -154,17 +155,6 @@ def _open_boxes(whole: Blanks) -> None:
         if "brace" in match[0] and below:
             end = braces.get(below.end(), below.end())
             whole.put(close, end + 1)
-
-
-def _braces(text: str) -> dict[int, int]:
-    """Where each brace that opens is closed."""
-    found, opened = {}, []
-    for match in re.finditer(r"[{}]", text):
-        if match[0] == "{":
-            opened.append(match.start())
-        elif opened:
-            found[opened.pop()] = match.start()
-    return found
 
 
 def _open_arrays(whole: Blanks) -> None:

@@ -93,7 +93,10 @@ def is_of_another_kind(setting: RightEquations, yours: Trig, right: Trig) -> boo
 
 
 def _common_unit(setting: RightEquations, right: Trig) -> Unit | None:
-    """The unit of a right answer's terms."""
+    """The unit of a right answer's terms; None of what has numbers in place of parameters."""
+    given = setting.given.items()
+    if any(unit_of(setting, p) != _unit(setting, name) for name, x in given for p, _ in x.terms()):
+        return None
     return next((unit_of(setting, powers) for powers, _ in right.terms()), None)
 
 
