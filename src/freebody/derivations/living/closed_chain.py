@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from freebody.algorithms.kinematics import frame_pose
+from freebody.arrays import Array
 from freebody.derivations.closed_chains.first_kind import multiplier_names
 from freebody.derivations.living.body_quantities import vector
 from freebody.derivations.living.kernel import PageProgram
@@ -20,15 +21,25 @@ from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.lazy import cached_property
 from freebody.model.tree import TreeLoop
 
+_ASIDE, _STEPS, _CLOSED = 0.05, 20, 1e-10
+
+
+def _rank(matrix: Array) -> int:
+    """The number of independent rows, at a position that is known to 1e-12 or so."""
+    return int(np.linalg.matrix_rank(matrix, rtol=1e-8))
+
 
 @dataclass(frozen=True)
 class LoopEnd:
-    """Where a loop acts on a body: the point, the force, and what it is called."""
+    """Where a loop acts on a body: the point, force and moment, and what they are called."""
 
     place: Any
     force: Any
+    moment: Any
+    """None of a loop that transmits none."""
     sign: int
-    name: str
+    names: tuple[str, str]
+    """Of force and moment."""
 
 
 class ClosedChain:
@@ -56,38 +67,59 @@ class ClosedChain:
         one, the last that the loops determine."""
         if self.passive:
             return self.passive
-        given = dict(zip(self.s.symbols.coordinates, self._start, strict=True))
-        entries = [x for row in self.loops.equations.Phi_q for x in row]
-        columns = self._kernel.at_random(entries, **given)[:, 0].reshape(-1, len(self._start)).T
+        _, jacobian = self._at(np.array(self._start))
         chosen: list[int] = []
         for i in reversed(self.s.order):
             tried = [*chosen, i]
-            if np.linalg.matrix_rank(columns[[self.s.index(k) for k in tried]]) == len(tried):
+            if _rank(jacobian[:, [self.s.index(k) for k in tried]]) == len(tried):
                 chosen = tried
         return tuple(chosen)
 
     @cached_property
     def is_served(self) -> bool:
-        """Whether the loops determine as many coordinates as are not driven, and every loop
-        transmits a force alone."""
-        forces = all(
-            not loop.closure.turns and not loop.closure.slides for loop in self.s.tree.loops
-        )
-        return forces and len(self.dependent) == len(self.loops.equations.names)
+        """Whether the loops determine the coordinates that are not driven, and no loop slides, so
+        that both ends of what it transmits are at one point."""
+        closures = [loop.closure for loop in self.s.tree.loops]
+        if any(x.slides or (x.turns and not x.point) for x in closures):
+            return False
+        regular = len(self.dependent) == len(self.loops.equations.names)
+        return regular or (not self.passive and self._is_redundant)
+
+    @property
+    def _is_redundant(self) -> bool:
+        """Whether equations that depend on each other at the start do so after a motion too, which
+        leaves them satisfied."""
+        solved = [self.s.index(i) for i in self.dependent]
+        free = [k for k in range(len(self._start)) if k not in solved]
+        q = np.array(self._start)
+        q[free[:1]] += _ASIDE
+        for _ in range(_STEPS if free else 0):
+            phi, jacobian = self._at(q)
+            q[solved] -= np.linalg.lstsq(jacobian[:, solved], phi, rcond=None)[0]
+        phi, jacobian = self._at(q)
+        return bool(free) and _rank(jacobian) == len(solved) and bool(np.abs(phi).max() < _CLOSED)
+
+    def _at(self, q: Array) -> tuple[Array, Array]:
+        """Φ and Φ_q at coordinates, with the model's values."""
+        equations, model = self.loops.equations, self.s.symbols.model
+        known = {name: x for name, x in model.parameters.items() if x is not None}
+        state = {**known, **dict(zip(self.s.symbols.coordinates, q, strict=True))}
+        entries = [*equations.Phi, *(x for row in equations.Phi_q for x in row)]
+        values, m = self._kernel.at_random(entries, **state)[:, 0], len(equations.names)
+        return values[:m], values[m:].reshape(m, -1)
 
     # ------------------------------------------------------------ what is drawn
     def ends(self, n: int) -> list[LoopEnd]:
         """Where loops act on body n."""
         i = self.s.order[n - 1]
-        return [
-            LoopEnd(
-                self._place(frame),
-                vector(self.s, self.loops.wrench(loop)[0]),
-                1 if self.loops.acts(loop, i) else -1,
-                str(self.loops.force_name(loop)),
-            )
-            for loop, frame in self._acting(i)
-        ]
+        return [self._end(loop, frame, i) for loop, frame in self._acting(i)]
+
+    def _end(self, loop: TreeLoop, frame: str, i: int) -> LoopEnd:
+        force, moment = (vector(self.s, v) for v in self.loops.wrench(loop))
+        names = str(self.loops.force_name(loop)), str(self.loops.moment_name(loop))
+        turning = None if not loop.closure.turns else moment[0] if self.s.planar else moment
+        sign = 1 if self.loops.acts(loop, i) else -1
+        return LoopEnd(self._place(frame), force, turning, sign, names)
 
     def _place(self, frame: str) -> tuple[Any, ...]:
         return vector(self.s, frame_pose(self.s.tree, self.s.world, frame)[1])

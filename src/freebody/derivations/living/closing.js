@@ -3,8 +3,13 @@
 
 const STEPS = 60, CLOSED = 1e-12, SINGULAR = 1e-10, LONGEST_STEP = 0.4;
 
-// x of A x = b, by elimination with the largest pivots; null where they vanish.
+// x of A x = b, by elimination with the largest pivots; null where they vanish. Where there are more
+// equations than unknowns, which in a loop agree with each other, Aᵀ A x = Aᵀ b.
 function solved(A, b) {
+  if (A.length > A[0].length) {
+    const columns = A[0].map((_, k) => A.map((row) => row[k]));
+    return solved(columns.map((u) => columns.map((v) => dot(u, v))), columns.map((u) => dot(u, b)));
+  }
   const rows = A.map((row, k) => [...row, b[k]]), n = b.length;
   const size = Math.max(...A.flat().map(Math.abs));
   for (let k = 0; k < n; k++) {

@@ -82,7 +82,7 @@ class DrawnBodies:
         naming, values = self.naming, self.values
         made = [self._reaction(n, 1), *(self._reaction(k, -1) for k in naming.children(n))]
         for end in self.closed.ends(n) if self.closed else ():
-            made.append(self._acting("reaction", end.place, end.force, end.sign, end.name))
+            made.append(self._acting("reaction", end.place, end.force, end.sign, end.names[0]))
         weight = tuple(values[f"m{n}"] * g for g in values["gravity"])
         made.append(self._acting("weight", values[f"rc{n}"], weight, 1, f"{naming.mass(n)} g"))
         if n == self._tip and "fx" in values:
@@ -96,7 +96,11 @@ class DrawnBodies:
         return self._acting("reaction", self.values[f"r{n}"], force, sign, str(name))
 
     def _moments(self, n: int) -> list[dict[str, Any]]:
-        return [self._moment(n, 1), *(self._moment(k, -1) for k in self.naming.children(n))]
+        made = [self._moment(n, 1), *(self._moment(k, -1) for k in self.naming.children(n))]
+        for end in self.closed.ends(n) if self.closed else ():
+            if end.moment is not None:
+                made.append(self._acting("moment", end.place, end.moment, end.sign, end.names[1]))
+        return made
 
     def _moment(self, n: int, sign: int) -> dict[str, Any]:
         """At a pin without motor the one that the state would need there."""

@@ -61,7 +61,7 @@ _LOAD = dict(zip(LOADS[3], (20.0, -10.0, -10.0), strict=True))
 
 def living(derivation: Derivation, start: Sequence[float] = ()) -> LivingParts | None:
     """The living parts of a derivation's page; None of a robot for which there are none: of closed
-    chains they are made where the drives determine the motion and loops transmit forces alone.
+    chains they are made where the drives determine the motion and no loop slides.
 
     start: coordinates at which the loops of a closed chain are closed; it needs them.
     """
