@@ -8,6 +8,7 @@ import freebody as fb
 from freebody.derivations.check.spelling.answer_text import AnswerError
 
 ARM, CART, ACROBOT = fb.planar("RR"), fb.load("cart_pole"), fb.load("acrobot")
+BAR = fb.load("pendulum")
 
 INVERSE = (
     r"J^{-1} = \frac{1}{l_1 l_2 \sin\theta_2} \begin{bmatrix} l_2 c_{12} & l_2 s_{12} \\"
@@ -36,6 +37,8 @@ LINES = [  # of a robot a right line, and a piece of it whose sign is changed
     (CART, ANGULAR, "- m2 l2", "+ m2 l2"),
     (CART, "ẍ = (F + m2 sin θ (l2 θ̇² + g cos θ))/(m1 + m2 sin²θ)", "+ g", "- g"),
     (CART, "q̈ = M^{-1}(tau - C q̇ - g)", "- g", "+ g"),
+    (CART, r"\ddot\theta + \frac{\ddot x}{l_2} \cos\theta + g/l_2 \sin\theta = 0", "+ g", "- g"),
+    (BAR, r"θ̈ + m g l_c/(I + m l_c^2) cos θ = τ/(I + m l_c^2)", "+ m g", "- m g"),
     (ACROBOT, "θ̈1 = -(M12 θ̈2 + v1 + G1)/M11", "+ G1", "- G1"),
     (
         ACROBOT,

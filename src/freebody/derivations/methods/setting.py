@@ -87,6 +87,11 @@ class Setting(ShownMechanism):
             return sub(self.world[k][1], self.world[i][1])
         return self.motion.joints[k][1]
 
+    def ends_in_tip(self, i: int) -> bool:
+        """Whether body i is the last of its branch and carries the tip."""
+        has_tip = self.symbols.model.tip is not None
+        return has_tip and not self.tree.children(i) and self.tip == i
+
     def to_tip(self, i: int) -> Vector:
         """Joint origin of body i to the tip, which is fixed to it."""
         return self.axes(i, self.tip_frame[2])

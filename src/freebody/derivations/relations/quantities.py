@@ -199,16 +199,18 @@ class QuantityValues:
         }  # fmt: skip
         if n == 1:
             found |= {"R0": one, "w0": self._vector(s.tree.space.zero)}
-        if not s.tree.children(i):
+        if s.ends_in_tip(i):
             found |= {f"R{n}_{n + 1}": one, f"p{n}_{n + 1}": self._vector(s.to_tip(i))}
         return found
 
     def _geometry(self, i: int) -> Values:
         n, s = self.s.numbers[i], self.s
         children = s.tree.children(i)
-        reach = s.to_child(i, children[0]) if children else s.to_tip(i)
-        world = s.world[i][1]
-        return {f"r{n}": self._vector(world), f"s{n}": self._vector(reach)}
+        found: Values = {f"r{n}": self._vector(s.world[i][1])}
+        if children or s.ends_in_tip(i):
+            reach = s.to_child(i, children[0]) if children else s.to_tip(i)
+            found[f"s{n}"] = self._vector(reach)
+        return found
 
     def _centre(self, i: int) -> Values:
         """Mass and inertia, and what is told of the centre of mass: of a body without mass its

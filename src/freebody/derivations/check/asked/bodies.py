@@ -53,7 +53,8 @@ class QuantitiesOfBodies(QuantityGroup):
         for n in range(1, len(tree.bodies) + 1):
             for record in BODY_QUANTITIES:
                 whole = len(tree.bodies[tree.body_of[n - 1]].masses) < 2
-                is_told = chain or record.of_motion
+                known = record.known.format(**numbers(n)) in self._bodies[n - 1]
+                is_told = known and (chain or record.of_motion)
                 if (
                     is_told
                     and record.exists(n, len(tree.bodies), dim)

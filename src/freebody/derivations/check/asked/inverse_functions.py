@@ -28,9 +28,11 @@ MOST_PARTS = 360
 """Of half a turn, in a number that is read as a part of π."""
 BITS = 256
 """Of the numbers."""
+_LARGEST = 10**6
+"""Denominator of numbers that are surely no part of π, which is read as a fraction near it."""
 MOST_BRANCHES = 5
 """Functions of several values in one answer."""
-_NEAR = Fraction(1, 10**40)
+NEAR = Fraction(1, 10**40)
 _TWO_VALUED = ("arccos", "arcsin", "arctan", "sqrt")
 _LENGTHS, _TURNS = (0.3, 2.0), (-3.1, 3.1)
 
@@ -46,13 +48,14 @@ class RandomPosition:
 
     def of(self, x: Value) -> Any:
         """The value of a polynomial, or of a quotient."""
-        above, below = (self._polynomial(part) for part in pair(x))
+        above, below = (self.polynomial(part) for part in pair(x))
         return above / below
 
-    def _polynomial(self, x: Trig) -> Any:
+    def polynomial(self, x: Trig) -> Any:
+        """The value of a polynomial."""
         total = flint.arb(0)
         for powers, coefficient in x.terms():
-            term = _exactly(coefficient)
+            term = ball(coefficient)
             for name, exponent in powers.items():
                 term = term * self._generator(name) ** exponent
             total = total + term
@@ -68,13 +71,13 @@ class RandomPosition:
         """The value of a tree, on some branches of its functions."""
 
         def wave(node: Wave, at: Callable[[Expression], Any]) -> Any:
-            angle = _exactly(node.turn)
+            angle = ball(node.turn)
             for name, factor in node.angle:
                 angle = angle + self.values[name] * factor
             return getattr(angle, node.function)()
 
         rules: Rules = {
-            **arithmetic(_exactly),
+            **arithmetic(ball),
             Named: lambda node, at: self.of(node.value),
             Wave: wave,
             Arguments: lambda node, at: tuple(map(at, node.entries)),
@@ -83,9 +86,9 @@ class RandomPosition:
         return evaluate(node, rules)
 
 
-def _exactly(x: Fraction) -> Any:
-    turns = x / PI  # π is read as a fraction near it
-    if turns and turns.denominator <= MOST_PARTS:
+def ball(x: Fraction | int) -> Any:
+    """An exact number; a part of π as that of π."""
+    if x.denominator > _LARGEST and (turns := x / PI).denominator <= MOST_PARTS:
         return flint.arb.pi() * flint.arb(flint.fmpq(turns.numerator, turns.denominator))
     return flint.arb(flint.fmpq(x.numerator, x.denominator))
 
@@ -131,7 +134,7 @@ class Branching:
         ring = self.setting.ring
         return [
             RandomPosition({
-                name: _exactly(exactly(self.values.get(name, drawn)))
+                name: ball(exactly(self.values.get(name, drawn)))
                 for name in ring.names
                 for drawn in [round(chance.uniform(*_range(name, ring.angles)), 6)]
             })
@@ -147,7 +150,7 @@ class Branching:
         if not gap.is_finite():
             return False
         sizes = (gap.sin(), gap.cos() - 1) if self.is_angle else (gap,)
-        return all(abs(x) < _exactly(_NEAR) for x in sizes)
+        return all(abs(x) < ball(NEAR) for x in sizes)
 
     def choices(self, node: Expression) -> list[Branches]:
         """All choices of values: that of the functions as they stand, then those with the fewest

@@ -76,7 +76,7 @@ class JointQuantities(QuantityGroup):
         for family in ("tau", "g", "bias", "c"):
             column = [[asked[family, (i,)]] for i in n if self.letters[family]]
             found |= dict.fromkeys(self.letters[family], column) if column else {}
-        if self.letters["c"]:
+        if self.letters["c"] and n:
             found["V"] = found[self.letters["c"][0]]  # the potential energy is no vector
         for family in ("C", "M"):
             for letter in filter(str.isupper, self.letters[family]):

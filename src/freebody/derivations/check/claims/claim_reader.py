@@ -91,7 +91,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         """The quantity, the derivative of one, or the vector or matrix of quantities that a side
         is, if it is one alone."""
         if len(side) == 1 and side[0].kind == "name" and side[0].text in self.targets.names:
-            return side[0]
+            return None if self.is_own(side[0].text) else side[0]
         first = side[0]
         name = first.text + INVERSE
         if name in self.targets.tables and inverse_behind(side[1:]) == len(side) - 1 > 0:

@@ -142,6 +142,11 @@ class FormulaReader:
             return frozenset()
         return frozenset(x[0][0].index[0] for x in tables if x[0][0].in_world is not None)
 
+    def is_own(self, name: str) -> bool:
+        """Whether a name stands for something of the user's, by none of the quantities, though a
+        quantity may be called so too."""
+        return self.vocabulary.uses.get(name) == ()
+
     def value(self, node: Expression) -> Trig:
         """A tree as polynomial."""
         return PolynomialReader(self.source, self.setting.ring).read(node)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 from freebody.derivations.check.algebra.answer_tree import Named, Wave
 from freebody.derivations.check.algebra.quotients import Value, pair
 from freebody.derivations.check.asked.quantity import AskedQuantity
@@ -33,12 +35,14 @@ class SolvedQuantities(FormulaReader):
         if first.text in self.vocabulary.waves:
             tip = (x for x in names if x in self.targets.single)
             return any(self.targets.single[x].family == "tip" for x in tip)
-        moving = self._moving(self.vocabulary.symbols.get(first.text))
-        if first.text in self.targets.single or not moving:
+        value = self.vocabulary.symbols.get(first.text)
+        moving = self._moving(value)
+        is_asked = first.text in self.targets.single and not self.is_own(first.text)
+        if is_asked or not (moving or self._is_sum(value)):
             return False
         if first.text in self.targets.tables and isinstance(self.parse(line[1]), Matrix):
             return False
-        if self.setting.is_free_body:
+        if self.setting.is_free_body or self.setting.system is not None:
             return bool(names)
         return by_quantities or (moving.endswith(SECOND) and bool(names))
 
@@ -62,6 +66,14 @@ class SolvedQuantities(FormulaReader):
                 x for x in self.setting.ring.names if x.startswith(("v_", "omega_", "f_", "n_"))
             }
         return name if name in known and terms[0] == ({name: 1}, 1) else ""
+
+    def _is_sum(self, value: Value | None) -> bool:
+        """Whether a name stands for a sum of coordinates or rates of a closed chain, such as the
+        angle of a coupler."""
+        if self.setting.system is None or not isinstance(value, Trig) or value.is_zero:
+            return False
+        parts = (value.ring.polynomial([(x, Fraction(1))]) for x, _ in value.terms())
+        return all(map(self._moving, parts))
 
     def solved_for(self, line: Line) -> Claim:
         """What a line says of a coordinate or of what belongs to it, by the robot's quantities."""

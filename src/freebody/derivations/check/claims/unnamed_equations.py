@@ -7,7 +7,15 @@ from fractions import Fraction
 from itertools import product
 
 from freebody.derivations.check.algebra.answer_tree import Named
-from freebody.derivations.check.algebra.quotients import difference
+from freebody.derivations.check.algebra.quotients import (
+    Value,
+    difference,
+    inverted,
+    negative,
+    pair,
+    plus,
+    times,
+)
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.claims.formula_reader import FormulaReader, all_right, entries_of
 from freebody.derivations.check.reading.answer_lines import Line
@@ -23,7 +31,7 @@ from freebody.derivations.expressions.nodes import (
     nodes,
 )
 from freebody.derivations.grammar.parser import around
-from freebody.derivations.polynomials.symbols import SECOND
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.scalars.trig import Trig
 
 _LONGEST_LABEL = 60
@@ -79,14 +87,14 @@ class UnnamedEquations(FormulaReader):
         name = next(name for name in sorted(inside) if self.targets.single[name] == target)
         if any(isinstance(x, Matrix) for x in map(self.parse, line)):
             return self._identities(line)
-        rest, slope = self._solved(line, target)
-        if slope is None:
+        value = self._solved(line, target)
+        if value is None:
             self.source.fail(f"this equation cannot be solved for {name}", span)
-        node = Named(name, rest / -slope, span=span)
+        node = Named(name, value, span=span)
         sides = map(self.parse, line)
         used = [use for side in sides for use in uses(side, self.targets.single, self.vocabulary)]
         used = [use for use in used if use.target != target]
-        return [Claim(name, self.with_load(target), node, rest / -slope, self.source, tuple(used))]
+        return [Claim(name, self.with_load(target), node, value, self.source, tuple(used))]
 
     def _says_nothing(self, line: Line) -> bool:
         """Whether the sides are equal whatever values its quantities have, as in T + V = V + T."""
@@ -122,19 +130,22 @@ class UnnamedEquations(FormulaReader):
         )
 
     def _closing(self, line: Line) -> Claim | None:
-        """A loop equation without its name, l1 c1 + l2 c12 - d - l3 c3 = 0, with either sign; None
-        of an equation in which something moves or presses."""
+        """A loop equation without its name, l1 c1 + l2 c12 - d - l3 c3 = 0, or its first or second
+        derivative, times any number; None of an equation in which something presses."""
         node, value = self._difference(line)
-        rates = {x for names in self.setting.symbols.rates.items() for x in (names[0],)}
-        used = {name for powers, _ in value.terms() for name in powers}
-        moving = {name for name in used if name.endswith(("_d", "_dd")) or name.startswith("lam")}
-        if moving or not rates or (self.setting.order.gravity or "") in used:
+        above, below = pair(value)
+        used = {name for powers, _ in above.terms() for name in powers}
+        if any(x.startswith("lam") for x in used) or (self.setting.order.gravity or "") in used:
             return None
-        loops = [x for x in self.targets.single.values() if x.family == "Phi"]
-        signs = [(x, sign) for x in dict.fromkeys(loops) for sign in (1, -1)]
-        target, sign = min(signs, key=lambda row: len(value * row[1] - row[0].polynomial()))
-        if sign < 0:
-            node = Negative(node, span=node.span)
+        dots = 2 * any(x.endswith(SECOND) for x in used) or any(x.endswith(RATE) for x in used)
+        loops = {x: x.polynomial() for x in self.targets.single.values() if x.family == "Phi"}
+        for _ in range(dots):
+            rates = self.setting.symbols.rates
+            loops = {x: Phi.along(rates) for x, Phi in loops.items()}
+        near = {x: undriven_joints.alike(self.setting, above, Phi) for x, Phi in loops.items()}
+        loop, right = min(near.items(), key=lambda row: len(difference(above, row[1])))
+        of_loop = ("", "the rate of ", "the second derivative of ")[dots] + loop.words
+        target = AskedQuantity("closed", (), lambda: times(right, inverted(below)), words=of_loop)
         return self.claim(f"The loop equation {self.source[node.span]}", target, node)
 
     def _along_legs(self, line: Line) -> list[Claim]:
@@ -160,15 +171,15 @@ class UnnamedEquations(FormulaReader):
         }
         return self._difference(line)[1].is_zero
 
-    def _difference(self, line: Line) -> tuple[Expression, Trig]:
+    def _difference(self, line: Line) -> tuple[Expression, Value]:
         """Left less right; where one is 0 the other, with its own sign."""
         left, right = map(self.parse, line)
-        values = self.value(left), self.value(right)
+        values = self.quotient(left), self.quotient(right)
         node: Expression = Sum((left, Negative(right, span=right.span)), span=around(left, right))
         for side, value in ((right, values[0]), (left, values[1])):
             if value.is_zero:
                 node = side
-        return node, self.value(node)
+        return node, self.quotient(node)
 
     def _of_bodies(self, line: Line) -> list[Claim]:
         """What a line says of bodies, if it is between vectors or holds in any motion."""
@@ -214,22 +225,27 @@ class UnnamedEquations(FormulaReader):
     def _unpowered(self, line: Line, before: Sequence[Claim]) -> Claim:
         """An equation without torque: that of a joint which nothing drives."""
         node, value = self._difference(line)
+        if self.setting.system is not None:  # one that is reduced by the loops is none of a joint
+            value = self.value(node)
+        above, below = pair(value)
         taken = [
             claim.target.index
             for claim in before
             if claim.target.family == "0" or claim.target.idle
         ]
-        target = undriven_joints.equation(self.targets, value, taken)
-        return self.claim(f"The equation of joint {target.index[0]}", target, node)
+        joint, right = undriven_joints.equation(self.targets, above, taken)
+        target = AskedQuantity("0", joint, lambda: times(right, inverted(below)))
+        return self.claim(f"The equation of joint {joint[0]}", target, node)
 
-    def _solved(self, line: Line, target: AskedQuantity) -> tuple[Trig, Trig | None]:
-        """a and k of a + k τ = 0; k None where it is no number."""
-        values = []
+    def _solved(self, line: Line, target: AskedQuantity) -> Value | None:
+        """τ of a + k τ = 0; None where k is 0, or τ stands in other ways too."""
+        values: list[Value] = []
         for k in range(3):
             self.replaced = {target: self.setting.zero + k}
-            left, right = (self.value(self.parse(side)) for side in line)
-            values.append(left - right)
+            left, right = (self.quotient(self.parse(side)) for side in line)
+            values.append(plus(left, negative(right)))
         self.replaced = {}
-        slope = values[1] - values[0]
-        linear = slope.is_constant and not slope.is_zero and slope == values[2] - values[1]
-        return values[0], slope if linear else None
+        slope, second = (plus(values[k + 1], negative(values[k])) for k in range(2))
+        if slope.is_zero or not difference(slope, second).is_zero:
+            return None
+        return times(negative(values[0]), inverted(slope))

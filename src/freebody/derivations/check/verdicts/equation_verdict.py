@@ -12,6 +12,7 @@ from freebody.derivations.check.algebra.finite_field import Point, random_point
 from freebody.derivations.check.algebra.finite_field_tree import Workspace
 from freebody.derivations.check.algebra.quotients import Value, difference
 from freebody.derivations.check.asked.asked_quantities import Targets
+from freebody.derivations.check.asked.closed_motions import ClosedMotions
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.numbers.units import misfit, unit_text
@@ -24,6 +25,7 @@ from freebody.derivations.check.reasons.misconceptions import Misconceptions
 from freebody.derivations.check.reasons.misreadings import misread
 from freebody.derivations.check.verdict import EquationVerdict, Mistake
 from freebody.derivations.check.verdicts import (
+    closed_chain_verdict,
     numeric_example,
     position_verdict,
     quotient_verdict,
@@ -87,6 +89,9 @@ class Judge:
             meant = f"It is read as {title}." if re.fullmatch(r"P[_{}0-9]*", claim.label) else ""
             note = " ".join(filter(None, (meant, claim.target.note, self._zeros(claim))))
             return EquationVerdict(claim.label, title, True, note=note)
+        special = closed_chain_verdict.verdict(self, claim, right, explain)
+        if special is not None:
+            return special
         special = quotient_verdict.verdict(self, claim, right, explain)
         if special is not None:
             return special
@@ -103,6 +108,11 @@ class Judge:
             or self._in_numbers(claim, claim.value, right)
             or self._wrong(claim, claim.value, right, explain)
         )
+
+    @cached_property
+    def closed_motions(self) -> tuple[ClosedMotions, ClosedMotions]:
+        """With any parameters, and with the model's own."""
+        return ClosedMotions(self.setting), ClosedMotions(self.setting, own_values=True)
 
     def _in_its_sense(self, claim: Claim) -> AskedQuantity:
         """Of a quantity that has two right values, such as a torque that holds a force of either

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 _SOLVED = ("solved", "q")
 _LIKELY = ("sign", "function", "factor", "index", "missing", "extra")
-_MAY_BE_FREE = (*_SOLVED, "tau", "identity", "of body")
+_MAY_BE_FREE = (*_SOLVED, "tau", "identity", "of body", "derivative")
 """Quantities into which the equation of a passive joint may have been put."""
 
 

@@ -1,0 +1,89 @@
+"""The verdict on what the loops of a closed chain give: compared at motions that close them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import flint
+
+from freebody.derivations.check.algebra.finite_field_tree import Workspace
+from freebody.derivations.check.algebra.quotients import Value, difference, pair
+from freebody.derivations.check.asked.closed_motions import MOTIONS, ClosedMotions
+from freebody.derivations.check.asked.inverse_functions import BITS, RandomPosition
+from freebody.derivations.check.reading.claim import Claim
+from freebody.derivations.check.reasons.small_changes import SmallChanges
+from freebody.derivations.check.verdict import EquationVerdict, Example, Mistake
+from freebody.derivations.check.verdicts.numeric_example import sentence
+from freebody.derivations.check.verdicts.verdict_sentences import Wording
+from freebody.derivations.expressions.nodes import Expression, replaced
+from freebody.derivations.polynomials.typical_values import occurs
+
+if TYPE_CHECKING:
+    from freebody.derivations.check.verdicts.equation_verdict import Judge
+
+_OF_LOOPS = frozenset(
+    ("closed", "solved", "identity", "derivative", "of body", "q", "tip", "tip_d", "tip_dd")
+)
+"""Families that loops may give in another form."""
+_BY_LOOPS = ("closed", "solved")
+"""Those that only loops can make right."""
+_HOLDS = f"It holds where the loops are closed: compared in numbers at {MOTIONS} motions."
+_MOST_NODES = 150
+"""Pieces of an answer up to which changes are tried."""
+
+
+def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> EquationVerdict | None:
+    """The verdict where the loops make an answer right, and on what is solved by them; None of any
+    other answer, and of one that says that 0 is 0."""
+    if claim.target.family not in _OF_LOOPS or claim.value.is_zero:
+        return None
+    gap = difference(claim.value, right)
+    given = judge.setting.symbols.model.parameters
+    has_symbols = any(name in given for powers, _ in gap.terms() for name in powers)
+    motions = judge.closed_motions[not has_symbols]
+    if motions.hold(gap):
+        return EquationVerdict(claim.label, claim.target.title, True, note=_HOLDS)
+    place = motions.place(0)
+    if claim.target.family not in _BY_LOOPS or place is None:
+        return None
+    is_solved = claim.target.family == "solved"
+    with flint.ctx.workprec(BITS):
+        sought = right if is_solved else judge.setting.zero
+        mistake = _mistake(judge, claim, sought, motions) if explain else None
+        shown = _example(claim, sought, place)
+    if mistake is None and not is_solved:
+        return None
+    findings = (mistake,) if mistake else ()
+    text = sentence(shown)
+    return EquationVerdict(claim.label, claim.target.title, False, findings, (), shown, text)
+
+
+def _mistake(judge: Judge, claim: Claim, right: Value, motions: ClosedMotions) -> Mistake | None:
+    """The likeliest change that makes it right at all motions."""
+    work = Workspace(claim.node, judge.point)
+    if len(work.values) > _MOST_NODES:
+        return None
+    changes = SmallChanges(judge.setting, work, 0, lambda name: {})
+
+    def fits(node: Expression) -> bool:
+        try:
+            return motions.all_have(lambda place: place.at(node, {}) - place.of(right))
+        except ZeroDivisionError:
+            return False
+
+    for repair in sorted(changes.discrete(), key=lambda row: row.cost):
+        says_nothing = repair.kind == "extra" and repair.node is work.root
+        if not says_nothing and fits(replaced(claim.node, {repair.node: repair.new})):
+            return Wording(judge.setting, claim.source).of_repair(repair, work)
+    return None
+
+
+def _example(claim: Claim, right: Value, place: RandomPosition) -> Example:
+    """One of the motions, and both results."""
+    pieces = (*pair(claim.value), *pair(right))
+    values = {
+        name: round(float(x), 4)
+        for name, x in place.values.items()
+        if any(occurs(name, piece) for piece in pieces)
+    }
+    return Example(values, float(place.of(claim.value)), float(place.of(right)))
