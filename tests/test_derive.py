@@ -172,6 +172,14 @@ def test_the_table_tells_what_bodies_in_numbers_are_called():
         assert len(set(rows)) == len(rows)
 
 
+def test_moments_of_inertia_in_space_say_about_which_axes():
+    """I₁ beside the matrix I₁ was an "entry" of it."""
+    words = {str(x.symbols[0]): x.words for x in fb.derive(fb.load("furuta")).glossary}
+    assert words["I₁"] == "moment of inertia of body 1 about axes y and z through its centre"
+    words = {x.symbols: x.words for x in fb.derive(spatial_arm(2, 3)).glossary}
+    assert "entries of the inertia matrix of body 1 about its centre of mass" in words.values()
+
+
 def test_friction_springs_and_rotors_are_derived_too():
     names = {
         "viscous": "b1",

@@ -374,6 +374,15 @@ def test_a_wheel_is_a_ring_about_its_axis(driver, tmp_path):
             assert max((right - left) / 360, (bottom - top) / 250) > 0.4
 
 
+def test_a_slide_is_drawn_along_its_axis(driver, tmp_path):
+    """The ball's, which begins beside the joint of the beam, was drawn from that joint."""
+    opened(driver, tmp_path, fb.derive(fb.load("ball_and_beam")))
+    driver.execute_script(MOVE, "theta1", 0.7)
+    ends = "return ['x1', 'y1', 'x2', 'y2'].map(x => document.querySelector('#arm .rail')[x]"
+    left, top, right, bottom = driver.execute_script(f"{ends}.baseVal.value)")
+    np.testing.assert_allclose(np.arctan2(top - bottom, right - left), 0.7, atol=1e-4)
+
+
 def test_vectors_of_three_entries_are_predicted(driver, tmp_path):
     opened(driver, tmp_path, fb.derive(fb.load("furuta"), "newton-euler"))
     driver.find_element("id", "predict").click()

@@ -107,15 +107,14 @@ function grown(points) {
 const ROOM = [360, 250], EDGE = 34, LARGEST = 1e12;  // of all in one point
 function drawArm(svg, bodies, rods, y) {
   svg.replaceChildren();
-  const spots = bodies.flatMap((body) => [body.joint, body.centre, ...body.ends, ...body.pins]);
-  grown([[0, 0], ...[...spots, ...rods.flat()].map((places) => seen(vector(y, places)))]);
+  const spots = bodies.flatMap((body) => [body.from || body.joint, body.joint, body.centre, ...body.ends, ...body.pins]);
+  grown([...spots, ...rods.flat()].map((places) => seen(vector(y, places))));
   const scale = Math.min(...box.map(([low, high], i) => (ROOM[i] - 2 * EDGE) / (high - low)), LARGEST);
   const place = (v) => v.map((u, i) => ROOM[i] / 2 + (i ? -1 : 1) * scale * (u - (box[i][0] + box[i][1]) / 2));
-  const at = (places) => place(seen(vector(y, places))), ground = place([0, 0]);
+  const at = (places) => place(seen(vector(y, places)));
   const shown = bodies.filter((body) => !body.link);
   for (const body of shown) {
-    const from = body.parent < 0 ? ground : at(bodies[body.parent].joint);
-    const [u, v] = body.slides || body.parent >= 0 ? from : at(body.joint);
+    const from = at(body.slides ? body.from : body.joint), [u, v] = from;
     if (body.parent < 0 && body.held) line(svg, "hatch", [u - 30, v], [u + 30, v]);
     if (body.slides) line(svg, "rail", from, at(body.joint));
     bars(svg, body, at, y, scale < LARGEST ? RING : LARGE_RING);

@@ -7,12 +7,14 @@ from collections.abc import Mapping
 from typing import Any
 
 from freebody.derivations.expressions import expression as ex
+from freebody.derivations.living.body_quantities import vector
 from freebody.derivations.living.closed_chain import ClosedChain
 from freebody.derivations.living.kernel import PageProgram
 from freebody.derivations.methods.method import LOADS
+from freebody.derivations.methods.setting import Setting
 from freebody.derivations.naming import Naming
-from freebody.model.tree import Tree, TreeBody
-from freebody.spatial import times
+from freebody.model.tree import TreeBody
+from freebody.spatial import add, times
 
 FEW = 4
 """Bodies up to which all are drawn alone."""
@@ -26,11 +28,11 @@ class DrawnBodies:
         kernel: PageProgram,
         values: Mapping[str, Any],
         naming: Naming,
-        tree: Tree,
+        setting: Setting,
         closed: ClosedChain | None,
     ):
-        self.kernel, self.values, self.naming, self.tree = kernel, values, naming, tree
-        self.closed = closed
+        self.kernel, self.values, self.naming, self.s = kernel, values, naming, setting
+        self.tree, self.closed = setting.tree, closed
 
     def all(self) -> list[dict[str, Any]]:
         """One after the other, as the script takes them."""
@@ -47,7 +49,16 @@ class DrawnBodies:
             "forces": self._forces(n) if self._stands_alone(n) else [],
             "moments": self._moments(n) if self._stands_alone(n) else [],
         }  # fmt: skip
-        return drawn | ({"axis": places(self._axis(n))} if naming.model.dim == 3 else {})
+        drawn |= {"axis": places(self._axis(n))} if naming.model.dim == 3 else {}
+        return drawn | ({"from": places(self._start(n))} if drawn["slides"] else {})
+
+    def _start(self, n: int) -> Any:
+        """Where the slide of joint n begins."""
+        own = self._own(n)
+        if own.parent < 0:
+            return own.p
+        R, p = self.s.world[own.parent]
+        return vector(self.s, add(p, times(R, own.p)))
 
     def _is_link(self, n: int) -> bool:
         """Whether it stands for nothing, between joints in a row that hold nothing."""

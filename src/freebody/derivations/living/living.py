@@ -80,7 +80,7 @@ def living(derivation: Derivation, start: Sequence[float] = ()) -> LivingParts |
         return None
     found, drawn = _values(plain, setting, closed, kernel)
     naming = Naming(symbols.model, letters=derivation.lettering)
-    bodies = DrawnBodies(kernel, drawn, naming, setting.tree, closed).all()
+    bodies = DrawnBodies(kernel, drawn, naming, setting, closed).all()
     given = dict(zip(symbols.coordinates, map(float, start), strict=True)) if closed else {}
     following = closed or FreeJoints(plain, drawn)
     return _parts(derivation, kernel, found, bodies, following, given)

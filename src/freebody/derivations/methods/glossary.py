@@ -4,7 +4,7 @@ method introduces."""
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from freebody.derivations.derivation import Meaning, Step
@@ -17,8 +17,9 @@ from freebody.derivations.methods.step_reasons import joints_that
 from freebody.derivations.naming import sym_of
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.render.literal import literal
+from freebody.errors import listed
 from freebody.model.joints import JointWords
-from freebody.model.parameters import Parameter, each_parameter
+from freebody.model.parameters import Parameter, Quantity, each_parameter
 from freebody.model.placement import AxisRotation, Placement, Shift
 
 METER, KILOGRAM, NEWTON, MOMENT = "m", "kg", "N", "N m"
@@ -114,7 +115,7 @@ def _further(s: Setting, rows: Iterable[Meaning], steps: Iterable[Step]) -> Iter
         (
             f"I{n}",
             sym_of("I_i") if s.planar else vec("I_i"),
-            "inertia of body i about its centre of mass",
+            "inertia of body i about its centre of mass" + ", a matrix" * (not s.planar),
             INERTIA,
         ),
         (f"z{n}", vec("z_i"), f"direction of a {joints_that(s, turn=True)} joint's axis", ""),
@@ -173,11 +174,22 @@ def _of_body(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:
             for parameter in each_parameter(x):
                 yield parameter, centre if x is parameter else "", METER
         for parameter in each_parameter(part.inertia.tensor):
-            kind = "moment of inertia" if s.planar else "entry of the inertia"
-            yield parameter, f"{kind} of body {n} about its centre of mass", INERTIA
+            yield parameter, _inertia(parameter, part.inertia.tensor, n), INERTIA
     for field, (words, units) in _DRIVE.items():
         for parameter in each_parameter(getattr(body.joint.drive, field)):
             yield parameter, f"{words} of joint {n}", units[0 if s.turns(i) else 1]
+
+
+def _inertia(parameter: Parameter, tensor: Sequence[Quantity], n: int) -> str:
+    """What a parameter is in an inertia; of diagonal entries the axes, unless its name tells."""
+    if len(tensor) == 1:
+        return f"moment of inertia of body {n} about its centre of mass"
+    entries = ("x", "", "", "y", "", "z")
+    axes = [axis for axis, x in zip(entries, tensor, strict=True) if x == parameter]
+    if axes and all(axes) and not re.search("[xyz]{2}$", parameter.name):
+        plural = "axes" if len(axes) > 1 else "axis"
+        return f"moment of inertia of body {n} about {plural} {listed(axes)} through its centre"
+    return f"entry of the inertia matrix of body {n} about its centre of mass"
 
 
 def placed(placement: Placement, words: str) -> Iterator[tuple[Parameter, str, str]]:

@@ -65,9 +65,11 @@ def _zero_of_angle(seen: Snapshot, body: BodyPlace) -> float:
 
 @of_each
 def slides(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
-    """d_i, from where a slide begins to the joint's block."""
+    """d_i, from where a slide begins to the joint's block; below lengths of a closed chain that
+    reach below the ground."""
     if body.kind.slides:
-        aside = -20.0 * _clear_side(seen, body)
+        below = body.parent < 0 and bool(seen.pose.loops)
+        aside = -(50.0 if below else 20.0) * _clear_side(seen, body)
         _dimension(drawing, body.carrier, body.origin, seen.names.coordinate(body), aside, SAME)
 
 
