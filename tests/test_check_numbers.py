@@ -212,6 +212,55 @@ def test_numbers_without_all_that_they_need_are_refused(
         fb.check(ARM, answer, at=at)
 
 
+STATE = "θ1 = 30°, θ2 = 45°"
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        *(f"G2 = 3.047 N m at {state}" for state in (
+            "q = [30, 45]°", "q = (30°, 45°)", "q = (0.5236, 0.7854) rad", "q = [30 45]^T deg",
+            "θ = [π/6; π/4]", "(θ1, θ2) = (30°, 45°)", "[θ1, θ2]^T = [30, 45]^T °",
+            r"q = \begin{bmatrix} 30^\circ \\ 45^\circ \end{bmatrix}",
+            r"\mathbf{q} = \left[\frac{\pi}{6}, \frac{\pi}{4}\right]^T",
+        )),
+        *(f"{left} = 3.047 at {STATE}" for left in (
+            "G2 [N m]", "G2 (Nm)", "G2 / N m", "G2 in Nm", r"G_2\,[\mathrm{N\,m}]", "2/2 G2",
+        )),
+        f"G2 [N mm] = 3047 at {STATE}",
+        "G2 [N m] = m2 g lc2 c12\nH22 [kg m²] = m2 lc2² + I2",
+        f"2 G2 = 6.094 N m at {STATE}",
+        *(f"H22 = 0.64 {unit}" for unit in ("kgm2", "kg·m²", "kgm^2", "kg.m²")),
+    ],
+)  # fmt: skip
+def test_units_and_states_are_written_in_many_ways(answer: str):
+    arm = fb.load("2R")
+    assert fb.check(arm, answer), answer
+    for old, new in (("3.047", "3.147"), ("3047", "3147"), ("6.094", "6.194"), ("0.64", "0.74")):
+        if old in answer:
+            assert not fb.check(arm, answer.replace(old, new))
+    if "at q" in answer:
+        with pytest.raises(AnswerError, match="3 values for 2 symbols"):
+            fb.check(arm, "G2 = 3 N m at q = [30, 45, 20]°")
+
+
+def test_the_unit_in_front_counts():
+    arm = fb.load("2R")
+    assert "would be right in N m" in fb.check(arm, f"G2 [kN m] = 3.047 at {STATE}").text
+    assert "The units do not fit: kg, where" in fb.check(arm, f"G2 [kg] = 3.047 at {STATE}").text
+    with pytest.raises(AnswerError):
+        fb.check(arm, "G2 [kN m] = m2 g lc2 c12")
+
+
+def test_accelerations_of_a_free_body_may_be_numbers():
+    body = fb.load("quadrotor")
+    at = "q = 0, r = 0, f_2 = 0, f_4 = 1 N"
+    for answer in (r"\dot p = -0.1 rad/s^2", "ṗ = -0.1"):
+        assert fb.check(body, answer, at=at)
+        assert not fb.check(body, answer.replace("0.1", "0.2"), at=at)
+        assert fb.check(body, f"{answer} at {at}")
+
+
 def test_a_tolerance_is_a_share():
     with pytest.raises(
         AnswerError, match=r"tolerance is a share from 0 to 1, such as 0\.01, not 5"

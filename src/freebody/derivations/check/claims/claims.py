@@ -15,8 +15,9 @@ from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.claims import own_names
 from freebody.derivations.check.claims.claim_reader import ClaimReader
 from freebody.derivations.check.documents.answer_document import AnswerDocument, FormulaPiece
+from freebody.derivations.check.numbers.results import WrittenNumbers
 from freebody.derivations.check.numbers.states import StateReader
-from freebody.derivations.check.numbers.written_numbers import WrittenNumbers, taken_from
+from freebody.derivations.check.numbers.written_numbers import taken_from
 from freebody.derivations.check.reading import loaded_lines
 from freebody.derivations.check.reading.answer_lines import DocumentReader, Line
 from freebody.derivations.check.reading.circular_answers import refuse_circles

@@ -13,7 +13,7 @@ from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.loads import held
 from freebody.derivations.check.asked.quantity import AskedQuantity
-from freebody.derivations.check.numbers.written_numbers import WrittenNumbers
+from freebody.derivations.check.numbers.results import WrittenNumbers
 from freebody.derivations.check.reading import loaded_lines
 from freebody.derivations.check.reading.answer_lines import Line
 from freebody.derivations.check.reading.circular_answers import uses

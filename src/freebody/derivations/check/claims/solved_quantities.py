@@ -12,9 +12,12 @@ from freebody.derivations.check.reading.answer_lines import Line
 from freebody.derivations.check.reading.circular_answers import uses
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reading.reading import INVERSE_FUNCTIONS
+from freebody.derivations.check.reasons.free_bodies import FreeBodyMotion
 from freebody.derivations.expressions.nodes import Expression, Function, Matrix, nodes
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.scalars.trig import Trig
+
+_IN_NUMBERS = "by the forces on the body"
 
 
 class SolvedQuantities(FormulaReader):
@@ -43,7 +46,7 @@ class SolvedQuantities(FormulaReader):
         if first.text in self.targets.tables and isinstance(self.parse(line[1]), Matrix):
             return False
         if self.setting.is_free_body or self.setting.system is not None:
-            return bool(names)
+            return bool(names) or (self.setting.is_free_body and moving.endswith((RATE, SECOND)))
         return by_quantities or (moving.endswith(SECOND) and bool(names))
 
     def _is_position(self, line: Line) -> bool:
@@ -91,6 +94,9 @@ class SolvedQuantities(FormulaReader):
             return self._position(line, name, value, node)
         words = "solved for it by the robot's quantities"
         target = AskedQuantity("solved", (), lambda: value, words=words)
+        if self.setting.is_free_body and not any(isinstance(x, Named) for x in nodes(node)):
+            motion = FreeBodyMotion(self.setting).motion((value,))
+            target = AskedQuantity("solved", (), lambda: motion.of(value), words=_IN_NUMBERS)
         return self.claim(self.source[first.span], target, node)
 
     def _position(self, line: Line, name: str, value: Value, node: Expression) -> Claim:

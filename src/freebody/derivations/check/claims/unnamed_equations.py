@@ -211,7 +211,8 @@ class UnnamedEquations(FormulaReader):
 
     def _identity(self, label: str, left: Expression, right: Expression) -> Claim:
         """One entry: the side that says more is compared with the other."""
-        if isinstance(right, Number):
+        is_result = isinstance(right, Number) and right.value and self.numbers.state_at(right.span)
+        if isinstance(right, Number) and not is_result:
             left, right = right, left
         value = self.quotient(left)
         target = AskedQuantity("identity", (), lambda: value)

@@ -4,10 +4,10 @@ or given by at=."""
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeVar
 
 from freebody.derivations.check.algebra.exact_polynomials import PolynomialReader
 from freebody.derivations.check.algebra.quotients import generator
@@ -25,6 +25,7 @@ from freebody.derivations.parameter_formulas import inertial_names
 from freebody.derivations.polynomials.symbols import RATE
 from freebody.errors import FreebodyError
 from freebody.identifiers import word_set
+from freebody.outputs.display import counted
 from freebody.outputs.numbers import shortest
 
 _PI = r"(?:\\pi(?![a-zA-Z])|pi(?!\w)|π)"
@@ -37,6 +38,11 @@ VALUE = re.compile(
 """A number as one writes it for an angle: -0.5, π/4, 3π/4, \\frac{\\pi}{2}."""
 _BLANK = re.compile(r"(?:[\s~$&]|\\[,;:! ()\[\]])*")
 _EQUALS = re.compile(r"(?:[\s~$&]|\\[,;:! ])*=(?!=)(?:[\s~$&]|\\[,;:! ])*")
+_OPENING = re.compile(r"(?:\\left\s?)?[\[(]|\\begin\s?\{\w?matrix\}")
+_CLOSING = re.compile(
+    r"(?:[\s~]|\\[,;:! ])*(?:(?:\\right\s?)?[\])]|\\end\s?\{\w?matrix\})(?:\s?ᵀ)?\x1f*"
+)
+_SEPARATOR = re.compile(r"(?:[\s~&,;]|\\\\|\\[,;:! ])*")
 _GOES_ON = re.compile(r"[\w(_]|\s?(?:[+*/^·×]|[-−](?!\s)|\\(?:cdot|times))")
 _AT_REST = re.compile(r"(?:at\s)?rest\b")
 _COMMA = re.compile(r",\d")
@@ -64,6 +70,7 @@ NO_STATE = word_set(
 )
 """Words after which a value is not that of the coordinate that follows."""
 _COMMAND = re.compile(r"\\([A-Za-z]+)")
+_Item = TypeVar("_Item")
 
 
 def in_words(state: State) -> str:
@@ -141,32 +148,63 @@ class StateReader:
         if rest:
             rates = [x + RATE for x in self.vocabulary.setting.symbols.coordinates]
             return dict.fromkeys(rates, GivenValue(0.0, 0.0)), rest.end()
-        names: list[str] = []
-        while (named := self._names(source, _after(_BLANK, source.text, at))) is not None:
+        names: list[list[str]] = []
+        while (named := self._named(source, _after(_BLANK, source.text, at))) is not None:
             own, end = named
             equals = _EQUALS.match(source.text, end)
             if equals is None:
                 break
-            names, at = [*names, *own], equals.end()
-        value = VALUE.match(source.text, at) if names else None
-        if value is None:
+            names, at = [*names, own], equals.end()
+        found = self._values(source, at, max(map(len, names))) if names else None
+        if found is None:
             return None
-        number = self._number(source, value.span())
-        if _COMMA.match(source.text, value.end()):
-            source.fail("a decimal comma: write a point", (value.start(), value.end() + 2))
-        unit = unit_at(source.text, value.end())
-        end = unit[1] if unit else value.end()
-        if number is None or _GOES_ON.match(source.text, end):
-            return None
+        values, end = found
         behind = self._names(source, _after(_BLANK, source.text, end))
-        if behind and not _EQUALS.match(source.text, behind[1]):
+        if _GOES_ON.match(source.text, end) or (
+            behind and not _EQUALS.match(source.text, behind[1])
+        ):
             return None  # θ1 = 2 θ2
-        given = GivenValue(number * (unit[0].factor if unit else 1.0), number, unit and unit[0])
-        for name in names:
+        state = {x: given for own in names for x, given in zip(own, values, strict=False)}
+        for name, given in state.items():
             self._refuse_unit(source, name, given, (at, end))
             if given.value < 0 and (what := inertial_names(self._model).get(name)):
                 source.fail(f"{sym(name)} is negative; a {what} is never negative", (at, end))
-        return dict.fromkeys(names, given), end
+        return state, end
+
+    def _named(self, source: Source, at: int) -> tuple[list[str], int] | None:
+        """The generators that a name, or a list of names, stands for, and where it ends."""
+        several = _listed(source, at, lambda k: self._names(source, k))
+        if several is None:
+            return self._names(source, at)
+        return [name for own in several[0] for name in own], several[1]
+
+    def _values(self, source: Source, at: int, count: int) -> tuple[list[GivenValue], int] | None:
+        """A value for each of some symbols, or one for all, and where it ends: 30°, [30, 45]°."""
+        several = _listed(source, at, lambda k: self._value(source, k))
+        if several is None:
+            number = VALUE.match(source.text, at)
+            if number and _COMMA.match(source.text, number.end()):
+                source.fail("a decimal comma: write a point", (at, number.end() + 2))
+            one = self._value(source, at)
+            return one and ([one[0]] * count, one[1])
+        values, end = several
+        if len(values) != count:
+            given = counted(len(values), "value")
+            source.fail(f"{given} for {counted(count, 'symbol')}", (at, end))
+        unit = unit_at(source.text, end)
+        if unit is None or any(x.unit for x in values):
+            return values, end
+        return [GivenValue(x.written * unit[0].factor, x.written, unit[0]) for x in values], unit[1]
+
+    def _value(self, source: Source, at: int) -> tuple[GivenValue, int] | None:
+        """A number with its unit, and where it ends."""
+        value = VALUE.match(source.text, at)
+        number = self._number(source, value.span()) if value else None
+        if value is None or number is None:
+            return None
+        unit = unit_at(source.text, value.end())
+        given = GivenValue(number * (unit[0].factor if unit else 1.0), number, unit and unit[0])
+        return given, unit[1] if unit else value.end()
 
     def _names(self, source: Source, at: int) -> tuple[list[str], int] | None:
         """The generators that a name stands for, q̇ for all rates, and where it ends."""
@@ -211,6 +249,21 @@ class StateReader:
                 f"{si_text(needed, angular)}",
                 span,
             )
+
+
+def _listed(
+    source: Source, at: int, read: Callable[[int], tuple[_Item, int] | None]
+) -> tuple[list[_Item], int] | None:
+    """What stands between brackets, piece by piece, and where it ends."""
+    opened = _OPENING.match(source.text, at)
+    if opened is None:
+        return None
+    found, at = list[_Item](), opened.end()
+    while (one := read(_after(_SEPARATOR, source.text, at))) is not None:
+        found.append(one[0])
+        at = one[1]
+    closed = _CLOSING.match(source.text, at)
+    return (found, closed.end()) if closed and found else None
 
 
 def _join(found: dict[str, GivenValue], values: State) -> None:

@@ -4,23 +4,23 @@ and states are noted and taken away; the numbers stay."""
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 from freebody.derivations.check.documents.answer_document import AnswerDocument, Blanks
+from freebody.derivations.check.numbers.results import WrittenNumber, WrittenNumbers
 from freebody.derivations.check.numbers.states import (
     NO_STATE,
     GivenValue,
     State,
     StateReader,
-    in_words,
 )
 from freebody.derivations.check.numbers.units import unit_of_quantity
 from freebody.derivations.check.numbers.written_units import WrittenUnit, unit_at
-from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerText
+from freebody.derivations.check.spelling.answer_text import AnswerText
 from freebody.derivations.check.spelling.equation_marks import asked_marks
 from freebody.derivations.check.spelling.formula_spellings import FILL, respelt
 from freebody.derivations.grammar.source import Span
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 
 _RESULT = re.compile(
     r"(?:(?<![\w.^_,])(?:\d{1,30}(?:[.,]\d{0,30})?|\.\d{1,30})(?:[eE][-+]?\d{1,3})?|[\])]"
@@ -49,65 +49,18 @@ _LONE = re.compile(
     re.MULTILINE,
 )
 _GOES_ON = re.compile(r"\s?(?:[*/^·×(]|\\cdot|\\times|\\frac|[+−-])")
+_IN_HEAD = re.compile(
+    r"(?:(?P<open>[\[(])|/|\bin\b)\s{0,3}(?P<unit>[^\[\]()=\n]{1,40}?)\s{0,3}(?(open)[\])])"
+    r"[\s~$&]{0,4}=(?!=)"
+)
+"""A unit in front of the sign of equality: τ1 [N m] = …, τ1 / N m = …"""
+_STOP = re.compile(
+    r"(?:[^\S\n]|[~$}]|\\[,;:! )\]])*(?:[.,;\]&)]|\\\\|±|\\pm|\+/-|\+-|$)", re.MULTILINE
+)
 _SEPARATOR = re.compile(r"[;\[\n]|\\\\|,\s")
+_LONGEST_NAME = 40
 _LONGEST = 600
 """Characters of an equation in front of a result."""
-
-
-@dataclass(frozen=True)
-class WrittenNumber:
-    """What is said behind a number of a document, or behind a vector."""
-
-    span: Span
-    """Where it stands."""
-    begun: int
-    """Where its equation begins, of which the sides before have no unit and the same state."""
-    said: Span
-    """Where it is said."""
-    unit: WrittenUnit | None = None
-    within: str = ""
-    """A tolerance in the same unit, as it is written; "" where the digits tell it."""
-    state: State = field(default_factory=dict[str, GivenValue])
-
-
-@dataclass(frozen=True)
-class WrittenNumbers:
-    """All of a document, in order."""
-
-    numbers: Sequence[WrittenNumber] = ()
-    standing: Sequence[tuple[int, State]] = ()
-    """States in front of numbers, and from where they hold."""
-    at: State = field(default_factory=dict[str, GivenValue])
-    """The state that is given besides."""
-
-    def refuse_two_states(self) -> None:
-        """Refuse a document that says another state than is given besides."""
-        said = [state for _, state in self.standing] + [x.state for x in self.numbers]
-        for name, given in self.at.items():
-            other = next(
-                (x[name] for x in said if name in x and x[name].value != given.value), None
-            )
-            if other is not None:
-                raise AnswerError(
-                    f"at: {in_words({name: given})}, but the answer says {in_words({name: other})}"
-                )
-
-    def of(self, span: Span) -> WrittenNumber | None:
-        """What is said of a number or expression that stands there."""
-        for x in self.numbers:
-            if x.span[0] <= span[0] and span[1] <= x.span[1]:
-                return x
-        return None
-
-    def state_at(self, span: Span) -> State:
-        """The state of a number or expression that stands there: what is given besides, what was
-        said last, and what stands behind it or behind a later side of its equation."""
-        last = next((state for end, state in reversed(self.standing) if end <= span[0]), {})
-        found = {**self.at, **last}
-        for x in self.numbers:
-            if x.begun <= span[0] and span[1] <= x.span[1]:
-                found |= x.state
-        return found
 
 
 def taken_from(
@@ -116,7 +69,7 @@ def taken_from(
     """A document without units and states, and what they say; one without numbers as it is."""
     search = _NumberSearch(document, reader)
     numbers = search.numbers()
-    if not numbers and not (search.standing and search.has_result):
+    if not (numbers or search.heads) and not (search.standing and search.has_result):
         return document, WrittenNumbers()
     formulas, said = Blanks(respelt(document.formulas)), Blanks(document.said)
     for start, end in search.taken:
@@ -143,11 +96,14 @@ class _NumberSearch:
         """Of each character, whether it is in one of these."""
         self.units: list[Span] = []
         self.standing: list[tuple[int, dict[str, GivenValue]]] = []
+        self.heads: dict[int, tuple[WrittenUnit, Span]] = {}
+        """Units in front of signs of equality, by the place behind the sign."""
 
     def numbers(self) -> list[WrittenNumber]:
         if "=" not in self.text:
             return []
         self._read_standing()
+        self._read_heads()
         places = [*_RESULT.finditer(self.text), *_WHERE.finditer(self.text)]
         places.sort(key=lambda match: match.start())
         found = [x for match in places if (x := self._said_behind(match))]
@@ -174,7 +130,8 @@ class _NumberSearch:
             if self.taken and match.end() < self.taken[-1][1]:
                 continue
             start, values, end, word = self._list_behind_words(match.end())
-            if values and (word in _KEYWORDS or _SENTENCE_END.match(self.text, end)):
+            is_alone = not self._is_result(values) and _SENTENCE_END.match(self.text, end)
+            if values and (word in _KEYWORDS or is_alone):
                 begun = {} if not self.standing else self.standing[-1][1]
                 moving = {name for name in values if not self._is_constant(name)}
                 if moving & set(begun):  # another state
@@ -182,6 +139,12 @@ class _NumberSearch:
                 self.standing.append((end, {**begun, **values}))
                 colon = _COLON.match(self.text, end)
                 self._take(match.start() if colon else start, colon.end() if colon else end)
+
+    def _is_result(self, values: State) -> bool:
+        """Whether a value is that of an acceleration of a body that nothing holds, which forces
+        make."""
+        free = self.reader.vocabulary.setting.is_free_body
+        return free and any(name.endswith((RATE, SECOND)) for name in values)
 
     def _list_behind_words(self, at: int) -> tuple[int, dict[str, GivenValue], int, str]:
         """A list of values behind a few words, where it stands, and the last of the words."""
@@ -212,6 +175,33 @@ class _NumberSearch:
         symbols = self.reader.vocabulary.setting.symbols
         return name.partition("_d")[0] not in symbols.coordinates
 
+    # ------------------------------------------------------------ units before numbers
+    def _read_heads(self) -> None:
+        """Units in front of signs of equality; behind a quantity that has it, it says nothing."""
+        known, quantities = self.reader.vocabulary.known, self.reader.targets.names
+        for match in _IN_HEAD.finditer(self.text):
+            found, sign = unit_at(self.text, match.start("unit")), match.end() - 1
+            left = self.text[max(0, match.start() - _LONGEST_NAME) : match.start()] + "="
+            is_asked = any(True for _ in asked_marks(left, (0, len(left)), quantities.__contains__))
+            if found is None or found[1] != match.end("unit") or not is_asked:
+                continue
+            if match["open"] != "[" and set(found[0].words) <= known:  # G(m), G2/m
+                continue
+            self.heads[match.end()] = found[0], (match.start(), sign)
+            if found[0].factor == 1.0 and self._may_have(found[0], match.end()):
+                self._take(match.start(), sign)
+
+    def _unit_in_head(self, begun: int, number: Span) -> WrittenUnit | None:
+        """The unit in front of the sign of equality where a number that stands alone begins."""
+        unit, span = self.heads.get(begun, (None, (0, 0)))
+        before = self.text[begun : number[0]]
+        alone = self.text[number[0]] == "]" or not before.strip(" \t~$&{+-−")
+        ends = _STOP.match(self.text, number[1]) or self._clause(number[1])[0]
+        if unit is None or not alone or not ends:
+            return None
+        self._take(*span)
+        return unit
+
     # ------------------------------------------------------------ numbers
     def _said_behind(self, match: re.Match[str]) -> WrittenNumber | None:
         return self._number(match) if match.re is _RESULT else self._expression(match)
@@ -225,12 +215,13 @@ class _NumberSearch:
         unit = self._unit(at, start)
         stop = unit[1] if unit else at
         own, behind = self._clause(stop)
-        if not (own or unit or match["pm"]):
-            return None
         line = self._begin(start)
         if match[0] == "]" or match[0].startswith("\\"):
             line = self.text.rfind("=", 0, start) + 1
         begun = max(self.text.rfind("=", line, start) + 1, line)
+        head = None if unit else self._unit_in_head(begun, (start, at))
+        if not (own or unit or match["pm"] or head):
+            return None
         inside = self.text.count("(", begun, end) > self.text.count(")", begun, end)
         if inside or begun == max(0, start - _LONGEST):
             return None
@@ -239,7 +230,9 @@ class _NumberSearch:
         self._take(end, behind)
         self.units.append((end, self._behind_padding(stop)))
         within = match["within"] or ""
-        return WrittenNumber((begun, end), line, (end, behind), unit and unit[0], within, own)
+        return WrittenNumber(
+            (begun, end), line, (end, behind), unit[0] if unit else head, within, own
+        )
 
     def _expression(self, match: re.Match[str]) -> WrittenNumber | None:
         """The state behind an expression in symbols."""
@@ -278,7 +271,7 @@ class _NumberSearch:
         start = max(self.text.rfind("\n", 0, at) + 1, at - _LONGEST)
         single, setting = self.reader.targets.single, self.reader.vocabulary.setting
         for left, mark in asked_marks(self.text, (start, at), single.__contains__):
-            name = re.sub(r"[_{}\\\s]", "", self.text[left:mark])
+            name = re.sub(r"[_{}\\\s]|[\[(/].*|\bin\b.*", "", self.text[left:mark])
             for target in (single.get(name), single.get(name.replace("P", "power"))):
                 if target is not None:
                     needed = unit_of_quantity(setting, target, target.compute())

@@ -128,9 +128,9 @@ class _UnitReader:
         if match is None:
             return False
         word, end = match[0].lstrip("\\"), match.end()
-        if word[-1].isdigit():  # kg m2
+        if word[-1].isdigit():  # kg m2, kgm2
             word, end = word[:-1], end - 1
-            if not self.shown:
+            if not self.shown and len(self._parts(word)) < 2:
                 return False
         if word in _SIUNITX and (following := _WORD.match(self.text, end)):
             word = _SIUNITX[word] + _named(following[0].lstrip("\\"))

@@ -11,9 +11,9 @@ from freebody.derivations.check.algebra.exact_polynomials import PolynomialReade
 from freebody.derivations.check.algebra.quotients import Value, pair
 from freebody.derivations.check.algebra.real_point import RealPoint
 from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.check.numbers.results import WrittenNumber
 from freebody.derivations.check.numbers.states import State
 from freebody.derivations.check.numbers.units import Unit, unit_of_quantity
-from freebody.derivations.check.numbers.written_numbers import WrittenNumber
 from freebody.derivations.check.numbers.written_units import WrittenUnit, common_units
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.verdicts.rounded_numbers import half_a_unit

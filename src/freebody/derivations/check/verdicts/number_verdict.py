@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from freebody.derivations.check.algebra.real_point import RealPoint
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.check.numbers.results import WrittenNumber, WrittenNumbers
 from freebody.derivations.check.numbers.states import State, in_words
 from freebody.derivations.check.numbers.units import unit_of_quantity
-from freebody.derivations.check.numbers.written_numbers import WrittenNumber, WrittenNumbers
 from freebody.derivations.check.numbers.written_units import si_text
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.verdict import EquationVerdict, Example, Mistake

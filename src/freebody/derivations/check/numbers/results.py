@@ -1,0 +1,67 @@
+"""What a document says of its results in numbers: units, tolerances and states."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from freebody.derivations.check.numbers.states import GivenValue, State, in_words
+from freebody.derivations.check.numbers.written_units import WrittenUnit
+from freebody.derivations.check.spelling.answer_text import AnswerError
+from freebody.derivations.grammar.source import Span
+
+
+@dataclass(frozen=True)
+class WrittenNumber:
+    """What is said behind a number of a document, or behind a vector."""
+
+    span: Span
+    """Where it stands."""
+    begun: int
+    """Where its equation begins, of which the sides before have no unit and the same state."""
+    said: Span
+    """Where it is said."""
+    unit: WrittenUnit | None = None
+    within: str = ""
+    """A tolerance in the same unit, as it is written; "" where the digits tell it."""
+    state: State = field(default_factory=dict[str, GivenValue])
+
+
+@dataclass(frozen=True)
+class WrittenNumbers:
+    """All of a document, in order."""
+
+    numbers: Sequence[WrittenNumber] = ()
+    standing: Sequence[tuple[int, State]] = ()
+    """States in front of numbers, and from where they hold."""
+    at: State = field(default_factory=dict[str, GivenValue])
+    """The state that is given besides."""
+
+    def refuse_two_states(self) -> None:
+        """Refuse a document that says another state than is given besides."""
+        said = [state for _, state in self.standing] + [x.state for x in self.numbers]
+        for name, given in self.at.items():
+            other = next(
+                (x[name] for x in said if name in x and x[name].value != given.value), None
+            )
+            if other is not None:
+                raise AnswerError(
+                    f"at: {in_words({name: given})}, but the answer says {in_words({name: other})}"
+                )
+
+    def of(self, span: Span) -> WrittenNumber | None:
+        """What is said of a number or expression that stands there."""
+        for x in self.numbers:
+            if x.span[0] <= span[0] and span[1] <= x.span[1]:
+                return x
+        return None
+
+    def state_at(self, span: Span) -> State:
+        """The state of a number or expression that stands there: what is given besides, what was
+        said last, and what stands behind it or behind a later side of its equation."""
+        last = next((state for end, state in reversed(self.standing) if end <= span[0]), {})
+        found = {**self.at, **last}
+        for x in self.numbers:
+            if x.begun <= span[0] and span[1] <= x.span[1]:
+                found |= x.state
+        return found
