@@ -98,16 +98,16 @@ def test_rows_are_aligned_by_the_page_and_equations_that_stand_alone_by_themselv
 
 @pytest.mark.parametrize(("name", "method"), [("3R", "lagrange"), ("four_bar", None)])
 def test_pages_fit_a_phone_and_a_sheet_of_paper(driver, tmp_path: Path, name, method):
-    """A phone scrolls long equations; on A4, with the browser's margins, none is cut off, and no
-    values are printed, whose state would not be seen."""
+    """A phone scrolls long equations; on A4, with the page's margins, none is cut off."""
     page = tmp_path / "derivation.html"
     page.write_text(fb.derive(fb.load(name), method).html())
     sizes = """const all = [...document.querySelectorAll(".equations")];
+    const rows = [...document.querySelectorAll(".equations .aligned > mtr")];
     return [document.documentElement.scrollWidth - innerWidth,
-      all.filter(e => e.scrollWidth > e.clientWidth).length,
-      [...document.querySelectorAll('.values, .try')].filter(e => e.offsetHeight).length]"""
+      all.filter(e => e.scrollWidth > e.clientWidth).length, rows.filter(row =>
+      row.lastChild.getBoundingClientRect().right > innerWidth + 0.5).length]"""
     found = []
-    for width, media in ((375, ""), (717, "print")):
+    for width, media in ((375, ""), (688, "print")):
         size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False}
         driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
         driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": media})
@@ -143,16 +143,28 @@ def test_mathml_stacks_dots_above_letters_and_indices_below(driver, tmp_path: Pa
 
 
 @pytest.mark.skipif(not shutil.which("pdftotext"), reason="needs pdftotext")
-def test_on_paper_a_legend_stands_below_its_equations(driver, tmp_path: Path):
-    """It had gone to the next sheet, with the next step."""
+def test_a_printed_derivation_reads_like_a_handout(driver, tmp_path: Path):
+    """No legend begins a sheet, as it had gone there with the next step; sheets end between rows of
+    equations and have numbers; the state to which the values belong is told once."""
     page = tmp_path / "derivation.html"
     page.write_text(fb.derive(fb.planar("RRR"), "lagrange").html())
     driver.get(page.as_uri())
+    driver.execute_script("document.getElementById('fold').click()")
     printed = driver.execute_cdp_cmd("Page.printToPDF", {})["data"]
     (tmp_path / "page.pdf").write_bytes(base64.b64decode(printed))
     text = subprocess.run(
-        ["pdftotext", tmp_path / "page.pdf", "-"], capture_output=True, text=True, check=True
+        ["pdftotext", "-layout", tmp_path / "page.pdf", "-"],
+        capture_output=True,
+        text=True,
+        check=True,
     ).stdout
-    sheets = [" ".join(sheet.split()) for sheet in text.split("\f")]
+    sheets = [" ".join(sheet.split()) for sheet in text.split("\f")[:-1]]
     assert sum(sheet.count("Terms from") for sheet in sheets) == 7
     assert not [sheet for sheet in sheets if sheet.startswith("Terms from")]
+    assert 6 <= len(sheets) <= 9
+    assert [sheet.split()[-1] for sheet in sheets] == [str(k + 1) for k in range(len(sheets))]
+    whole = " ".join(sheets)
+    assert whole.count("The values below equations are in SI units, at: Positions: ") == 1
+    assert whole.index("SI units, at") < whole.index("1 Choose independent coordinates")
+    assert "▾" not in whole
+    assert "Try it" not in whole

@@ -24,7 +24,7 @@ from freebody.derivations.render.mathml import lean, mathml
 from freebody.derivations.render.prose import web_prose
 from freebody.derivations.render.small_screens import SCROLLED, TOUCHED
 from freebody.figures import colours
-from freebody.outputs.page import math_style, policy
+from freebody.outputs.page import SHEETS, math_style, policy
 from freebody.outputs.text import legal
 from freebody_notes.contents import Chapter, chapters
 from freebody_notes.contents import item as found_item
@@ -88,7 +88,7 @@ def pages(findings: Sequence[ExecutedItem], contents: str) -> dict[str, str]:
         "seconds": sum(f.seconds for f in findings),
         "colours": (colours.page_colours(dark=False), colours.page_colours(dark=True)),
         "small_style": Markup(SCROLLED + TOUCHED),
-        "math_style": Markup(math_style() + formulas.STYLE),
+        "math_style": Markup(math_style() + SHEETS + formulas.STYLE),
         "figure_style": Markup(colours.style("@media screen and (prefers-color-scheme:dark)")),
     }
     front = _page(

@@ -37,3 +37,11 @@ def math_style() -> str:
         f'src:url(data:font/woff2;base64,{data})format("woff2")}}'
         'math{font-family:"Freebody Formulas",math}'
     )
+
+
+SHEETS = (
+    "@media print{@page{margin:14mm 14mm 17mm;"
+    "@bottom-center{content:counter(page);font:9pt system-ui,sans-serif;color:#5a6675}}"
+    "summary{list-style:none}summary::-webkit-details-marker{display:none}}"
+)
+"""Rules of all pages for paper, A4 or Letter: margins, numbers of sheets, no marks of folding."""

@@ -22,7 +22,7 @@ from freebody.model.description import DOUBTFUL, ESTIMATED
 from freebody.motion.ranges import ranges
 from freebody.outputs import files
 from freebody.outputs.numbers import significant
-from freebody.outputs.page import math_style, policy
+from freebody.outputs.page import SHEETS, math_style, policy
 from freebody.outputs.text import legal
 from freebody.report import equations
 from freebody.report import page_figures as figures
@@ -47,6 +47,7 @@ def page(study: Study) -> str:
         .get_template("page.html")
         .render(
             policy=Markup(policy()),
+            sheets=Markup(SHEETS),
             study=study,
             model=study.model,
             facts=_facts(study),

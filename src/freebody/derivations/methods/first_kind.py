@@ -125,7 +125,7 @@ class _FirstKindSteps:
         own += ", the load" if s.load else ""
         reason = (
             f"{own}{' and ' if s.driven(i) or s.load else ' '}the loops, whose part -Φ_qᵀ λ is "
-            f"written on the left."
+            f"written beside the derivatives."
         )
         if not friction.is_zero:
             reason += " Friction opposes."

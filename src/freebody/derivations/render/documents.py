@@ -15,6 +15,7 @@ from freebody.derivations.render.equation_numbers import cited
 from freebody.derivations.render.literal import declared, literal
 from freebody.derivations.render.living_parts import STYLE, LivingParts
 from freebody.derivations.render.mathml import lean, mathml
+from freebody.derivations.render.paper import STATE, STEPS
 from freebody.derivations.render.prose import (
     Medium,
     markdown_prose,
@@ -23,7 +24,7 @@ from freebody.derivations.render.prose import (
     web_prose,
 )
 from freebody.derivations.render.small_screens import NARROW, SCROLLED, TOUCHED
-from freebody.outputs.page import math_style, policy
+from freebody.outputs.page import SHEETS, math_style, policy
 from freebody.outputs.text import legal
 
 if TYPE_CHECKING:
@@ -86,18 +87,18 @@ class _Document:
         left, prose = dict(figures or {}), self.prose
         title = prose(_title(derivation))
         blocks = [self.title.format(title), self.underline * _cells(title)]
+        blocks += [
+            self.given.format(self.wrap(prose(words), ""))
+            for words in derivation.given.splitlines()
+        ]
+        if "overview" in left:
+            blocks.append(self.figure.format(left.pop("overview")))
         if derivation.given:
             rows = [
                 (self.listed(list(map(self.symbol, m.symbols))), prose(m.words), prose(m.unit))
                 for m in derivation.glossary
             ]
-            blocks += [
-                self.given.format(self.wrap(prose(words), ""))
-                for words in derivation.given.split("\n")
-            ]
             blocks.append(self.table.format(self.rows(self, rows)))
-        if "overview" in left:
-            blocks.append(self.figure.format(left.pop("overview")))
         blocks.append(self.opening)
         for number, step in enumerate(derivation.steps, 1):
             blocks.append(self.step(step, self.number.format(number), left))
@@ -293,15 +294,15 @@ def html(
     title, inside, scripts = web_prose(_title(derivation)), body, []
     if living is not None:
         inside = tried(living)
-        scripts, style = [legal(living.script)], style + STYLE
+        scripts, style = [legal(living.script)], style + STYLE + STATE
     kind = ' class="living"' if living else ""
     run = "".join(f"<script>{text}</script>" for text in scripts)
     return legal(
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">{policy(scripts)}'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
         '<meta name="color-scheme" content="light dark"><link rel="icon" href="data:,">'
-        f"<title>{title}</title><style>{math_style()}{style}{_STYLE}{page.STYLE}{term_sources.STYLE}"
-        f"{SCROLLED}{TOUCHED}{NARROW}</style></head>\n"
+        f"<title>{title}</title><style>{math_style()}{SHEETS}{style}{_STYLE}{page.STYLE}"
+        f"{term_sources.STYLE}{STEPS}{SCROLLED}{TOUCHED}{NARROW}</style></head>\n"
         f"<body><main{kind}>\n{lean(inside(derivation, figures))}\n</main>{run}</body></html>\n"
     )
 
@@ -322,13 +323,8 @@ p{max-width:44rem}.equations{overflow-x:auto;padding:.3rem 0}
 math{font-size:1.2rem}p math,td math{font-size:1.1em}
 figure{margin:1rem 0;text-align:center}figure svg{max-width:100%;height:auto}
 .source{color:#5a6675;font-size:.9rem;margin-top:3rem}
-@media (prefers-color-scheme:dark){body{color:#e4e9f0;--paper:#14181e}
+@media screen and (prefers-color-scheme:dark){body{color:#e4e9f0;--paper:#14181e}
 .source,h2 .notes{color:#9aa6b5}}
-@media print{body{font-size:11pt}main{max-width:none;padding:0}
-math{font-size:1rem}.equations math{font-size:13.8px}.equations{overflow:visible}
-p,figure,math,.result{break-inside:avoid-page}.sources{break-before:avoid-page}
-summary,section p:not(.sources){break-after:avoid-page}
-h1{margin-top:0}.source{margin-top:1rem;break-before:avoid-page}}
 """
 
 

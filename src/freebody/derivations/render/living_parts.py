@@ -40,8 +40,7 @@ grid-template-columns:1fr 1fr;gap:0 2rem}.living .try h2{grid-column:1/3}
 .drawn{display:contents}#arm{position:sticky;top:0}
 .try{position:fixed;top:1rem;right:1rem;width:23rem;margin:0;max-height:calc(100vh - 3rem);
 overflow-y:auto}}
-@media print{.try,.values{display:none}}
-@media (prefers-color-scheme:dark){.try{border-color:#48525e}.values{color:#9aa6b5}
+@media screen and (prefers-color-scheme:dark){.try{border-color:#48525e}.values{color:#9aa6b5}
 .value output{color:#ff86b3}.answer.right p{color:#74cf8a}}
 """
 """Of the panel and the values; wide windows have the panel beside the steps."""

@@ -19,13 +19,14 @@ from freebody.derivations.expressions.nodes import (
 )
 from freebody.derivations.render.latex import LATEX, width_of
 from freebody.derivations.render.mathml import MATHML, NAMESPACE
-from freebody.derivations.render.rows import Row, left_side, rows
+from freebody.derivations.render.paper import ROWS
+from freebody.derivations.render.rows import Row, left_side, rows, turned_round
 from freebody.derivations.render.text import TEXT
 from freebody.derivations.render.typesetter import Typesetter
 
 _RIGHT = "text-align:right;text-align:-webkit-right;padding-right:0"
 _LEFT = "text-align:left;text-align:-webkit-left;padding-left:0"
-STYLE = f".aligned>mtr>mtd:first-child{{{_RIGHT}}}.aligned>mtr>mtd:last-child{{{_LEFT}}}"
+STYLE = f".aligned>mtr>mtd:first-child{{{_RIGHT}}}.aligned>mtr>mtd:last-child{{{_LEFT}}}{ROWS}"
 """A page with equations of `html` needs it: their rows say nothing of how they are aligned."""
 
 Groups = Sequence[Sequence[Equation]]
@@ -141,7 +142,7 @@ def _tables(groups: Groups, width: float, tall: float) -> list[list[list[Equatio
     tables: list[list[list[Equation]]] = []
     last = None
     for group in groups:
-        parts = _parts(group, tall)
+        parts = _parts([turned_round(line, width, span) for line in group], tall)
         runs = groupby(parts, lambda row: (row[0], span(left_side(row[1])) > WIDE * width))
         for k, (kind, lines) in enumerate(runs):
             if kind != last:

@@ -32,10 +32,21 @@ class Row:
 def rows(group: Iterable[Equation], width: float, measure: Measure) -> tuple[list[Row], float]:
     """The lines of a group of equations, and the room that their right sides have beside the widest
     left one."""
-    lines = [line for equation in group for line in unfolded(equation, width, measure)]
+    turned = (turned_round(equation, width, measure) for equation in group)
+    lines = [line for equation in turned for line in unfolded(equation, width, measure)]
     heads = [_head(line) for line in lines]
     room = width - SIGN - max((measure(head) for head, _ in heads), default=0.0)
     return [row for head, rest in heads for row in _chain(head, rest, room, measure)], room
+
+
+def turned_round(equation: Equation, width: float, measure: Measure) -> Equation:
+    """The equation; a = b as b = a where a is too wide for a line, as only the right side is
+    broken."""
+    left, *others = equation.sides
+    sizes = [measure(side) for side in others]
+    if len(others) > 1 or sizes[0] > width / 4 or measure(left) + SIGN + sizes[0] <= width:
+        return equation
+    return eq(others[0], left)
 
 
 def unfolded(equation: Equation, width: float, measure: Measure) -> list[Equation]:

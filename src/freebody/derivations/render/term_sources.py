@@ -31,7 +31,7 @@ STYLE = """
 .term-kinetic{color:#b0480a;border-bottom:.09em dashed}
 .term-potential{color:#1f7a36;border-bottom:.11em dotted}
 .term-several{border-bottom:.2em double}
-.sources{font-size:.92rem;color:#5a6675}
+.sources{font-size:.92em;color:#5a6675}
 @media screen and (prefers-color-scheme:dark){.term-time{color:#8ab4ff}
 .term-kinetic{color:#ffa765}.term-potential{color:#74cf8a}.sources{color:#9aa6b5}}
 """
