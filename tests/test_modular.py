@@ -4,6 +4,7 @@ line holds the numbers of one joint."""
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -107,6 +108,16 @@ def test_lines_give_the_torques_exactly(name, gravity):
 def test_a_load_on_the_tip_is_carried_inward():
     derivation = fb.derive(spatial_arm(2, 4), "recursive", values="modular", load=True)
     values, known = line_by_line(derivation), rational(derivation)
+    for i, tau in enumerate(derivation.tau, 1):
+        assert values[f"tau{i}"] == exactly(tau, known)
+
+
+def test_a_loop_to_the_ground_is_turned_to_the_last_body():
+    derivation = fb.derive(fb.load("bricard"))
+    assert "terms)" not in derivation.text()
+    last = [step.operation for step in derivation.steps].index("Inward: body 1")
+    values = line_by_line(replace(derivation, steps=derivation.steps[: last + 1]))
+    known = rational(derivation)
     for i, tau in enumerate(derivation.tau, 1):
         assert values[f"tau{i}"] == exactly(tau, known)
 

@@ -14,7 +14,7 @@ from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.nodes import Words
 from freebody.derivations.expressions.printed_names import entry, sym
-from freebody.derivations.methods import absolute_coordinates, glossary, lagrange
+from freebody.derivations.methods import absolute_coordinates, glossary, lagrange, modular_ring
 from freebody.derivations.methods.cut_loops import LONG, Loops, block_system
 from freebody.derivations.methods.energies import HALF, Energies
 from freebody.derivations.methods.method import Method, MethodOption, Worked
@@ -38,19 +38,32 @@ def work_out(setting: Setting, coordinates: str) -> Worked:
     loops = Loops(setting)
     work = _FirstKindSteps(setting, loops)
     steps = [loops.cut(), loops.closed(), loops.freedom(), loops.rates(), *work.energy_steps]
-    for i in setting.order:
-        steps += work.equation(i)
-    steps += [loops.wrenches(), loops.seconds(), *work.together(), *work.reduced()]
+    introduced = list(_symbols(setting, work.energies))
+    seconds, together = loops.seconds(), work.together()
+    if modular_ring.is_ring(setting, work.forces):
+        steps += modular_ring.steps(setting)
+        introduced += modular_ring.symbols(setting)
+        seconds = modular_ring.without_lengths(seconds, _C)
+        together = [modular_ring.without_lengths(step, _N) for step in together]
+    else:
+        for i in setting.order:
+            steps += work.equation(i)
+        steps.append(loops.wrenches())
+    steps += [seconds, *together, *work.reduced()]
     sought = (
         f"{Efforts.of(setting).given} accelerations and the forces in {loops.named} are sought."
     )
     return Worked(
         tuple(steps),
         tuple(work.forces),
-        _symbols(setting, work.energies),
+        list(dict.fromkeys(introduced)),
         sought=sought,
         system=loops.system,
     )
+
+
+_C = "c is the second derivative of Φ where q̈ = 0, with the opposite sign"
+_N = "n is τ less what the lines above give for it where q̈ = 0 and λ = 0"
 
 
 def _symbols(s: Setting, energies: Energies) -> Iterator[Meaning]:

@@ -148,9 +148,9 @@ class LoopForces:
         _, place = frame_pose(self.s.tree, self.s.world, frame)
         return sub(place, self.s.world[i][1])
 
-    def geometry(self) -> Step:
-        """The vectors, those to the loops' frames included."""
-        step = geometry(self.s, inertias=not self.s.at_rest)
+    def geometry(self, rotations: bool = False) -> Step:
+        """The vectors, those to the loops' frames included; as `geometry`."""
+        step = geometry(self.s, rotations, inertias=not self.s.at_rest)
         lines: list[Equation] = list(step.equations)
         for i in self.s.order:
             for _, frame in self._ends(i):

@@ -7,10 +7,12 @@ computed, is kept, and what follows from it is given names for its components.
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Self
 
 from freebody.algorithms.kinematics import BodyMotions
 from freebody.algorithms.rnea import Recursion, rnea
@@ -41,7 +43,7 @@ _LETTERS = {
 """Letter and dots of the vectors of one body, by their names in the recursion."""
 _BETWEEN = ("f", "n")
 """The vectors that have the number of the body before, too."""
-_AXES = "xyz"
+AXES = "xyz"
 
 
 @dataclass(frozen=True)
@@ -103,30 +105,39 @@ class ModularSetting(Setting):
     """A setting in space whose recursion is modular: its vectors hold the components of others."""
 
     @classmethod
-    def of(cls, s: Setting) -> ModularSetting:
+    def of(cls, s: Setting) -> Self:
         """The same robot."""
         given, count = s.symbols.given or s.symbols.model, len(s.symbols.model.bodies)
         names = (
-            _generator(quantity, n, axis)
+            generator(quantity, n, axis)
             for n in range(1, count + 1)
             for quantity in (*_LETTERS, *_BETWEEN)
-            for axis in _AXES
+            for axis in AXES
         )
-        extra = (*s.symbols.extra, *names)
+        extra = (*s.symbols.extra, *names, *cls.more_names(count))
         made = symbols(given, s.symbols.reader.numbers, extra=extra, euler=s.symbols.euler)
         return cls(made, s.load, s.at_rest)
+
+    @classmethod
+    def more_names(cls, count: int) -> Iterable[str]:
+        """Further generators, of a robot of so many bodies."""
+        return ()
 
     @cached_property
     def components(self) -> dict[str, Symbol]:
         """By the name of its generator the symbol of each component."""
         return {
-            _generator(quantity, self.numbers[i], axis): part(self._vector(quantity, i), axis)
-            for i in self.order
-            for quantity in (*_LETTERS, *_BETWEEN)
-            for axis in _AXES
+            generator(quantity, self.numbers[i], axis): part(self.vector(quantity, i), axis)
+            for quantity, i in self.vectors()
+            for axis in AXES
         }
 
-    def _vector(self, quantity: str, i: int) -> Symbol:
+    def vectors(self) -> Iterator[tuple[str, int]]:
+        """The vectors whose components have names, each with its body."""
+        yield from itertools.product((*_LETTERS, *_BETWEEN), self.order)
+
+    def vector(self, quantity: str, i: int) -> Symbol:
+        """Its symbol."""
         n, parent = self.numbers[i], self.numbers[self.tree.bodies[i].parent]
         if quantity in _BETWEEN:
             return (self.naming.force if quantity == "f" else self.naming.moment)(parent, n)
@@ -148,14 +159,14 @@ class ModularSetting(Setting):
 
     # ------------------------------------------------------------ the recursion
     def _component(self, quantity: str, i: int, axis: str) -> Scalar:
-        return self.symbols.ring[_generator(quantity, self.numbers[i], axis)]
+        return self.symbols.ring[generator(quantity, self.numbers[i], axis)]
 
     def named(self, quantity: str, i: int, value: Vector) -> Vector:
         """What follows from a vector has its components by name, but those that are zero or a rate
         or a parameter themselves."""
         return tuple(
             x if self._is_plain(x) else self._component(quantity, i, axis)
-            for axis, x in zip(_AXES, value, strict=True)
+            for axis, x in zip(AXES, value, strict=True)
         )
 
     def _is_plain(self, x: Scalar) -> bool:
@@ -207,7 +218,7 @@ class ModularSetting(Setting):
 
     def field_name(self, i: int) -> Expression:
         """g_i: gravity in the axes of body i."""
-        return self._vector("field", i)
+        return self.vector("field", i)
 
     def gravity(self, i: int) -> Vector:
         """Its components, by those in the axes of the body before."""
@@ -220,7 +231,7 @@ class ModularSetting(Setting):
         return self._run("base")[1]
 
 
-def _generator(quantity: str, n: int, axis: str) -> str:
+def generator(quantity: str, n: int, axis: str) -> str:
     """A name in the ring that no parameter has."""
     return f"{quantity}.{n}.{axis}"
 

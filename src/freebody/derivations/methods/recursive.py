@@ -58,7 +58,7 @@ def modular_steps(setting: Setting, gravity: str) -> list[Step]:
 
 
 def _steps(s: Setting, record: Recursion, base: bool, rules: bool = False) -> list[Step]:
-    outward, inward = _Outward(s, record, base, rules), Inward(s, record, base, rules)
+    outward, inward = Outward(s, record, base, rules), Inward(s, record, base, rules)
     return [
         geometry(s, rotations=True),
         outward.start(),
@@ -93,7 +93,7 @@ _BY_RULES = (
 )
 
 
-class _Outward:
+class Outward:
     """Velocities and accelerations, the values taken from the recursion's record."""
 
     def __init__(self, setting: Setting, record: Recursion, base: bool, rules: bool):
