@@ -4,6 +4,7 @@ are Python's, the keyboard is enough, answers are judged and never run."""
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -451,6 +452,10 @@ def test_a_closed_chain_is_closed_by_its_page(driver, tmp_path, name, method):
                 force = held.wrenches[n - 1][:2]
                 np.testing.assert_allclose(found, force, rtol=1e-9, atol=1e-10)
     assert len(shown) > 10
+    if name == "bricard":
+        page = derivation.html()
+        assert re.search(r'data-name="f05">.*?N \(in axes of the world\)</p>', page)
+        assert re.search(r'data-name="f45">.*?N \(in axes of body 5\)</p>', page)
     assert ("lam1" in shown) == (method == "newton-euler" and bool(model.passive))
     assert driver.execute_script(OPEN) == ""
 

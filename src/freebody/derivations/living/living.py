@@ -132,9 +132,13 @@ def _parts(
     script = _script().replace("PAGE", _json(page), 1)
     of_lines = LineUnits(plain, units)
     dim, alone = plain.equations.symbols.model.dim, sum(body["alone"] for body in bodies)
+    naming = Naming(plain.equations.symbols.model)
+    loops = range(len(naming.model.loops))
+    exerted = [*map(naming.loop_force, loops), *map(naming.loop_moment, loops)]
+    told = below(found.lines, letters, of_lines, {x.name for x in exerted if isinstance(x, Symbol)})
     return LivingParts(
         panel(inputs, dim, alone, letters),
-        {own[step]: rows for step, rows in below(found.lines, letters, of_lines).items()},
+        {own[step]: rows for step, rows in told.items()},
         f"{kernel.source([x['name'] for x in inputs])}\n{script}",
     )
 

@@ -4,7 +4,7 @@ the equations."""
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Container, Iterable
 from typing import Any
 
 from freebody.derivations.derivation import Step
@@ -95,9 +95,13 @@ def _slider(k: int, x: dict[str, Any], letters: Lettering) -> str:
 
 
 def below(
-    lines: Iterable[ValuedLine], letters: Lettering, unit_of: Callable[[Expression], str]
+    lines: Iterable[ValuedLine],
+    letters: Lettering,
+    unit_of: Callable[[Expression], str],
+    of_loops: Container[str],
 ) -> dict[Step, str]:
-    """Of each step the values of its lines, and a place for answers."""
+    """Of each step the values of its lines, and a place for answers; of_loops: names of what loops
+    exert, which is in axes of the world."""
     rows: dict[Step, list[str]] = {}
     for k, line in enumerate(lines):
         left = letters(line.line.lhs)
@@ -105,14 +109,15 @@ def below(
         rows.setdefault(line.step, []).append(
             f'<p class="value" data-line="{k}" data-name="{html.escape(name)}">'
             f"{mathml(left, display=False)} = <output></output>"
-            f" {html.escape(unit_of(line.line.lhs))}{_axes(line)}</p>"
+            f" {html.escape(unit_of(line.line.lhs))}{_axes(line, of_loops)}</p>"
         )
     return {step: f'<div class="values">{"".join(made)}</div>' for step, made in rows.items()}
 
 
-def _axes(line: ValuedLine) -> str:
+def _axes(line: ValuedLine, of_loops: Container[str]) -> str:
     """In which a vector in space is given."""
-    if line.in_world:
+    is_vector = rank(line.value) == 1 and len(line.value) == 3
+    if line.in_world or (is_vector and line.names[0] in of_loops):
         return " (in axes of the world)"
-    body = body_of(line.names[0]) if rank(line.value) == 1 and len(line.value) == 3 else ""
+    body = body_of(line.names[0]) if is_vector else ""
     return f" (in axes of body {body})" if body else ""

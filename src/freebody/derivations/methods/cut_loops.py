@@ -227,7 +227,8 @@ class Loops:
             if not loop.closure.turns and not loop.closure.slides
             else "force and the moment"
         )
-        return f"the {parts} of {other} on {target} at {at}, by components"
+        along = "" if self.s.planar else " along the world's axes"
+        return f"the {parts} of {other} on {target} at {at}, by components{along}"
 
     # ------------------------------------------------------------ wrenches
     def acts(self, loop: TreeLoop, i: int) -> bool:
