@@ -239,6 +239,10 @@ def test_what_a_symbol_was_taken_for_is_said():
     verdict = fb.check(ARM, "tau1 = M11 θ̈1 + M12 θ̈2 + c1 + g1")
     assert "‘c1’ on the right is read as a cosine; write v1 for the velocity term." in verdict.text
     assert fb.check(ARM, "tau1 = M11 θ̈1 + M12 θ̈2 + v1 + g1")
+    verdict = fb.check(ARM, "θ̈1 = (H22 (τ1 - c1 - G1) - H12 (τ2 - c2 - G2))/(H11 H22 - H12^2)")
+    assert "‘c1’ on the right is read as a cosine; write v1 for the velocity term." in verdict.text
+    verdict = fb.check(ARM, "τ1 = d11 q̈1 + d12 q̈2 + c1 + g1", notation="spong")
+    assert "read as a cosine; the velocity term may be meant. With that the eq" in verdict.text
     unknown = fb.planar("RR", g="g")
     verdict = fb.check(unknown, "V = m1 9.81 lc1 s1 + m2 9.81 (l1 s1 + lc2 s12)")
     assert "‘9.81’ must be the symbol g" in verdict.text

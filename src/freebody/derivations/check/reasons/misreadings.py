@@ -53,9 +53,14 @@ def misread(
 
 
 def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator[Misreading]:
-    """c1 as a term of its own in a torque: it is read as cos θ1."""
-    if claim.target.family != "tau":
+    """c1 as a term of its own beside torques: it is read as cos θ1."""
+    if claim.target.family not in ("tau", "solved", "identity"):
         return
+    names = sorted(targets.single, key=lambda name: (name[0] == "c", name[0] != "v"))
+    terms: dict[str, str] = {}
+    for name in names:
+        if targets.single[name].family == "c":
+            terms.setdefault(str(targets.single[name].index[0]), name)
     found: dict[Expression, Expression] = {}
     for node in work.values:
         index = re.fullmatch(
@@ -66,18 +71,17 @@ def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator
             isinstance(node, Wave)
             and index
             and isinstance(parent, Sum | Negative)
-            and f"v{index[1]}" in targets.single
+            and index[1] in terms
         ):
-            value = targets.single[f"v{index[1]}"].compute()
-            found[node] = Named(f"v{index[1]}", value, span=node.span)
+            name = terms[index[1]]
+            found[node] = Named(name, targets.single[name].compute(), span=node.span)
     if found:
-        written, name = claim.source[next(iter(found)).span], next(iter(found.values()))
-        assert isinstance(name, Named)
-        text = (
-            f"‘{written}’ on the right is read as a cosine; write {name.name} for the velocity "
-            "term."
-        )
-        yield Misreading(found, text, name.name)
+        written, new = claim.source[next(iter(found)).span], next(iter(found.values()))
+        assert isinstance(new, Named)
+        said = "the velocity term may be meant"
+        said = said if new.name[0] == "c" else f"write {new.name} for the velocity term"
+        text = f"‘{written}’ on the right is read as a cosine; {said}."
+        yield Misreading(found, text, new.name)
 
 
 def _cosines(
