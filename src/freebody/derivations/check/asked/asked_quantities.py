@@ -9,6 +9,7 @@ from freebody.derivations.check.asked import load_names
 from freebody.derivations.check.asked.bodies import QuantitiesOfBodies
 from freebody.derivations.check.asked.body_quantities import soft_names
 from freebody.derivations.check.asked.energies import EnergyQuantities
+from freebody.derivations.check.asked.frames import QuantitiesInFrames
 from freebody.derivations.check.asked.free_body import FreeBodyQuantities
 from freebody.derivations.check.asked.group import QuantityGroup
 from freebody.derivations.check.asked.joints import JointQuantities, VelocityCoefficients
@@ -46,6 +47,8 @@ class Targets:
     based: bool = False
     """Whether the base is accelerated by -g, which then is in all accelerations."""
     kane: bool = False
+    framed: bool = False
+    """Whether vectors are told in the axes of any body, {}^1v_2."""
 
     @cached_property
     def names(self) -> frozenset[str]:
@@ -62,7 +65,8 @@ class Targets:
         if self.setting.is_free_body:
             return [FreeBodyQuantities(self.setting, self.letters, self.based)]
         of_kane = [KaneQuantities] * self.kane
-        kinds = (*of_kane, *_GROUPS, *[VelocityCoefficients] * self.velocity)
+        in_frames = [QuantitiesInFrames] * self.framed
+        kinds = (*of_kane, *_GROUPS, *in_frames, *[VelocityCoefficients] * self.velocity)
         return [kind(self.setting, self.letters, self.based) for kind in kinds]
 
     @cached_property

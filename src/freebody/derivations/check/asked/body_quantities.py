@@ -79,12 +79,12 @@ BODY_QUANTITIES = (
     BodyQuantity(
         "vc{n}",
         "the velocity of the centre of mass of body {n}",
-        also=(("vG{n}", 0), ("rc{n}", 1), ("rG{n}", 1)),
+        also=(("vG{n}", 0), ("vC{n}", 0), ("rc{n}", 1), ("rG{n}", 1)),
     ),
     BodyQuantity(
         "vc{n}_d",
         "the acceleration of the centre of mass of body {n}",
-        also=(("ac{n}", 0), ("aG{n}", 0), ("rc{n}", 2), ("rG{n}", 2)),
+        also=(("ac{n}", 0), ("aG{n}", 0), ("vC{n}", 1), ("rc{n}", 2), ("rG{n}", 2)),
     ),
     BodyQuantity("r{n}", "the position of the origin of body {n}", soft=True, own_axes=False),
     BodyQuantity(

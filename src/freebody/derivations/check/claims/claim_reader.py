@@ -23,6 +23,8 @@ from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.scalars.trig import Trig
 
+_ACROSS = "a component that a plane does not have"
+
 
 class ClaimReader(OwnDefinitions, UnnamedEquations):
     """Lines into claims."""
@@ -173,6 +175,10 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         rows = [list(row) for row in node.rows]
         if len(rows) == 1 and table and len(table[0]) == 1:
             rows = [[entry] for entry in rows[0]]  # a vector written as a row
+        if self.setting.is_planar and len(rows) == 3 and _is_of_body(table):
+            none = AskedQuantity("of body", (), lambda: self.setting.zero, words=_ACROSS)
+            across = [*table, [none]] if len(table) == 2 else [[none], [none], *table]
+            table = [[replace(x, axis=k)] for k, (x,) in zip("xyz", across, strict=True)]
         if label == "J" and len(rows) < len(table):
             table = table[: len(rows)]
         if [len(row) for row in table] == [1] and len(rows) * len(rows[0]) > 1:
@@ -185,3 +191,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             for row, targets in zip(rows, table, strict=True)
             for entry, target in zip(row, targets, strict=True)
         ]
+
+
+def _is_of_body(table: list[list[AskedQuantity]]) -> bool:
+    """Whether it is a vector in the plane, or an angular one, which is one number there."""
+    return len(table) < 3 and all(len(x) == 1 and x[0].family in BODY_FAMILIES for x in table)

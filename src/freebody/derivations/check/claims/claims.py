@@ -58,8 +58,11 @@ def statements(
     coefficients = setting.turned is None and re.search(
         r"(?<![A-Za-z\\])h(?![a-z])", document.formulas
     )
-    of_kane = kane.is_told(respelt(document.formulas))
-    targets = Targets(setting, bool(coefficients), notation.all_letters, kane=of_kane)
+    formulas = respelt(document.formulas)
+    of_kane, framed = kane.is_told(formulas), not set(words.FRAMES).isdisjoint(formulas)
+    targets = Targets(
+        setting, bool(coefficients), notation.all_letters, kane=of_kane, framed=framed
+    )
     vocabulary = Vocabulary(setting, targets.names, targets.alone)
     for name, value in setting.given.items():
         vocabulary.define(name, value)

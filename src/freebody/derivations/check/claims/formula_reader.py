@@ -25,6 +25,7 @@ from freebody.derivations.expressions.evaluate import NoValue
 from freebody.derivations.expressions.nodes import Expression, Matrix
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.source import Span
+from freebody.derivations.grammar.words import FRAMES
 from freebody.scalars.trig import Trig
 
 _OF_BODIES = {"g": "gravity", "J": "JP"}
@@ -196,7 +197,11 @@ class FormulaReader:
     def says_that_the_base_moves(self, line: Line) -> bool:
         """Whether it is v̇0 = -g: gravity as an acceleration of the base."""
         first = line[0]
-        if len(first) != 1 or first[0].text not in spellings("v", "0", 1) or len(line) != 2:
+        if (
+            len(first) != 1
+            or first[0].text.removesuffix(FRAMES[0]) not in spellings("v", "0", 1)
+            or len(line) != 2
+        ):
             return False
         self.of_bodies = True
         gravity = self.table("gravity", first[0].span)

@@ -9,6 +9,7 @@ import re
 from collections.abc import Callable
 
 from freebody.derivations.expressions.printed_names import GREEK
+from freebody.derivations.grammar.words import FRAMES
 
 TRANSPOSED = "ᵀ"
 FILL = "\x1f"
@@ -37,6 +38,17 @@ _BRACED = re.compile(
     rf"{_S}(_{_S}(?:\{{[^{{}}]{{1,20}}\}}|\w))"
 )
 """{\\theta}_2, {\\dot{\\theta}}_{2}."""
+_DIGIT = rf"(?:\{{{_S}\d{_S}\}}|\d)"
+_FRAMED = re.compile(
+    rf"(?:(?P<begin>(?:^|[=(,&+-]){_S})|(?:(?<![\w)\]}}'])|(?<=R))\{{{_S}\}}{_S})"
+    rf"(?:\^{_S}(?P<frame>{_DIGIT})|(?P<high>[⁰¹²³⁴-⁹]))(?:{_S}_{_S}(?P<low>{_DIGIT}))?{_S}"
+    rf"(?P<name>(?!\\(?:sin|cos|tan|[td]?frac|left|cdot|times|sqrt|[bB]ig))"
+    rf"(?:\\(?:d?dot|hat|vec|math(?:bf|rm)|boldsymbol|bm){_S}"
+    rf"(?:\{{[^{{}}]{{1,30}}\}}|\\[A-Za-z]+|[A-Za-z])|\\[A-Za-z]+|[A-Za-zΑ-ω])[\u0307\u0308]?)"
+    rf"(?P<index>{_S}_{_S}(?:\{{(?:[^{{}}]|\{{[^{{}}]{{0,9}}\}}){{1,20}}\}}|\w)|[₀-₉]+)?",
+    re.MULTILINE,
+)
+"""{}^1v_2, {}^2_1R."""
 _D = rf"(?:\\mathrm{_S}\{{{_S}d{_S}\}}|\\mathrm\s{{1,9}}d|d){_S}"
 _TWICE = rf"{_S}(?:\^{_S}(?:\{{{_S}2{_S}\}}|2)|²){_S}"
 _FRACTION = r"\\[td]?frac"
@@ -127,6 +139,17 @@ def _alone(match: re.Match[str]) -> str:
     return match[1].ljust(len(match[0]))  # a label goes without them
 
 
+def _framed(match: re.Match[str]) -> str:
+    """A name with the mark of its frame behind it; R_{21} of {}^2_1R."""
+    frame = (match["frame"] or match["high"].translate(_LOWERED)).strip("{ }")
+    begin, name = match["begin"] or "", match["name"]
+    if match["low"] and name == "R" and not match["index"]:
+        return f"{begin}R_{{{frame}{match['low'].strip('{ }')}}}"
+    if match["low"]:
+        return match[0]
+    return f"{begin}{name}{match['index'] or ''}{FRAMES[int(frame)]}"
+
+
 def _dotted(match: re.Match[str]) -> str:
     """A derivative by time as a dot above its letter."""
     return f"\\{'d' * (match['twice'] is not None)}dot{{{match['name'].strip()}}}"
@@ -162,6 +185,7 @@ _SPELLINGS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] =
     (_DEGREES, lambda match: "°"),
     (_SIUNITX, lambda match: f"{match[1]} {match[2]}" if match[1] else f"{match[3]}°"),
     (_POWER_OF_TEN, _exponent),
+    (_FRAMED, _framed),
     (_EMPTY, lambda match: ""),
     (_ENTRY, lambda match: match["name"] + "".join(filter(None, match.groups()[1:]))),
     (_OF_TIME, lambda match: match[1]),
