@@ -253,9 +253,11 @@ def test_loops():
         ("[[link]]\n", "arm.toml:1: name is missing; add name = ..."),
         (LINKS + LINKS + JOINT + "axis = 'z'",
          "arm.toml:5: two links are called 'base'; rename one."),
-        ("[planar]\nword = 'RR'\n[parameters]\nlc1 = 'l1/2'\n",
-         "arm.toml:4: [parameters]: lc1 is 'l1/2', expected a number, or text such as "
-         "\"30 deg\". Formulas go to derive and check: --parameter NAME=FORMULA."),
+        ("[planar]\nword = 'RR'\n[parameters]\nlc1 = ''\n",
+         "arm.toml:4: [parameters]: lc1 is '', expected a number, or text such as \"30 deg\"."),
+        (LINKS + "mass = 'm/2'\n",
+         "arm.toml:5: link 'arm': mass is 'm/2', expected a number or a name such as 'l1'; write a "
+         "formula below [parameters], and its name here."),
         (LINKS + "mass = '3 kg'\n",
          "arm.toml:5: link 'arm': mass is '3 kg', expected a number or a name such as "
          "'l1'."),

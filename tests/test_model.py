@@ -480,7 +480,10 @@ def test_bind():
     known = "Parameters: m1, lc1, I1, l1, g."
     refused(f"no parameter 'l11' in 'R'. Did you mean 'l1'? {known}", lambda: model.bind(l11=1))
     refused("parameter 'l1': nan is not a finite number.", lambda: model.bind(l1=math.nan))
-    refused("parameter 'l1': 'long' is not a number.", lambda: model.bind(l1="long"))
+    refused(
+        f"parameter 'l1' = 'long': no parameter 'long' in the model. {known}",
+        lambda: model.bind(l1="long"),
+    )
     negative = "'R': link 'link1': mass -1 kg is negative. Bind a physical value."
     refused(negative, lambda: model.bind(m1=-1, lc1=1, I1=1))
     half = model.bind(l1=2.0)

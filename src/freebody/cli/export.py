@@ -73,7 +73,7 @@ _Rows = Annotated[
 ]
 
 
-@options.reading("tip", "base", "convention")
+@options.reading("tip", "base", "convention", "parameters")
 def export(
     robot: options.GivenRobot,
     quantities: _Quantities,

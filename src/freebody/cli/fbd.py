@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 EXAMPLE = 'Example: freebody fbd 2R --q "0.5, 60 deg" --body link2 --out link2.svg'
 
 
-@options.reading("tip", "base", "convention")
+@options.reading("tip", "base", "convention", "parameters")
 def fbd(
     robot: options.GivenRobot,
     q: Annotated[

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import wraps
 from inspect import Parameter, signature
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -133,6 +133,18 @@ _READING: dict[str, tuple[Any, Any]] = {
         ],
         None,
     ),
+    "parameters": (
+        Annotated[
+            list[str] | None,
+            typer.Option(
+                "--parameter",
+                metavar="NAME=VALUE",
+                help="Another value for a number of the robot, such as l1=0.5, or a formula that "
+                "gives it, such as lc=l/2 for all links.",
+            ),
+        ],
+        None,
+    ),
     "estimate_inertia": (
         Annotated[
             float | None,
@@ -147,8 +159,9 @@ _READING: dict[str, tuple[Any, Any]] = {
         None,
     ),
 }
-"""Options of how a robot is read, by the argument of `fb.load`, with their defaults."""
-FILE = ("base", "mimic", "physical", "snap_angles", "convention")
+"""Options of how a robot is read, by the argument of `fb.load`, with their defaults; and which of
+its numbers are others."""
+FILE = ("base", "mimic", "physical", "snap_angles", "convention", "parameters")
 """Those of most commands."""
 
 
@@ -162,9 +175,21 @@ class GivenRobot:
     def load(self) -> Model:
         """The model; warnings become yellow lines."""
         from freebody.formats.loading import load
+        from freebody.formats.toml_table import in_units
+        from freebody.model.description import Notice
 
+        how = dict(self.how)
+        given = pairs("--parameter", how.pop("parameters", None), "l1=0.5")
+        for name, text in given.items():
+            value = in_units(text, "angle")
+            given[name] = text if value is None else repr(value)
         with terminal.warnings_as_lines():
-            return load(self.name, **self.how)
+            model = load(self.name, **how)
+        if not given:
+            return model
+        told = ", ".join(f"{name} = {text}" for name, text in given.items())
+        notice = Notice("parameter", f"given by --parameter in the place of the file's: {told}.")
+        return replace(model.bind(given), notices=(*model.notices, notice))
 
 
 def reading(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:

@@ -64,6 +64,8 @@ def show(
             out.print(Text(_UNSAID), soft_wrap=True)
         out.print()
     out.print(Text(f"frames: {', '.join(model.frame_names)}"))
+    if model.formulas:
+        out.print(Text(f"formulas: {', '.join(f'{x.name} = {x.text}' for x in model.formulas)}"))
     for notice in model.notices:
         if notice.kind not in ("physical", "drive", DOUBTFUL):  # those have been printed in yellow
             out.print(Text(f"note: {notice}"), soft_wrap=True)

@@ -21,7 +21,7 @@ from freebody.derivations.methods.whole_bodies import symbols_of_bodies, told
 from freebody.derivations.notations.angles import angles_of
 from freebody.derivations.notations.lettering import lettering_of
 from freebody.derivations.notations.notation import BookNotation, notation_of
-from freebody.derivations.parameter_formulas import as_terms, formulas_of
+from freebody.derivations.parameter_formulas import as_terms, formulas_of, freed
 from freebody.derivations.parameter_formulas import told as told_formulas
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model.loop_kinds import LOOP_KINDS
@@ -61,6 +61,7 @@ def undrawn_derivation(
     names = LOADS[model.dim] if load else ()
     extra = (*names, *multipliers(model), *velocity_names(model))
     style, caller = notation_of(notation, parameters), f"derive {record.name!r}"
+    model = freed(model, style.parameters)
     made = symbols_of_bodies(caller, model, extra, euler=True)
     _require_angles(record, style, model)
     angles = angles_of(caller, style, made.model)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.expressions.printed_names import sym
@@ -14,13 +13,11 @@ from freebody.derivations.relations.formula import FormulaError, names_in, parse
 from freebody.derivations.relations.formula_values import value
 from freebody.errors import FreebodyError, UnknownNameError, listed
 from freebody.model.model import Model
-from freebody.model.parameters import Parameter, finite
-from freebody.outputs.numbers import shortest
+from freebody.model.parameter_formulas import inertial_names, negative, of_each_link
+from freebody.model.parameters import finite
 from freebody.scalars.trig import Trig
 
 _NOT_FINITE = re.compile(r"\s*[-+]?(?:nan|inf(?:inity)?)\s*", re.IGNORECASE)
-_ROUNDED = 1e-12
-"""Of the terms of a formula: what rounding may leave of their sum."""
 
 
 def formulas_of(caller: str, symbols: Symbols, given: Mapping[str, str | float]) -> dict[str, Trig]:
@@ -34,10 +31,11 @@ def formulas_of(caller: str, symbols: Symbols, given: Mapping[str, str | float])
     texts = {
         own: text
         for name, formula in given.items()
-        for own, text in _of_each_link(caller, symbols, name, _text(caller, name, formula))
+        for own, text in _of_each_link(caller, symbols, name, _text(caller, name, formula)).items()
+        if text.strip() != own  # its own name
     }
     inertial = inertial_names(symbols.model)
-    known = {name: symbols.ring[name] for name in symbols.ring.names}
+    known = {name: symbols.ring[name] for name in symbols.ring.names} | symbols.followed({})
     found: dict[str, Trig] = {}
     for name, text in texts.items():
         parsed = _parsed(caller, name, text)
@@ -60,39 +58,12 @@ def formulas_of(caller: str, symbols: Symbols, given: Mapping[str, str | float])
                 f"{caller}: {name} = {text} changes with the motion; a parameter is constant."
             )
         if name in inertial:
-            _refuse_negative(caller, f"{name} = {text}", made, symbols.model, inertial[name])
+            model = symbols.model
+            fault = negative(made.terms(), model.parameters, model.name, inertial[name])
+            if fault:
+                raise FreebodyError(f"{caller}: {name} = {text} {fault}.")
         found[name] = made
     return found
-
-
-def inertial_names(model: Model) -> dict[str, str]:
-    """Of the parameters that are never negative what each is: the mass of a body, or a moment of
-    inertia."""
-    found: dict[str, str] = {}
-    for inertia in (x.inertia for body in model.bodies for x in body.inertias):
-        moments = inertia.tensor if inertia.dim == 2 else inertia.tensor[0::3] + inertia.tensor[5:]
-        for what, entries in (("mass", [inertia.mass]), ("moment of inertia", moments)):
-            found |= {x.name: what for x in entries if isinstance(x, Parameter)}
-    return found
-
-
-def _refuse_negative(caller: str, formula: str, made: Trig, model: Model, what: str) -> None:
-    """Refuse a mass or moment of inertia that is negative with the model's values."""
-    known = {name: x for name, x in model.parameters.items() if isinstance(x, float)}
-    terms = list(made.terms())
-    parts = [
-        float(k) * math.prod(known.get(x, 1.0) ** e for x, e in powers.items())
-        for powers, k in terms
-    ]
-    names = {x for powers, _ in terms for x in powers}
-    is_known = names <= set(known)
-    total, size = sum(parts), sum(map(abs, parts))
-    if (total if is_known else max(parts)) >= -_ROUNDED * size:
-        return
-    value = "is negative"
-    if names and is_known:
-        value = f"is {shortest(total)} with the values of {model.name!r}"
-    raise FreebodyError(f"{caller}: {formula} {value}; a {what} is never negative.")
 
 
 def _text(caller: str, name: str, formula: object) -> str:
@@ -112,12 +83,24 @@ def as_terms(values: Mapping[str, Trig]) -> Formulas:
     )
 
 
+def values_of(symbols: Symbols) -> dict[str, Trig]:
+    """The values of the parameters that `symbols` has by formulas."""
+    polynomial = symbols.ring.polynomial
+    return {name: polynomial((dict(x), k) for x, k in terms) for name, terms in symbols.formulas}
+
+
+def freed(model: Model, given: Mapping[str, str | float]) -> Model:
+    """The model without its own formulas for parameters that are given otherwise."""
+    return model.bind({name: name for name in given}) if model.formulas and given else model
+
+
 def told(symbols: Symbols, layout: Layout) -> list[str]:
     """A sentence with the formulas that hold in what is derived."""
-    ring = symbols.ring
+    if not symbols.follows:
+        return []
     rows = [
-        f"{sym(name)} = {layout.form(ring.polynomial((dict(x), k) for x, k in terms))}"
-        for name, terms in symbols.formulas
+        f"{sym(name)} = {layout.form(x)}"
+        for name, x in symbols.followed(values_of(symbols)).items()
     ]
     return [f"Here {listed(rows)}."] if rows else []
 
@@ -134,23 +117,11 @@ def _bad(caller: str, name: str, formula: str, problem: FreebodyError) -> Freebo
     return FreebodyError(f"{caller}: the parameter {name} = {formula}: {own.rstrip('.')}.")
 
 
-def _of_each_link(
-    caller: str, symbols: Symbols, name: str, formula: str
-) -> Iterator[tuple[str, str]]:
+def _of_each_link(caller: str, symbols: Symbols, name: str, formula: str) -> dict[str, str]:
     """A formula for one parameter, or that of a family for every link."""
     parameters = symbols.model.parameters
-    if name in parameters:
-        yield name, formula
-        return
-    of_links = (re.fullmatch(rf"{re.escape(name)}(\d+)", x) for x in parameters)
-    numbers = [match[1] for match in of_links if match]
-    if not numbers:
+    names = () if name in parameters else names_in(_parsed(caller, name, formula))
+    found = of_each_link(name, formula, names, parameters)
+    if not found:
         raise UnknownNameError("parameter", name, repr(symbols.model.name), parameters)
-    families = set(names_in(_parsed(caller, name, formula)))
-    for k in numbers:
-        own = re.sub(
-            r"[^\W\d_]+(?![\w(])",
-            lambda m, k=k: m[0] + k if m[0] in families and m[0] + k in parameters else m[0],
-            formula,
-        )
-        yield name + k, own
+    return found

@@ -25,6 +25,7 @@ from freebody.lazy import cached_property
 from freebody.loops.assembly import assemble
 from freebody.loops.rates import loop_acceleration, loop_velocity
 from freebody.model.model import Model
+from freebody.model.parameter_formulas import followed
 from freebody.model.parameters import Parameter, with_parameters
 from freebody.trees.dynamics import inverse_dynamics, mass_matrix
 from freebody.trees.kinematics import acceleration, velocity
@@ -195,7 +196,8 @@ def with_values(model: Model) -> Model:
     def valued(p: Parameter) -> Parameter:
         return Parameter(p.name, _typical(p.name, model.parameters)) if p.name in missing else p
 
-    return with_parameters(model, valued)
+    found = with_parameters(model, valued)
+    return followed(found) if found.formulas else found
 
 
 def _typical(name: str, given: Mapping[str, float | None]) -> float:

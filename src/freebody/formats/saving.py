@@ -6,6 +6,7 @@ import json
 import math
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from freebody.errors import FreebodyError
@@ -14,6 +15,7 @@ from freebody.model.description import MASS_NOTICES, Drive, Joint, Limits, Loop
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
 from freebody.model.model import Model
+from freebody.model.parameter_formulas import used
 from freebody.model.parameters import Parameter, Quantity
 from freebody.model.placement import Placement, Rotate, Shift
 from freebody.model.tree import Attached
@@ -81,9 +83,14 @@ class _TomlWriter:
         return _entries(entries)
 
     def parameters(self) -> str:
+        """Their numbers or formulas; not what only formulas use that nothing uses any more."""
+        formulas = used(self.model)
         values = {
-            name: repr(value) for name, value in self.model.parameters.items() if value is not None
+            _key(name): repr(value)
+            for name, value in replace(self.model, formulas=formulas).parameters.items()
+            if value is not None
         }
+        values |= {_key(x.name): _text(x.text) for x in formulas}
         return f"[parameters]\n{_entries(values)}" if values else ""
 
     def home(self) -> str:

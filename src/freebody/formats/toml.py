@@ -5,19 +5,17 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Literal
 
-from freebody.errors import FileError, ModelError, UnknownNameError
+from freebody.errors import FileError, ModelError
 from freebody.formats import toml_parts as parts
 from freebody.formats.toml_joint import DRIVE, drive, joint, limits_of
 from freebody.formats.toml_lines import bounded, lines
+from freebody.formats.toml_parameters import with_values
 from freebody.formats.toml_table import TomlTable
 from freebody.model import dh, planar_arms
 from freebody.model.description import MASS_NOTICES, Link, Notice, RobotDescription
-from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
-from freebody.outputs.numbers import compared
 
 _GENERAL = (
     "name",
@@ -80,7 +78,7 @@ def describe(file: str, text: str, *, name: str) -> RobotDescription:
         ),
         file=file,
     )
-    return _with_values(top, extra)
+    return with_values(top, extra)
 
 
 def table_of(file: str, text: str) -> TomlTable:
@@ -171,35 +169,3 @@ _FORMS = {"tree": _tree, "planar": _planar, "dh": _dh}
 
 def _on_line(link: Link, line: int | None) -> Link:
     return replace(link, line=line)
-
-
-def _with_values(top: TomlTable, described: RobotDescription) -> RobotDescription:
-    """Values from [parameters] given to the names; every one must be used, and no name may have two
-    values."""
-    table = top.table("parameters")
-    values: Mapping[str, float] = {}
-    if table is not None:
-        named = table.called("[parameters]")
-        values = {key: named.number(key, "angle") for key in named.data}
-    known: dict[str, float | None] = dict(values)
-    for parameter in each_parameter(described):
-        value = known.setdefault(parameter.name, parameter.value)
-        if value is None:
-            known[parameter.name] = parameter.value
-        elif parameter.value is not None and parameter.value != value:
-            at = ("parameters", parameter.name) if parameter.name in values else ()
-            one, other = compared(value, parameter.value, digits=6)
-            top.refuse(f"{parameter.name!r} has two values, {one} and {other}; keep one.", *at)
-    used = {parameter.name for parameter in each_parameter(described)}
-    for name in values:
-        if name not in used:
-            top.refuse(
-                str(UnknownNameError("parameter", name, "the model", sorted(used))),
-                "parameters",
-                name,
-            )
-
-    def valued(parameter: Parameter) -> Quantity:
-        return Parameter(parameter.name, known[parameter.name])
-
-    return with_parameters(described, valued)

@@ -10,6 +10,7 @@ from typing import Any
 from freebody.errors import ModelError
 from freebody.formats.toml_inertia import MASS, inertia
 from freebody.formats.toml_joint import limits
+from freebody.formats.toml_parameters import parameter_table
 from freebody.formats.toml_placement import PLACE, direction, placement
 from freebody.formats.toml_table import TomlTable
 from freebody.model.description import Link, Loop, Mount, Payload
@@ -103,8 +104,8 @@ def gravity(top: TomlTable, dim: int) -> tuple[Quantity, tuple[float, ...]]:
             inner.refuse("direction must have length 1.", "direction")
         return inner.quantity("size"), along
     if "gravity" not in top:
-        value = (top.table("parameters") or top.inner({}, "parameters")).number("g", default=9.81)
-        return Parameter("g", value), down
+        values, texts = parameter_table(top)
+        return Parameter("g", None if "g" in texts else values.get("g", 9.81)), down
     size = top.quantity("gravity")
     return (size if isinstance(size, Parameter) else Parameter("g", size)), down
 

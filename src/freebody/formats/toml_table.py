@@ -21,7 +21,6 @@ UNITS: dict[str, dict[str, float]] = {
     "rate": {"rad/s": 1.0, "deg/s": math.pi / 180},
 }
 """What a number may be measured in when it is written as text, in SI units."""
-_FORMULA = re.compile(r"[*^+]|^\s*[A-Za-z]")
 _REQUIRED = object()
 _Word = TypeVar("_Word", bound=str)
 
@@ -198,9 +197,7 @@ class TomlTable:
         if isinstance(value, str):
             number = in_units(value, kind)
             if number is None:
-                hint = " Formulas go to derive and check: --parameter NAME=FORMULA."
-                hint *= self.path[:1] == ("parameters",) and bool(_FORMULA.search(value))
-                self.refuse(f"{_label(at)} is {shown(value)}, expected {expected}.{hint}", *at)
+                self.refuse(f"{_label(at)} is {shown(value)}, expected {expected}.", *at)
         elif isinstance(value, int | float) and not isinstance(value, bool):
             try:
                 number = float(value)
@@ -223,7 +220,7 @@ class TomlTable:
                 return Parameter(value)
             hint = "; angles also as text such as '30 deg'" if kind == "angle" else ""
             if re.search(r"[-+*/^]", value):
-                hint += "; a formula is given to derive and check: parameters=, --parameter"
+                hint += "; write a formula below [parameters], and its name here"
             self.refuse(
                 f"{_label(at)} is {shown(value)}, expected a number or a name such as 'l1'{hint}.",
                 *at,

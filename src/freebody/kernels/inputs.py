@@ -16,6 +16,7 @@ from freebody.lazy import cached_property
 from freebody.model.families import of_member
 from freebody.model.model import Model
 from freebody.model.numbers import Name, Parameters, found, known, written
+from freebody.model.parameter_formulas import FollowingParameter
 from freebody.model.parameters import Parameter, Quantity, each_parameter
 from freebody.model.quantity_reader import QuantityReader, exact_sin_cos
 from freebody.model.tree import Tree, lower
@@ -64,7 +65,7 @@ class KernelInputs:
             left = {
                 x.name
                 for x in each_parameter(self.model)
-                if x.value is None and not isinstance(x, Placeholder)
+                if x.value is None and not isinstance(x, Placeholder | FollowingParameter)
             }
             if left:
                 raise MissingValueError(
@@ -83,7 +84,15 @@ def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> KernelInpu
             raise FreebodyError(
                 f"{function}: {record.name!r} is a limit, which no kernel reads; bind it instead."
             )
-    varied = {r.name for r in records if isinstance(r.value, np.ndarray) and not r.limit}
+        if record.formula and record.name in meant:
+            raise FreebodyError(
+                f"{function}: {record.name!r} follows from {record.formula}; name what it follows "
+                f"from, or set it free first: bind({record.name}={record.name!r}), --parameter "
+                f"{record.name}={record.name}."
+            )
+    varied = {
+        r.name for r in records if isinstance(r.value, np.ndarray) and not (r.limit or r.formula)
+    }
     if (
         model.family and not meant | varied
     ):  # only limits differ: one number tells the family's shape

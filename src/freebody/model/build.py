@@ -134,6 +134,7 @@ class _Assembly:
             *d.gravity,
             base_inertias=tuple(parts[-1]),
             loops=self.loops(movable),
+            formulas=d.formulas,
             home=d.home,
             source=d.source,
             about=d.about,

@@ -21,6 +21,7 @@ from freebody.model.inertia import Inertia, faults
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.loops import checked_loop
 from freebody.model.number_names import PAYLOAD
+from freebody.model.parameter_formulas import followed
 from freebody.model.parameters import (
     LARGEST,
     Quantity,
@@ -136,7 +137,8 @@ def with_symbols_known(changed: Model, *new: Any) -> Model:
     other values."""
     if not any(each_parameter(new)):  # most are numbers
         return changed
-    return one_value_each(changed, repr(changed.name))
+    known = one_value_each(changed, repr(changed.name))
+    return followed(known) if known.formulas else known
 
 
 def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -> Model:

@@ -13,6 +13,7 @@ from freebody.errors import ModelError
 from freebody.lazy import Keeps
 from freebody.model.families import Members
 from freebody.model.inertia import Inertia
+from freebody.model.parameter_formulas import ParameterFormula
 from freebody.model.parameters import Parameter, Quantity, finite, quantity, real
 from freebody.model.placement import Placement
 from freebody.model.shapes import Shape
@@ -262,6 +263,7 @@ class RobotDescription:
     gravity: tuple[Quantity, tuple[float, ...]]
     mounts: tuple[Mount, ...] = ()
     loops: tuple[Loop, ...] = ()
+    formulas: tuple[ParameterFormula, ...] = ()
     payloads: tuple[Payload, ...] = ()
     base: Literal["fixed", "free"] = "fixed"
     """Whether the root link is held or free, where the caller does not say."""

@@ -147,7 +147,7 @@ class Inertia:
     # ------------------------------------------------------------ numbers
     def numbers(self) -> tuple[float, np.ndarray, np.ndarray]:
         """(mass, com (dim,), tensor about the com (3, 3) or (1, 1)) as numbers."""
-        missing = [p.name for p in each_parameter(self) if p.value is None]
+        missing = [name for p in each_parameter(self) for name in p.missing]
         if missing:
             raise MissingValueError("Inertia", missing)
         if self.is_family:

@@ -39,10 +39,11 @@ class NumberLayout:
         alone = {name: row.editor.alone(self.origin, row.field) for name, row in names.rows.items()}
         named = {path: name for name, paths in alone.items() for path in paths}
         self.rows = rows = NumberRows(self.origin, self.structure, named)
+        following = {formula.name for formula in model.formulas}
         self.slots = {
             name: rows.by_name[name]
             for name, paths in alone.items()
-            if name in rows.by_name and all(map(self._leads, paths))
+            if name in rows.by_name and all(map(self._leads, paths)) and name not in following
         }
         """The slots of the numbers that can be changed, by name and by the place where a symbol
         stands."""

@@ -24,6 +24,7 @@ from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.loops import checked_tolerance
 from freebody.model.named_parts import NamedParts
+from freebody.model.parameter_formulas import ParameterFormula
 from freebody.model.parameters import Quantity, each_parameter
 from freebody.model.quantity_reader import VALUES
 from freebody.model.structure import Structure, numbers_of, structure_of
@@ -45,6 +46,8 @@ class Model(NamedParts, Tabled, ByValue):
     gravity_direction: tuple[Any, ...]
     base_inertias: tuple[Attached, ...] = field(default_factory=tuple)
     loops: tuple[Loop, ...] = ()
+    formulas: tuple[ParameterFormula, ...] = ()
+    """Of parameters that follow from others, each behind those that it names."""
     home: tuple[tuple[str, float], ...] = ()
     """(position name, value): where closing the loops starts from; others are neutral."""
     tip: str | None = None
@@ -71,7 +74,7 @@ class Model(NamedParts, Tabled, ByValue):
     @cached_property
     def missing(self) -> tuple[str, ...]:
         """Names of the parameters without value."""
-        return tuple(sorted(name for name, value in self.parameters.items() if value is None))
+        return tuple(sorted({name for p in each_parameter(self) for name in p.missing}))
 
     def require_values(self, what: str) -> None:
         """Refuse a model with parameters that have no value."""
@@ -170,10 +173,10 @@ class Model(NamedParts, Tabled, ByValue):
         """Total mass (kg) of all links, those fixed to the base included; of a family an array of
         its shape."""
         missing = [
-            p.name
+            name
             for a in self._attached
             for p in each_parameter(a.inertia.mass)
-            if p.value is None
+            for name in p.missing
         ]
         if missing:
             raise MissingValueError(f"the mass of {self.name!r}", missing)
@@ -189,7 +192,7 @@ class Model(NamedParts, Tabled, ByValue):
     @property
     def gravity(self) -> Array:
         """The gravity field (dim,) in world axes, m/s²; of a family (*family, dim)."""
-        missing = [p.name for p in each_parameter(self.gravity_size) if p.value is None]
+        missing = [name for p in each_parameter(self.gravity_size) for name in p.missing]
         if missing:
             raise MissingValueError(f"the gravity of {self.name!r}", missing)
         size = VALUES.quantity(self.gravity_size)
@@ -232,8 +235,11 @@ class Model(NamedParts, Tabled, ByValue):
         values: by the names that `fb.parameters` lists; a name that holds a dot itself is given as
         a tuple of its parts, ("a.b", "mass"). link.mass keeps centre and inertia, link.scale scales
         mass and inertia together, a mass that is given beside it too. An array gives each member of
-        a family its own (`family`); arrays broadcast together. Raises UnknownNameError, ModelError
-        for what no rigid body is, naming the member.
+        a family its own (`family`); arrays broadcast together. A text is a formula,
+        bind(lc1="l1/2"), bind(lc="l/2") of every link: such a parameter follows from the others
+        from then on, also in derivations, until it is given another text ("0.3", or "lc1" to keep
+        its value). Raises UnknownNameError, ModelError for what no rigid body is, naming the
+        member, and for a number in the place of what a formula gives.
         """
         return edits.bound(self, {**(values or {}), **symbols})
 

@@ -19,6 +19,7 @@ from freebody.model.gravity import direction_fault
 from freebody.model.inertia import faults
 from freebody.model.loops import checked_distance
 from freebody.model.number_names import Catalogue, ModelNumber, catalogue
+from freebody.model.parameter_formulas import followed, with_formulas
 from freebody.model.parameters import LARGEST, Parameter, Quantity, finite, real
 from freebody.model.quantity_reader import EXACT
 from freebody.outputs.display import TextTable
@@ -48,6 +49,8 @@ class ModelParameter(ByValue):
     what: str
     structural: bool = False
     limit: bool = False
+    formula: str = ""
+    """What it follows from; patterns leave it out too."""
 
 
 class Parameters(Sequence[ModelParameter]):
@@ -121,7 +124,8 @@ def _cell(value: float | Array | None) -> str:
 
 
 def _what(record: ModelParameter) -> str:
-    return legal(f"{record.what} (structural)" if record.structural else record.what)
+    added = " (structural)" if record.structural else f" = {record.formula}" * bool(record.formula)
+    return legal(record.what + added)
 
 
 def parameters(model: Model) -> Parameters:
@@ -148,6 +152,7 @@ def known(model: Model) -> Catalogue:
 
 def _records(model: Model, names: Catalogue) -> Iterator[ModelParameter]:
     read: dict[int, dict[str, Quantity]] = {}
+    formulas = {x.name: x.text for x in model.formulas}
     for name, row in names.rows.items():
         fields = read.get(id(row.editor))
         if fields is None:
@@ -157,7 +162,14 @@ def _records(model: Model, names: Catalogue) -> Iterator[ModelParameter]:
             row.sort == "direction" and isinstance(value, float) and value in (0.0, 1.0, -1.0)
         )
         yield ModelParameter(
-            name, row.parts, value, row.unit, row.what, structural, row.sort == "limit"
+            name,
+            row.parts,
+            value,
+            row.unit,
+            row.what,
+            structural,
+            row.sort == "limit",
+            formulas.get(name, "") if row.sort == "symbol" else "",
         )
 
 
@@ -213,7 +225,7 @@ def matching(
         return [found(names, pattern, model)]
     if not isinstance(pattern, str) or not set(pattern) & set("*?["):
         return [found(names, pattern, model)]
-    usual = [r.name for r in records if not r.structural and not r.limit]
+    usual = [r.name for r in records if not (r.structural or r.limit or r.formula)]
     meant = {name for name in usual if fnmatchcase(name, pattern)}
     meant |= {name for told, name in names.told.items() if fnmatchcase(told, pattern)} & set(usual)
     if not meant:
@@ -239,10 +251,20 @@ def matching(
 # ---------------------------------------------------------------- other numbers
 def bind(model: Model, values: Mapping[Any, Any]) -> Model:
     """See `Model.bind`."""
-    names = known(model)
+    texts = {name: value for name, value in values.items() if isinstance(value, str)}
+    if texts:
+        given, (model, plain) = model, with_formulas(model, texts, values)
+        _check(given, model)
+        values = {**plain, **{x: value for x, value in values.items() if x not in texts}}
+    names, following = known(model), {x.name: x.text for x in model.formulas}
     wanted: dict[str, Quantity] = {}
     for given, value in values.items():
         name = found(names, given, model)
+        if names.rows[name].sort == "symbol" and name in following:
+            raise ModelError(
+                f"{model.name!r}: {name} follows from {following[name]}; bind what it follows "
+                f"from, or set it free first: bind({name}={name!r})."
+            )
         if name in wanted:
             raise ModelError(f"{model.name!r}: parameter {name!r} is given twice; give it once.")
         wanted[name] = _checked(names.rows[name], value, name)
@@ -274,6 +296,8 @@ def written(model: Model, wanted: Mapping[str, Quantity]) -> Model:
             same_places = same_places and editor.keeps_places
     if result is model:
         return model
+    if result.formulas:
+        result = followed(result)
     if same_places:
         result.__dict__["_catalogue"] = names
     _check(model, result)

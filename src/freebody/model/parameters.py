@@ -32,6 +32,11 @@ class Parameter:
         if self.value is not None and not isinstance(self.value, Members):
             object.__setattr__(self, "value", finite(self.value, f"parameter {self.name!r}"))
 
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Names of the parameters whose values it lacks."""
+        return (self.name,) if self.value is None else ()
+
 
 @dataclass(frozen=True)
 class ParameterProduct:

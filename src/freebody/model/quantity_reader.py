@@ -12,6 +12,7 @@ import numpy as np
 from freebody.elementary import Scalar
 from freebody.errors import ModelError
 from freebody.model.families import Members, NamedNumber
+from freebody.model.parameter_formulas import FollowingParameter
 from freebody.model.parameters import Parameter, ParameterProduct, Quantity
 from freebody.spatial import Matrix, Vector
 
@@ -33,6 +34,8 @@ class QuantityReader:
             return q
         if isinstance(q, Parameter):
             if q.value is None:
+                if isinstance(q, FollowingParameter) and q.formula:
+                    return q.formula.value(self.quantity)
                 raise ModelError(f"parameter {q.name!r} has no value.")
             return q.value.array if isinstance(q.value, Members) else q.value
         if isinstance(q, Members):

@@ -21,6 +21,7 @@ from freebody.derivations.check.verdicts.equation_verdict import Judge
 from freebody.derivations.check.verdicts.number_verdict import NumberJudge
 from freebody.derivations.grammar.source import Span
 from freebody.derivations.notations.notation import BookNotation, notation_of
+from freebody.derivations.parameter_formulas import freed
 from freebody.errors import UnknownNameError
 from freebody.formats import read_file
 from freebody.model.model import Model
@@ -90,7 +91,7 @@ def check(
         raise AnswerError(f"tolerance is a share from 0 to 1, such as 0.01, not {tolerance}")
     style = notation_of(notation, parameters)
     document = document_of(answer, form)
-    written = as_written(model, document.formulas)
+    written = as_written(freed(model, style.parameters), document.formulas)
     loads = named_in(written, document.formulas)
     where = in_notation(equations_of(written, loads), style, absolute)
     said = statements(where, document, names or {}, style, at)

@@ -99,7 +99,7 @@ class AbsoluteCoordinates:
         turned = [x for x in given.ring.angles if x in kept]
         others = [x for x in (*names, *kept, *extra) if x not in (*angles, *turned)]
         ring = TrigRing([*angles, *turned], others)
-        reader = TrigReader(ring, given.reader.numbers)
+        reader = TrigReader(ring, given.reader.numbers, given.formulas, given.reader.own)
         return Symbols(given.model, ring, self.names, reader, extra)
 
     @cached_property

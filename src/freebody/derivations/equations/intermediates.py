@@ -8,6 +8,7 @@ before. Vectors are in body axes, v̇_0 = -g.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
@@ -19,6 +20,7 @@ from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.naming import motors
 from freebody.derivations.polynomials.symbols import RATE, SECOND, Symbols
 from freebody.elementary import Scalar, cos, sin
+from freebody.model.parameter_formulas import ParameterFormula
 from freebody.model.parameters import Parameter, Quantity
 from freebody.model.quantity_reader import QuantityReader, exact_sin_cos
 from freebody.model.tree import lower
@@ -31,8 +33,9 @@ class GraphReader(QuantityReader):
 
     combines = False
 
-    def __init__(self, graph: Graph, numbers: bool):
-        self.graph = graph
+    def __init__(self, graph: Graph, numbers: bool, own: Mapping[str, ParameterFormula]):
+        """own: formulas of the model."""
+        self.graph, self.own = graph, own
         self.numbers = numbers
         self.inputs: dict[str, Expr] = {}
 
@@ -43,11 +46,10 @@ class GraphReader(QuantityReader):
         return self.inputs[name]
 
     def quantity(self, q: Quantity) -> Scalar:
-        return (
-            self.input(q.name)
-            if isinstance(q, Parameter) and not self.numbers
-            else super().quantity(q)
-        )
+        if not isinstance(q, Parameter) or self.numbers:
+            return super().quantity(q)
+        formula = self.own.get(q.name)
+        return formula.value(self.quantity) if formula else self.input(q.name)
 
     def sin_cos(self, angle: Quantity) -> tuple[Scalar, Scalar]:
         if isinstance(angle, Parameter) and not self.numbers:
@@ -58,7 +60,7 @@ class GraphReader(QuantityReader):
 def intermediates(symbols: Symbols) -> list[Equation]:
     """Inverse dynamics line by line, each in terms of those before."""
     graph = Graph()
-    reader = GraphReader(graph, symbols.reader.numbers)
+    reader = GraphReader(graph, symbols.reader.numbers, symbols.reader.own)
     q, qd, qdd = (
         tuple(reader.input(x + e) for x in symbols.coordinates) for e in ("", RATE, SECOND)
     )

@@ -11,6 +11,7 @@ from freebody.algorithms.rnea import friction_and_spring
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import Symbols
 from freebody.elementary import Scalar, cos, sin
+from freebody.model.parameter_formulas import ParameterFormula
 from freebody.model.parameters import Parameter, Quantity
 from freebody.model.quantity_reader import QuantityReader, exact_sin_cos
 from freebody.scalars.expr import Expr
@@ -30,12 +31,16 @@ class TracedReader(QuantityReader):
 
     combines = False
 
-    def __init__(self, inputs: Mapping[str, Expr], numbers: bool):
-        self.inputs, self.numbers = inputs, numbers
+    def __init__(
+        self, inputs: Mapping[str, Expr], numbers: bool, own: Mapping[str, ParameterFormula]
+    ):
+        """own: formulas of the model."""
+        self.inputs, self.numbers, self.own = inputs, numbers, own
 
     def quantity(self, q: Quantity) -> Scalar:
         if isinstance(q, Parameter) and not self.numbers:
-            return self.inputs[q.name]
+            formula = self.own.get(q.name)
+            return formula.value(self.quantity) if formula else self.inputs[q.name]
         return super().quantity(q)
 
     def sin_cos(self, angle: Quantity) -> tuple[Scalar, Scalar]:
@@ -51,7 +56,7 @@ class TracedSymbols(Symbols):
     def of(cls, given: Symbols, inputs: Mapping[str, Expr]) -> TracedSymbols:
         """The same model and names."""
         ring: Any = Inputs(inputs)
-        reader: Any = TracedReader(ring, given.reader.numbers)
+        reader: Any = TracedReader(ring, given.reader.numbers, given.reader.own)
         names = given.coordinates, reader, given.extra, given.inertial
         return cls(given.model, ring, *names, given.given, given.euler)
 

@@ -135,9 +135,14 @@ def _in_model(s: Setting, moved: bool) -> Iterator[tuple[Parameter, str, str]]:
         if not moved:
             yield from _of_body(s, i)
     yield from _of_loops(s)
-    if s.load or moved:
-        frame = s.symbols.model.frame()
+    model = s.symbols.model
+    if s.load or moved or (model.tip and (model.formulas or s.symbols.formulas)):
+        frame = model.frame()
         yield from placed(frame.placement, f"from joint {s.numbers[s.tip]} to the tip")
+    standing = {parameter.name for parameter in each_parameter(replace(model, formulas=()))}
+    for parameter in each_parameter(model.formulas):
+        if parameter.name not in standing:
+            yield parameter, "number by which others are given", ""
 
 
 def _of_loops(s: Setting) -> Iterator[tuple[Parameter, str, str]]:

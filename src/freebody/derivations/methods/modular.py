@@ -115,7 +115,8 @@ class ModularSetting(Setting):
             for axis in AXES
         )
         extra = (*s.symbols.extra, *names, *cls.more_names(count))
-        made = symbols(given, s.symbols.reader.numbers, extra=extra, euler=s.symbols.euler)
+        how = {"euler": s.symbols.euler, "formulas": s.symbols.formulas}
+        made = symbols(given, s.symbols.reader.numbers, extra, **how)
         return cls(made, s.load, s.at_rest)
 
     @classmethod

@@ -15,6 +15,7 @@ from freebody.elementary import Scalar
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
+from freebody.model.parameter_formulas import ParameterFormula
 from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
 from freebody.model.placement import AxisRotation
 from freebody.model.quantity_reader import QuantityReader
@@ -36,9 +37,17 @@ class TrigReader(QuantityReader):
 
     combines = False
 
-    def __init__(self, ring: TrigRing, numbers: bool, formulas: Formulas = ()):
+    def __init__(
+        self,
+        ring: TrigRing,
+        numbers: bool,
+        formulas: Formulas = (),
+        own: Mapping[str, ParameterFormula] | None = None,
+    ):
+        """own: formulas of the model, for parameters that are no generators."""
         self.ring = ring
         self.numbers = numbers
+        self.own = own or {}
         self.formulas = {
             name: ring.polynomial((dict(powers), x) for powers, x in terms)
             for name, terms in formulas
@@ -47,11 +56,17 @@ class TrigReader(QuantityReader):
     def quantity(self, q: Quantity) -> Scalar:
         if isinstance(q, Parameter) and not self.numbers:
             formula = self.formulas.get(q.name)
+            if formula is None and q.name in self.own:
+                return self.own[q.name].value(self.quantity, self.number)
             if formula is None:
                 return self.ring[q.name]
             return 0.0 if formula.is_zero else formula
         number = float(super().quantity(q))
         return 0.0 if number == 0.0 else Trig(self.ring, self.ring.constant(number), 0)
+
+    def number(self, x: Fraction) -> Trig:
+        """An exact number."""
+        return Trig(self.ring, self.ring.constant(x), 0)
 
     def sin_cos(self, angle: Quantity) -> tuple[Scalar, Scalar]:
         if isinstance(angle, Parameter) and not self.numbers:
@@ -97,6 +112,8 @@ class Symbols(ByValue):
     """B of θ = B φ, where the joints' coordinates are θ and the symbols stand for φ."""
     quarters: tuple[int, ...] = ()
     """By how many right angles each of φ is 0 elsewhere than on the x axis."""
+    follows: bool = True
+    """Whether formulas of the model are put in; else all its parameters are symbols."""
 
     def _key(self) -> tuple[Any, ...]:
         return tuple(map(key, self._recipe))
@@ -107,7 +124,7 @@ class Symbols(ByValue):
     @property
     def _recipe(self) -> tuple[Any, ...]:
         given = self.given or self.model
-        others = self.formulas, self.turned, self.quarters
+        others = self.formulas, self.turned, self.quarters, self.follows
         return given, self.reader.numbers, self.extra, self.inertial, self.euler, *others
 
     @cached_property
@@ -145,6 +162,20 @@ class Symbols(ByValue):
     def qdd(self) -> tuple[Trig, ...]:
         """Their accelerations."""
         return self.of_joints(self.own(SECOND))
+
+    def followed(self, given: Mapping[str, Trig]) -> dict[str, Trig]:
+        """Values of parameters: those given, and those of the model's formulas."""
+        found, reader = dict(given), TrigReader(self.ring, self.reader.numbers)
+
+        def read(q: Quantity) -> Scalar:
+            known = found.get(q.name) if isinstance(q, Parameter) else None
+            return reader.quantity(q) if known is None else known
+
+        names = names_by_formulas(self.model)
+        for formula in self.model.formulas:
+            if formula.name not in found and formula.name in names:
+                found[formula.name] = self.element(formula.value(read, reader.number))
+        return found
 
     def own(self, ending: str) -> list[Trig]:
         """The symbols of the coordinates, their rates or their accelerations."""
@@ -216,14 +247,17 @@ def symbols(
     formulas: Formulas = (),
     turned: tuple[tuple[int, ...], ...] | None = None,
     quarters: tuple[int, ...] = (),
+    follows: bool = True,
 ) -> Symbols:
     """The model in symbols; `numbers` puts in the values of parameters that have one.
 
-    A parameter whose value is 0 is no symbol: it is 0, in whatever is written about the model.
-    extra, inertial, formulas, turned, quarters: see `Symbols`. euler: put yaw, pitch and roll in
+    A parameter whose value is 0 is no symbol: it is 0, in whatever is written about the model; one
+    with a formula is what that says. extra, inertial, formulas, turned, quarters, follows: see
+    `Symbols`. euler: put yaw, pitch and roll in
     the place of quaternions, which are refused otherwise.
     """
-    given, model = model, with_parameters(model, lambda p: 0.0 if p.value == 0 else p)
+    given, following = model, names_by_formulas(model)
+    model = with_parameters(model, lambda p: 0.0 if p.value == 0 and p.name not in following else p)
     model = with_single_joints(model, euler)
     _require_whole_ratios(model)
     coordinates = coordinate_names(model)
@@ -233,10 +267,12 @@ def symbols(
         for name, is_angle in zip(own, body.kind.angular, strict=False)
         if is_angle
     ]
-    given_by_formulas = {name for name, _ in formulas}
+    turns = _angle_parameters(model)
+    own = {x.name: x for x in model.formulas if follows and x.name in following}
+    given_by_formulas = own.keys() | {name for name, _ in formulas}
     names = list(dict.fromkeys(p.name for p in each_parameter(model))) if not numbers else []
     names = [name for name in names if name not in given_by_formulas]
-    angles = [x for x in names if x in _angle_parameters(model)]
+    angles = [x for x in names if x in turns]
     others = [
         *(x for x in coordinates if x not in turning),
         *(x + RATE for x in coordinates),
@@ -251,7 +287,7 @@ def symbols(
         model,
         ring,
         coordinates,
-        TrigReader(ring, numbers, formulas),
+        TrigReader(ring, numbers, formulas, own),
         extra,
         inertial or {},
         given,
@@ -259,6 +295,7 @@ def symbols(
         formulas,
         turned,
         quarters,
+        follows,
     )
 
 
@@ -313,6 +350,12 @@ def _require_whole_ratios(model: Model) -> None:
                 'are not polynomials in its own. Load with mimic="free", '
                 "or let the slower joint lead."
             )
+
+
+def names_by_formulas(model: Model) -> set[str]:
+    """Parameters that formulas of the model give in symbols: all but angles, whose sines and
+    cosines have names of their own."""
+    return {formula.name for formula in model.formulas} - _angle_parameters(model)
 
 
 def _angle_parameters(model: Model) -> set[str]:

@@ -129,7 +129,7 @@ class QuantityValues:
     # ------------------------------------------------------------ groups
     def _symbols(self) -> Values:
         s = self.s.symbols
-        found: Values = {name: s.ring[name] for name in s.ring.names}
+        found: Values = s.followed({}) | {name: s.ring[name] for name in s.ring.names}
         q, qd, qdd = s.q, s.qd, s.qdd
         if self.s.at_rest:
             qd = qdd = tuple(s.zero() for _ in q)

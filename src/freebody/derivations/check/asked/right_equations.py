@@ -16,7 +16,7 @@ from freebody.derivations.closed_chains.first_kind import FirstKind
 from freebody.derivations.closed_chains.linear import Ratio
 from freebody.derivations.closed_chains.loops import LoopEquations
 from freebody.derivations.derive import multipliers
-from freebody.derivations.equations.equations import Equations, equations
+from freebody.derivations.equations.equations import Equations
 from freebody.derivations.grammar.parser import PI
 from freebody.derivations.methods.free_bodies import are_free, velocity_names
 from freebody.derivations.methods.free_body_steps import XYZ
@@ -25,7 +25,13 @@ from freebody.derivations.notations.angles import Weights, angles_of
 from freebody.derivations.notations.notation import BookNotation
 from freebody.derivations.parameter_formulas import formulas_of
 from freebody.derivations.polynomials.symbol_order import Order
-from freebody.derivations.polynomials.symbols import RATE, SECOND, Symbols, symbols
+from freebody.derivations.polynomials.symbols import (
+    RATE,
+    SECOND,
+    Symbols,
+    names_by_formulas,
+    symbols,
+)
 from freebody.derivations.polynomials.textbook_form import Layout
 from freebody.lazy import cached_property
 from freebody.model.model import Model
@@ -150,7 +156,7 @@ class RightEquations:
     @cached_property
     def given(self) -> dict[str, Trig]:
         """The values of parameters that are given by formulas."""
-        return formulas_of("check", self.symbols, self.formulas)
+        return self.symbols.followed(formulas_of("check", self.symbols, self.formulas))
 
     def all_of(self, name: str) -> Any:
         """tau, c or g (Bᵀ τ), M or C (Bᵀ M B), T or V of the equations, for the answer's
@@ -199,7 +205,8 @@ def in_notation(
 ) -> RightEquations:
     """The setting of a model's equations for answers in a notation."""
     model, given = equations.symbols.model, equations.symbols.given or equations.symbols.model
-    zeros = [name for name, value in given.parameters.items() if value == 0]
+    following = names_by_formulas(model)
+    zeros = [x for x, value in given.parameters.items() if value == 0 and x not in following]
     turned, quarters = angles_of("check", notation, model, absolute)
     plain = setting(equations, zeros, turned)
     return replace(plain, quarters=quarters, formulas=notation.parameters)
@@ -213,9 +220,8 @@ def equations_of(model: Model, loads: tuple[str, ...] = ()) -> Equations:
         return Equations(
             symbols_of_bodies("check", lettered, (*velocity_names(model), *FORCES), euler=True)
         )
-    if not model.loops:
-        return Equations(symbols(model, extra=loads)) if loads else equations(model)
-    return Equations(symbols(model, extra=multipliers(model)))
+    extra = multipliers(model) if model.loops else loads
+    return Equations(symbols(model, extra=extra, follows=False))
 
 
 def _is_free_body(model: Model) -> bool:

@@ -20,7 +20,7 @@ from freebody.derivations.grammar.lexer import Token
 
 _BY_FORMULA = (
     "Parameters that formulas give, as lc = l/2 of uniform bars, are told by parameters=, "
-    "--parameter lc=l/2, or stand below [parameters] in a notation of your own."
+    "--parameter lc=l/2, or stand below [parameters] in the robot's file or a notation of your own."
 )
 _NO_QUOTIENTS = ("K", "gamma")
 """Letters of quantities that are no quotients, which name ratios in other lines."""

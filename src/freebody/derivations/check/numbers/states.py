@@ -21,10 +21,10 @@ from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import tokens
 from freebody.derivations.grammar.source import Source
-from freebody.derivations.parameter_formulas import inertial_names
 from freebody.derivations.polynomials.symbols import RATE
 from freebody.errors import FreebodyError
 from freebody.identifiers import word_set
+from freebody.model.parameter_formulas import inertial_names
 from freebody.outputs.display import counted
 from freebody.outputs.numbers import shortest
 
