@@ -102,6 +102,8 @@ def test_one_motor_moves_two_joints():
     text = " ".join(fb.derive(COUPLED[1], "newton-euler").text().split())
     assert "coordinate 1 and motor 1 belong to joint 2" in text
     assert "τ₂ = u₃ · f₂₃ − 1.5 (u₁ · f₀₁)" in text
+    passive = " ".join(fb.derive(model.replace(actuated=[])).text().split())
+    assert "The common equation of joints 1 and 2" in passive
     with pytest.raises(fb.FreebodyError, match="absolute coordinates are written out for joints"):
         fb.derive(model, "lagrange-first-kind", coordinates="absolute")
     right = ["tau1 = n01 - n12", "omega2 = 0", "H11 = m1 lc1^2 + I1 + m2 l1^2"]

@@ -20,6 +20,7 @@ from freebody.derivations.methods import METHODS
 from freebody.derivations.methods.free_bodies import are_free
 from freebody.derivations.methods.free_body_steps import mass_symbol, thrusts_of
 from freebody.derivations.render.living_parts import LivingParts
+from freebody.errors import listed
 from freebody.figures import colours
 from freebody.figures.drawing import Drawing, Element
 from freebody.figures.figure import save, to_one_scale
@@ -188,7 +189,10 @@ def _drawn(seen: Snapshot, name: str, scales: Sequence[forces.Scale]) -> Drawing
     if kind == "carried":
         return forces.carried(seen, seen.pose.bodies[int(number) - 1])
     if kind == "partial":
-        note = f"Partial velocities: only joint {number} moves, at unit rate"
+        moved = [str(n) for n in seen.names.naming.together(int(number))]
+        only = f"only joint {number} moves," if len(moved) == 1 else ""
+        only = only or f"only joints {listed(moved)} move, joint {number}"
+        note = f"Partial velocities: {only} at unit rate"
         alone = partial(motion.partial_of_centres, joint=int(number))
         layers: tuple[Layer, ...] = (*_GEOMETRY, alone)
     elif name in _RECIPES[dim]:

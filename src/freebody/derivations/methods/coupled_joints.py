@@ -24,7 +24,7 @@ def coupled(s: Setting) -> list[int]:
 def shared_motors(
     s: Setting, drives: Mapping[int, Scalar], values: Mapping[int, Scalar] | None = None
 ) -> list[Step]:
-    """A step for each motor that moves several joints; drives: what friction and the like take;
+    """A step for each group of joints that move together; drives: what friction and the like take;
     values: of the motors, where they are told."""
     return [_shared(s, i, drives[i], values) for i in coupled(s)]
 
@@ -47,7 +47,8 @@ def _shared(s: Setting, i: int, drives: Scalar, values: Mapping[int, Scalar] | N
         f"does work, plus {listed(shares)}. The reactions include the forces of what couples these "
         f"joints.{drive(s, i)}"
     )
-    return Step(f"One motor for {joints(s, i)}", reason, (line,))
+    title = "One motor for" if s.driven(i) else "The common equation of"
+    return Step(f"{title} {joints(s, i)}", reason, (line,))
 
 
 def _times(s: Setting, k: int) -> str:

@@ -135,13 +135,22 @@ class Order:
 
 
 def _holds_decimals(thing: Any) -> bool:
-    """Whether inertias, placements or drives hold plain numbers that are not whole, right angles
-    apart."""
+    """Whether inertias, placements, drives or followers hold plain numbers that are not whole,
+    right angles apart."""
     if isinstance(thing, AxisRotation):
         angle = thing.angle
         return isinstance(angle, (int, float)) and bool(rational_sin_cos(angle)[0].denominator != 1)
     if isinstance(thing, Body):
-        return _holds_decimals((thing.inertias, thing.joint.placement, thing.joint.drive))
+        joint = thing.joint
+        own = (thing.inertias, joint.placement, joint.drive)
+        if joint.mimic is not None:
+            offset = joint.mimic.offset
+            own = (
+                *own,
+                joint.mimic.ratio,
+                AxisRotation("z", offset) if thing.kind.turns else offset,
+            )
+        return _holds_decimals(own)
     if isinstance(thing, tuple):
         return any(map(_holds_decimals, thing))
     if is_dataclass(thing) and not isinstance(thing, Parameter):
