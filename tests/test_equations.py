@@ -431,7 +431,7 @@ def test_following_by_a_fraction_is_refused() -> None:
     ):
         fb.equations(following(0.5))
     turned = coupled(fb.planar("RR"), joint2=("joint1", 1.0, 0.2))
-    assert "0.980067" in str(fb.equations(turned))  # the cosine of 0.2, not a fraction of it
+    assert "1.96013 lc₂ cos 2θ₁" in str(fb.equations(turned))  # twice the cosine of 0.2
     swapped = coupled(fb.planar("PR"), joint2=("joint1", 2.0, 0.0))
     with pytest.raises(FreebodyError, match=r"turns as 'joint1' slides: .*turning joint lead"):
         fb.equations(swapped)
