@@ -379,7 +379,7 @@ UNREADABLE = [
     ("tau1 + tau2 = 0", "neither side is one of the quantities"),
     ("M = l1", "M is a vector or matrix"),
     ("M = [[1, 2], [3]]", "M has 2 × 2 entries here"),
-    ("A = [1, 2]\nH12 = A", "a vector or matrix stands where one expression is expected"),
+    ("A = [1, 2]\nH12 = A", "H12 is one number, not a vector or matrix"),
     ("A = 3", "A is taken for a name of your own"),
     ("tau3 = 0", "tau3 is taken for a name of your own"),
     ("A = 3\nB = 4", "A and B are taken for names of your own"),

@@ -28,6 +28,8 @@ GREEK = {
     "chi": "χ",
     "psi": "ψ",
     "omega": "ω",
+    "Lambda": "Λ",
+    "Sigma": "Σ",
     "Phi": "Φ",
     "Psi": "Ψ",
     "Omega": "Ω",

@@ -63,6 +63,9 @@ _COMMAND = re.compile(r"\\([A-Za-z]+)")
 STARTS = frozenset(_LETTERS) | frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_")
 """Characters that a name may begin with; commands apart."""
 
+COMMAND_NAMES = _COMMANDS
+"""Plain names of LaTeX's letters."""
+
 COMMANDS = _FONTS.union(_COMMANDS, _ACCENTS)
 """LaTeX commands that a name may begin with."""
 
@@ -216,9 +219,17 @@ def _unit(source: Source, word: Word) -> bool:
 
 
 def _subscript(source: Source, word: Word) -> None:
-    """What follows an underscore: a group in braces, or it is left out."""
+    """What follows an underscore: a group in braces, or one letter, with which no name begins."""
     word.end += 1
     if source.text[word.end : word.end + 1] != "{":
+        command = _COMMAND.match(source.text, word.end)
+        if command and command[1] in _COMMANDS:
+            word.add(_COMMANDS[command[1]], word.end, cut=False)
+            word.end = command.end()
+        elif word.plain:
+            start = len(word.plain)
+            if word.end < len(source.text) and _unit(source, word):
+                word.cuts.discard(start)
         return
     at, close = word.end + 1, _closing(source, word.end)
     while at < close:

@@ -21,7 +21,7 @@ from freebody.derivations.check.asked.tip import TipQuantities
 from freebody.derivations.notations.notation import USUAL_LETTERS
 from freebody.lazy import cached_property
 
-AMBIGUOUS = frozenset(("B", "D", "b", "d", "k", "phi", "v"))
+AMBIGUOUS = frozenset(("B", "D", "E", "b", "d", "f", "k", "phi", "v"))
 """Letters that some books have for these quantities, and others for something else."""
 
 _GROUPS: tuple[type[QuantityGroup], ...] = (

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.methods.energies import Energies
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import RATE
@@ -33,6 +35,13 @@ class EnergyQuantities(QuantityGroup):
             ),
         )
 
+        yield ("E",), AskedQuantity("E", (), lambda: self.setting.element(eq.T + eq.V))
+        for i, x in enumerate(self.setting.symbols.coordinates, 1):
+            words = f"the momentum that belongs to {sym(x)}"
+            yield (
+                self._momentum_names(x),
+                AskedQuantity("momentum", (i,), self._momentum(i), words=words),
+            )
         yield (
             ("power",),
             AskedQuantity("power", (), self._power(*self.numbers), words="the power of the drives"),
@@ -40,6 +49,19 @@ class EnergyQuantities(QuantityGroup):
         for i in self.numbers:
             words = f"the power of the drive of joint {i}"
             yield (f"power{i}",), AskedQuantity("power", (i,), self._power(i), words=words)
+
+    def _momentum_names(self, coordinate: str) -> tuple[str, ...]:
+        """p_θ1, p_q1, p_x; none where p is a parameter."""
+        if {"p", "P"} & self.setting.ring.index.keys():
+            return ()
+        number = re.sub(r"\D", "", coordinate)
+        return tuple(f"{p}{x}" for p in "pP" for x in (coordinate, *[f"q{number}"] * bool(number)))
+
+    def _momentum(self, i: int) -> Callable[[], Trig]:
+        """Σ M_ij q̇_j."""
+        rates = [self.setting.ring[x + RATE] for x in self.setting.symbols.coordinates]
+        row = [self.entry("M", i, j) for j in self.numbers]
+        return lambda: sum((m() * v for m, v in zip(row, rates, strict=True)), self.setting.zero)
 
     def _power(self, *joints: int) -> Callable[[], Trig]:
         """Σ τ_i q̇_i; joints that nothing drives have none."""

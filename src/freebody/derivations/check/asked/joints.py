@@ -15,6 +15,7 @@ from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.evaluate import arithmetic, evaluate
 from freebody.derivations.expressions.expression import Expression
+from freebody.derivations.polynomials.determinant import determinant
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
@@ -52,6 +53,8 @@ class JointQuantities(QuantityGroup):
                     )
                     yield tuple(names), AskedQuantity(family, (i, j), self.entry(family, i, j))
         yield from self._christoffel()
+        if 1 < self.count <= MOST_ROWS:
+            yield ("detM",), AskedQuantity("det M", (), self._determinant)
         for row in self._inverse:
             for x in row:
                 i, j = x.index
@@ -64,6 +67,11 @@ class JointQuantities(QuantityGroup):
             return []
         rows = [[self.entry("M", i, j) for j in self.numbers] for i in self.numbers]
         return inverse(self.setting, rows, "the mass matrix")
+
+    def _determinant(self) -> Trig:
+        """det M."""
+        rows = [[self.entry("M", i, j)() for j in self.numbers] for i in self.numbers]
+        return determinant(rows, self.setting.symbols)
 
     @property
     def _inverse_names(self) -> list[str]:
@@ -81,6 +89,9 @@ class JointQuantities(QuantityGroup):
         for family in ("C", "M"):
             for letter in filter(str.isupper, self.letters[family]):
                 found[letter] = [[asked[family, (i, j)] for j in n] for i in n]
+        for letter in filter(str.isupper, self.letters["M"]):
+            rates = [[self._rate_of_mass(i, j) for j in n] for i in n]
+            found |= dict.fromkeys(spellings(letter, "", 1), rates)
         if self._inverse:
             found |= dict.fromkeys(self._inverse_names, self._inverse)
         coordinates = self.setting.symbols.coordinates
@@ -104,6 +115,12 @@ class JointQuantities(QuantityGroup):
         numbers = (str(i), "") if driven == [i] else (str(i),)
         along = (f"F{own}", f"f{own}") if own in ("x", "y", "z") else ()
         return (*(letter + number for number in numbers for letter in letters), *along)
+
+    def _rate_of_mass(self, i: int, j: int) -> AskedQuantity:
+        """An entry of Ṁ."""
+        entry, rates = self.entry("M", i, j), self.setting.symbols.rates
+        words = f"entry {i}, {j} of the rate of the mass matrix"
+        return AskedQuantity("M_d", (i, j), lambda: entry().along(rates), words=words)
 
     def _christoffel(self) -> Iterator[Named]:
         """Spong's c_ijk, of which C_kj is the sum over i of c_ijk q̇_i, and Γ_ijk of Murray, Li and

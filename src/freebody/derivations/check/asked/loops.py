@@ -35,6 +35,7 @@ class LoopQuantities(QuantityGroup):
         asked = {(target.family, target.index): target for target in single.values()}
         rows = range(1, len(self.setting.system.loops.names) + 1)
         return {
+            "gamma": [[asked["closing", (i,)]] for i in rows],
             "Phi": [[asked["Phi", (i,)]] for i in rows],
             "Phiq": [[asked["Phi_q", (i, j)] for j in self.numbers] for i in rows],
         }

@@ -14,8 +14,7 @@ from freebody.derivations.polynomials.determinant import determinant
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
-_TIP = {"x": ("x", "xP", "xp", "xE", "xtip", "px"), "y": ("y", "yP", "yp", "yE", "ytip", "py")}
-_TIP["z"] = ("z", "zP", "zp", "zE", "ztip", "pz")
+_TIP = {x: (x, f"{x}P", f"{x}p", f"{x}E", f"{x}tip", f"p{x}", f"P{x}") for x in "xyz"}
 
 
 class TipQuantities(QuantityGroup):
@@ -100,7 +99,8 @@ class TipQuantities(QuantityGroup):
                 yield (f"J{INVERSE}{x.index[0]}{x.index[1]}",), x
         for k in range(self.setting.symbols.model.dim):
             own = self.setting.symbols.coordinates
-            names = tuple(name for name in _TIP["xyz"[k]] if name not in own)  # x of a cart
+            taken = {*own, *(f"{p}{x}" for p in "pP" for x in own)}  # x of a cart, and its momentum
+            names = tuple(name for name in _TIP["xyz"[k]] if name not in taken)
             yield names, AskedQuantity("tip", (), self.element(lambda k=k: tip.position[k]))
             for dots, family, vector in ((1, "tip_d", "velocity"), (2, "tip_dd", "acceleration")):
                 dotted = tuple(s for name in names[:2] for s in spellings(name, "", dots))

@@ -55,8 +55,10 @@ def statements(
     at: Mapping[str, Any] | str | None = None,
 ) -> Statements:
     """All that an answer states; at: the state of its numbers."""
-    coefficients = setting.turned is None and re.search(
-        r"(?<![A-Za-z\\])h(?![a-z])", document.formulas
+    coefficients = (
+        setting.turned is None
+        and not any("h" in letters for letters in notation.letters.values())
+        and re.search(r"(?<![A-Za-z\\])h(?![a-z])", document.formulas)
     )
     formulas = respelt(document.formulas)
     of_kane, framed = kane.is_told(formulas), not set(words.FRAMES).isdisjoint(formulas)
@@ -96,7 +98,7 @@ def statements(
                 claimed.targets = replace(targets, based=True)
     claimed.letters_of_vectors = claimed.letters_given_as_vectors(lines)
     claimed.load = loaded_lines.loads(lines, vocabulary, targets)
-    pending |= claimed.own_scalars(lines)
+    pending |= claimed.own_scalars(lines) | claimed.own_coordinates(lines)
     own = _definitions(claimed, reading, lines, pending)
     stated = [line[1:] if line in own else line for line in lines if line not in reading.failed]
     by_line: dict[Line, list[Claim]] = {}

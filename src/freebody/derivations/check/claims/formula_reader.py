@@ -31,7 +31,21 @@ from freebody.scalars.trig import Trig
 _OF_BODIES = {"g": "gravity", "J": "JP"}
 """What names stand for in equations of bodies."""
 BODY_FAMILIES = frozenset(
-    ("of body", "tip", "tip_d", "tip_dd", "T", "V", "L", "Ti", "Vi", "J_d", "active", "inertia")
+    (
+        "of body",
+        "tip",
+        "tip_d",
+        "tip_dd",
+        "T",
+        "V",
+        "L",
+        "E",
+        "Ti",
+        "Vi",
+        "J_d",
+        "active",
+        "inertia",
+    )
 )
 """Families that only equations of bodies have."""
 
@@ -95,9 +109,12 @@ class FormulaReader:
 
     def table(self, name: str, span: Span) -> Matrix | None:
         """The entries of a vector or matrix, each with its name."""
+        if name in self.vocabulary.matrices:
+            return replace(self.vocabulary.matrices[name], span=span)
         meant = _OF_BODIES.get(name, name) if self.of_bodies else name
         if name == "J" and self.is_loaded and not any(x.startswith("n") for x in self.load):
             meant = "JP"
+        meant = meant if meant in self.targets.tables else name
         table = self.targets.tables.get(meant)
         if table is None:
             return None

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 from freebody.derivations.check.algebra.answer_tree import Wave
-from freebody.derivations.check.algebra.quotients import Value, difference
+from freebody.derivations.check.algebra.quotients import Value, difference, pair
 from freebody.derivations.check.asked.asked_quantities import AMBIGUOUS
 from freebody.derivations.check.claims.solved_quantities import SolvedQuantities
 from freebody.derivations.check.numbers.units import is_of_another_kind
@@ -17,6 +17,7 @@ from freebody.derivations.check.spelling.answer_text import AnswerError
 from freebody.derivations.closed_chains.linear import Ratio
 from freebody.derivations.expressions.nodes import Matrix, Number
 from freebody.derivations.grammar.lexer import Token
+from freebody.scalars.trig import Trig
 
 _BY_FORMULA = (
     "Parameters that formulas give, as lc = l/2 of uniform bars, are told by parameters=, "
@@ -69,7 +70,8 @@ class OwnDefinitions(SolvedQuantities):
             return []
         if self._repeats_a_formula(name, line):
             return [line]
-        if name in self.vocabulary.waves or name in self.setting.zeros or not self._is_free(name):
+        is_taken = not self._is_free(name) and name not in self.own_coordinates(lines)
+        if name in self.vocabulary.waves or name in self.setting.zeros or is_taken:
             own, given = self.vocabulary.symbols.get(name), self._given(line[1])
             if own is not None and given is not None and difference(own, given).is_zero:
                 self.source.fail(
@@ -85,7 +87,10 @@ class OwnDefinitions(SolvedQuantities):
         given = tuple(use.target for use in uses(node, self.targets.single, self.vocabulary))
         if self.targets.single.get(name) in given:
             refuse_itself(self.source, self.source[first[0].span], node.span)
-        self.vocabulary.define(name, self.quotient(node), given)
+        if isinstance(node, Matrix):
+            self.vocabulary.define_matrix(name, node, given)
+        else:
+            self.vocabulary.define(name, self.quotient(node), given)
         return [line]
 
     def _repeats_a_formula(self, name: str, line: Line) -> bool:
@@ -95,6 +100,34 @@ class OwnDefinitions(SolvedQuantities):
             return False
         node = self.parse(line[1])
         return not isinstance(node, Matrix) and difference(self.quotient(node), meant).is_zero
+
+    def _is_still(self, value: Value | None) -> bool:
+        """Whether a value is made of parameters alone."""
+        moving = self.setting.symbols.rates
+        return value is not None and all(
+            x.derivative(name).is_zero for x in pair(value) for name in moving
+        )
+
+    def own_coordinates(self, lines: Sequence[Line]) -> set[str]:
+        """Names of coordinates that lines give to numbers of their own, as θ_1 = m_1 l_c1² + I_1,
+        where the coordinates go by other names."""
+        symbols, found = self.vocabulary.symbols, set[str]()
+        written = {token.text for line in lines for side in line for token in side}
+        for line in lines:
+            name = line[0][0].text if len(line[0]) == 1 and len(line) == 2 else ""
+            value = symbols.get(name)
+            if not isinstance(value, Trig) or not self._is_coordinate(value):
+                continue
+            others = (x for x in written - {name} if x in symbols)
+            with suppress(AnswerError):  # told where the line is read
+                if any(symbols[x] == value for x in others) and self._is_still(
+                    self._given(line[1])
+                ):
+                    found.add(name)
+        return found
+
+    def _is_coordinate(self, value: Trig) -> bool:
+        return any(value == self.setting.ring[x] for x in self.setting.symbols.coordinates)
 
     def _is_wave(self, name: str, line: Line) -> bool:
         """Whether a line says of s12 or c12 only what it stands for anyway."""
@@ -116,12 +149,14 @@ class OwnDefinitions(SolvedQuantities):
         the user's own: one number for a matrix or vector, or what other lines use and has other
         units."""
         letter = re.sub(r"\d+$", "", name)
-        soft = letter in AMBIGUOUS or name in self.targets.soft
+        soft = letter in AMBIGUOUS or name in self.targets.soft or name not in self.targets.single
         if not (soft or letter in _NO_QUOTIENTS) or self.is_matrix(line[1]):
             return False
         target = self.targets.single.get(name)
         if target is None:
-            return name in AMBIGUOUS
+            return name in AMBIGUOUS or (
+                self._is_used(name, line, lines) and self._is_still(self._given(line[1]))
+            )
         if isinstance(self._given(line[1]), Ratio):
             return True
         if not soft:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 from freebody.derivations.check.algebra.exact_polynomials import PolynomialReader
-from freebody.derivations.check.asked.asked_quantities import Targets
+from freebody.derivations.check.algebra.quotients import Value
+from freebody.derivations.check.asked.asked_quantities import AMBIGUOUS, Targets
 from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked.right_equations import FAMILIES
@@ -18,6 +19,7 @@ from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import tokens
 from freebody.derivations.notations.lettering import Lettering
 from freebody.derivations.notations.notation import BookNotation
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.scalars.trig import Trig
 
 _NUMBERED = (*FAMILIES, "theta", "d", "q")
@@ -89,24 +91,47 @@ def _rename(
             raise AnswerError(f"names: {name!r} is to be a letter for {target}, without numbers")
         vocabulary.also_wave(plain, target)
         return True
+    if target in targets.names and target not in {*here.symbols, *here.waves, *AMBIGUOUS}:
+        _rename_quantity(vocabulary, targets, plain, target)
+        return True
     source = AnswerText.of(meaning)
 
     def quantity(name: str) -> Trig | None:
         return targets.single[name].polynomial() if name in targets.single else None
 
     node = AnswerParser(source, tokens(source, here)[:-1], here, quantity).side()
-    value = PolynomialReader(source, vocabulary.setting.ring).read(node)
+    value = PolynomialReader(source, vocabulary.setting.ring).quotient(node)
     given = tuple(use.target for use in uses(node, targets.single, vocabulary))
     vocabulary.define(plain, value, given)
+    ring = vocabulary.setting.ring
+    for coordinate in vocabulary.setting.symbols.coordinates:
+        if value == ring[coordinate]:
+            for p in "pP":
+                vocabulary.define_alias(p + plain, p + coordinate)
     letter, digits = re.sub(r"\d+$", "", plain), re.findall(r"\d*$", plain)[0]
-    rate = value
-    for dots in (1, 2):
-        rate = rate.along(vocabulary.setting.symbols.rates)
-        if rate.is_zero:
-            break
+    for dots, rate in enumerate(_rates(vocabulary, value), 1):
         for spelling in spellings(letter, digits, dots):
             vocabulary.define(spelling, rate, given)
     return True
+
+
+def _rename_quantity(vocabulary: Vocabulary, targets: Targets, name: str, target: str) -> None:
+    """A name of the user's own for a quantity, and for its rates."""
+    for dots in range(3):
+        theirs = next((x for x in spellings(target, "", dots) if x in targets.names), None)
+        for spelling in spellings(name, "", dots) if theirs else ():
+            vocabulary.define_alias(spelling, theirs or "")
+
+
+def _rates(vocabulary: Vocabulary, value: Value) -> Iterator[Trig]:
+    """The rates of a value, as far as it moves."""
+    ring = vocabulary.setting.ring
+    rates = {x: ring[x + RATE] for x in ring.names if x + RATE in ring.index}
+    rates |= vocabulary.setting.symbols.rates
+    for _ in (RATE, SECOND):
+        if not isinstance(value, Trig) or (value := value.along(rates)).is_zero:
+            return
+        yield value
 
 
 def _plain(name: str) -> str:
@@ -115,6 +140,8 @@ def _plain(name: str) -> str:
     if not source.text or not (source.text[0] in words.STARTS or source.text[0] == "\\"):
         raise AnswerError(f"names: {name!r} is not a name")
     word = words.spell(source, 0)
+    if word.plain in words.COMMAND_NAMES:  # ell is \\ell
+        return words.COMMAND_NAMES[word.plain]
     if word.end != len(source.text):
         raise AnswerError(f"names: {name!r} is not a single name")
     return word.plain

@@ -48,6 +48,7 @@ _LONE = re.compile(
     r"(?:[^\S\n]|[~$}]|\\[,;:! )\]])*(?:[.,;\]&)]|\\\\|$)",
     re.MULTILINE,
 )
+_EQUALS = re.compile(r"\s?&?\s?=")
 _GOES_ON = re.compile(r"\s?(?:[*/^·×(]|\\cdot|\\times|\\frac|[+−-])")
 _IN_HEAD = re.compile(
     r"(?:(?P<open>[\[(])|/|\bin\b)\s{0,3}(?P<unit>[^\[\]()=\n]{1,40}?)\s{0,3}(?(open)[\])])"
@@ -213,6 +214,8 @@ class _NumberSearch:
             return None
         at = match.end("pm") if match["pm"] else end
         unit = self._unit(at, start)
+        if unit and "\n" in self.text[at : unit[1]] and _EQUALS.match(self.text, unit[1]):
+            unit = None  # N = … on the next line
         stop = unit[1] if unit else at
         own, behind = self._clause(stop)
         line = self._begin(start)

@@ -15,6 +15,7 @@ from freebody.derivations.check.algebra.quotients import Value
 from freebody.derivations.check.asked import free_body_names, load_names
 from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.right_equations import FAMILIES, RightEquations
+from freebody.derivations.expressions.nodes import Matrix
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.source import Source, Span
 from freebody.derivations.grammar.words import spell
@@ -60,6 +61,10 @@ class Vocabulary:
     functions: dict[str, str] = field(default_factory=lambda: dict(FUNCTIONS))
     uses: dict[str, tuple[AskedQuantity, ...]] = field(default_factory=dict)
     """Quantities that names of the user's own are given by."""
+    aliases: dict[str, str] = field(default_factory=dict)
+    """Names of the user's own for vectors and matrices, and what these are called here."""
+    matrices: dict[str, Matrix] = field(default_factory=dict)
+    """Vectors and matrices of the user's own."""
     _known: frozenset[str] | None = None
 
     def __post_init__(self) -> None:
@@ -73,7 +78,8 @@ class Vocabulary:
     def known(self) -> frozenset[str]:
         """All names but functions."""
         if self._known is None:
-            self._known = frozenset([*self.symbols, *self.waves, *self.quantities, "t", "pi"])
+            own = (*self.aliases, *self.matrices)
+            self._known = frozenset([*self.symbols, *self.waves, *self.quantities, *own, "t", "pi"])
         return self._known
 
     def copy(self) -> Vocabulary:
@@ -81,6 +87,7 @@ class Vocabulary:
         kept = copy(self)
         kept.symbols, kept.waves = dict(self.symbols), dict(self.waves)
         kept.functions, kept.uses = dict(self.functions), dict(self.uses)
+        kept.aliases, kept.matrices = dict(self.aliases), dict(self.matrices)
         return kept
 
     def define(self, plain: str, value: Value, uses: tuple[AskedQuantity, ...] = ()) -> None:
@@ -91,9 +98,22 @@ class Vocabulary:
         self.functions.pop(plain, None)
         self._known = None
 
+    def define_matrix(
+        self, plain: str, matrix: Matrix, uses: tuple[AskedQuantity, ...] = ()
+    ) -> None:
+        """A vector or matrix of the user's own."""
+        self.matrices[plain], self.uses[plain] = matrix, uses
+        self.symbols.pop(plain, None)
+        self._known = None
+
+    def define_alias(self, plain: str, name: str) -> None:
+        """A name of the user's own for a vector or matrix."""
+        self.aliases[plain] = name
+        self._known = None
+
     def also_wave(self, letter: str, function: str) -> None:
         """A further letter for a function of angles: C12 as c12."""
-        own = [(name, wave) for name, wave in self.waves.items() if wave[0] == function]
+        own = [(name, wave) for name, wave in self._all_waves() if wave[0] == function]
         self.waves.update((letter + name[1:], wave) for name, wave in own)
         self._known = None
 
@@ -114,7 +134,7 @@ class Vocabulary:
         pieces = self.cut(source, word)
         if pieces is None:
             self._unknown(source, (word.start, word.end))
-        return pieces, word.power
+        return [(self.aliases.get(plain, plain), *at) for plain, *at in pieces], word.power
 
     def cut(self, source: Source, word: words.Word) -> list[words.Piece] | None:
         """A word as known names. Names of vectors stand alone: rc2x is no r·c2·x."""

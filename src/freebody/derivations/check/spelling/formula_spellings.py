@@ -21,12 +21,14 @@ _STATE = (
     rf"[\u0307\u0308]?{_S}\}}{{0,2}}"
 )
 _ARGUMENTS = re.compile(
-    rf"(?<![\w\\])((?:[A-Za-z]|\\?tau|τ|\\?phi|\\?Gamma|J_P|J_\{{P\}}){_S})"
-    rf"(\({_S}{_STATE}(?:{_S},{_S}{_STATE})*{_S}\))"
+    rf"(?<![\w\\])((?:\\mathcal{_S}\{{{_S}[A-Za-z]{_S}\}}|[A-Za-z]|\\?(?:tau|phi|Gamma|Lambda)|[τΛ])"
+    rf"(?:_(?:\{{[^{{}}]{{1,6}}\}}|\w)|[1-9]{{1,2}})?{_S}(?:⁻¹|\^\{{-1\}}|\^-1)?ᵀ?{_S})"
+    rf"(\({_S}(?:t|{_STATE})(?:{_S},{_S}{_STATE})*{_S}\))"
 )
 """A quantity and what it depends on: M(q), C(q, q̇)."""
 _DETERMINANT = re.compile(
-    rf"(?<![\w\\])\\?det(?:\s{{1,9}}|{_S}\({_S})J(?:_P|_\{{P\}})?{_S}\)?(?={_S}&?{_S}(?:=|$))",
+    rf"(?<![\w\\])\\?det(?:\s{{1,9}}|{_S}\({_S})(?:J(?:_P|_\{{P\}})?|(?P<mass>[MHDB])){_S}\)?"
+    rf"(?={_S}&?{_S}(?:=|$))",
     re.MULTILINE,
 )
 _NAME = (
@@ -75,6 +77,8 @@ _BY_TIME_OF = re.compile(
     rf"{_FRACTION}{_S}\{{{_S}{_D}\}}{_S}\{{{_S}{_D}t{_S}\}}|(?<![\w\\])d\s?/\s?dt(?!\w)"
 )
 """\\frac{d}{dt} of what follows."""
+_TWICE_BY_TIME_OF = re.compile(rf"{_FRACTION}{_S}\{{{_S}{_D}{_TWICE}\}}{_S}{_BY_TIME}")
+"""\\frac{d^2}{dt^2} of what follows."""
 _OF_TIME = re.compile(rf"((?<=[\w}}])){_S}\{{{_S}\\left{_S}\({_S}t{_S}\\right{_S}\){_S}\}}")
 """The argument of a function of time, as SymPy sets it in LaTeX."""
 
@@ -131,8 +135,8 @@ def _alone(match: re.Match[str]) -> str:
     a factor too, unless an equals sign or the end of the line follows, or a comma says it."""
     before = match.string[max(0, match.start() - 40) : match.start()].rstrip(" &")[-1:]
     behind = match.string[match.end() : match.end() + 40].lstrip(" &")[:1]
-    quantity = match[1].strip()
-    single = len(quantity) > 1 or quantity in "MHDBCVGJNK" or "," in match[2]
+    letter = match[1].removeprefix("\\mathcal{")[0]
+    single = letter in "MHDBCVGJNKAY\\τΛ" or "," in match[2]
     alone = before in ("", "\n", *"=+-−([{,;") or behind in ("=", "\n", "")
     if not (single or alone):
         return match[0]
@@ -194,8 +198,9 @@ _SPELLINGS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] =
     (_RATE_OF, _dotted),
     (_PLAIN_RATE, _plain_rate),
     (_PARTIAL, lambda match: f"∂{match['of']}/∂{match['by']}"),
+    (_TWICE_BY_TIME_OF, lambda match: "∂/∂t ∂/∂t"),
     (_BY_TIME_OF, lambda match: "∂/∂t"),
     (_ARGUMENTS, _alone),
-    (_DETERMINANT, lambda match: "detJ"),
+    (_DETERMINANT, lambda match: "detM" if match["mass"] else "detJ"),
     (_INERTIA_FORCE, lambda match: f"{match['name'] or 'F' + match['number']}'"),
 )

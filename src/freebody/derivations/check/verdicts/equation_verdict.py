@@ -97,7 +97,7 @@ class Judge:
             return special
         assert isinstance(claim.value, Trig)
         assert isinstance(right, Trig)
-        if claim.target.family in ("V", "L", "Vi") and self._is_constant(claim.value - right):
+        if claim.target.family in ("V", "L", "Vi", "E") and self._is_constant(claim.value - right):
             note = (
                 f"It differs by the constant {self.setting.form(claim.value - right)}: the zero "
                 f"level of V is arbitrary."
