@@ -411,6 +411,13 @@ CLOSED = [
 OPEN = "return document.getElementById('open').textContent"
 
 
+def energies_are_right(shown, arm, q, qd):
+    """Of `five_bar_rods` m3 is the mass of body 4."""
+    energy = fb.kinetic_energy(arm, q, qd) - fb.potential_energy(arm, q)
+    for found in shown.get("L", ()):
+        np.testing.assert_allclose(found, [energy], rtol=1e-9, atol=1e-12)
+
+
 @pytest.mark.parametrize(("name", "method"), CLOSED)
 def test_a_closed_chain_is_closed_by_its_page(driver, tmp_path, name, method):
     """The kernels refuse an open loop; torques and forces in joints and loops are theirs."""
@@ -451,11 +458,13 @@ def test_a_closed_chain_is_closed_by_its_page(driver, tmp_path, name, method):
             for found in shown[f"f{body.parent + 1}{n}"]:
                 force = held.wrenches[n - 1][:2]
                 np.testing.assert_allclose(found, force, rtol=1e-9, atol=1e-10)
+        energies_are_right(shown, arm, q, qd)
     assert len(shown) > 10
     if name == "bricard":
         page = derivation.html()
         assert re.search(r'data-name="f05">.*?N \(in axes of the world\)</p>', page)
         assert re.search(r'data-name="f45">.*?N \(in axes of body 5\)</p>', page)
+    assert ("L" in shown) == (method == "lagrange-first-kind")
     assert ("lam1" in shown) == (method == "newton-euler" and bool(model.passive))
     assert driver.execute_script(OPEN) == ""
 
@@ -561,7 +570,7 @@ UNREAD = [
 
 def test_predict_first(driver, tmp_path):
     opened(driver, tmp_path, fb.derive(fb.load("2R"), "newton-euler"))
-    shown = "return document.querySelectorAll('.equations')[2].offsetHeight > 0"
+    shown = "return document.querySelectorAll('.equations:not(.short)')[2].offsetHeight > 0"
     assert driver.execute_script(shown)
     driver.find_element("id", "predict").click()
     assert not driver.execute_script(shown)

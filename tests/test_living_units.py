@@ -52,3 +52,17 @@ def test_units_are_those_of_the_values(letters, method):
     other = {name: x * factor(units[name]) for name, x in given.items()}
     first, second = (kernel.at_random([x for x, _ in told], **x)[:, 0] for x in (given, other))
     np.testing.assert_allclose(second, first * [factor(unit) for _, unit in told], rtol=1e-12)
+
+
+def test_partial_velocities_are_in_axes_of_their_body_and_scalars_in_none():
+    """v_c2,1 is of body 2, by the rate of joint 1."""
+    page = fb.derive(fb.load("furuta"), "kane").html()
+    rows = re.findall(r'<p class="value".*?</p>', page)
+    (partial,) = [row for row in rows if 'data-name="vc2_1"' in row]
+    assert "(in axes of body 2)" in partial
+    forces = [row for row in rows if "<mi>F</mi>" in row]
+    assert len(forces) == 4
+    assert not [row for row in forces if "axes" in row]
+    sliders = re.findall(r"</output>([^<]*)</span>", fb.derive(fb.load("2R"), "kinematics").html())
+    assert all(sliders)
+    assert sliders[-1] == " m/s²"

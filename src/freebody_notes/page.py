@@ -46,6 +46,9 @@ COUNTED = {
     "incomplete": "incomplete",
 }  # fmt: skip
 
+SHORT = 90_000
+"""Bytes that a chapter's derivation may take once more, for phones."""
+
 
 @dataclass(frozen=True)
 class Card:
@@ -130,7 +133,8 @@ def _of_chapter(
     assert derivation.enliven is not None
     living = derivation.enliven(derivation)
     assert living is not None
-    body = documents.tried(living).of(derivation)
+    tried = documents.on_phones(documents.tried(living), derivation.steps, SHORT)
+    body = tried.of(derivation)
     steps = "".join(
         body.step(step, f"{k} ").replace('<details open="">', "<details>")
         for k, step in enumerate(derivation.steps, 1)

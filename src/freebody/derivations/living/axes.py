@@ -12,12 +12,18 @@ from freebody.spatial import product, times, transposed
 
 _VECTOR = re.compile(r"(?:omega|vc?|sc?|fc?|nc?)(?:\d_?)?(\d)(?:_dd?)?")
 """Names of vectors in axes of their body, whose number is the last digit."""
+_PARTIAL = re.compile(r"(?:omega|vc)(\d)_\d")
+"""Names of partial velocities: body and joint."""
 
 
 def body_of(name: str) -> str:
     """The number of the body in whose axes a vector is, by the name with which a line begins."""
-    found = _VECTOR.fullmatch(name) or re.fullmatch(r"R\d_?(\d)", name)
+    found = _vector(name) or re.fullmatch(r"R\d_?(\d)", name)
     return found[1] if found else ""
+
+
+def _vector(name: str) -> re.Match[str] | None:
+    return _PARTIAL.fullmatch(name) or _VECTOR.fullmatch(name)
 
 
 def scalar_name(name: str) -> str:
@@ -49,7 +55,7 @@ def world_axes(values: Quantities) -> Quantities:
     """Quantities in axes of their bodies, turned into those of the world."""
     found: dict[str, Any] = {}
     for name, x in values.items():
-        match = _VECTOR.fullmatch(name) or re.fullmatch(r"I(\d)", name)
+        match = _vector(name) or re.fullmatch(r"I(\d)", name)
         turn = values.get(f"R{match[1]}") if match else None
         if turn is None or rank(x) == 0:
             found[name] = x

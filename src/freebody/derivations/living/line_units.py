@@ -8,7 +8,8 @@ from collections.abc import Iterator, Mapping
 from freebody.derivations.derivation import Derivation
 from freebody.derivations.expressions.expression import Expression, Symbol
 from freebody.derivations.expressions.nodes import Negative, Sum
-from freebody.derivations.methods.glossary import placed
+from freebody.derivations.methods.glossary import ACCELERATION, in_model, placed
+from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import RATE
 
 VELOCITY = re.compile(r"(v|omega)_[xyz](_d)?")
@@ -16,7 +17,7 @@ VELOCITY = re.compile(r"(v|omega)_[xyz](_d)?")
 
 
 def units_of_symbols(derivation: Derivation) -> dict[str, str]:
-    """By name, as the derivation's table tells them, and of lengths that only the drawing needs."""
+    """By name, as the derivation's table tells them, and of what only the drawings need."""
     symbols = derivation.equations.symbols
     found = {symbol.name: unit for symbol, unit in _told(derivation)}
     for name in symbols.extra:
@@ -25,7 +26,10 @@ def units_of_symbols(derivation: Derivation) -> dict[str, str]:
     if symbols.model.tip is not None:
         for parameter, _, unit in placed(symbols.model.frame().placement, ""):
             found.setdefault(parameter.name, unit)
-    return found
+    for parameter, _, unit in in_model(Setting(symbols), moved=False):
+        found.setdefault(parameter.name, unit)
+    gravity = derivation.equations.layout.order.gravity
+    return {gravity: ACCELERATION} | found if gravity else found
 
 
 def _told(derivation: Derivation) -> Iterator[tuple[Symbol, str]]:

@@ -158,14 +158,17 @@ def _values(
     derivation: Derivation, setting: Setting, closed: ClosedChain | None, kernel: PageProgram
 ) -> tuple[LineValues, Mapping[str, Any]]:
     """The lines' values, and the quantities that are drawn."""
-    layout = derivation.equations.layout
-    if isinstance(setting, TracedSetting):
-        reactions = closed.reactions if closed else SolvedReactions(setting)
-        drawn = body_quantities(setting, reactions)
-        return traced_values(derivation, drawn, kernel), drawn
-    own = Quantities(body_quantities(setting, closed.reactions), layout) if closed else None
-    found = line_values(derivation, own)
-    return found, found.quantities
+    layout, ring = derivation.equations.layout, setting.symbols.ring
+    traced = isinstance(setting, TracedSetting)
+    if not (traced or closed):
+        found = line_values(derivation)
+        return found, found.quantities
+    drawn = body_quantities(setting, closed.reactions if closed else SolvedReactions(setting))
+    named = {name: ring[name] for name in ring.names if rank(drawn[name]) == 0}
+    told = drawn | named  # m3 in a line is the parameter, also where it is the mass of body 4
+    if traced:
+        return traced_values(derivation, told, kernel), drawn
+    return line_values(derivation, Quantities(told, layout)), drawn
 
 
 # ---------------------------------------------------------------- what the script is given

@@ -116,8 +116,9 @@ def below(
 
 def _axes(line: ValuedLine, of_loops: Container[str]) -> str:
     """In which a vector in space is given."""
-    is_vector = rank(line.value) == 1 and len(line.value) == 3
-    if line.in_world or (is_vector and line.names[0] in of_loops):
+    if rank(line.value) != 1 or len(line.value) != 3:
+        return ""
+    if line.in_world or line.names[0] in of_loops:
         return " (in axes of the world)"
-    body = body_of(line.names[0]) if is_vector else ""
+    body = body_of(line.names[0])
     return f" (in axes of body {body})" if body else ""

@@ -85,12 +85,12 @@ def _parameters(s: Setting, moved: bool) -> Iterator[Meaning]:
     """Those that occur; of motion alone the lengths from joint to joint and to the tip."""
     used = set(s.symbols.ring.names)
     found: dict[tuple[str, str], dict[str, None]] = {}
-    for parameter, words, unit in _in_model(s, moved):
+    for parameter, words, unit in in_model(s, moved):
         if parameter.name in used:
             found.setdefault((parameter.name, unit), {})[words] = None
     alike: dict[tuple[str, str], list[str]] = {}
     for (name, unit), told in found.items():
-        words = "; also ".join(filter(None, told)) or "part of where a joint or a centre of mass is"
+        words = "; also ".join(filter(None, told)) or "length in the place of a joint or body"
         alike.setdefault((words, unit), []).append(name)
     for (words, unit), names in alike.items():
         words = (
@@ -129,7 +129,8 @@ def _further(s: Setting, rows: Iterable[Meaning], steps: Iterable[Step]) -> Iter
 _ROTATION = Symbol("R_i,k", "R", ("i",), high="k")
 
 
-def _in_model(s: Setting, moved: bool) -> Iterator[tuple[Parameter, str, str]]:
+def in_model(s: Setting, moved: bool) -> Iterator[tuple[Parameter, str, str]]:
+    """The model's parameters, what each is and its unit; of motion alone no masses and centres."""
     for i in s.order:
         yield from _of_joint(s, i)
         if not moved:

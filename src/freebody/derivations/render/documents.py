@@ -23,6 +23,7 @@ from freebody.derivations.render.prose import (
     text_prose,
     web_prose,
 )
+from freebody.derivations.render.short_lines import LARGEST, short_lines
 from freebody.derivations.render.small_screens import NARROW, SCROLLED, TOUCHED
 from freebody.outputs.page import SHEETS, math_style, policy
 from freebody.outputs.text import legal
@@ -283,6 +284,12 @@ def tried(living: LivingParts) -> _Document:
     )
 
 
+def on_phones(document: _Document, steps: Sequence[Step], room: int) -> _Document:
+    """The same with equations in short lines too, of `room` bytes at most."""
+    short = short_lines(steps, room)
+    return replace(document, equations=lambda step: short.get(step, "") + document.equations(step))
+
+
 def html(
     derivation: Derivation,
     figures: Figures | None = None,
@@ -297,14 +304,20 @@ def html(
         scripts, style = [legal(living.script)], style + STYLE + STATE
     kind = ' class="living"' if living else ""
     run = "".join(f"<script>{text}</script>" for text in scripts)
-    return legal(
-        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">{policy(scripts)}'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        '<meta name="color-scheme" content="light dark"><link rel="icon" href="data:,">'
-        f"<title>{title}</title><style>{math_style()}{SHEETS}{style}{_STYLE}{page.STYLE}"
-        f"{term_sources.STYLE}{STEPS}{SCROLLED}{TOUCHED}{NARROW}</style></head>\n"
-        f"<body><main{kind}>\n{lean(inside(derivation, figures))}\n</main>{run}</body></html>\n"
-    )
+
+    def written(document: _Document) -> str:
+        return legal(
+            f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">{policy(scripts)}'
+            '<meta name="viewport" content="width=device-width, initial-scale=1">'
+            '<meta name="color-scheme" content="light dark"><link rel="icon" href="data:,">'
+            f"<title>{title}</title><style>{math_style()}{SHEETS}{style}{_STYLE}{page.STYLE}"
+            f"{term_sources.STYLE}{STEPS}{SCROLLED}{TOUCHED}{NARROW}</style></head>\n<body>"
+            f"<main{kind}>\n"
+            f"{lean(document(derivation, figures))}\n</main>{run}</body></html>\n"
+        )
+
+    left = LARGEST - len(written(inside).encode())
+    return written(on_phones(inside, derivation.steps, left))
 
 
 _STYLE = """

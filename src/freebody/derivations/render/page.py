@@ -159,7 +159,7 @@ def _table(groups: Groups, width: float, alone: bool) -> str:
     for j, group in enumerate(_set(groups, width, MATHML)):
         for k, (left, right, goes_on) in enumerate(group):
             apart = "padding-top:1em;" if j and not k else ""
-            signed = "" if goes_on else left + "<mo>=</mo>"
+            signed = "" if goes_on else (left or "<mrow></mrow>") + "<mo>=</mo>"
             indent = '<mspace width="1.5em"/>' if goes_on else ""
             cells += (
                 f"<mtr>{_cell(signed, apart + _RIGHT * alone)}"

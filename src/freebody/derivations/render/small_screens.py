@@ -13,6 +13,7 @@ background-repeat:no-repeat}}}}
 shades stand still, the covers above them, of the colour of the page, scroll with the content."""
 
 TOUCHED = """
+.short{display:none}
 @media screen and (max-width:40rem),screen and (pointer:coarse){
 .try summary,.card summary{padding:.45rem 0}.slider{min-height:2.2rem}.slider input{height:2rem}
 .try button,.answer button,.questions button{font:inherit;min-height:2.6rem;padding:.3rem .8rem}
@@ -20,6 +21,7 @@ TOUCHED = """
 .answer input{min-height:2.6rem;font-size:1rem}}
 @media screen and (max-width:40rem){summary,h1,h4{text-wrap:pretty}.notes{display:inline-block}
 p,li,h1,.source{overflow-wrap:break-word}.equations math{font-size:1rem}
+.short{display:block}.short+.equations{display:none}
 .values{display:flex;flex-wrap:wrap;gap:0 1.4rem}
 .answer label{display:flex;align-items:center;gap:.3rem}
 .answer input{flex:1;min-width:0;box-sizing:border-box}
