@@ -381,11 +381,11 @@ def test_views_and_names_are_checked() -> None:
 
 # ---------------------------------------------------------------- what has no closed form, and
 # joints that follow
-def following(ratio: float, kind: str = "revolute") -> Model:
+def following(ratio: float, kind: str = "revolute", base: str = "fixed") -> Model:
     """Two links, the second joint follows the first."""
     bar = Inertia(Parameter("m1"), (0.5, 0.0), (Parameter("I1"),))
     links = (
-        Link("base"),
+        Link("base", Inertia(2.0, (0.1, 0.0), (0.3,)) if base == "free" else None),
         Link("a", bar),
         Link("b", Inertia(Parameter("m2"), (0.3, 0.0), (Parameter("I2"),))),
     )
@@ -404,24 +404,26 @@ def following(ratio: float, kind: str = "revolute") -> Model:
         ),
     )
     return with_values(
-        build_model(RobotDescription("gears", 2, links, joints, (9.81, (0.0, -1.0))))
+        build_model(RobotDescription("gears", 2, links, joints, (9.81, (0.0, -1.0))), base=base)
     )
 
 
 @pytest.mark.parametrize(
-    ("ratio", "kind"), [(2.0, "revolute"), (-1.0, "revolute"), (0.5, "prismatic")]
+    ("ratio", "kind", "base"),
+    [(2.0, "revolute", "fixed"), (-1.0, "revolute", "free"), (0.5, "prismatic", "fixed")],
 )
-def test_following_joints(ratio: float, kind: str) -> None:
-    model = following(ratio, kind)
+def test_following_joints(ratio: float, kind: str, base: str) -> None:
+    model = following(ratio, kind, base)
     eqs = fb.equations(model)
     q, qd, qdd = state(model)
-    close(eqs.evaluate(eqs.tau, q, qd, qdd), numbers(model, "inverse_dynamics", q, qd, qdd))
+    expected = numbers(model, "inverse_dynamics", q, qd, qdd)
+    close(eqs.evaluate(eqs.tau, q, qd, qdd), expected)
     at = values(eqs, q, qd, qdd)
-    (line,) = eqs.groups("expanded")[0]
-    close(evaluate(line, at), numbers(model, "inverse_dynamics", q, qd, qdd)[..., 0])
+    line = eqs.groups("expanded")[0][-1]
+    close(evaluate(line, at), expected[..., -1])
     for step in eqs.intermediates():
         at[step.lhs.name] = evaluate(step, at)
-    close(at["tau1"], numbers(model, "inverse_dynamics", q, qd, qdd)[..., 0])
+    close(at[f"tau{model.nv}"], expected[..., -1])
 
 
 def test_following_by_a_fraction_is_refused() -> None:

@@ -49,6 +49,8 @@ def with_single_joints(model: Model, euler: bool = False) -> Model:
     single = replace(model, bodies=tuple(bodies), frames=(*frames, *links), home=())
     renamed, new = {}, iter(single.position_names)
     for body, at in zip(model.bodies, model.coordinates, strict=True):
+        if body.joint.mimic is not None:
+            continue
         if body.kind.quaternion is None:
             renamed |= {model.position_names[k]: next(new) for k in at.q}
         else:
