@@ -219,6 +219,7 @@ def test_equations_relations_and_checks_put_formulas_in():
         (f'lc1 = "{"l1+" * 400}l1"', "at most 1000 are read"),
         ('lc1 = "__import__(\'os\')"', '"\'" has no meaning in it'),
         ('I = "m*(l-2)"', "8: [parameters]: I1 = 'm1*(l1-2)': it is −1 with the values of 'arm'"),
+        ('I1 = "200 g"', "a number with a unit; numbers are in SI units and without one, and a"),
         ('m3 = "l1"', "8: no parameter 'm3' in the model. Did you mean"),
         ('k = 2', "8: no parameter 'k' in the model."),
         ('lc = "l/2"\nlc1 = 1\nlc2 = 1', "lc is that of no link, as lc1 and lc2 have their own."),

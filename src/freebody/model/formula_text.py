@@ -17,6 +17,8 @@ Terms = dict[Powers, Fraction]
 """A polynomial: the factor of each product of powers."""
 
 _NUMBER = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,2}(?![0-9]))?"
+_WITH_UNIT = re.compile(rf"\s*([+-]?{_NUMBER})\s*([^\W\d]\w*)\s*")
+"""200 g, which would else be a product with the parameter g."""
 _SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹"
 _TOKEN = re.compile(
     rf"\s*(?:(?P<number>{_NUMBER})|(?P<name>[^\W\d{_SUPERSCRIPTS}][^\W{_SUPERSCRIPTS}]*)"
@@ -39,6 +41,11 @@ def polynomial(text: str) -> Terms:
     numbers; and pi, sqrt, sin, cos and tan of numbers. Raises FormulaTextError."""
     if len(text) > _LONGEST:
         raise FormulaTextError(f"it has {len(text)} characters; at most {_LONGEST} are read")
+    if unit := _WITH_UNIT.fullmatch(text):
+        raise FormulaTextError(
+            f"this reads as a number with a unit; numbers are in SI units and without one, and a "
+            f"product is written {unit[1]}*{unit[2]}"
+        )
     found = _TermsReader(text).whole()
     if any(abs(factor) > LARGEST for factor in found.values()):
         raise FormulaTextError(f"a number in it is above {LARGEST:g}")
