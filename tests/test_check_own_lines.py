@@ -8,7 +8,8 @@ import pytest
 import freebody as fb
 from support.own_lines import own_lines
 
-SHORT = [("2R", "kane"), ("cart_pole", "kane"), ("cylindrical_arm", "newton-euler")]
+SHORT = [("2R", "kane"), ("cart_pole", "kane"), ("cylindrical_arm", "newton-euler"),
+         ("five_bar", "newton-euler"), ("elbow_arm", "recursive")]  # fmt: skip
 
 
 @pytest.mark.parametrize("latex", [False, True], ids=["text", "latex"])
@@ -20,6 +21,9 @@ def test_its_own_lines_are_read_and_right(robot: str, method: str, latex: bool):
 
 
 PARTIAL = "vc21 = [-l1 s1 - lc2 s12; l1 c1 + lc2 c12]"
+BOTH = (
+    "J_a = [cos(θ1+θ3), sin(θ1+θ3); cos(θ2+θ4), sin(θ2+θ4)]; J_b = [-l1 sin θ3, 0; 0, -l2 sin θ4]"
+)
 WRONG = [
     ("2R", "v_{c2,1} = [-lc2 s12; lc2 c12]", "This is the factor of joint 2's rate."),
     ("2R", PARTIAL.replace("l1 c1 +", "l1 c1 -"), "has the wrong sign"),
@@ -31,6 +35,21 @@ WRONG = [
     ("2R", "F_2 = τ2 + m2 g lc2 c12; F_2 + F_2* = 0", "The weights have the wrong sign."),
     ("2R", "F₁ − F₁* = 0", "‘− F₁*’ has the wrong sign"),
     ("cylindrical_arm", "f12 = f23 + m2 v̇c2 + m2 g", "‘m2 g’ has the wrong sign"),
+    ("five_bar", f"{BOTH}; J_a ẋ = J_b θ̇", "has the wrong sign: it must be l₁ sin θ₃"),
+    ("five_bar", f"J_a ẋ + J_b θ̇ = 0; {BOTH.replace('l1 sin θ3', 'l1 cos θ3')}", "must be sin θ₃"),
+    ("five_bar", BOTH.replace("a =", "b =", 1).replace("; J_b", "; J_a"), "the other matrix"),
+    ("five_bar", "J_a = [cos(θ1+θ3), cos(θ2+θ4); sin(θ1+θ3), sin(θ2+θ4)]", "of the transpose"),
+    ("five_bar", "J_a ẋ − J_b θ̇ = 0; J_a ẋ + J_b θ̇ = 0", "is not right"),
+    ("four_bar", "N = [1; -(l1 sin(θ1-θ3))/(l2 sin(θ1+θ2-θ3)); (l1 s2)/(l3 sin(θ1+θ2-θ3))]", "N"),
+    ("four_bar", "q̈ = N ü − γ", "‘− γ’ has the wrong sign"),
+    (
+        "four_bar",
+        "γ₃ = ((l₂ + l₁ cos θ₂) θ̇₁² − l₂ θ̇₂² + l₃ cos(θ₁+θ₂−θ₃) θ̇₃² − 2 l₂ θ̇₁ θ̇₂)"
+        "/(l₃ sin(θ₁+θ₂−θ₃))",
+        "θ̇₁²’ has the wrong sign",
+    ),
+    ("four_bar", "Φ_q q̈ = Φ̇_q q̇", "is not right"),
+    ("five_bar", "det J_a = -sin(θ1-θ2+θ3-θ4)\nθ₁ − θ₂ + θ₃ − θ₄ = π/2", "There det J is not 0"),
     ("elbow_arm", "R_0^1 = [cos θ₁, −sin θ₁, 0; sin θ₁, cos θ₁, 0; 0, 0, 1]", "its transpose"),
 ]
 
@@ -40,6 +59,29 @@ def test_a_mistake_in_such_a_line_is_refused_with_the_reason(robot: str, line: s
     verdict = fb.check(fb.load(robot), line)
     assert not verdict
     assert reason in verdict.text
+
+
+RIGHT = [
+    ("five_bar", BOTH),
+    ("five_bar", f"{BOTH.replace('-l', 'l')}; J_a ẋ = J_b θ̇"),
+    ("five_bar", BOTH.replace("J_a", "J_x").replace("J_b", "J_q")),
+    ("five_bar", "A ẋ = B q̇; A = [x + b - l1 c1, y - l1 s1; x - b - l2 c2, y - l2 s2]; "
+     "B = [l1 l3 s3, 0; 0, l2 l4 sin θ4]"),
+    ("four_bar", "Φ_q N = 0; q̈ = N ü + γ; Nᵀ M N ü = Nᵀ (n − M γ)"),
+    ("four_bar", "M q̈ + Φ_qᵀ λ = n; Φ_q q̈ = −Φ̇_q q̇ = c; dΦ/dt = Φ_q q̇ = 0"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("robot", "line"), RIGHT, ids=[x[1] for x in RIGHT])
+def test_such_lines_may_be_written_otherwise(robot: str, line: str):
+    verdict = fb.check(fb.load(robot), line)
+    assert verdict, verdict
+
+
+def test_a_row_of_one_matrix_alone_is_not_judged():
+    """J_a ẋ + J_b θ̇ = 0 may be multiplied by any factor."""
+    with pytest.raises(fb.FreebodyError, match="Give both matrices"):
+        fb.check(fb.load("five_bar"), "J_b = [cos θ3, 0; 0, l2 sin θ4]")
 
 
 def test_names_of_kanes_equations_are_ones_own_where_nothing_else_is_of_these():

@@ -9,8 +9,10 @@ from itertools import accumulate, groupby
 import freebody as fb
 from freebody.derivations.derivation import Derivation
 
-MOST = 90
+MOST = 80
 """Lines given at once: `check` reads a hundred."""
+_NUMBER = re.compile(r"[mI]_?\S{1,3} = [\d./]+")
+"""A mass that is a number, which other lines are written with."""
 
 
 @dataclass(frozen=True)
@@ -34,8 +36,10 @@ def own_lines(model: fb.Model, derivation: Derivation, latex: bool = False) -> l
     found = []
     for _, piece in groupby(range(len(rows)), lambda k: k // MOST):
         some = [rows[k] for k in piece]
-        verdicts = _judged(model, [text for _, text in some], latex)
-        for (step, text), (kind, reason) in zip(some, verdicts, strict=True):
+        lines = [text for _, text in some]
+        numbers = [text for _, text in rows if _NUMBER.fullmatch(text) and text not in lines]
+        verdicts = _judged(model, [*lines, *numbers], latex)
+        for (step, text), (kind, reason) in zip(some, verdicts, strict=False):
             found.append(OwnLine(step, text, kind, reason))
     return found
 

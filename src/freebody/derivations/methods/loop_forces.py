@@ -148,14 +148,17 @@ class LoopForces:
         _, place = frame_pose(self.s.tree, self.s.world, frame)
         return sub(place, self.s.world[i][1])
 
+    def ways(self, i: int) -> list[tuple[Expression, Vector]]:
+        """The ways on body i to where loops act, by name."""
+        ways = [(self.arm(i, frame), self._way(i, frame)) for _, frame in self._ends(i)]
+        return [(arm, way) for arm, way in ways if arm != ex.ZERO]
+
     def geometry(self, rotations: bool = False) -> Step:
         """The vectors, those to the loops' frames included; as `geometry`."""
         step = geometry(self.s, rotations, inertias=not self.s.at_rest)
         lines: list[Equation] = list(step.equations)
         for i in self.s.order:
-            for _, frame in self._ends(i):
-                if self.arm(i, frame) != ex.ZERO:
-                    lines.append(eq(self.arm(i, frame), self.s.column(self._way(i, frame))))
+            lines += [eq(arm, self.s.column(way)) for arm, way in self.ways(i)]
         others = any(len(getattr(line.lhs, "low", ())) > 1 for line in lines)
         more = "s_i,P points from joint i to a point P where a loop acts; " if others else ""
         reason = more + step.reason.replace("(or the tip)", "(or the tip, or where a loop acts)")

@@ -15,9 +15,12 @@ from freebody.derivations.check.asked.group import QuantityGroup
 from freebody.derivations.check.asked.joints import JointQuantities, VelocityCoefficients
 from freebody.derivations.check.asked.kane import KaneQuantities
 from freebody.derivations.check.asked.loops import LoopQuantities
+from freebody.derivations.check.asked.parallel import ParallelQuantities
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
+from freebody.derivations.check.asked.reduced import ReducedMass, ReducedQuantities
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.asked.tip import TipQuantities
+from freebody.derivations.check.asked.tree_bodies import BodiesOfTrees, LoopForceSystem
 from freebody.derivations.notations.notation import USUAL_LETTERS
 from freebody.lazy import cached_property
 
@@ -29,16 +32,25 @@ _GROUPS: tuple[type[QuantityGroup], ...] = (
     JointQuantities,
     EnergyQuantities,
     QuantitiesOfBodies,
+    BodiesOfTrees,
     TipQuantities,
+    ReducedQuantities,
 )
 """In this order: where two give a name to one number the first has it, of vectors and matrices the
 last."""
 
+_SPECIAL: tuple[type[QuantityGroup], ...] = (
+    KaneQuantities,
+    ParallelQuantities,
+    ReducedMass,
+    LoopForceSystem,
+)
+"""Groups whose names mean other things in answers that are not about them."""
+
 
 @dataclass(frozen=True)
 class Targets:
-    """The quantities of a model by name; `velocity`: also h, h1, … of the notes' form; `kane`: also
-    those of Kane's equations."""
+    """The quantities of a model by name; `velocity`: also h, h1, … of the notes' form."""
 
     setting: RightEquations
     velocity: bool = False
@@ -46,9 +58,10 @@ class Targets:
     """Letters of the families."""
     based: bool = False
     """Whether the base is accelerated by -g, which then is in all accelerations."""
-    kane: bool = False
     framed: bool = False
     """Whether vectors are told in the axes of any body, {}^1v_2."""
+    formulas: str = ""
+    """Those of the answer, which tell what it is about."""
 
     @cached_property
     def names(self) -> frozenset[str]:
@@ -64,16 +77,22 @@ class Targets:
     def _groups(self) -> list[QuantityGroup]:
         if self.setting.is_free_body:
             return [FreeBodyQuantities(self.setting, self.letters, self.based)]
-        of_kane = [KaneQuantities] * self.kane
         in_frames = [QuantitiesInFrames] * self.framed
-        kinds = (*of_kane, *_GROUPS, *in_frames, *[VelocityCoefficients] * self.velocity)
-        return [kind(self.setting, self.letters, self.based) for kind in kinds]
+        kinds = (*_GROUPS, *in_frames, *[VelocityCoefficients] * self.velocity)
+        return [kind(self.setting, self.letters, self.based, self.formulas) for kind in kinds]
+
+    @cached_property
+    def _special(self) -> list[QuantityGroup]:
+        """Those that the answer is about, which go before the others."""
+        kinds = [kind for kind in _SPECIAL if kind.is_told(self.formulas)]
+        kinds = [] if self.setting.is_free_body else kinds
+        return [kind(self.setting, self.letters, self.based, self.formulas) for kind in kinds]
 
     @cached_property
     def single(self) -> dict[str, AskedQuantity]:
         """Quantities that are one polynomial."""
         found: dict[str, AskedQuantity] = {}
-        for group in self._groups:
+        for group in (*self._special, *self._groups):
             for names, target in group.single():
                 for name in names:
                     found.setdefault(name, target)
@@ -83,7 +102,7 @@ class Targets:
     def tables(self) -> dict[str, Table]:
         """Vectors (one column) and matrices of quantities."""
         found: dict[str, Table] = {}
-        for group in self._groups:
+        for group in (*self._groups, *self._special):
             found |= group.tables(self.single)
         return found
 

@@ -18,6 +18,7 @@ from freebody.derivations.check.asked.inverse_functions import (
     ball,
 )
 from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.closed_chains.first_kind import multiplier_names
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.lazy import cached_property
 from freebody.scalars.rational import exactly
@@ -112,7 +113,23 @@ class ClosedMotions:
         else:
             return None
         linear = zip((RATE, SECOND), derivatives, strict=True)
-        return place if all(moved(x, of(rows)) for x, rows in linear) else None
+        if not all(moved(x, of(rows)) for x, rows in linear):
+            return None
+        return place if self._pressed(place, values) else None
+
+    def _pressed(self, place: RandomPosition, values: Balls) -> bool:
+        """Whether multipliers are found with which nothing drives the passive joints."""
+        setting = self.setting
+        assert setting.system is not None
+        names = multiplier_names(setting.system.loops)
+        rows = [setting.element(setting.system.forces[k]) for k in setting.symbols.model.passive]
+        if not rows or len(rows) > len(names):  # as of joints that yield: free multipliers
+            return True
+        slopes = [[place.polynomial(x.derivative(name)) for name in names] for x in rows]
+        step = _shortest(slopes, [place.polynomial(x) for x in rows])
+        for name, by in zip(names if step else (), step, strict=True):
+            values[name] = (values[name] - by).mid()
+        return True
 
     @cached_property
     def _rows(self) -> list[list[Trig]]:

@@ -15,12 +15,22 @@ Named = tuple[tuple[str, ...], AskedQuantity]
 
 class QuantityGroup:
     """Some quantities of a model; `letters` are those of their families, `based` says that the base
-    is accelerated by -g, which then is in all accelerations."""
+    is accelerated by -g, which then is in all accelerations; formulas: the answer's."""
 
     def __init__(
-        self, setting: RightEquations, letters: Mapping[str, tuple[str, ...]], based: bool
+        self,
+        setting: RightEquations,
+        letters: Mapping[str, tuple[str, ...]],
+        based: bool,
+        formulas: str = "",
     ):
         self.setting, self.letters, self.based = setting, letters, based
+        self.formulas = formulas
+
+    @classmethod
+    def is_told(cls, formulas: str) -> bool:
+        """Whether an answer is about a group whose names mean other things elsewhere."""
+        return bool(formulas)
 
     def single(self) -> Iterator[Named]:
         """Quantities that are one polynomial."""

@@ -54,7 +54,8 @@ class JointQuantities(QuantityGroup):
                     yield tuple(names), AskedQuantity(family, (i, j), self.entry(family, i, j))
         yield from self._christoffel()
         if 1 < self.count <= MOST_ROWS:
-            yield ("detM",), AskedQuantity("det M", (), self._determinant)
+            names = ("detM", "detH", "detD", "detB")
+            yield names, AskedQuantity("det M", (), self._determinant)
         for row in self._inverse:
             for x in row:
                 i, j = x.index
@@ -83,9 +84,10 @@ class JointQuantities(QuantityGroup):
         found: dict[str, Table] = {}
         for family in ("tau", "g", "bias", "c"):
             column = [[asked[family, (i,)]] for i in n if self.letters[family]]
-            found |= dict.fromkeys(self.letters[family], column) if column else {}
+            names = [x for x in self.letters[family] if self.setting.system is None or x != "c"]
+            found |= dict.fromkeys(names, column) if column else {}  # c of loops: Φ_q q̈ = c
         if self.letters["c"] and n:
-            found["V"] = found[self.letters["c"][0]]  # the potential energy is no vector
+            found["V"] = [[asked["c", (i,)]] for i in n]  # the potential energy is no vector
         for family in ("C", "M"):
             for letter in filter(str.isupper, self.letters[family]):
                 found[letter] = [[asked[family, (i, j)] for j in n] for i in n]

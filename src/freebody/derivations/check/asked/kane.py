@@ -24,14 +24,14 @@ Slope = Callable[[], Trig]
 _LETTERS = ("vc", "vG", "omega", "w")
 
 
-def is_told(formulas: str) -> bool:
-    """Whether an answer is about Kane's quantities: it has v_c2,1, ∂v_c2/∂θ̇1 or F_1*. Elsewhere F_1
-    is a force and ω_21 perhaps that of body 2 as seen from body 1."""
-    return _TOLD.search(formulas) is not None
-
-
 class KaneQuantities(QuantitiesOfBodies):
     """v_c2,1 and ω_2,1, the factors of a rate in velocities, and F_1 and F_1*, of open chains."""
+
+    @classmethod
+    def is_told(cls, formulas: str) -> bool:
+        """Whether an answer has v_c2,1, ∂v_c2/∂θ̇1 or F_1*. Elsewhere F_1 is a force and ω_21
+        perhaps that of body 2 as seen from body 1."""
+        return _TOLD.search(formulas) is not None
 
     def single(self) -> Iterator[Named]:
         yield from self.entries_of(self._partials)

@@ -4,41 +4,76 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
+from freebody.derivations.closed_chains.first_kind import multiplier_names
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
 
 
 class LoopQuantities(QuantityGroup):
-    """Φ, Φ_q, and what Φ_q q̈ must be."""
+    """Φ, Φ_q, their rates, what Φ_q q̈ must be, and λ."""
 
     def single(self) -> Iterator[Named]:
-        if self.setting.system is None:
-            return
-        loops = self.setting.system.loops
-        for i, name in enumerate(loops.names, 1):
-            value = self.element(lambda i=i: loops.Phi[i - 1])
-            words = f"the loop equation of {_in_words(name)}"
-            yield (f"Phi{i}",), AskedQuantity("Phi", (i,), value, words=words)
-            value = self.element(lambda i=i: loops.c[i - 1])
-            words = f"what row {i} of Φ_q q̈ must be"
-            yield (f"c{i}", f"gamma{i}"), AskedQuantity("closing", (i,), value, words=words)
-            for j in self.numbers:
-                value = self.element(
-                    lambda i=i, j=j: self.setting.forces(loops.Phi_q[i - 1])[j - 1]
-                )
-                words = f"entry {i}, {j} of the Jacobian of the loop equations"
-                yield (f"Phiq{i}{j}",), AskedQuantity("Phi_q", (i, j), value, words=words)
+        for i, (x,) in enumerate(self._tables.get("Phi", []), 1):
+            (rate,), (c,) = self._tables["Phi_d"][i - 1], self._tables["c"][i - 1]
+            yield (f"Phi{i}",), x
+            yield tuple(spellings("Phi", str(i), 1)), rate
+            yield (f"c{i}",), c
+            for j, entry in enumerate(self._tables["Phiq"][i - 1], 1):
+                yield (f"Phiq{i}{j}",), entry
 
     def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+        found = dict(self._tables)
+        found |= {"gamma": found["c"]} if found else {}
+        for name, letter in (("Phi_d", "Phi"), ("Phiq_d", "Phiq")):
+            if table := found.pop(name, None):
+                found |= dict.fromkeys(spellings(letter, "", 1), table)
+        return found
+
+    @cached_property
+    def _tables(self) -> dict[str, Table]:
         if self.setting.system is None:
             return {}
-        asked = {(target.family, target.index): target for target in single.values()}
-        rows = range(1, len(self.setting.system.loops.names) + 1)
-        return {
-            "gamma": [[asked["closing", (i,)]] for i in rows],
-            "Phi": [[asked["Phi", (i,)]] for i in rows],
-            "Phiq": [[asked["Phi_q", (i, j)] for j in self.numbers] for i in rows],
+        loops, rates = self.setting.system.loops, self.setting.symbols.rates
+        rows = [[self.setting.element(x) for x in self.setting.forces(r)] for r in loops.Phi_q]
+        ring = self.setting.ring
+        found: dict[str, Table] = {
+            name: [] for name in ("Phi", "Phi_d", "c", "Phiq", "Phiq_d", "lam")
         }
+        for i, (name, lam) in enumerate(zip(loops.names, multiplier_names(loops), strict=True), 1):
+            phi, c, row = (
+                self._element(loops.Phi[i - 1]),
+                self._element(loops.c[i - 1]),
+                rows[i - 1],
+            )
+            told = _in_words(name)
+            columns = {
+                "Phi": ("Phi", phi, f"the loop equation of {told}"),
+                "Phi_d": ("Phi_d", phi.along(rates), f"the rate of the loop equation of {told}"),
+                "c": ("closing", c, f"what row {i} of Φ_q q̈ must be"),
+                "lam": ("lam", ring[lam], f"the multiplier of the loop equation of {told}"),
+            }
+            for key, (family, value, words) in columns.items():
+                asked = AskedQuantity(family, (i,), lambda value=value: value, words=words)
+                found[key].append([asked])
+            whole = "the Jacobian of the loop equations"
+            for key, of in (("Phiq", whole), ("Phiq_d", f"the rate of {whole}")):
+                found[key].append(
+                    [
+                        AskedQuantity(
+                            "Phi_q", (i, j),
+                            lambda x=x, dots=key[4:]: x.along(rates) if dots else x,
+                            words=f"entry {i}, {j} of {of}",
+                        )
+                        for j, x in enumerate(row, 1)
+                    ]
+                )  # fmt: skip
+        return found
+
+    def _element(self, x: Trig) -> Trig:
+        return self.setting.element(x)
 
 
 def _in_words(name: str) -> str:

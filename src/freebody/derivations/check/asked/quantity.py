@@ -49,6 +49,9 @@ class AskedQuantity:
         return self.words or _TITLES[self.family].format(*self.index, joint=self.joint)
 
 
+LONG = "long"
+"""The family of an equation of a closed chain that is too long to be multiplied out: its sides are
+compared in numbers."""
 INVERSE = "inv"
 """What the name of a matrix ends with where its inverse is meant."""
 
@@ -83,5 +86,6 @@ _TITLES = {
     "inverse": "entry {}, {} of the inverse of {joint}",
     "active": "the generalized active force of {joint}",
     "inertia": "the generalized inertia force of {joint}",
+    LONG: "an equation between the robot's quantities",
     "identity": "an equation between the robot's quantities",
 }

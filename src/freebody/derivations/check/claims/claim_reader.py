@@ -68,7 +68,11 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
     def _closes(self, subject: Token | Named | Matrix, side: Sequence[Token], count: int) -> bool:
         """Whether a side is the 0 of Φ1 = … = 0, which says that the loop is closed, or of
         det J = … = 0, which says where the arm is singular."""
-        own = isinstance(subject, Token) and subject.text.startswith(("Phi", "detJ"))
+        if not isinstance(subject, Token):
+            return False
+        table = self.targets.tables.get(subject.text, [[None]])
+        asked = self.targets.single.get(subject.text, table[0][0])
+        own = asked is not None and asked.family in ("Phi", "Phi_d", "det")
         return own and count > 1 and len(side) == 1 and side[0].text == "0"
 
     def _is_of_joints(self, subject: Token | Named | Matrix) -> bool:
@@ -129,6 +133,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         if isinstance(node, Number) and table and name.text[0] in self.letters_of_vectors:
             zeros = tuple((replace(node),) for _ in table)
             node = Matrix(zeros, span=node.span) if node.value == 0 else node
+        if table and [len(row) for row in table] == [1] and single is None:
+            node = node if isinstance(node, Matrix) else Matrix(((node,),), span=node.span)
         if not isinstance(node, Matrix):
             if single is None:
                 self.source.fail(

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
 from freebody.derivations.check.algebra.answer_tree import Named
-from freebody.derivations.check.asked import kane
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.claims import own_names
@@ -61,9 +60,9 @@ def statements(
         and re.search(r"(?<![A-Za-z\\])h(?![a-z])", document.formulas)
     )
     formulas = respelt(document.formulas)
-    of_kane, framed = kane.is_told(formulas), not set(words.FRAMES).isdisjoint(formulas)
+    framed = not set(words.FRAMES).isdisjoint(formulas)
     targets = Targets(
-        setting, bool(coefficients), notation.all_letters, kane=of_kane, framed=framed
+        setting, bool(coefficients), notation.all_letters, framed=framed, formulas=formulas
     )
     vocabulary = Vocabulary(setting, targets.names, targets.alone)
     for name, value in setting.given.items():

@@ -155,10 +155,12 @@ class OwnDefinitions(SolvedQuantities):
         target = self.targets.single.get(name)
         if target is None:
             return name in AMBIGUOUS or (
-                self._is_used(name, line, lines) and self._is_still(self._given(line[1]))
+                self._is_used(name, line, lines)
+                and self._is_still(self._given(line[1]))
+                and not self._is_zero_vector(name, line)
             )
         if isinstance(self._given(line[1]), Ratio):
-            return True
+            return target.family != "drift"
         if not soft:
             return False
         if not self._is_used(name, line, lines):
@@ -177,9 +179,13 @@ class OwnDefinitions(SolvedQuantities):
         """Whether a name of a body's vector is given to one number."""
         if name not in self.targets.soft or name in self.targets.single:
             return False
+        return not (self._is_zero_vector(name, line) or isinstance(self.parse(line[1]), Matrix))
+
+    def _is_zero_vector(self, name: str, line: Line) -> bool:
+        """Whether a line says v1 = 0 of a letter that other lines give as a vector."""
         node = self.parse(line[1])
-        zero = isinstance(node, Number) and not node.value and name[0] in self.letters_of_vectors
-        return not (zero or isinstance(node, Matrix))
+        zero = isinstance(node, Number) and not node.value
+        return zero and name[0] in self.letters_of_vectors
 
     def _is_own_h(self, name: str, line: Line, lines: Sequence[Line]) -> bool:
         """Whether a line defines a velocity coefficient that other lines are written with."""

@@ -13,6 +13,7 @@ from freebody.derivations.check.reading.circular_answers import uses
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reading.reading import INVERSE_FUNCTIONS
 from freebody.derivations.check.reasons.free_bodies import FreeBodyMotion
+from freebody.derivations.closed_chains.first_kind import multiplier_names
 from freebody.derivations.expressions.nodes import Expression, Function, Matrix, nodes
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.scalars.trig import Trig
@@ -64,6 +65,8 @@ class SolvedQuantities(FormulaReader):
         terms = list(value.terms()) if isinstance(value, Trig) else []
         name = "".join(terms[0][0]) if len(terms) == 1 else ""
         known = {x + d for x in self.setting.symbols.coordinates for d in ("", RATE, SECOND)}
+        if self.setting.system is not None:
+            known |= set(multiplier_names(self.setting.system.loops))
         if self.setting.is_free_body:
             known |= {
                 x for x in self.setting.ring.names if x.startswith(("v_", "omega_", "f_", "n_"))

@@ -16,12 +16,14 @@ from freebody.derivations.check.algebra.quotients import (
     plus,
     times,
 )
-from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.check.asked.quantity import LONG, AskedQuantity
 from freebody.derivations.check.claims.formula_reader import FormulaReader, all_right, entries_of
 from freebody.derivations.check.reading.answer_lines import Line
 from freebody.derivations.check.reading.circular_answers import uses
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reasons import undriven_joints
+from freebody.derivations.check.spelling.answer_text import AnswerError
+from freebody.derivations.closed_chains.linear import Ratio
 from freebody.derivations.expressions.nodes import (
     Expression,
     Matrix,
@@ -68,7 +70,8 @@ class UnnamedEquations(FormulaReader):
         if len(line) == 2 and not torques and self.setting.system is not None:
             if along := self._along_legs(line):
                 return along
-            if between:
+            vectors = any(isinstance(x, Matrix) for x in map(self.parse, line))
+            if between or vectors or (asked and self._is_reduced(line)):
                 return self._identities(line)
             closing = self._closing(line)
             if closing is not None:
@@ -97,6 +100,13 @@ class UnnamedEquations(FormulaReader):
         used = [use for side in sides for use in uses(side, self.targets.single, self.vocabulary)]
         used = [use for use in used if use.target != target]
         return [Claim(name, self.with_load(target), node, value, self.source, tuple(used))]
+
+    def _is_reduced(self, line: Line) -> bool:
+        """Whether an equation of motion has quotients in it, as in independent coordinates."""
+        try:
+            return isinstance(self._difference(line)[1], Ratio)
+        except AnswerError:  # too long to be multiplied out
+            return True
 
     def _says_nothing(self, line: Line) -> bool:
         """Whether the sides are equal whatever values its quantities have, as in T + V = V + T."""
@@ -216,14 +226,20 @@ class UnnamedEquations(FormulaReader):
         is_result = isinstance(right, Number) and right.value and self.numbers.state_at(right.span)
         if isinstance(right, Number) and not is_result:
             left, right = right, left
-        value = self.quotient(left)
+        whole = Sum((left, Negative(right, span=right.span)), span=around(left, right))
+        try:
+            value, other = self.quotient(left), self.quotient(right)
+        except AnswerError:  # too long to be multiplied out
+            if self.setting.system is None:
+                raise
+            zero = self.setting.zero
+            return Claim(label, AskedQuantity(LONG, (), lambda: zero), whole, zero + 1, self.source)
         target = AskedQuantity("identity", (), lambda: value)
         used = uses(left, self.targets.single, self.vocabulary)
         known = any(isinstance(x, Named) for side in (left, right) for x in nodes(side))
         if not known and not list(used):
             self.source.fail("this says nothing about the robot", right.span)
-        whole = Sum((left, Negative(right, span=right.span)), span=around(left, right))
-        return Claim(label, target, right, self.quotient(right), self.source, whole=whole)
+        return Claim(label, target, right, other, self.source, whole=whole)
 
     def _unpowered(self, line: Line, before: Sequence[Claim]) -> Claim:
         """An equation without torque: that of a joint which nothing drives."""

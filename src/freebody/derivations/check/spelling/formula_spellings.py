@@ -27,12 +27,13 @@ _ARGUMENTS = re.compile(
 )
 """A quantity and what it depends on: M(q), C(q, q̇)."""
 _DETERMINANT = re.compile(
-    rf"(?<![\w\\])\\?det(?:\s{{1,9}}|{_S}\({_S})(?:J(?:_P|_\{{P\}})?|(?P<mass>[MHDB])){_S}\)?"
-    rf"(?={_S}&?{_S}(?:=|$))",
+    rf"(?<![\w\\])\\?det(?:\s{{1,9}}|{_S}\({_S})"
+    rf"(?P<matrix>J(?:_P|_\{{P\}}|_\{{?[abxq]\}}?)?|[ABMHD]){_S}\)?(?={_S}&?{_S}(?:=|$))",
     re.MULTILINE,
 )
 _NAME = (
-    rf"(?P<name>(?:\\(?:var)?(?:{'|'.join(GREEK)})(?![A-Za-z])|[A-Za-zΑ-ω]){_S}"
+    rf"(?P<name>(?:\\(?:mathbf|mathrm|boldsymbol|vec)\{{\\?[A-Za-z]{{1,8}}\}}"
+    rf"|\\(?:var)?(?:{'|'.join(GREEK)})(?![A-Za-z])|[A-Za-zΑ-ω]){_S}"
     rf"(?:_{_S}(?:\{{[^{{}}]{{1,20}}\}}|\w)|[0-9₀-₉]{{1,2}})?)"
 )
 _BRACED = re.compile(
@@ -201,6 +202,6 @@ _SPELLINGS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] =
     (_TWICE_BY_TIME_OF, lambda match: "∂/∂t ∂/∂t"),
     (_BY_TIME_OF, lambda match: "∂/∂t"),
     (_ARGUMENTS, _alone),
-    (_DETERMINANT, lambda match: "detM" if match["mass"] else "detJ"),
+    (_DETERMINANT, lambda match: "det" + re.sub(r"[_{P}]", "", match["matrix"])),
     (_INERTIA_FORCE, lambda match: f"{match['name'] or 'F' + match['number']}'"),
 )

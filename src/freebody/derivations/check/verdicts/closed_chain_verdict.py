@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import flint
@@ -10,11 +11,13 @@ from freebody.derivations.check.algebra.finite_field_tree import Workspace
 from freebody.derivations.check.algebra.quotients import Value, difference, pair
 from freebody.derivations.check.asked.closed_motions import MOTIONS, ClosedMotions
 from freebody.derivations.check.asked.inverse_functions import BITS, RandomPosition
+from freebody.derivations.check.asked.quantity import LONG
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reasons.small_changes import SmallChanges
 from freebody.derivations.check.verdict import EquationVerdict, Example, Mistake
 from freebody.derivations.check.verdicts.numeric_example import sentence
 from freebody.derivations.check.verdicts.verdict_sentences import Wording
+from freebody.derivations.closed_chains.linear import Ratio
 from freebody.derivations.expressions.nodes import Expression, replaced
 from freebody.derivations.polynomials.typical_values import occurs
 
@@ -23,9 +26,10 @@ if TYPE_CHECKING:
 
 _OF_LOOPS = frozenset(
     ("closed", "solved", "identity", "derivative", "of body", "q", "tip", "tip_d", "tip_dd")
+    + ("N", "drift", "closing", "applied", "parallel", "tau")
 )
 """Families that loops may give in another form."""
-_BY_LOOPS = ("closed", "solved")
+_BY_LOOPS = ("closed", "solved", "q", "drift", "N")
 """Those that only loops can make right."""
 _HOLDS = f"It holds where the loops are closed: compared in numbers at {MOTIONS} motions."
 _MOST_NODES = 150
@@ -35,18 +39,24 @@ _MOST_NODES = 150
 def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> EquationVerdict | None:
     """The verdict where the loops make an answer right, and on what is solved by them; None of any
     other answer, and of one that says that 0 is 0."""
+    if judge.setting.system is None:
+        return None
+    if claim.target.family == LONG:
+        return _of_long(judge, claim, explain)
     if claim.target.family not in _OF_LOOPS or claim.value.is_zero:
         return None
     gap = difference(claim.value, right)
     given = judge.setting.symbols.model.parameters
     has_symbols = any(name in given for powers, _ in gap.terms() for name in powers)
     motions = judge.closed_motions[not has_symbols]
-    if motions.hold(gap):
+    if motions.all_have(lambda place: place.at(claim.node, {}) - place.of(right)):
         return EquationVerdict(claim.label, claim.target.title, True, note=_HOLDS)
+    if claim.whole is not None and isinstance(claim.value, Ratio):
+        return _of_long(judge, replace(claim, node=claim.whole), explain)
     place = motions.place(0)
     if claim.target.family not in _BY_LOOPS or place is None:
         return None
-    is_solved = claim.target.family == "solved"
+    is_solved = claim.target.family != "closed"
     with flint.ctx.workprec(BITS):
         sought = right if is_solved else judge.setting.zero
         mistake = _mistake(judge, claim, sought, motions) if explain else None
@@ -56,6 +66,21 @@ def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> Equation
     findings = (mistake,) if mistake else ()
     text = sentence(shown)
     return EquationVerdict(claim.label, claim.target.title, False, findings, (), shown, text)
+
+
+def _of_long(judge: Judge, claim: Claim, explain: bool) -> EquationVerdict:
+    """The verdict on an equation whose sides are compared in numbers, and are not multiplied
+    out."""
+    motions = judge.closed_motions[0]
+    if motions.place(0) is None:
+        claim.source.fail("multiplied out, this has too many terms to compare", claim.node.span)
+    right = motions.all_have(lambda place: place.at(claim.node, {}))
+    mistake = None
+    if not right and explain:
+        mistake = _mistake(judge, claim, judge.setting.zero, motions)
+    findings = (mistake,) if mistake else ()
+    note = _HOLDS if right else ""
+    return EquationVerdict(claim.label, claim.target.title, right, findings, note=note)
 
 
 def _mistake(judge: Judge, claim: Claim, right: Value, motions: ClosedMotions) -> Mistake | None:

@@ -29,6 +29,7 @@ from freebody.derivations.check.verdicts import (
     numeric_example,
     position_verdict,
     quotient_verdict,
+    scaled_rows,
     singular_poses,
 )
 from freebody.derivations.check.verdicts.explanation import Explanation, first
@@ -82,6 +83,7 @@ class Judge:
         number = self.numbers.verdict(claim, explain)
         if number is not None:
             return number
+        claim = scaled_rows.in_its_scale(claim, self.claims, self._same)
         claim = replace(claim, target=self._in_its_sense(claim))
         right = claim.target.compute()
         title = claim.target.title
@@ -113,6 +115,11 @@ class Judge:
     def closed_motions(self) -> tuple[ClosedMotions, ClosedMotions]:
         """With any parameters, and with the model's own."""
         return ClosedMotions(self.setting), ClosedMotions(self.setting, own_values=True)
+
+    def _same(self, a: Value, b: Value) -> bool:
+        """Whether two values are equal, or are where loops are closed."""
+        gap = difference(a, b)
+        return gap.is_zero or self.closed_motions[0].hold(gap)
 
     def _in_its_sense(self, claim: Claim) -> AskedQuantity:
         """Of a quantity that has two right values, such as a torque that holds a force of either

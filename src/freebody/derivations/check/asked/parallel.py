@@ -1,0 +1,163 @@
+"""Parallel robots: J_a ẋ + J_b θ̇ = 0 between the tip and the drives, also written J_x ẋ = J_q q̇ or
+A ẋ = B q̇."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+
+from freebody.derivations.check.algebra.quotients import Value, negative, over
+from freebody.derivations.check.asked.dotted_names import spellings
+from freebody.derivations.check.asked.group import Named, QuantityGroup
+from freebody.derivations.check.asked.inverses import MOST_ROWS, inverse
+from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity, Table
+from freebody.derivations.closed_chains.input_output import ROWS, ClosedInputOutput
+from freebody.derivations.closed_chains.linear import Entries
+from freebody.derivations.equations.kinematics import Kinematics
+from freebody.derivations.polynomials.arithmetic import inner
+from freebody.derivations.polynomials.symbols import RATE
+from freebody.errors import FreebodyError
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
+
+FAMILY = "parallel"
+_END = r"(?![A-Za-z0-9_])\}{0,2}"
+_PAIRS = {
+    ("Ja", "Jb"): (rf"J_?\{{?(?:\\mathrm\{{)?a{_END}", rf"J_?\{{?(?:\\mathrm\{{)?b{_END}"),
+    ("Jx", "Jq"): (rf"J_?\{{?(?:\\mathrm\{{)?x{_END}", rf"J_?\{{?(?:\\mathrm\{{)?[qθ]{_END}"),
+    ("A", "B"): (r"(?<![A-Za-z\\])A(?![A-Za-z0-9_])\}?", r"(?<![A-Za-z\\])B(?![A-Za-z0-9_])\}?"),
+}
+"""Names of both matrices, and how they are written."""
+_OF_OTHER = "This is the entry of the other matrix: {} stands with the rates of {}."
+_TRANSPOSED = "This is the entry of the transpose."
+
+
+class ParallelQuantities(QuantityGroup):
+    """J_a, J_b, their determinants, and J = -J_a⁻¹ J_b."""
+
+    @classmethod
+    def is_told(cls, formulas: str) -> bool:
+        """Whether an answer is about J_a and J_b by these names, or has A ẋ = B θ̇."""
+        *pairs, (A, B) = _PAIRS.values()
+        told = any(re.search("|".join(x), formulas) for x in pairs)
+        return told or re.search(rf"{A}[^=\n]{{1,60}}=[^=\n]{{0,9}}{B}", formulas) is not None
+
+    @cached_property
+    def _names(self) -> tuple[str, str]:
+        return next(x for x, own in _PAIRS.items() if re.search("|".join(own), self.formulas))
+
+    @cached_property
+    def _sign(self) -> int:
+        """1 of J_a ẋ + J_b θ̇ = 0, -1 of J_a ẋ = J_b θ̇, 0 where the answer says neither."""
+        a, b = _PAIRS[self._names]
+        inverse = r"\s?(?:⁻¹|\^\s?\{?\s?[-−]\s?1\s?\}?)\s?"
+        if re.search(rf"{a}[^=\n]{{0,40}}=[\s&]*{b}|=[\s&]*{a}{inverse}{b}", self.formulas):
+            return -1
+        return int(re.search(rf"{a}[^\n]{{0,60}}[-−+=\s]{b}", self.formulas) is not None)
+
+    @cached_property
+    def _found(self) -> ClosedInputOutput | None:
+        if self.setting.system is None:
+            return None
+        try:
+            return self.setting.system.loops.input_output()
+        except FreebodyError:  # drives and freedoms do not match
+            return None
+
+    @cached_property
+    def _tables(self) -> dict[str, Table]:
+        """J_a, J_b and J by name."""
+        if self._found is None:
+            return {}
+        a, b = self._names
+        sign = self._sign or 1
+        rows = self._found.J_a, [[x * sign for x in row] for row in self._found.J_b]
+        texts = {a: "the tip", b: "the drives"}
+        found = {
+            name: self._entries(own, name, (_OF_OTHER.format(_shown(name), texts[name]), other))
+            for name, own, other in ((a, *rows), (b, *rows[::-1]))
+        }
+        found["J"] = [
+            [self._of_tip(i, k) for k in range(len(row))] for i, row in enumerate(self._found.J)
+        ]
+        return found
+
+    def _entries(self, rows: Entries, name: str, mistaken: tuple[str, Entries]) -> Table:
+        def value(rows: Entries, i: int, k: int) -> Callable[[], Trig]:
+            return lambda: self.setting.element(rows[i][k])
+
+        thought, other = mistaken
+        is_b = name == self._names[1]
+        n = range(len(rows))
+        return [
+            [
+                AskedQuantity(
+                    FAMILY,
+                    (i + 1, k + 1),
+                    value(rows, i, k),
+                    words=f"entry {i + 1}, {k + 1} of {_shown(name)}",
+                    thoughts=((thought, value(other, i, k)), (_TRANSPOSED, value(rows, k, i))),
+                    also=(("", lambda i=i, k=k: -value(rows, i, k)()),) * (is_b and not self._sign),
+                )
+                for k in n
+            ]
+            for i in n
+        ]
+
+    def _of_tip(self, i: int, k: int) -> AskedQuantity:
+        """An entry of J."""
+
+        def value() -> Value:
+            assert self._found is not None
+            x = self._found.J[i][k]
+            return over(self.setting.element(x.above), self.setting.element(x.below))
+
+        words = f"entry {i + 1}, {k + 1} of J, ẋ = J θ̇"
+        law = "It has the wrong sign: J_a ẋ + J_b θ̇ = 0 gives J = −J_a⁻¹ J_b."
+        thoughts = ((law, lambda: negative(value())),)
+        return AskedQuantity("solved", (i + 1, k + 1), value, words=words, thoughts=thoughts)
+
+    def single(self) -> Iterator[Named]:
+        for name, table in self._tables.items():
+            for row in table:
+                for x in row:
+                    yield (f"{name}{x.index[0]}{x.index[1]}",), x
+        if self._found is not None:
+            a, b = self._names
+            for name, found in ((a, self._found.second), (b, self._found.first)):
+                value = self.element(lambda found=found: found.polynomial)
+                words = f"the determinant of {_shown(name)}"
+                yield (f"det{name}",), AskedQuantity("det", (), value, words=words)
+
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+        if self._found is None:
+            return {}
+        found = dict(self._tables)
+        for name in self._names:
+            rows = [[x.polynomial for x in row] for row in found[name]]
+            if len(rows) <= MOST_ROWS:
+                found[name + INVERSE] = inverse(self.setting, rows, _shown(name))
+        tip = [[self._rate_of_tip(k, row)] for k, row in enumerate(self._found.rows, 1)]
+        driven = [[self._rate(k, x + RATE)] for k, x in enumerate(self._found.driven, 1)]
+        of_all = re.search(r"Φ|\\Phi", self.formulas)  # q̇ of Φ_q q̇
+        letters = {"x": tip, "X": tip, "p": tip, "t": tip, "theta": driven, "Theta": driven}
+        for letter, column in (letters if of_all else {**letters, "q": driven}).items():
+            found |= dict.fromkeys(spellings(letter, "", 1), column)
+        return {**found, "v": tip}
+
+    def _rate(self, k: int, name: str) -> AskedQuantity:
+        """A rate of the drives."""
+        return AskedQuantity("q", (k,), lambda: self.setting.ring[name])
+
+    def _rate_of_tip(self, k: int, row: str) -> AskedQuantity:
+        """A rate of the tip."""
+        assert self._found is not None
+        symbols = self.setting.equations.symbols
+        J = Kinematics(symbols, self._found.frame).J[ROWS[symbols.model.dim].index(row)]
+        value = self.element(lambda: inner(J, symbols.own(RATE), symbols))
+        return AskedQuantity("tip_d", (k,), value, words="a velocity of the tip")
+
+
+def _shown(name: str) -> str:
+    """J_a."""
+    return f"J_{name[1:]}" if len(name) > 1 else name
