@@ -123,7 +123,7 @@ def test_a_letter_with_a_mark_is_another_quantity(name: str):
 def test_what_looks_like_a_label_but_is_a_factor_counts():
     assert fb.check(ARM, "(1) m2 lc2^2 + I2 = H22")
     assert not fb.check(ARM, "(2) m2 lc2^2 + I2 = H22")
-    with pytest.raises(AnswerError, match="neither side"):
+    with pytest.raises(AnswerError, match="different numbers of entries"):
         fb.check(ARM, f"H[0,0] = {H22}")
 
 
@@ -170,3 +170,39 @@ def test_names_given_by_each_other_say_nothing(answer: str):
     verdict = fb.check(ARM, f"{answer}\nH22 = {H22}", form="markdown")
     assert not verdict
     assert any("h is defined by itself" in x.reason for x in verdict.unread)
+
+
+SLOPPY = [
+    ("RR", "h = m2*l1*lc2*s2\nC(q,qdot) = [-h*q2dot, -h*(q1dot+q2dot); h*q1dot, 0]", "; h", "; -h"),
+    ("RR", r"C(q,\dot q)\dot q = [-m2 l1 lc2 s2 (2 q̇1 q̇2 + q̇2²); m2 l1 lc2 s2 q̇1²]", "; m", "; -m"),
+    ("RR", "x_e = l1 c1 + l2 c12 and ẏ_e = l1 c1 θ̇1 + l2 c12 (θ̇1+θ̇2)", "= l1 c1 θ", "= s1 θ"),
+    ("RR", "|J| = l1 l2 sinθ2", "sin", "cos"),
+    ("RR", "|v_c1|^2 = lc1² θ̇1²", "lc1", "l1"),
+    ("RR", "τ1 = M11θ̈1 + M12θ̈2 + h(2θ̇1θ̇2+θ̇2²) + G1 where h = -m2l1lc2sinθ2", "= -", "= "),
+    ("RR", "τ = Mq̈ + Cq̇ + G", "+ C", "- C"),
+    ("RR", "tau = Mqdd + Cqd + G", "+ G", "- G"),
+    ("RR", "Q1 = d/dt(dL/dq1dot) - dL/dq1", ") -", ") +"),
+    ("RR", "w2 = dq1 + dq2; α2 = θ̈1 + θ̈2", "= dq1 +", "="),
+    ("RR", "tau2 = I2 ω̇2 + m2 (r_c2 - r_2) x (a_c2 - g)", "- g", "+ g"),
+    ("RR", "v_c2 = v_2 + ω2 x s_c2", "+ ω2", "+ ω1"),
+    ("quadrotor", "q̇ = ((Iz-Ix) p r + l (f3-f1))/Iy", "Iz-Ix", "Ix-Iz"),
+    ("quadrotor", "m*zdd = T*cos(phi)*cos(theta) - m*g, T = f1+f2+f3+f4", "- m", "+ m"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("robot", "answer", "old", "new"), SLOPPY)
+def test_what_is_typed_in_haste_is_read(robot: str, answer: str, old: str, new: str):
+    model = fb.load(robot)
+    verdict = fb.check(model, answer)
+    assert verdict, f"{answer}\n{verdict}"
+    assert not verdict.unread
+    wrong = answer.replace(old, new, 1)
+    assert wrong != answer
+    assert not fb.check(model, wrong)
+
+
+def test_v1_beside_torques_is_said_to_be_an_energy():
+    text = fb.check(ARM, "tau_1 = M11 θ̈1 + M12 θ̈2 + V1 + G1").text
+    assert (
+        "‘V1’ on the right is read as a potential energy; write v1 for the velocity term." in text
+    )

@@ -49,6 +49,8 @@ MARKS |= {mark: mark for mark in DECORATIONS if mark != "*"}
 """Characters behind a letter that are a mark on it; an arrow only says that it is a vector."""
 FRAMES = tuple(map(chr, range(0xE010, 0xE01A)))
 """Marks behind a name, one for each frame: of {}^1v_2 the plain spelling is v2 and the second."""
+DETERMINANT = "\ue01a"
+"""The same of what stands between bars, |J|."""
 _PRIMES = {"'": 1, "’": 1, "′": 1, "″": 2}
 _LOW = {c: str(k) for k, c in enumerate("₀₁₂₃₄₅₆₇₈₉")} | {
     "ₐ": "a", "ₑ": "e", "ₒ": "o", "ₓ": "x", "ᵢ": "i", "ⱼ": "j", "ₘ": "m", "ₙ": "n", "ₚ": "p",
@@ -208,7 +210,7 @@ def _unit(source: Source, word: Word) -> bool:
     elif early := _EARLY_POWER.match(text, at):
         word.power = int(early[1] or _HIGH[early[2]])
         word.end = early.end()
-    elif c in FRAMES:
+    elif c in FRAMES or c == DETERMINANT:
         word.end += 1
         word.add(c, at, cut=False)
     elif c == "_":

@@ -66,6 +66,9 @@ class QuantitiesOfBodies(QuantityGroup):
                     )
         for n, i in enumerate(self._setting.order, 1):
             found |= self._axis(found, i, n)
+        if self.setting.is_planar:
+            own = {name: name.replace("omega", "w") for name in found if "omega" in name}
+            found |= {new: found[name] for name, new in own.items()}
         return found if self.setting.is_planar else self._turns(len(tree.bodies)) | found
 
     def _axis(self, found: Mapping[str, Table], i: int, n: int) -> dict[str, Table]:

@@ -73,7 +73,9 @@ def numbers(n: int) -> dict[str, int]:
 
 BODY_QUANTITIES = (
     BodyQuantity("omega{n}", "the angular velocity of body {n}", angular=True),
-    BodyQuantity("omega{n}_d", "the angular acceleration of body {n}", angular=True),
+    BodyQuantity(
+        "omega{n}_d", "the angular acceleration of body {n}", also=(("alpha{n}", 0),), angular=True
+    ),
     BodyQuantity("v{n}", "the velocity of the origin of body {n}", soft=True),
     BodyQuantity("v{n}_d", "the acceleration of the origin of body {n}"),
     BodyQuantity(

@@ -10,11 +10,12 @@ from freebody.derivations.check.asked.inverses import MOST_ROWS, inverse
 from freebody.derivations.check.asked.loads import vectors
 from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity, Table
 from freebody.derivations.equations.kinematics import Kinematics
+from freebody.derivations.grammar.words import DETERMINANT
 from freebody.derivations.polynomials.determinant import determinant
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
-_TIP = {x: (x, f"{x}P", f"{x}p", f"{x}E", f"{x}tip", f"p{x}", f"P{x}") for x in "xyz"}
+_TIP = {x: (x, *(x + end for end in ("P", "p", "E", "e", "tip")), f"p{x}", f"P{x}") for x in "xyz"}
 
 
 class TipQuantities(QuantityGroup):
@@ -103,7 +104,7 @@ class TipQuantities(QuantityGroup):
             names = tuple(name for name in _TIP["xyz"[k]] if name not in taken)
             yield names, AskedQuantity("tip", (), self.element(lambda k=k: tip.position[k]))
             for dots, family, vector in ((1, "tip_d", "velocity"), (2, "tip_dd", "acceleration")):
-                dotted = tuple(s for name in names[:2] for s in spellings(name, "", dots))
+                dotted = tuple(s for name in names[:5] for s in spellings(name, "", dots))
                 dotted += ("va"[dots - 1] + "xyz"[k],)
                 value = self.element(lambda k=k, vector=vector: getattr(tip, vector)[k])
                 yield dotted, AskedQuantity(family, (), value)
@@ -112,7 +113,7 @@ class TipQuantities(QuantityGroup):
             value = self.element(
                 lambda: determinant([tip.J[i] for i in rows], self.setting.equations.symbols)
             )
-            yield ("detJ",), AskedQuantity("det", (), value)
+            yield ("detJ", f"J{DETERMINANT}"), AskedQuantity("det", (), value)
 
     def _square(self, tip: Kinematics) -> range | None:
         """The rows of the Jacobian that make it square: in space of three joints those of the

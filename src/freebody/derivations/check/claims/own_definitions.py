@@ -150,6 +150,7 @@ class OwnDefinitions(SolvedQuantities):
         units."""
         letter = re.sub(r"\d+$", "", name)
         soft = letter in AMBIGUOUS or name in self.targets.soft or name not in self.targets.single
+        soft = soft or self.setting.is_free_body
         if not (soft or letter in _NO_QUOTIENTS) or self.is_matrix(line[1]):
             return False
         target = self.targets.single.get(name)
@@ -165,10 +166,12 @@ class OwnDefinitions(SolvedQuantities):
             return False
         if not self._is_used(name, line, lines):
             return False
-        node = self.parse(line[1])
-        return not isinstance(node, Matrix) and is_of_another_kind(
-            self.setting, self.value(node), target.polynomial()
-        )
+        given = self._given(line[1])
+        if not isinstance(given, Trig):
+            return False
+        if self.setting.is_free_body:  # T of thrusts, where m, I and rates tell the energy
+            return _symbols(given).isdisjoint(_symbols(target.polynomial()))
+        return is_of_another_kind(self.setting, given, target.polynomial())
 
     def _given(self, side: Sequence[Token]) -> Value | None:
         """The value of a side that is no vector or matrix."""
@@ -202,3 +205,8 @@ class OwnDefinitions(SolvedQuantities):
             for side in (other if len(other[0]) > 1 else other[1:])
             for t in side
         )
+
+
+def _symbols(x: Trig) -> set[str]:
+    """The names in a polynomial."""
+    return {name for powers, _ in x.terms() for name in powers}

@@ -32,6 +32,7 @@ from freebody.derivations.expressions.nodes import (
     Sum,
     nodes,
 )
+from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.parser import around
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.scalars.trig import Trig
@@ -66,7 +67,8 @@ class UnnamedEquations(FormulaReader):
             )
         if self.setting.is_free_body:
             return self._identities(line)
-        between = asked and not torques and not self._tells_of_motion(line)
+        vectors = self.setting.system is None and any(map(self._is_vector, sum(line, ())))
+        between = (asked or vectors) and not torques and not self._tells_of_motion(line)
         if len(line) == 2 and not torques and self.setting.system is not None:
             if along := self._along_legs(line):
                 return along
@@ -126,6 +128,11 @@ class UnnamedEquations(FormulaReader):
             return difference(left, right).is_zero
         finally:
             self.replaced = {}
+
+    def _is_vector(self, token: Token) -> bool:
+        """Whether it is the name of a vector or matrix, such as C in C q̇ = …"""
+        own = token.text in self.targets.tables and token.text not in self.vocabulary.symbols
+        return own and token.kind == "name" and self.targets.tables[token.text][0][0].family != "q"
 
     def _tells_of_motion(self, line: Line) -> bool:
         """Whether accelerations of coordinates or multipliers stand in it, as in an equation of

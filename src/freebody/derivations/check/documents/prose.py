@@ -44,7 +44,7 @@ def sentences(text: str, line: Span, is_name: Callable[[str], bool]) -> Iterator
         words = [
             match.span()
             for match in _WORD.finditer(text, start, end)
-            if _is_word(match[0]) and not is_name(match[0])
+            if _is_word(match[0]) and not all(map(is_name, match[0].split("-")))
         ]
         if not words or "#" in text[line[0] : words[0][0]]:
             continue

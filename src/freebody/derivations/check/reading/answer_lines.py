@@ -28,6 +28,10 @@ MOST_OUTSIDE = 20
 """Lines outside of formulas that are told."""
 _SHOWN = 60
 _COMMAND = re.compile(r"\\([A-Za-z]+)")
+_WHERE = re.compile(
+    r"(?<=[\w)\]}²³]\s)(?:where|with|and)(?=\s+(?:\\|[^\W\d_])[\w{}\\\u0307\u0308]{0,12}\s?=)"
+)
+"""Between an equation and one that says what a letter in it stands for."""
 _TABLE = re.compile(r"=[\s&]*(?:\[|\\(?:left\s*)?\[|\\begin|Matrix|array)")
 
 Line = tuple[tuple[Token, ...], ...]
@@ -50,7 +54,7 @@ class DocumentReader:
     def _without_words(self) -> tuple[AnswerText, list[FormulaPiece]]:
         """The formulas, and the pieces that they are read in."""
         document = self.document
-        formulas = respelt(document.formulas)
+        formulas = _WHERE.sub(lambda word: ";".ljust(len(word[0])), respelt(document.formulas))
         blanks, apart = Blanks(formulas), list[Span]()
         plain = AnswerText(formulas, document.written, document.parts)
         for line in document.prose:

@@ -44,6 +44,8 @@ _SYNONYMS = {
     "m": (),
 }
 _MOST_IN_SUM = 6
+_GLUED = re.compile(r"[MHCDBJ]|˙{0,2}(?:q|theta)|(?:q|th(?:eta)?)(?:dd?|d?dot)|dd?(?:q|th(?:eta)?)")
+"""Matrices and rates that stand side by side, Mq̈."""
 
 
 @dataclass
@@ -137,10 +139,14 @@ class Vocabulary:
         return [(self.aliases.get(plain, plain), *at) for plain, *at in pieces], word.power
 
     def cut(self, source: Source, word: words.Word) -> list[words.Piece] | None:
-        """A word as known names. Names of vectors stand alone: rc2x is no r·c2·x."""
+        """A word as known names. Names of vectors stand alone, rc2x is no r·c2·x, but for those of
+        the equations of motion, Mq̈."""
         apart = self.alone.difference(self.symbols, self.waves)
         known = self.known if word.plain in self.known else self.known - apart
-        return words.cut(source, word, known, self.functions)
+        found = words.cut(source, word, known, self.functions)
+        if found is None:  # Mq̈
+            found = words.cut(source, word, {x for x in apart if _GLUED.fullmatch(x)}, ())
+        return found
 
     def _unknown(self, source: Source, span: Span) -> NoReturn:
         """Raise the error for a word that is no name."""

@@ -53,7 +53,7 @@ def misread(
 
 
 def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator[Misreading]:
-    """c1 as a term of its own beside torques: it is read as cos θ1."""
+    """c1 or V1 as a term of its own beside torques: read as cos θ1, and as an energy."""
     if claim.target.family not in ("tau", "solved", "identity"):
         return
     names = sorted(targets.single, key=lambda name: (name[0] == "c", name[0] != "v"))
@@ -66,21 +66,19 @@ def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator
         index = re.fullmatch(
             r"c_?\{?(\d+)\}?", claim.source[node.span].replace("₁", "1").replace("₂", "2")
         )
-        parent = work.parents.get(node)
-        if (
-            isinstance(node, Wave)
-            and index
-            and isinstance(parent, Sum | Negative)
-            and index[1] in terms
-        ):
-            name = terms[index[1]]
+        own = targets.single.get(node.name) if isinstance(node, Named) else None
+        k = index[1] if index and isinstance(node, Wave) else ""
+        k = str(own.index[0]) if own is not None and own.family == "Vi" else k
+        if k in terms and isinstance(work.parents.get(node), Sum | Negative):
+            name = terms[k]
             found[node] = Named(name, targets.single[name].compute(), span=node.span)
     if found:
         written, new = claim.source[next(iter(found)).span], next(iter(found.values()))
         assert isinstance(new, Named)
         said = "the velocity term may be meant"
         said = said if new.name[0] == "c" else f"write {new.name} for the velocity term"
-        text = f"‘{written}’ on the right is read as a cosine; {said}."
+        read = "a potential energy" if isinstance(next(iter(found)), Named) else "a cosine"
+        text = f"‘{written}’ on the right is read as {read}; {said}."
         yield Misreading(found, text, new.name)
 
 
@@ -93,6 +91,8 @@ def _cosines(
         if not isinstance(node, Named) or node.name not in targets.single:
             continue
         index = re.fullmatch(r"C([1-9]+)", node.name)
+        if not re.search(r"[\d₀-₉]", claim.source[node.span]):  # of the matrix C
+            continue
         angle = tuple((f"theta{k}", 1) for k in index[1]) if index else ()
         if angle and all(x in setting.ring.angles for x, _ in angle):
             found[node] = Wave("cos", angle, span=node.span)

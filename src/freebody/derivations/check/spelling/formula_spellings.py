@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable
 
 from freebody.derivations.expressions.printed_names import GREEK
-from freebody.derivations.grammar.words import FRAMES
+from freebody.derivations.grammar.words import DETERMINANT, FRAMES
 
 TRANSPOSED = "ᵀ"
 FILL = "\x1f"
@@ -18,7 +18,7 @@ FILL = "\x1f"
 _S = r"\s{0,9}"
 _STATE = (
     rf"(?:\\(?:d?dot|boldsymbol|mathbf){_S}\{{?{_S})*(?:\\(?:var)?[Tt]heta|[qQΘθϑ])"
-    rf"[\u0307\u0308]?{_S}\}}{{0,2}}"
+    rf"(?:[\u0307\u0308]|_?d?dot|_?dd?)?{_S}\}}{{0,2}}"
 )
 _ARGUMENTS = re.compile(
     rf"(?<![\w\\])((?:\\mathcal{_S}\{{{_S}[A-Za-z]{_S}\}}|[A-Za-z]|\\?(?:tau|phi|Gamma|Lambda)|[τΛ])"
@@ -27,8 +27,9 @@ _ARGUMENTS = re.compile(
 )
 """A quantity and what it depends on: M(q), C(q, q̇)."""
 _DETERMINANT = re.compile(
-    rf"(?<![\w\\])\\?det(?:\s{{1,9}}|{_S}\({_S})"
-    rf"(?P<matrix>J(?:_P|_\{{P\}}|_\{{?[abxq]\}}?)?|[ABMHD]){_S}\)?(?={_S}&?{_S}(?:=|$))",
+    rf"(?<![\w\\])(?:\\?det(?:\s{{1,9}}|{_S}\({_S})"
+    rf"(?P<matrix>J(?:_P|_\{{P\}}|_\{{?[abxq]\}}?)?|[ABMHD]){_S}\)?|(?P<bars>\|{_S}J{_S}\|))"
+    rf"(?={_S}&?{_S}(?:=|$))",
     re.MULTILINE,
 )
 _NAME = (
@@ -80,6 +81,17 @@ _BY_TIME_OF = re.compile(
 """\\frac{d}{dt} of what follows."""
 _TWICE_BY_TIME_OF = re.compile(rf"{_FRACTION}{_S}\{{{_S}{_D}{_TWICE}\}}{_S}{_BY_TIME}")
 """\\frac{d^2}{dt^2} of what follows."""
+_SLOPE = re.compile(r"(?<![\w\\])d(?P<of>[LTVK])\s?/\s?d(?!t(?!\w))(?=[^\W\d_])")
+"""dL/dθ1, as one types ∂L/∂θ1."""
+_BARS = r"(?:\\?\||‖|\\[lr]?[vV]ert(?![A-Za-z]))"
+_SQUARED_LENGTH = re.compile(
+    rf"{_BARS}{_S}([^|‖=\n\\]{{1,12}}?){_S}{_BARS}(?={_S}(?:²|\^{_S}\{{?{_S}2))"
+)
+"""|v_c2|²."""
+_CROSS = re.compile(
+    r"(?<=\))\s+x\s+(?=\()|(?P<of>(?:omega|alpha|[ωα])_?\{?[\d₀-₉]?\}?)\s+x\s+(?=[A-Za-z(])"
+)
+"""ω2 x r2, as one types it."""
 _OF_TIME = re.compile(rf"((?<=[\w}}])){_S}\{{{_S}\\left{_S}\({_S}t{_S}\\right{_S}\){_S}\}}")
 """The argument of a function of time, as SymPy sets it in LaTeX."""
 
@@ -155,6 +167,13 @@ def _framed(match: re.Match[str]) -> str:
     return f"{begin}{name}{match['index'] or ''}{FRAMES[int(frame)]}"
 
 
+def _determinant(match: re.Match[str]) -> str:
+    """Its name."""
+    if match["bars"]:
+        return f"J{DETERMINANT}"
+    return "det" + re.sub(r"[_{P}]", "", match["matrix"])
+
+
 def _dotted(match: re.Match[str]) -> str:
     """A derivative by time as a dot above its letter."""
     return f"\\{'d' * (match['twice'] is not None)}dot{{{match['name'].strip()}}}"
@@ -183,6 +202,9 @@ def _in_brackets(match: re.Match[str]) -> str:
 
 _SPELLINGS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
     (_EITHER, lambda match: "+"),
+    (_SLOPE, lambda match: f"∂{match['of']}/∂"),
+    (_SQUARED_LENGTH, lambda match: match[1]),
+    (_CROSS, lambda match: f"{match['of'] or ''} × "),
     (_INVERSE_TRANSPOSE, lambda match: f"⁻¹{TRANSPOSED}"),
     (_TRANSPOSE, lambda match: TRANSPOSED),
     (_DETACHED, _attached),
@@ -202,6 +224,6 @@ _SPELLINGS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] =
     (_TWICE_BY_TIME_OF, lambda match: "∂/∂t ∂/∂t"),
     (_BY_TIME_OF, lambda match: "∂/∂t"),
     (_ARGUMENTS, _alone),
-    (_DETERMINANT, lambda match: "det" + re.sub(r"[_{P}]", "", match["matrix"])),
+    (_DETERMINANT, _determinant),
     (_INERTIA_FORCE, lambda match: f"{match['name'] or 'F' + match['number']}'"),
 )
