@@ -145,7 +145,9 @@ def two_links_by_recursion() -> str:
 def lagrange() -> str:
     arm = fb.planar("RR")
     first, second = fb.derive(arm, "lagrange"), fb.derive(arm, "newton-euler")
-    return _steps(first) + _paragraph(str(compare(first, second)).replace("\n", " "))
+    head, *torques = str(compare(first, second)).splitlines()
+    listed = "".join(f"<li>{escape(line)}</li>" for line in torques)
+    return _steps(first) + _paragraph(head) + f"<ul>{listed}</ul>"
 
 
 def bar_on_a_pin() -> str:

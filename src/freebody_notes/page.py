@@ -22,6 +22,7 @@ from freebody.derivations.render import page as formulas
 from freebody.derivations.render.living_parts import STYLE
 from freebody.derivations.render.mathml import lean, mathml
 from freebody.derivations.render.prose import web_prose
+from freebody.derivations.render.short_lines import LETTERS
 from freebody.derivations.render.small_screens import SCROLLED, TOUCHED
 from freebody.figures import colours
 from freebody.outputs.page import SHEETS, math_style, policy
@@ -46,7 +47,7 @@ COUNTED = {
     "incomplete": "incomplete",
 }  # fmt: skip
 
-SHORT = 90_000
+SHORT = 40_000
 """Bytes that a chapter's derivation may take once more, for phones."""
 
 
@@ -193,7 +194,7 @@ def _cards(findings: Sequence[ExecutedItem]) -> list[Card]:
 def _card(finding: ExecutedItem, place: Place | None, shown_at: Item | None) -> Card:
     item = finding.item
     own = not item.same_as
-    step = formulas.html([place.step.equations]) if place and shown_at is item else ""
+    step = _equations(place.step.equations) if place and shown_at is item else ""
     return Card(
         finding,
         tuple(map(found_item, item.same_as)),
@@ -220,9 +221,15 @@ def _form(item: Item, form: str) -> Markup:
         return Markup()
     equations = [node for node in nodes if isinstance(node, Equation)]
     if nodes and len(equations) == len(nodes):
-        return Markup(formulas.html([equations]))
+        return Markup(_equations(equations))
     rows = [_words(node.text) if isinstance(node, Words) else mathml(node) for node in nodes]
     return Markup("".join(rows))
+
+
+def _equations(equations: Sequence[Equation]) -> str:
+    """In long lines, and where these are too long for a phone in short ones too."""
+    long, short = formulas.html([equations]), formulas.html([equations], LETTERS)
+    return long if long == short else f'<div class="short">{short}</div><div>{long}</div>'
 
 
 def _words(text: str) -> str:

@@ -21,6 +21,10 @@ from freebody_notes.item import Outcome
 Facts = Callable[["Panel"], Mapping[str, Any]]
 
 
+_BRACES = str.maketrans("", "", "{}")
+"""Around indices of several letters, as figures name them."""
+
+
 @dataclass(frozen=True)
 class Panel:
     """The elements of a figure by name, in one of its drawings or in any."""
@@ -86,7 +90,7 @@ class Drawn:
         except UnknownNameError as problem:
             return Outcome(False, (str(problem),))
         outcome = Related(lambda: self.facts(Panel(figure))).run(form)
-        listed = [", ".join(names) for names in self.needs]
+        listed = [", ".join(names).translate(_BRACES) for names in self.needs]
         return Outcome(
             outcome.holds,
             (f"The drawing shows {'; '.join(listed)}.", *outcome.lines),

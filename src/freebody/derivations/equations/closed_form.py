@@ -151,7 +151,10 @@ class ClosedForm(InTextbookForm, ByValue):
         if self.is_vast:
             return f"M alone has more than {MOST} terms"
         terms = self.count()
-        return f"M has {terms['M']} terms, c {terms['c']}, g {terms['g']}"
+        return (
+            f"M has {terms['M']} terms (mass matrix), c {terms['c']} (products of rates) and "
+            f"g {terms['g']} (gravity)"
+        )
 
 
 def _from_body(tree: Tree, first: int) -> Tree:

@@ -108,7 +108,7 @@ def span(node: Expression) -> float:
     return width_of(LATEX.line(node))
 
 
-def html(groups: Groups, width: int = 74, alone: bool = False) -> str:
+def html(groups: Groups, width: float = 74, alone: bool = False) -> str:
     """MathML tables, equations aligned at their sign, long ones broken before one; equations with a
     wide left side have a table of their own, lest others have no room.
 

@@ -19,9 +19,9 @@ TOUCHED = """
 .try button,.answer button,.questions button{font:inherit;min-height:2.6rem;padding:.3rem .8rem}
 .try [type=checkbox]{width:1.4rem;height:1.4rem;vertical-align:-.3rem}.try label{padding:.3rem 0}
 .answer input{min-height:2.6rem;font-size:1rem}}
-@media screen and (max-width:40rem){summary,h1,h4{text-wrap:pretty}.notes{display:inline-block}
+@media screen and (max-width:40rem){summary,h1,h4{text-wrap:balance}.notes{display:inline-block}
 p,li,h1,.source{overflow-wrap:break-word}.equations math{font-size:1rem}
-.short{display:block}.short+.equations{display:none}
+.short{display:block}.short+div{display:none}
 .values{display:flex;flex-wrap:wrap;gap:0 1.4rem}
 .answer label{display:flex;align-items:center;gap:.3rem}
 .answer input{flex:1;min-width:0;box-sizing:border-box}
@@ -29,6 +29,7 @@ p,li,h1,.source{overflow-wrap:break-word}.equations math{font-size:1rem}
 text-indent:-3.6rem}.symbols tr td{display:inline;padding:0}
 .symbols tr td:first-child{display:inline-block;min-width:3.6rem;padding-right:.5rem;text-indent:0;
 box-sizing:border-box}
+.symbols tr td:first-child:has(>span:nth-of-type(8)){display:inline}
 .symbols td:last-child:not(:empty)::before{content:" ["}
 .symbols td:last-child:not(:empty)::after{content:"]"}
 .try .slider span{min-width:6.6rem}.try .slider label{min-width:2rem}}
