@@ -109,6 +109,7 @@ def test_one_motor_moves_two_joints():
     right = ["tau1 = n01 - n12", "omega2 = 0", "H11 = m1 lc1^2 + I1 + m2 l1^2"]
     assert fb.check(model, "\n".join(right))
     assert not fb.check(model, "omega2 = theta1_d")
+    assert "torque or force at joint 2, is" in str(fb.check(COUPLED[1], "tau1 = 0"))
 
 
 LOADED = [

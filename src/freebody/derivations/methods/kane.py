@@ -73,7 +73,7 @@ class _JointRate:
     """The steps for the rate of the joint of body i, and their values."""
 
     def __init__(self, s: Setting, i: int):
-        self.s, self.i, self.number = s, i, s.numbers[i]
+        self.s, self.i, self.number, self.speed = s, i, s.numbers[i], s.index(i) + 1
         self.is_first = i == s.leaders[0]
         self.rate = s.coordinate(i) + RATE
         self.centres = {k: self._partial(s.centre_velocity(k)) for k in s.weighted}
@@ -126,12 +126,12 @@ class _JointRate:
 
     def _v(self, k: int) -> Expression:
         """v_ck,r."""
-        n, r = self.s.numbers[k], self.number
+        n, r = self.s.numbers[k], self.speed
         return ex.Symbol(f"vc{n}_{r}", "v", (f"c{n}", str(r)), bold=True)
 
     def _omega(self, k: int) -> Expression:
         """ω_k,r."""
-        n, r = self.s.numbers[k], self.number
+        n, r = self.s.numbers[k], self.speed
         return ex.Symbol(f"omega{n}_{r}", "ω", (str(n), str(r)), bold=not self.s.planar)
 
     def _tip(self) -> Vector:
@@ -174,7 +174,7 @@ class _JointRate:
                 f"in the active force: {found}."
             )
         return (
-            f"The generalized active force F_{self.number} is the sum of all forces, each times "
+            f"The generalized active force F_{self.speed} is the sum of all forces, each times "
             f"the partial velocity of the point where it acts, and of all torques, each times the "
             f"partial angular velocity of its body; in it: {found}. The reactions in the joints do "
             f"not occur, for together they do no work in any motion of the joints. The generalized "
@@ -188,12 +188,12 @@ class _JointRate:
     @property
     def active_name(self) -> Expression:
         """F_r."""
-        return sym(f"F{self.number}")
+        return sym(f"F{self.speed}")
 
     @property
     def inertia_name(self) -> Expression:
         """F*_r."""
-        return ex.Symbol(f"F{self.number}_star", "F", (str(self.number),), high="*")
+        return ex.Symbol(f"F{self.speed}_star", "F", (str(self.speed),), high="*")
 
     def _active_terms(self) -> Iterator[Expression]:
         """The weights and the load."""

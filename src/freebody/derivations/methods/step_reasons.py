@@ -180,7 +180,8 @@ def eliminated(s: Setting, i: int, rest: str = "nothing unknown") -> str:
     if s.tree.children(i):
         first += ", the forces on the next bodies being known"
     if not s.is_alone(i):
-        return f"{first}; Euler's equation gives the moment."
+        last = "; the motor follows, when all reactions are known" if s.driven(i) else ""
+        return f"{first}; Euler's equation gives the moment{last}."
     if not s.turns(i):
         force = f"f_{s.numbers[s.tree.bodies[i].parent]},{n}"
         along = f"the part of {force} along the slide u_{n}"

@@ -47,7 +47,7 @@ class EnergyQuantities(QuantityGroup):
             AskedQuantity("power", (), self._power(*self.numbers), words="the power of the drives"),
         )
         for i in self.numbers:
-            words = f"the power of the drive of joint {i}"
+            words = f"the power of the drive of {self.joint(i)}"
             yield (f"power{i}",), AskedQuantity("power", (i,), self._power(i), words=words)
 
     def _momentum_names(self, coordinate: str) -> tuple[str, ...]:

@@ -55,6 +55,12 @@ class QuantityGroup:
         """Joints that nothing drives, from 1."""
         return tuple(k + 1 for k in self.setting.symbols.model.passive)
 
+    def joint(self, i: int) -> str:
+        """That of coordinate i, in words: those that follow others have none of their own."""
+        bodies = enumerate(self.setting.equations.symbols.model.bodies, 1)
+        own = [n for n, body in bodies if body.joint.mimic is None]
+        return f"joint {own[i - 1]}"
+
     def element(self, value: Callable[[], Trig]) -> Callable[[], Trig]:
         """A value in the ring of answers."""
         return lambda: self.setting.element(value())

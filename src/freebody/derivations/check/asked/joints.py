@@ -37,14 +37,14 @@ class JointQuantities(QuantityGroup):
         for i in self.numbers:
             yield (
                 self._torque_names(i),
-                AskedQuantity("tau", (i,), self.entry("tau", i), i in self.passive, f"joint {i}"),
+                AskedQuantity("tau", (i,), self.entry("tau", i), i in self.passive, self.joint(i)),
             )
             for family in ("c", "g", "bias"):
                 letters = self.letters[family]
                 names = [f"{x}{i}" for x in letters] + ([*letters] if alone else [])
                 yield (
                     tuple(names),
-                    AskedQuantity(family, (i,), self.entry(family, i), False, f"joint {i}"),
+                    AskedQuantity(family, (i,), self.entry(family, i), False, self.joint(i)),
                 )
             for j in self.numbers:
                 for family in ("M", "C"):

@@ -61,7 +61,7 @@ class KaneQuantities(QuantitiesOfBodies):
             return lambda: pair(value())[0].derivative(name)
 
         thoughts: list[Mistaken] = [
-            (f"This is the factor of joint {k}'s rate.", by(RATE, k))
+            (f"This is the factor of {self.joint(k)}'s rate.", by(RATE, k))
             for k in self.numbers
             if k != r
         ]
@@ -71,7 +71,7 @@ class KaneQuantities(QuantitiesOfBodies):
             index=(*entry.index, r),
             compute=by(RATE, r),
             in_world=entry.in_world and by(RATE, r, entry.in_world),
-            words=f"the factor of joint {r}'s rate in {entry.words}",
+            words=f"the factor of {self.joint(r)}'s rate in {entry.words}",
             thoughts=tuple(thoughts),
         )
 
@@ -91,7 +91,7 @@ class KaneQuantities(QuantitiesOfBodies):
         if plain is None:
             thoughts.append(("The torque or force of the drive is missing.", applied))
         return AskedQuantity(
-            "active", (i,), lambda: motor() + applied(), joint=f"joint {i}",
+            "active", (i,), lambda: motor() + applied(), joint=self.joint(i),
             thoughts=tuple(thoughts),
         )  # fmt: skip
 
@@ -101,7 +101,7 @@ class KaneQuantities(QuantitiesOfBodies):
         law = "The inertia force is the opposite: F* = −(Σ m a · ∂v/∂q̇ + …)."
         opposite = (law, lambda: tau() + applied())
         return AskedQuantity(
-            "inertia", (i,), lambda: -tau() - applied(), joint=f"joint {i}", thoughts=(opposite,)
+            "inertia", (i,), lambda: -tau() - applied(), joint=self.joint(i), thoughts=(opposite,)
         )
 
     def _parts(self, i: int) -> tuple[Callable[[], Trig], Callable[[], Trig]]:

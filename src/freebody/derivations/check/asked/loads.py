@@ -110,6 +110,6 @@ def held(
         compute=lambda: base() + product("J{k}{i}"),
         note=_SENSES[0] + note,
         also=((_SENSES[1] + note, lambda: base() - product("J{k}{i}")),),
-        words=f"the torque or force at joint {i} that holds the load",
+        words=f"the torque or force at {target.joint} that holds the load",
         thoughts=tuple(thoughts),
     )
