@@ -185,3 +185,14 @@ def test_the_command_takes_a_notation(own: Path, capsys: pytest.CaptureFixture[s
 def test_letters_that_a_notation_does_not_have_are_ones_own():
     with pytest.raises(AnswerError, match="D22 is taken for a name of your own"):
         fb.check(ARM, "D22 = m2 lc2^2 + I2", notation="craig")
+
+
+def test_a_letter_that_derivations_have_for_forces_may_be_gravitys():
+    """Khalil and Dombre call gravity's torques Q and those of the motors Γ."""
+    letters = {"tau": ("Gamma",), "M": ("A",), "g": ("Q",)}
+    style = BookNotation("khalil", letters=letters, terms="matrix")
+    first, *_, last = fb.derive(ARM, "lagrange", notation=style).steps
+    assert str(first.equations[1]) == "Γ = [Γ₁, Γ₂]ᵀ"
+    gravity = [str(x) for x in last.equations if str(x).startswith("Q")]
+    assert len(gravity) == 2
+    assert fb.check(ARM, "\n".join(gravity), notation=style)

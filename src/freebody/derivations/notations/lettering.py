@@ -27,8 +27,8 @@ from freebody.model.model import Model
 from freebody.values import ByValue
 
 FAMILY_OF = {
-    "tau": "tau", "H": "M", "M": "M", "C": "C", "velocity": "c", "G": "g", "bias": "bias",
-    "J": "J", "T": "T", "V": "V", "L": "L",
+    "tau": "tau", "Q": "tau", "H": "M", "M": "M", "C": "C", "velocity": "c", "G": "g",
+    "bias": "bias", "J": "J", "T": "T", "V": "V", "L": "L",
 }  # fmt: skip
 """The letters of derivations as they are made, and what they stand for."""
 MATRICES = ("H", "M", "C", "J")

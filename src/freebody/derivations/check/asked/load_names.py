@@ -13,6 +13,8 @@ from freebody.scalars.trig import Trig
 LOADS = {2: ("fx", "fy", "nz"), 3: ("fx", "fy", "fz", "nx", "ny", "nz")}
 """Force and moment at the tip, in the order of the Jacobian's rows."""
 _COMPONENT = re.compile(r"(?<![A-Za-z\\])(?:[Ff]_?\{?(?:[PpEe]|tip)?_?\{?[xyz]|[MnN]_?\{?[xyz])")
+_HAND = re.compile(r"(?<![A-Za-z\\])[aos]_?\{?[xyz]\}?\s{0,3}&?=")
+"""An axis of the hand: n_x beside it is one too."""
 _VECTOR = re.compile(r"(?<![A-Za-z\\])(?:[Ff](?:_?\{?(?:[PpEe]|tip)\}?)?|W)(?!\w)")
 """A force without its components: in an answer with the Jacobian."""
 _SPELT = {"f": ("f", "F", "fP", "FP", "fE", "FE", "fe", "Fe", "ftip", "Ftip"), "n": ("n", "M", "N")}
@@ -24,7 +26,10 @@ def named_in(model: Model, text: str) -> tuple[str, ...]:
     names = LOADS[model.dim]
     if model.tip is None or model.loops or any(body.kind.quaternion for body in model.bodies):
         return ()
-    if not _COMPONENT.search(text) and not ("J" in text and _VECTOR.search(text)):
+    components = (x[0] for x in _COMPONENT.finditer(text))
+    if not any(x[0] != "n" or not _HAND.search(text) for x in components) and not (
+        "J" in text and _VECTOR.search(text)
+    ):
         return ()
     slides = {f"f{x}" for x in symbols_of(model).coordinates}  # of a cart the drive's own force
     return () if set(names) & {*slides, *model.parameters} else names

@@ -35,6 +35,7 @@ from freebody.derivations.polynomials.symbols import (
 from freebody.derivations.polynomials.textbook_form import Layout
 from freebody.lazy import cached_property
 from freebody.model.model import Model
+from freebody.model.number_names import catalogue
 from freebody.scalars.trig import Trig, TrigRing
 
 FAMILIES = ("l", "lc", "m", "I")
@@ -179,6 +180,11 @@ class RightEquations:
             return list(values)
         B, n = self.turned, range(len(values))
         return [_combined([B[k][i] for k in n], values) for i in n]
+
+    @cached_property
+    def units(self) -> Mapping[str, str]:
+        """Units of the model's parameters by their places in it."""
+        return {name: row.unit for name, row in catalogue(self.symbols.model).rows.items()}
 
     def parameter(self, name: str) -> Trig | None:
         """What a parameter's name stands for: its symbol, or 0 where that is its value; None of no

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import cache
 
 from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.group import Named, QuantityGroup
@@ -14,6 +15,7 @@ from freebody.derivations.grammar.words import DETERMINANT
 from freebody.derivations.polynomials.determinant import determinant
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
+from freebody.spatial import sub, times, transposed
 
 _TIP = {x: (x, *(x + end for end in ("P", "p", "E", "e", "tip")), f"p{x}", f"P{x}") for x in "xyz"}
 
@@ -31,9 +33,44 @@ class TipQuantities(QuantityGroup):
         J = [[single[f"J{i}{j}"] for j in self.numbers] for i in self._rows]
         position = J[: self.setting.symbols.model.dim]
         found = {"J": J, **self._tip_vectors(self._tip), "JP": position}
+        if not self.setting.is_planar:
+            found |= {"Js": self._of_twists(self._tip, "s"), "Jb": self._of_twists(self._tip, "b")}
         names = (f"{name}{INVERSE}" for name in ("J", "JP"))
         found |= {x: table for x, table in vectors(self.setting, single).items() if x not in single}
         return found | (dict.fromkeys(names, self._inverse) if self._inverse else {})
+
+    def _of_twists(self, tip: Kinematics, axes: str) -> Table:
+        """The space Jacobian J_s and the body Jacobian J_b of Lynch and Park (5.11), (5.18): above
+        the angular velocity, below the velocity of the body's point at the world's origin, in the
+        world's axes; or of the hand's origin, in its own."""
+
+        space = self.setting.equations.symbols.tree.space
+
+        @cache
+        def rows() -> list[tuple[Trig, ...]]:
+            columns = []
+            for column in zip(*tip.J, strict=True):
+                v, w = column[:3], column[3:]
+                if axes == "b":
+                    E = transposed(tuple(map(tuple, tip.rotation)))
+                    columns.append((*times(E, w), *times(E, v)))
+                else:
+                    columns.append((*w, *sub(v, space.cross(w, tuple(tip.position)))))
+            return list(zip(*columns, strict=True))
+
+        words = {"s": "the space Jacobian", "b": "the body Jacobian"}[axes]
+        return [
+            [
+                AskedQuantity(
+                    "J_s",
+                    (i + 1, j),
+                    self.element(lambda i=i, j=j: self.setting.forces(rows()[i])[j - 1]),
+                    words=f"entry {i + 1}, {j} of {words}",
+                )
+                for j in self.numbers
+            ]
+            for i in range(6)
+        ]
 
     @cached_property
     def _inverse(self) -> Table:
@@ -108,12 +145,25 @@ class TipQuantities(QuantityGroup):
                 dotted += ("va"[dots - 1] + "xyz"[k],)
                 value = self.element(lambda k=k, vector=vector: getattr(tip, vector)[k])
                 yield dotted, AskedQuantity(family, (), value)
+        yield from self._axes(tip)
         rows = self._square(tip)
         if rows is not None:
             value = self.element(
                 lambda: determinant([tip.J[i] for i in rows], self.setting.equations.symbols)
             )
             yield ("detJ", f"J{DETERMINANT}"), AskedQuantity("det", (), value)
+
+    def _axes(self, tip: Kinematics) -> Iterator[Named]:
+        """n, o or s, and a: the axes of the hand, columns of its orientation; a_x is an
+        acceleration too."""
+        if self.setting.is_planar:
+            return
+        for j, letters in enumerate(("n", "os", ("approach",))):
+            for i, axis in enumerate("xyz"):
+                value = self.element(lambda i=i, j=j: tip.rotation[i][j])
+                words = f"component {axis} of the hand's {'xyz'[j]} axis"
+                names = tuple(letter + axis for letter in letters)
+                yield names, AskedQuantity("of body", (), value, words=words)
 
     def _square(self, tip: Kinematics) -> range | None:
         """The rows of the Jacobian that make it square: in space of three joints those of the

@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 
 from freebody.derivations.check.algebra.answer_tree import Named
-from freebody.derivations.check.algebra.quotients import difference
+from freebody.derivations.check.algebra.quotients import Value, difference, pair
 from freebody.derivations.check.algebra.tables_in_formulas import Shape
 from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity
 from freebody.derivations.check.claims.formula_reader import BODY_FAMILIES, entry_label
@@ -147,7 +147,11 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
 
     def _energy_or_power(self, name: str, single: AskedQuantity, node: Expression) -> AskedQuantity:
         """What a P is that may be the potential energy or the power of the drives: of which it is
-        right, or has the units; with rates in it the power."""
+        right, or has the units; with rates in it the power. What a_x is that may be an acceleration
+        or of an axis of the hand: with rates in it the first."""
+        if single.family == "tip_dd" and name[:-1] == "a":
+            axis = self.targets.single.get(name.replace("a", "approach"))
+            return axis if axis is not None and not self._moves(self.quotient(node)) else single
         power = self.targets.single.get(name.replace("P", "power"))
         if not name.startswith("P") or single.family not in ("V", "Vi") or power is None:
             return single
@@ -157,8 +161,12 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             return power if written.unit.dimension == needed else single
         if difference(value, single.compute()).is_zero or not isinstance(value, Trig):
             return single
-        moving = any(x.endswith((RATE, SECOND)) for powers, _ in value.terms() for x in powers)
-        return power if moving else single
+        return power if self._moves(value) else single
+
+    def _moves(self, value: Value) -> bool:
+        """Whether rates or accelerations are in it."""
+        terms = (powers for x in pair(value) for powers, _ in x.terms())
+        return any(x.endswith((RATE, SECOND)) for powers in terms for x in powers)
 
     def _entry_by_entry(self, named: Matrix, node: Expression) -> list[Claim]:
         """The claims of [τ1; τ2] = node."""

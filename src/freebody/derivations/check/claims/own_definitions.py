@@ -149,7 +149,9 @@ class OwnDefinitions(SolvedQuantities):
         the user's own: one number for a matrix or vector, or what other lines use and has other
         units."""
         letter = re.sub(r"\d+$", "", name)
-        soft = letter in AMBIGUOUS or name in self.targets.soft or name not in self.targets.single
+        table = self.targets.tables.get(name)
+        is_matrix = name not in self.targets.single and table and table[0][0].family in "MCJ"
+        soft = letter in AMBIGUOUS or name in self.targets.soft or bool(is_matrix)
         soft = soft or self.setting.is_free_body
         if not (soft or letter in _NO_QUOTIENTS) or self.is_matrix(line[1]):
             return False

@@ -1,5 +1,5 @@
-"""Units of the symbols of planar arms: a term whose units do not fit cannot be right, whatever it
-should be."""
+"""Units of symbols, by their place in the model or by the notes' letters: a term whose units do not
+fit cannot be right, whatever it should be."""
 
 from __future__ import annotations
 
@@ -22,6 +22,13 @@ _UNITS: dict[str, Unit] = {
     "I": (1, 2, 0),
     "theta": (0, 0, 0),
 }
+_TEXTS: dict[str, Unit] = {
+    "kg": (1, 0, 0),
+    "m": (0, 1, 0),
+    "rad": (0, 0, 0),
+    "kg m²": (1, 2, 0),
+    "m/s²": (0, 1, -2),
+}
 
 
 def unit_of(setting: RightEquations, powers: Mapping[str, int]) -> Unit | None:
@@ -40,6 +47,8 @@ def _unit(setting: RightEquations, name: str) -> Unit | None:
         return 0, 1, -2
     if name.startswith(("sin_", "cos_", "sgn_")):
         return 0, 0, 0
+    if known := _TEXTS.get(setting.units.get(name, "")):
+        return known
     match = re.fullmatch(r"([A-Za-z]+)\d+(_d{1,2})?", name)
     is_known = setting.is_planar or name.split("_d")[0] in setting.symbols.coordinates
     if not is_known or match is None or match[1] not in _UNITS:

@@ -63,6 +63,8 @@ class Vocabulary:
     functions: dict[str, str] = field(default_factory=lambda: dict(FUNCTIONS))
     uses: dict[str, tuple[AskedQuantity, ...]] = field(default_factory=dict)
     """Quantities that names of the user's own are given by."""
+    letters: dict[str, str] = field(default_factory=dict)
+    """The user's letters for "cos" and "sin"."""
     aliases: dict[str, str] = field(default_factory=dict)
     """Names of the user's own for vectors and matrices, and what these are called here."""
     matrices: dict[str, Matrix] = field(default_factory=dict)
@@ -117,7 +119,18 @@ class Vocabulary:
         """A further letter for a function of angles: C12 as c12."""
         own = [(name, wave) for name, wave in self._all_waves() if wave[0] == function]
         self.waves.update((letter + name[1:], wave) for name, wave in own)
+        self.letters[function] = letter
+        if len(self.letters) > 1:
+            self.symbols |= dict(self._products())
         self._known = None
+
+    def _products(self) -> Iterator[tuple[str, Trig]]:
+        """CC2 = C2 C2, SC23 = S23 C23, as of the Puma's first papers."""
+        for numbers, names in self._subsets():
+            angle = sum((self.setting.ring[x] for x in names), self.setting.zero)
+            waves = {self.letters["cos"]: angle.cos(), self.letters["sin"]: angle.sin()}
+            for (a, x), (b, y) in itertools.product(waves.items(), repeat=2):
+                yield a + b + numbers, x * y
 
     def no_waves(self, names: Iterable[str]) -> None:
         """Names of quantities that are no sines and cosines: c1 where c is a letter of vectors."""
@@ -136,7 +149,7 @@ class Vocabulary:
         pieces = self.cut(source, word)
         if pieces is None:
             self._unknown(source, (word.start, word.end))
-        return [(self.aliases.get(plain, plain), *at) for plain, *at in pieces], word.power
+        return [(self.aliases.get(x, x), start, end) for x, start, end in pieces], word.power
 
     def cut(self, source: Source, word: words.Word) -> list[words.Piece] | None:
         """A word as known names. Names of vectors stand alone, rc2x is no r·c2·x, but for those of
