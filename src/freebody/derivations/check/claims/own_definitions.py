@@ -23,6 +23,8 @@ _BY_FORMULA = (
     "Parameters that formulas give, as lc = l/2 of uniform bars, are told by parameters=, "
     "--parameter lc=l/2, or stand below [parameters] in the robot's file or a notation of your own."
 )
+_MATRICES = ("M", "C", "J", "J_s")
+"""Families whose letter alone is one's own where it is one number, as an inertia J."""
 _NO_QUOTIENTS = ("K", "gamma")
 """Letters of quantities that are no quotients, which name ratios in other lines."""
 
@@ -150,7 +152,7 @@ class OwnDefinitions(SolvedQuantities):
         units."""
         letter = re.sub(r"\d+$", "", name)
         table = self.targets.tables.get(name)
-        is_matrix = name not in self.targets.single and table and table[0][0].family in "MCJ"
+        is_matrix = name not in self.targets.single and table and table[0][0].family in _MATRICES
         soft = letter in AMBIGUOUS or name in self.targets.soft or bool(is_matrix)
         soft = soft or self.setting.is_free_body
         if not (soft or letter in _NO_QUOTIENTS) or self.is_matrix(line[1]):
