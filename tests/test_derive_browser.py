@@ -53,6 +53,7 @@ def test_derivations_are_drawn_and_fit(driver, tmp_path: Path, method):
         page = tmp_path / "derivation.html"
         page.write_text(text := derivation.html())
         assert not lacking(text)
+        assert "<mtd><mo>=" not in text  # it would have no space beside it
         driver.get(page.as_uri())
         sizes = driver.execute_script(SIZES)
         assert len(sizes) == sum(bool(step.equations) for step in derivation.steps)

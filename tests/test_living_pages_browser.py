@@ -142,6 +142,34 @@ def test_each_chapter_of_the_notes_has_an_arm_that_moves(driver, tmp_path, notes
                 np.testing.assert_allclose(found, [tau[k - 1]], rtol=1e-9)
 
 
+def test_angles_and_parameters_of_a_notation_have_sliders(driver, tmp_path):
+    """Absolute angles from the downward vertical, slender rods: torques are those on the bodies, Bᵀ
+    τ at θ = B φ + b; nothing that a page calls τ is another."""
+    file, model = tmp_path / "mine.toml", fb.load("2R")
+    file.write_text(
+        'title = "Mine"\nangles = "absolute"\nzero = "down"\n'
+        '[parameters]\nlc = "l/2"\nI = "m*l^2/12"\n'
+    )
+    opened(driver, tmp_path, fb.derive(model, "lagrange", notation=str(file)))
+    names = driver.execute_script(NAMES)
+    assert {*model.parameters} - {*names} == {"lc1", "lc2", "I1", "I2"}
+    driver.execute_script(SET, RANDOM.uniform(0.2, 1.5, len(names)).tolist())
+    at, shown = dict(driver.execute_script(NUMBERS)), values(driver)
+    rods = {f"lc{k}": at[f"l{k}"] / 2 for k in (1, 2)}
+    rods |= {f"I{k}": at[f"m{k}"] * at[f"l{k}"] ** 2 / 12 for k in (1, 2)}
+    arm, B = model.bind(**{x: at.get(x, rods.get(x)) for x in model.parameters}), [[1, 0], [-1, 1]]
+    motion = np.array([[at[f"theta{k}{dots}"] for k in (1, 2)] for dots in ("", "_d", "_dd")])
+    q, qd, qdd = motion @ np.transpose(B)
+    tau = np.transpose(B) @ fb.inverse_dynamics(arm, q - [np.pi / 2, 0], qd, qdd)
+    for k in (1, 2):
+        np.testing.assert_allclose(np.ravel(shown[f"tau{k}"]), tau[k - 1], rtol=1e-9)
+    words = "return [...document.querySelectorAll('#bodies .moment-text')].map(e => e.textContent)"
+    assert {word[:3].strip("−") for word in driver.execute_script(words)} <= {"n₀₁", "n₁₂", "n₁"}
+    opened(driver, tmp_path, fb.derive(fb.load("four_bar"), parameters={"lc": "l/2"}))
+    assert driver.execute_script(OPEN) == ""
+    assert len(values(driver)) > 30
+
+
 def test_under_a_load_at_rest_too(driver, tmp_path):
     model = fb.load("2R")
     opened(driver, tmp_path, fb.derive(model, "statics"))

@@ -114,10 +114,11 @@ class DrawnBodies:
         return made
 
     def _moment(self, n: int, sign: int) -> dict[str, Any]:
-        """At a pin without motor the one that the state would need there."""
+        """At a pin without motor the one that the state would need there; never called τ where that
+        is what turns a body."""
         naming = self.naming
         name = naming.joint_moment(n)
-        if name == ex.ZERO:
+        if name == ex.ZERO or self.s.symbols.turned:
             name = naming.moment(naming.parent(n), n)
         moment = self.values[f"M{n}" if naming.planar else f"n{n}"]
         place = self.values[f"r{n}"]

@@ -67,10 +67,14 @@ def living(derivation: Derivation, start: Sequence[float] = ()) -> LivingParts |
     """
     plain = derivation.plain or derivation
     symbols = plain.equations.symbols
-    if not 0 < len(symbols.model.bodies) <= MOST_BODIES or symbols.is_rewritten:
+    if not 0 < len(symbols.model.bodies) <= MOST_BODIES:
+        return None
+    flies = are_free(symbols.given or symbols.model)
+    turned = symbols.turned or any(symbols.quarters)
+    if (flies and symbols.is_rewritten) or (symbols.model.loops and turned):
         return None
     kernel = PageProgram(symbols.ring.names, plain.equations.layout.form)
-    if are_free(symbols.given or symbols.model):
+    if flies:
         return _flying(derivation, kernel)
     if symbols.model.loops and not len(start):
         return None
@@ -149,7 +153,7 @@ def _setting(derivation: Derivation, kernel: PageProgram) -> Setting:
     load = LOADS[symbols.model.dim] if "fx" in symbols.extra else ()
     at_rest = METHODS[derivation.method].at_rest
     told = symbols.model.dim == 2 if symbols.model.loops else not branches(symbols.tree)
-    if told and len(symbols.model.bodies) <= MOST_JOINTS:
+    if told and not symbols.is_rewritten and len(symbols.model.bodies) <= MOST_JOINTS:
         return Setting(symbols, load, at_rest)
     return TracedSetting(TracedSymbols.of(symbols, kernel.inputs), load, at_rest)
 
@@ -164,6 +168,10 @@ def _values(
         found = line_values(derivation)
         return found, found.quantities
     drawn = body_quantities(setting, closed.reactions if closed else SolvedReactions(setting))
+    if setting.symbols.turned:  # τ is what turns a body, not what the motor at its joint gives
+        names = [f"tau{setting.numbers[i]}" for i in sorted(setting.order, key=setting.index)]
+        turning = setting.symbols.of_angles([drawn[name] for name in names])
+        drawn |= dict(zip(names, turning, strict=True))
     named = {name: ring[name] for name in ring.names if rank(drawn[name]) == 0}
     told = drawn | named  # m3 in a line is the parameter, also where it is the mass of body 4
     if traced:

@@ -3,13 +3,14 @@ polynomials: the same names, the recursion body by body in their place."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from freebody.algorithms.rnea import friction_and_spring
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.polynomials.symbols import Symbols
+from freebody.derivations.polynomials.symbols import Formulas, Symbols
 from freebody.elementary import Scalar, cos, sin
 from freebody.model.parameter_formulas import ParameterFormula
 from freebody.model.parameters import Parameter, Quantity
@@ -27,21 +28,32 @@ class Inputs(dict[str, Expr]):
 
 
 class TracedReader(QuantityReader):
-    """Reads parameters as inputs of the program, by name, and numbers as they are."""
+    """Reads parameters as inputs of the program, by name, or by their formulas of these, and
+    numbers as they are."""
 
     combines = False
 
     def __init__(
-        self, inputs: Mapping[str, Expr], numbers: bool, own: Mapping[str, ParameterFormula]
+        self,
+        inputs: Mapping[str, Expr],
+        numbers: bool,
+        formulas: Formulas,
+        own: Mapping[str, ParameterFormula],
     ):
-        """own: formulas of the model."""
-        self.inputs, self.numbers, self.own = inputs, numbers, own
+        """formulas: of a notation; own: of the model."""
+        self.inputs, self.numbers, self.formulas, self.own = inputs, numbers, dict(formulas), own
 
     def quantity(self, q: Quantity) -> Scalar:
-        if isinstance(q, Parameter) and not self.numbers:
+        if not isinstance(q, Parameter) or self.numbers:
+            return super().quantity(q)
+        if q.name not in self.formulas:
             formula = self.own.get(q.name)
             return formula.value(self.quantity) if formula else self.inputs[q.name]
-        return super().quantity(q)
+        total: Scalar = 0.0
+        for powers, factor in self.formulas[q.name]:
+            factors = (self.inputs[name] for name, power in powers for _ in range(power))
+            total = total + math.prod(factors, start=float(factor))
+        return total
 
     def sin_cos(self, angle: Quantity) -> tuple[Scalar, Scalar]:
         read = self.quantity(angle)
@@ -56,15 +68,16 @@ class TracedSymbols(Symbols):
     def of(cls, given: Symbols, inputs: Mapping[str, Expr]) -> TracedSymbols:
         """The same model and names."""
         ring: Any = Inputs(inputs)
-        reader: Any = TracedReader(ring, given.reader.numbers, given.reader.own)
+        reader: Any = TracedReader(ring, given.reader.numbers, given.formulas, given.reader.own)
         names = given.coordinates, reader, given.extra, given.inertial
-        return cls(given.model, ring, *names, given.given, given.euler)
+        rewritten = given.formulas, given.turned, given.quarters
+        return cls(given.model, ring, *names, given.given, given.euler, *rewritten)
 
     def zero(self) -> Any:
         return self.element(0.0)
 
     def element(self, x: Scalar) -> Any:
-        one: Any = self.q[0]
+        one: Any = self.own("")[0]
         return x if isinstance(x, Expr) else one.graph.constant(x)
 
 

@@ -28,7 +28,8 @@ font-size:.9rem}
 .slider{display:flex;gap:.6rem;align-items:center;margin:.15rem 0}
 .slider label{min-width:2.4rem}.slider input{flex:1;min-width:4rem}.slider span{min-width:7.5rem}
 .values{color:#5a6675;font-size:.95rem;overflow-x:auto}.value{margin:.15rem 0;max-width:none}
-.value math,.slider math{font-size:1.05rem}.value output{color:#b01e5c}
+.value math,.slider math{font-size:1.05rem}.value math{math-style:normal}
+.value output{color:#b01e5c}
 .hidden .equations,.hidden .sources,.hidden .values,details:not(.hidden)>.questions{display:none}
 .answer{margin:.6rem 0}.answer p{margin:.2rem 0;overflow-wrap:anywhere}
 .answer.right p{color:#2b7a3d}

@@ -33,6 +33,8 @@ Groups = Sequence[Sequence[Equation]]
 
 WIDE = 0.25
 """The part of a line from which on a left side is wide."""
+_NOTHING = "<mi></mi>"
+"""A sign that stands alone would have no space beside it."""
 TALL = 24
 """About the rows of a table where there are many: a printed page breaks between tables."""
 
@@ -159,7 +161,7 @@ def _table(groups: Groups, width: float, alone: bool) -> str:
     for j, group in enumerate(_set(groups, width, MATHML)):
         for k, (left, right, goes_on) in enumerate(group):
             apart = "padding-top:1em;" if j and not k else ""
-            signed = "" if goes_on else (left or "<mrow></mrow>") + "<mo>=</mo>"
+            signed = "" if goes_on else (left or _NOTHING) + "<mo>=</mo>"
             indent = '<mspace width="1.5em"/>' if goes_on else ""
             cells += (
                 f"<mtr>{_cell(signed, apart + _RIGHT * alone)}"
