@@ -66,3 +66,14 @@ def test_partial_velocities_are_in_axes_of_their_body_and_scalars_in_none():
     sliders = re.findall(r"</output>([^<]*)</span>", fb.derive(fb.load("2R"), "kinematics").html())
     assert all(sliders)
     assert sliders[-1] == " m/s²"
+
+
+def test_derivatives_of_a_quantity_have_not_its_unit():
+    """∂Φ/∂d has another than ∂Φ/∂θ, and neither has that of Φ."""
+    derivation = fb.derive(fb.load("five_bar_rods"))
+    unit_of = LineUnits(derivation, units_of_symbols(derivation))
+    lines = [x.lhs for step in derivation.steps for x in step.equations]
+    units = {str(x): unit_of(x) for x in lines}
+    assert units["Φ₁"] == "m²"
+    assert {unit for name, unit in units.items() if name.startswith("Φ_q")} == {""}
+    assert units["T₁"] == "J"

@@ -51,7 +51,8 @@ class LineUnits:
         self._known = known
         self._alike: dict[object, set[str]] = {}
         for symbol, unit in _told(derivation):
-            for key in _keys(symbol):
+            near, (letter, _) = _keys(symbol)
+            for key in (near, (letter, True)):
                 self._alike.setdefault(key, set()).add(_still(unit, symbol.dots))
 
     def __call__(self, left: Expression) -> str:
@@ -67,9 +68,10 @@ class LineUnits:
 
 
 def _keys(symbol: Symbol) -> Iterator[object]:
-    """From near to far: the letter with its kinds of indices, the letter alone."""
+    """From near to far: the letter with its kinds of indices; of totals and components the letter
+    alone."""
     yield symbol.letter, symbol.high, tuple(re.sub("[0-9ik]", "#", x) for x in symbol.low)
-    yield symbol.letter
+    yield symbol.letter, not symbol.low or symbol.low[-1] in "xyz"
 
 
 _RATES = {"rad": "rad/s", "rad/s": "rad/s²", "m": "m/s", "m/s": "m/s²"}
