@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from freebody.derivations.check.asked import load_names
+from freebody.derivations.check.asked.at_rest import BodiesAtRest
 from freebody.derivations.check.asked.bodies import QuantitiesOfBodies
 from freebody.derivations.check.asked.body_quantities import soft_names
 from freebody.derivations.check.asked.energies import EnergyQuantities
@@ -44,6 +45,7 @@ _SPECIAL: tuple[type[QuantityGroup], ...] = (
     ParallelQuantities,
     ReducedMass,
     LoopForceSystem,
+    BodiesAtRest,
 )
 """Groups whose names mean other things in answers that are not about them."""
 

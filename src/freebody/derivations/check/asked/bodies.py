@@ -24,6 +24,8 @@ _TRANSPOSED = "This is its transpose, which turns the other way."
 class QuantitiesOfBodies(QuantityGroup):
     """ω_2, r_c2, v_c2, f_12, …, whole and by components."""
 
+    records = BODY_QUANTITIES
+
     def single(self) -> Iterator[Named]:
         yield from self.entries_of(self.vectors)
         yield from self._of_the_only_body()
@@ -51,7 +53,7 @@ class QuantitiesOfBodies(QuantityGroup):
         found = {"gravity": self._constants("the gravitational acceleration", tree.gravity)}
         found["z"] = self._constants("the world's z axis", (0.0, 0.0, 1.0))
         for n in range(1, len(tree.bodies) + 1):
-            for record in BODY_QUANTITIES:
+            for record in self.records:
                 whole = len(tree.bodies[tree.body_of[n - 1]].masses) < 2
                 known = record.known.format(**numbers(n)) in self._bodies[n - 1]
                 is_told = known and (chain or record.of_motion)
@@ -66,10 +68,24 @@ class QuantitiesOfBodies(QuantityGroup):
                     )
         for n, i in enumerate(self._setting.order, 1):
             found |= self._axis(found, i, n)
+            found |= {} if self.setting.is_planar else self._rates_in_world(found, n)
         if self.setting.is_planar:
             own = {name: name.replace("omega", "w") for name in found if "omega" in name}
             found |= {new: found[name] for name, new in own.items()}
         return found if self.setting.is_planar else self._turns(len(tree.bodies)) | found
+
+    def _rates_in_world(self, found: Mapping[str, Table], n: int) -> dict[str, Table]:
+        """ṙ_c2 and r̈_c2: derivatives of the world's components, or vectors along the body."""
+        rates: dict[str, Table] = {}
+        for dots, letter in ((1, "v"), (2, "a")):
+            column = [
+                [replace(x, compute=x.in_world, in_world=None, also=(("", x.compute),))]
+                for (x,) in found.get(f"{letter}c{n}", ())
+                if x.in_world is not None
+            ]
+            for place in ("rc", "rG"):
+                rates |= dict.fromkeys(spellings(place, str(n), dots), column) if column else {}
+        return rates
 
     def _axis(self, found: Mapping[str, Table], i: int, n: int) -> dict[str, Table]:
         """u_n, along which joint n slides, or z_n, about which it turns, as the notes have them; in
@@ -82,10 +98,15 @@ class QuantitiesOfBodies(QuantityGroup):
         own = [self.element(lambda x=x: element(x)) for x in s.axis(i)]
         asked = AskedQuantity("of body", (n,), own[0], words=words)
         table = [[replace(asked, compute=x, axis=k)] for x, k in zip(own, "xyz", strict=False)]
-        for row, (told,) in zip(table, found.get(f"z{n}", ()), strict=False):
+        R, one = s.world[i][0], self.setting.equations.symbols
+        for k, (row, (told,)) in enumerate(zip(table, found.get(f"z{n}", ()), strict=False)):
+            turned = self.element(
+                lambda k=k: one.element(
+                    sum((x * y for x, y in zip(R[k], s.axis(i), strict=True)), one.zero())
+                )
+            )
             note = f"It is read as {told.words} in the world's axes."
-            in_world = {"in_world": told.compute, "also": ((note, told.compute),)}
-            row[0] = replace(row[0], **in_world)
+            row[0] = replace(row[0], in_world=turned, also=((note, told.compute),))
         return {f"{letter}{n}": table}
 
     def _turns(self, count: int) -> dict[str, Table]:

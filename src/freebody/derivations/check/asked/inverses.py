@@ -8,6 +8,7 @@ from functools import cache
 from freebody.derivations.check.algebra.quotients import Value, over
 from freebody.derivations.check.asked.quantity import AskedQuantity, Mistaken, Table
 from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.check.spelling.answer_text import AnswerError
 from freebody.derivations.closed_chains.linear import Entries, solved
 from freebody.scalars.trig import Trig
 
@@ -27,7 +28,10 @@ def inverse(
     def made() -> tuple[Entries, Trig]:
         unit = [[setting.zero + int(i == j) for j in n] for i in n]
         matrix = [[entry() for entry in row] for row in rows]
-        return solved(matrix, unit, setting.symbols)
+        found, determinant = solved(matrix, unit, setting.symbols)
+        if determinant.is_zero:
+            raise AnswerError(f"{words} has no inverse: its determinant is 0 in all positions")
+        return found, determinant
 
     def entry(i: int, j: int) -> AskedQuantity:
         def value() -> Value:

@@ -17,6 +17,10 @@ _HAND = re.compile(r"(?<![A-Za-z\\])[aos]_?\{?[xyz]\}?\s{0,3}&?=")
 """An axis of the hand: n_x beside it is one too."""
 _VECTOR = re.compile(r"(?<![A-Za-z\\])(?:[Ff](?:_?\{?(?:[PpEe]|tip)\}?)?|W)(?!\w)")
 """A force without its components: in an answer with the Jacobian."""
+JOINT_FORCE = re.compile(r"(?<![A-Za-z\\])(?:f|\\(?:mathbf|boldsymbol|vec)\{f\})_?\{?[0-9₀-₉]")
+"""The force in a joint, f_12."""
+MOMENT = re.compile(r"(?<![A-Za-z\\])[MnN]_?\{?[xyz]")
+"""A moment at the tip."""
 _SPELT = {"f": ("f", "F", "fP", "FP", "fE", "FE", "fe", "Fe", "ftip", "Ftip"), "n": ("n", "M", "N")}
 VECTORS = tuple(name for name in _SPELT["f"] if not name.endswith("tip"))
 
@@ -27,8 +31,9 @@ def named_in(model: Model, text: str) -> tuple[str, ...]:
     if model.tip is None or model.loops or any(body.kind.quaternion for body in model.bodies):
         return ()
     components = (x[0] for x in _COMPONENT.finditer(text))
+    beside = "J" in text or JOINT_FORCE.search(text)
     if not any(x[0] != "n" or not _HAND.search(text) for x in components) and not (
-        "J" in text and _VECTOR.search(text)
+        beside and _VECTOR.search(text)
     ):
         return ()
     slides = {f"f{x}" for x in symbols_of(model).coordinates}  # of a cart the drive's own force

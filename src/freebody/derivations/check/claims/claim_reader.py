@@ -44,7 +44,9 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         other = [side for side, subject in zip(line, subjects, strict=True) if subject is None]
         given = {x.text for side in other for x in side if x.kind == "name"}
         for subject in named[1:]:  # F1 = τ1 + m1 g·v = τ1: given by τ1, not about it
-            if isinstance(subject, Token) and subject.text in given:
+            if isinstance(subject, Token) and (
+                subject.text in given or self._has_own_axes(subject.text)
+            ):
                 named.remove(subject)
                 other.append((subject,))
         if not other:
@@ -54,7 +56,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             if self._closes(named[0], side, len(other)):
                 continue
             stated = partial(self._stated, named, side, any(map(self.is_matrix, other)))
-            found += self.in_some_axes(side, stated)
+            whole = [*(x for x in named if isinstance(x, Token)), *side]
+            found += self.in_some_axes(whole, stated)
         return found
 
     def _stated(
@@ -64,6 +67,12 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         by its entries."""
         node = self.parse(side, self._shape_of(named[0], as_vector))
         return [claim for subject in named for claim in self._pairs(subject, node)]
+
+    def _has_own_axes(self, name: str) -> bool:
+        """Whether a name is that of a vector in the axes of its body: of ω3 = ω2 = [...] the
+        entries are those of ω3."""
+        table = self.targets.tables.get(name)
+        return table is not None and table[0][0].in_world is not None
 
     def _closes(self, subject: Token | Named | Matrix, side: Sequence[Token], count: int) -> bool:
         """Whether a side is the 0 of Φ1 = … = 0, which says that the loop is closed, or of

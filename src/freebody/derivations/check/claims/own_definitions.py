@@ -163,6 +163,7 @@ class OwnDefinitions(SolvedQuantities):
                 self._is_used(name, line, lines)
                 and self._is_still(self._given(line[1]))
                 and not self._is_zero_vector(name, line)
+                and not self.says_that_the_base_moves(line)
             )
         if isinstance(self._given(line[1]), Ratio):
             return target.family != "drift"

@@ -81,7 +81,7 @@ class UnnamedEquations(FormulaReader):
         if len(line) == 2 and not torques and not between and self.targets.passive:
             return self._of_bodies(line) or [self._unpowered(line, before)]
         if (len(line) != 2 or len(torques) != 1) and (self.of_bodies or between):
-            return self._identities(line)
+            return self._of_passive(line, before) or self._identities(line)
         if len(line) != 2 or len(torques) != 1:
             if len(line) == 2 and all(isinstance(x, Matrix) for x in map(self.parse, line)):
                 return self._identities(line)
@@ -102,6 +102,15 @@ class UnnamedEquations(FormulaReader):
         used = [use for side in sides for use in uses(side, self.targets.single, self.vocabulary)]
         used = [use for use in used if use.target != target]
         return [Claim(name, self.with_load(target), node, value, self.source, tuple(used))]
+
+    def _of_passive(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
+        """What a line between quantities says, if that is the equation of a passive joint."""
+        if any(isinstance(x, Matrix) for x in map(self.parse, line)):
+            return []
+        value, single = self._difference(line)[1], self.targets.single
+        own = [single[f"tau{i}"].polynomial() for i in self.targets.passive]
+        same = (undriven_joints.is_same(self.setting, pair(value)[0], x) for x in own)
+        return [self._unpowered(line, before)] if any(same) else []
 
     def _is_reduced(self, line: Line) -> bool:
         """Whether an equation of motion has quotients in it, as in independent coordinates."""

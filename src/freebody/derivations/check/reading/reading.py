@@ -161,10 +161,13 @@ class AnswerParser(DerivativeParser):
 
     def following(self, factors: list[Expression], sign: Token) -> Expression:
         """What stands behind a sign; behind the × of a cross product with all its factors."""
-        first = super().following(factors, sign)
-        if self.source.text[sign.start : sign.end] not in ("×", "\\times"):
-            return first
-        if not self._may_be_table(product_of(factors)):
+        first, left = super().following(factors, sign), product_of(factors)
+        if self.source.text[sign.start : sign.end] in ("×", "\\times"):
+            turns = self._may_be_table(left)
+        else:  # ω · I ω
+            tables = [first] if isinstance(first, Matrix) else [self.others.get(first)]
+            turns = self._is_vector(left) and any(x and len(x.rows[0]) > 1 for x in tables)
+        if not turns:
             return first
         behind = [first]
         while self.token.kind in ("name", "open") and not self._is_vector(behind[-1]):
@@ -176,7 +179,8 @@ class AnswerParser(DerivativeParser):
         dotted = self.source.text[sign.start : sign.end] in ("·", "⋅", "∙", "•", "\\cdot")
         factors = left.factors if isinstance(left, Product) else (left,)
         before = any(x in self.others for x in factors) and self._is_table(right)
-        return dotted and (before or (self._is_vector(left) and right in self.others))
+        may = right in self.others and len(self.others[right].rows[0]) == 1
+        return dotted and (before or (self._is_vector(left) and may))
 
     def _is_table(self, node: Expression) -> bool:
         return any(isinstance(x, Matrix | Cross) for x in nodes(node))

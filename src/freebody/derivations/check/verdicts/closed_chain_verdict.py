@@ -43,7 +43,8 @@ def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> Equation
         return None
     if claim.target.family == LONG:
         return _of_long(judge, claim, explain)
-    if claim.target.family not in _OF_LOOPS or claim.value.is_zero:
+    says_nothing = claim.value.is_zero and claim.target.family != "of body"
+    if claim.target.family not in _OF_LOOPS or says_nothing:
         return None
     gap = difference(claim.value, right)
     given = judge.setting.symbols.model.parameters
