@@ -109,7 +109,8 @@ def below(
         rows.setdefault(line.step, []).append(
             f'<p class="value" data-line="{k}" data-name="{html.escape(name)}">'
             f"{mathml(left, display=False)} = <output></output>"
-            f" {html.escape(unit_of(line.line.lhs))}{_axes(line, of_loops)}</p>"
+            f" {html.escape(unit_of(line.line.lhs))}".rstrip()
+            + f"{_axes(line, of_loops)}</p>"
         )
     return {step: f'<div class="values">{"".join(made)}</div>' for step, made in rows.items()}
 
