@@ -39,7 +39,7 @@ class Equilibrium:
         moments = [s.joint_moment(i), *map(ex.neg, map(s.joint_moment, children)), *self.about(i)]
         where = " about its origin"
         if s.is_held(i):
-            where = f"; about joint {n} the reaction there has no moment"
+            where = f"; about joint {n} the force there has none"
         reason = f"The forces on body {n} add up to zero, and so do the moments{where}."
         if not s.is_held(i):
             reason = f"No joint holds body {n}. {reason}"

@@ -23,9 +23,9 @@ figure{margin:.3rem 0;break-inside:avoid}figure svg{max-height:7cm}
 .symbols{font-size:.92em;margin:.4rem 0}.symbols td{padding:0 1rem 0 0}tr{break-inside:avoid}
 summary,section p:not(.sources){break-after:avoid}
 section p:has(+.equations){padding-bottom:3.5em;margin-bottom:-3.3em}
-.result+*,.sources+*{break-before:avoid}
+.result+*{break-before:avoid}
 .equations>math:last-child>.aligned>mtr:last-child{padding-bottom:var(--kept,1.6em)}
-.equations{margin-bottom:calc(.1em - var(--kept,1.6em))}.equations:has(+.sources){--kept:3em}
+.equations{margin-bottom:calc(.1em - var(--kept,1.6em))}.equations:has(+.sources){--kept:4.2em}
 .equations.result{--kept:.1em}
 .source{font-size:.92em;margin-top:.8rem;break-before:avoid}}
 """
