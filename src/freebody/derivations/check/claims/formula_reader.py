@@ -229,8 +229,13 @@ class FormulaReader:
         return all((self.value(x) + self.value(y)).is_zero for x, y in pairs)
 
     def is_matrix(self, side: Sequence[Token]) -> bool:
-        """Whether a side is a vector or matrix as it stands."""
-        return side[0].kind == "begin" or side[0].text == "["
+        """Whether a side begins with a vector or matrix of several entries; [m1] is a bracket."""
+        depth = 0
+        for token in side if side[0].text == "[" else ():
+            depth += {"open": 1, "close": -1}.get(token.kind, 0)
+            if depth == 0 or (depth == 1 and token.kind in ("comma", "line", "row")):
+                return depth == 1
+        return side[0].kind == "begin"
 
 
 def entry_label(label: str, target: AskedQuantity) -> str:
