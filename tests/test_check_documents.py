@@ -395,3 +395,29 @@ def test_commands_that_grow_without_end_are_refused(text: str):
     with pytest.raises(AnswerError, match="stands for itself, or for a text that is too long"):
         fb.check(ARM, text, form="latex")
     assert time.process_time() - begun < 2.0
+
+
+TABLES = [
+    "| θ1 [°] | θ2 [°] | G2 [N m] |\n|---|:-:|---|\n| 30 | 45 | 3.047 |\n| 0 | 0 | 11.77 |",
+    "| No. | $\\theta_1$ (deg) | $θ_2$ (deg) | $G_2$ (Nm) |\n|-|-|-|-|\n| 1 | 30 | 45 | 3.047 |",
+    "| G2 / N m | θ1 / ° | θ2 / ° |\n|---|---|---|\n| 3.047 | 30 | 45 |",
+    "| θ1 | θ2 | G2 |\n|---|---|---|\n| 30° | 45° | 3.047 N m |",
+    "At θ1 = 30°, θ2 = 45°:\n\n| | value |\n|---|---|\n| G2 [N m] | 3.047 |\n| H22 | 0.64 kg m² |",
+]
+
+
+@pytest.mark.parametrize("table", TABLES)
+def test_tables_of_numbers_are_checked_row_by_row(table: str):
+    arm = fb.load("2R")
+    verdict = fb.check(arm, table, form="markdown")
+    assert verdict, verdict.text
+    assert not verdict.unread
+    wrong = fb.check(arm, f"H22 = 0.64\n\n{table.replace('3.047', '3.147')}", form="markdown")
+    assert "must be 3.0468 N m at θ₁ = 30" in wrong.text
+
+
+def test_a_table_of_words_or_parameters_is_no_answer():
+    table = "| symbol | meaning |\n|---|---|\n| l1 | length |\n| m1 | 4 kg |\n\n"
+    verdict = fb.check(fb.load("2R"), f"{table}H22 = m2 lc2² + I2", form="markdown")
+    assert [x.where for x in verdict.equations] == ["line 6"]
+    assert verdict

@@ -68,6 +68,7 @@ class UnnamedEquations(FormulaReader):
         if self.setting.is_free_body:
             return self._identities(line)
         vectors = self.setting.system is None and any(map(self._is_vector, sum(line, ())))
+        vectors = vectors and all(isinstance(x, Matrix) for x in map(self.parse, line))
         between = (asked or vectors) and not torques and not self._tells_of_motion(line)
         if len(line) == 2 and not torques and self.setting.system is not None:
             if along := self._along_legs(line):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from freebody.derivations.check.documents import latex, plain, python_code
+from freebody.derivations.check.documents import latex, plain, python_code, tables
 from freebody.derivations.check.documents.answer_document import (
     AnswerDocument,
     Blanks,
@@ -35,7 +35,7 @@ _ROW = re.compile(r"[ \t]*\|")
 
 def read(text: str) -> AnswerDocument:
     """Formulas are LaTeX; fences called python are code, other fences and lines are plain text."""
-    written = plain_characters(text)
+    written = plain_characters(tables.in_lines(text))
     whole, said, pieces, prose = parted(written)
     return AnswerDocument(
         written, str(whole), tuple(pieces), tuple(prose), said=str(said), told=True
