@@ -84,8 +84,6 @@ class UnnamedEquations(FormulaReader):
         if (len(line) != 2 or len(torques) != 1) and (self.of_bodies or between):
             return self._of_passive(line, before) or self._identities(line)
         if len(line) != 2 or len(torques) != 1:
-            if len(line) == 2 and all(isinstance(x, Matrix) for x in map(self.parse, line)):
-                return self._identities(line)
             self.source.fail(
                 "neither side is one of the quantities that are checked",
                 span,
