@@ -401,6 +401,13 @@ def test_a_wheel_is_a_ring_about_its_axis(driver, tmp_path):
             left, top, right, bottom = driver.execute_script(DRAWN)
             assert min(left, top, 360 - right, 250 - bottom) > 0
             assert max((right - left) / 360, (bottom - top) / 250) > 0.4
+    size = {"width": 1200, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    left, beside = driver.execute_script("""return [...document.querySelectorAll('#try > div')].map(
+      e => { const {left, right, top} = e.getBoundingClientRect(); return [left, right, top]; })""")
+    driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    assert left[1] < beside[0]  # drawings, and sliders beside them
+    assert left[2] == beside[2]
 
 
 def test_a_slide_is_drawn_along_its_axis(driver, tmp_path):
