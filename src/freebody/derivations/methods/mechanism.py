@@ -81,7 +81,9 @@ class Mechanism:
 
     @cached_property
     def cited(self) -> str:
-        """ "R" or "RR" where the model is an arm that the notes derive, else ""."""
+        """ "R" or "RR" where the model is an arm that the notes derive in these angles, else ""."""
+        if self.symbols.turned or any(self.symbols.quarters):
+            return ""
         if self.tree.loops or len(self.leaders) < len(self.order):
             return ""
         bodies = [self.tree.bodies[i] for i in self.order]
