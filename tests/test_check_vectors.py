@@ -133,3 +133,9 @@ def test_names_of_vectors_may_be_ones_own_for_numbers(answer: str):
             fb.check(ARM, answer)
     else:
         assert fb.check(ARM, answer)
+
+
+def test_an_entry_of_the_rate_of_a_matrix_that_is_anothers_is_told():
+    swapped = "Ḣ = [-m2 l1 lc2 s2 θ̇2, -2 m2 l1 lc2 s2 θ̇2; -m2 l1 lc2 s2 θ̇2, 0]"
+    verdict = fb.check(fb.planar("RR"), swapped)
+    assert "What you wrote is right for M\u0307 1, 2, not for this one." in verdict.text

@@ -189,8 +189,9 @@ def _of_the_same_table(targets: Targets, target: AskedQuantity) -> dict[str, Tri
         entries = {entry.index: entry for row in table for entry in row}
         own = entries.get(target.index)
         if own is not None and own.words == target.words:
+            shown = re.sub("˙(.)", "\\1\u0307", name)
             others = (entry for index, entry in entries.items() if index != target.index)
-            return {f"{name} {x.index[0]}, {x.index[1]}": x.polynomial() for x in others}
+            return {f"{shown} {x.index[0]}, {x.index[1]}": x.polynomial() for x in others}
     return {}
 
 
