@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -14,7 +15,7 @@ import pytest
 import freebody as fb
 from freebody.cli.app import run
 from freebody.derivations.derivation import Derivation
-from freebody.derivations.notations.notation import PRESETS, BookNotation
+from freebody.derivations.notations.notation import PRESETS, BookNotation, preset
 
 ARM = fb.planar("RR")
 DERIVED = [
@@ -35,6 +36,13 @@ def is_right(model: fb.Model, text: str, notation: str | BookNotation | None = N
         return False
 
 
+def is_called_otherwise(line: str, notation: str) -> bool:
+    """Whether a line gives u or n_i of closed chains, where these are letters of the notation for
+    a potential energy or for weights."""
+    own = re.match(r"([un])[₀-₉]? = ", line)
+    return own is not None and any(own[1] in x for x in preset(notation).letters.values())
+
+
 @cache
 def read_in_the_notes(robot: str, method: str) -> tuple[list[int], int]:
     """The lines before the closed form that `check` reads in the notes' own letters, by place."""
@@ -51,7 +59,8 @@ def test_what_is_printed_in_a_notation_is_read_in_it(robot: str, method: str, no
     model = fb.load(robot)
     printed = lines(fb.derive(model, method, notation=notation))
     places, end = read_in_the_notes(robot, method)
-    chosen = [printed[k] for k in places] + printed[end:]
+    chosen = [printed[k] for k in places if not is_called_otherwise(printed[k], notation)]
+    chosen += printed[end:]
     assert len(chosen) > 10
     if not is_right(model, "\n".join(chosen), notation):
         assert [line for line in chosen if not is_right(model, line, notation)] == []
