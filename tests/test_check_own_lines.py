@@ -34,11 +34,11 @@ LONG = [
     ),
     *((robot, method) for robot in ("four_bar", "five_bar", "slider_crank") for method in CLOSED),
 ]
-# Another name of the torques or of J⁻¹, freedoms counted, the load's part of the torques, matrices
+# Another name of the torques, of one coordinate or of J⁻¹, freedoms counted, the load's part of the torques, matrices
 # of matrices, sin² + cos² = 1, the tangent of a singular pose.
 NOT_READ = re.compile(
     r"Q = |f = n|τ_f = |\\boldsymbol\{\\tau\}_f = |\[M, Φ|\\begin\{bmatrix\} M "
-    r"|J⁻¹ = K|J\^\{-1\} = K|K = |sin² θ₂ = 1|\\sin\^2 \\theta_2 = 1|tan θ₂ = |\\tan \\theta_2 = "
+    r"|q̇? = \[θ̇?₁\]ᵀ|(?:q|\\dot\{\\mathbf\{q\}\}) = \\begin\{bmatrix\} \S{1,20} \\end|J⁻¹ = K|J\^\{-1\} = K|K = |sin² θ₂ = 1|\\sin\^2 \\theta_2 = 1|tan θ₂ = |\\tan \\theta_2 = "
 )
 """Lines of which nothing can be checked, or that are not read."""
 

@@ -37,8 +37,9 @@ def own_lines(model: fb.Model, derivation: Derivation, latex: bool = False) -> l
     for _, piece in groupby(range(len(rows)), lambda k: k // MOST):
         some = [rows[k] for k in piece]
         lines = [text for _, text in some]
-        numbers = [text for _, text in rows if _NUMBER.fullmatch(text) and text not in lines]
-        verdicts = _judged(model, [*lines, *numbers], latex)
+        names = [text for _, text in rows if _NUMBER.fullmatch(text)]
+        names += [x.text for x in found if x.kind == "name"]
+        verdicts = _judged(model, [*lines, *(x for x in names if x not in lines)], latex)
         for (step, text), (kind, reason) in zip(some, verdicts, strict=False):
             found.append(OwnLine(step, text, kind, reason))
     return found

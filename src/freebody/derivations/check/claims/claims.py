@@ -166,7 +166,7 @@ def _without_circles(reading: DocumentReader, found: Sequence[Claim]) -> list[Cl
     kept: list[Claim] = []
     for claim in found:
         try:
-            refuse_circles(reading.source, [*kept, claim])
+            refuse_circles(reading.source, [*kept, claim], [claim])
             kept.append(claim)
         except AnswerError as problem:
             own_name = isinstance(claim.node, Named)  # Q = [τ1; τ2] only says another name

@@ -38,14 +38,17 @@ def uses(
             yield GivenQuantity(quantities[part.name], part.span)
 
 
-def refuse_circles(source: Source, claims: Sequence[Claim]) -> None:
-    """Refuse a quantity that is given by itself, at once or by way of other lines."""
+def refuse_circles(
+    source: Source, claims: Sequence[Claim], last: Sequence[Claim] | None = None
+) -> None:
+    """Refuse a quantity that is given by itself, at once or by way of other lines; last: those of
+    the claims that may be, where the others are known not to."""
     given: dict[AskedQuantity, list[AskedQuantity]] = {}
     label: dict[AskedQuantity, str] = {}
     for claim in claims:
         given.setdefault(claim.target, []).extend(use.target for use in claim.uses)
         label.setdefault(claim.target, claim.label)
-    for claim in claims:
+    for claim in claims if last is None else last:
         for use in claim.uses:
             way = _way(use.target, claim.target, given)
             if way is None:
