@@ -89,7 +89,8 @@ _SQUARED_LENGTH = re.compile(
 )
 """|v_c2|²."""
 _CROSS = re.compile(
-    r"(?<=\))\s+x\s+(?=\()|(?P<of>(?:omega|alpha|[ωα])_?\{?[\d₀-₉]?\}?)\s+x\s+(?=[A-Za-z(])"
+    r"(?<=\))[^\S\n]+x[^\S\n]+(?=\()"
+    r"|(?P<of>(?:omega|alpha|[ωα])_?\{?[\d₀-₉]?\}?)[^\S\n]+x[^\S\n]+(?=[A-Za-z(])"
 )
 """ω2 x r2, as one types it."""
 _OF_TIME = re.compile(rf"((?<=[\w}}])){_S}\{{{_S}\\left{_S}\({_S}t{_S}\\right{_S}\){_S}\}}")
