@@ -158,6 +158,8 @@ class _Tables:
     def _of_shape(self, term: Expression, shape: Shape, node: Expression) -> Matrix:
         """A term of a sum of vectors or matrices."""
         table = term if isinstance(term, Matrix) else self.as_table(term, shape)
+        if table is None and shape == (1, 1):
+            table = Matrix(((term,),), span=term.span)
         if table is not None and _shape(table) != shape == _shape(table)[::-1]:
             table = _flipped(table) if 1 in shape else table
         if table is None or _shape(table) != shape:
