@@ -191,6 +191,11 @@ def _composed(s: Setting) -> list[str]:
         if taken_apart and body.joint.passive and body.kind.frees(s.symbols.model.dim):
             borne = f": body {n} is supported by the loops alone" if s.tree.loops else ""
             told.append(f"These joints carry no load{borne}.")
+        elif taken_apart and body.kind.frees(s.symbols.model.dim):
+            told.append(
+                "Nothing holds the body: the motors of these joints stand for the forces and "
+                "torques along them that it needs from outside, such as thrusts."
+            )
         if taken_apart and body.kind.quaternion is not None:
             told.append(
                 f"θ_{n - 2}, θ_{n - 1} and θ_{n} are yaw, pitch and roll; the equations are "
