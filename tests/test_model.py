@@ -671,3 +671,11 @@ def test_a_name_is_one_number_wherever_it_stands():
         .parameters["b"]
         == 2.0
     ), "what is replaced does not count"
+
+
+def test_what_is_known_to_be_negative_is_refused_though_other_values_are_open():
+    with pytest.raises(ModelError, match="'link1': mass -1 kg is negative"):
+        fb.planar("RR", m=[-1, 1])
+    with pytest.raises(ModelError, match="'link2': moment of inertia -2 kg m² is negative"):
+        fb.planar("RR", I=[1, -2])
+    assert fb.planar("RR", m=["a", 0]).parameters["a"] is None

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -191,21 +192,21 @@ class Inertia:
         return combined((self, other))
 
     def fault(self) -> str | None:
-        """Why no rigid body has this inertia, or None. Inertias with parameters without value
-        pass."""
+        """Why no rigid body has this inertia, or None. Of parameters without value nothing is
+        known."""
         if is_surely_physical(self.mass, self.tensor):
             return None
-        if any(p.value is None for p in each_parameter(self)):
-            return None
-        m, _, tensor = self.numbers()
+        unknown = any(p.value is None for p in each_parameter(self))
+        m, tensor = _known(self.mass), None
+        if not unknown:
+            m, _, tensor = self.numbers()
         if m < 0:
             return f"mass {m:g} kg is negative"
         if self.dim == 2:
-            return (
-                f"moment of inertia {tensor[0, 0]:g} kg m² is negative"
-                if tensor[0, 0] < 0
-                else None
-            )
+            about = _known(self.tensor[0]) if tensor is None else tensor[0, 0]
+            return f"moment of inertia {about:g} kg m² is negative" if about < 0 else None
+        if tensor is None:
+            return None
         principal = np.sort(np.linalg.eigvalsh(tensor))
         sigma = principal.sum() / 2 - principal
         if sigma.min() >= -_TOLERANCE * max(abs(sigma).max(), m):
@@ -261,6 +262,12 @@ def _number(x: Any, owner: str) -> Quantity:
     if isinstance(x, ParameterProduct):
         return x  # type: ignore[return-value]  # until its parameters have values
     return members(x, owner, LARGEST) if isinstance(x, np.ndarray) and x.ndim else finite(x, owner)
+
+
+def _known(x: Quantity) -> float:
+    """A value; NaN where there is none, which no comparison finds negative."""
+    value = x.value if isinstance(x, Parameter) else x
+    return value if isinstance(value, float) else math.nan
 
 
 def faults(inertia: Inertia) -> str | None:

@@ -67,7 +67,7 @@ class LineUnits:
         return _per_second(unit, left.dots)
 
 
-def _keys(symbol: Symbol) -> Iterator[object]:
+def _keys(symbol: Symbol) -> Iterator[tuple[object, ...]]:
     """From near to far: the letter with its kinds of indices; of totals and components the letter
     alone."""
     yield symbol.letter, symbol.high, tuple(re.sub("[0-9ik]", "#", x) for x in symbol.low)

@@ -9,7 +9,7 @@ from itertools import pairwise
 from freebody.derivations.closed_chains.linear import ratio
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.equations.kinematics import Kinematics
-from freebody.derivations.equations.singularities import jacobian_determinant
+from freebody.derivations.equations.singularities import Determinant, jacobian_determinant
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.printed_names import sym, vec
@@ -151,12 +151,16 @@ class _Tip:
         return [self.s.index(i) for i in self.s.leaders]
 
     # ------------------------------------------------------------ singular poses
+    @cached_property
+    def _determinant(self) -> Determinant:
+        return jacobian_determinant(self.closed, self.rows)
+
     def singular(self) -> list[Step]:
         """Where det J = 0, if J is square."""
         s = self.s
         if len(self.rows) != len(s.leaders):
             return []
-        found = jacobian_determinant(self.closed, self.rows)
+        found = self._determinant
         expanded, name = s.show(found.polynomial), ex.Function("det", sym("J"))
         product = found.expression
         shorter = ex.size(product) < ex.size(expanded)
@@ -199,8 +203,8 @@ class _Tip:
         )
 
     def back(self) -> list[Step]:
-        """Joint velocities and accelerations for a given motion of the tip."""
-        if len(self.rows) != len(self.s.leaders):
+        """Joint velocities and accelerations for a given motion of the tip, if J has an inverse."""
+        if len(self.rows) != len(self.s.leaders) or self._determinant.polynomial.is_zero:
             return []
         inverse = ex.power("J", -1)
         moved, second = (vec(f"r_P{d}") for d in (RATE, SECOND))
@@ -231,8 +235,6 @@ class _Tip:
         s = self.s
         (a, b), (c, d) = [[self.closed.J[r][k] for k in self._columns()] for r in self.rows]
         determinant = a * d - b * c
-        if determinant.is_zero:
-            return []
         adjugate = [[d, -b], [-c, a]]
         rows = [[ratio(x, determinant).form(s.layout) for x in row] for row in adjugate]
         name = ex.Symbol("J_inverse", "K")  # so that an entry K₁₁ is not read as 1/J₁₁
