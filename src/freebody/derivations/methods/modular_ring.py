@@ -62,7 +62,7 @@ class RingSetting(ModularSetting):
         name = self.loops.force_name(loop) if force else self.loops.moment_name(loop)
         assert isinstance(name, Symbol)
         n = self.numbers[i]
-        return replace(name, name=f"{name.name}_in{n}", high=str(n)) if n else name
+        return replace(name, name=name.name + f"_in{n}", high=str(n)) if n else name
 
     def vectors(self) -> Iterator[tuple[str, int]]:
         yield from super().vectors()
