@@ -55,6 +55,20 @@ def test_rotations_lead_from_frame_to_frame(answer: str):
     assert not fb.check(ELBOW, answer.replace(old, frames[old]))
 
 
+@pytest.mark.parametrize(
+    "answer",
+    [
+        r"{}^0\omega_2 = {}^2\omega_2",
+        r"{}^2v_{C_2} = {}^0v_{C_2}",
+        r"{}^2\omega_2 = {}^1\omega_1 + \dot\theta_2 z_2",
+    ],
+)
+def test_without_rotations_components_in_two_frames_differ(answer: str):
+    """Relations between vectors need no axes, but not where the answer names two."""
+    assert not fb.check(ELBOW, answer)
+    assert fb.check(ELBOW, r"\omega_2 = \omega_1 + \dot\theta_2 z_2")
+
+
 def test_the_worlds_axes_are_named_where_a_frame_is_asked():
     verdict = fb.check(ARM, r"{}^2v_2 = [-l1 s1 \dot\theta_1; l1 c1 \dot\theta_1; 0]")
     assert (

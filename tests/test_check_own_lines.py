@@ -4,6 +4,7 @@ of the usual mistakes they are refused, with the reason."""
 from __future__ import annotations
 
 import re
+import time
 
 import pytest
 
@@ -143,6 +144,29 @@ def test_a_row_of_one_matrix_alone_is_not_judged():
     """J_a ẋ + J_b θ̇ = 0 may be multiplied by any factor."""
     with pytest.raises(fb.FreebodyError, match="Give both matrices"):
         fb.check(fb.load("five_bar"), "J_b = [cos θ3, 0; 0, l2 sin θ4]")
+
+
+def test_a_row_times_what_loops_make_0_is_refused():
+    """Any matrices would be right."""
+    gap = "(l1 sin θ1 + l3 sin(θ1+θ3) - l2 sin θ2 - l4 sin(θ2+θ4))"
+    assert not fb.check(
+        fb.load("five_bar"), f"J_a = {gap} [1, 1; 1, 1]; J_b = {gap} [1, 0; 0, 1]; J_a ẋ = J_b θ̇"
+    )
+
+
+@pytest.mark.parametrize(
+    ("robot", "line"),
+    [("four_bar", "q̈ - q̈ = 0"), ("four_bar", "0 Φ_q = 0"), ("2R", "f12 - f12 = 0")],
+)
+def test_vectors_of_which_nothing_is_said_are_not_right(robot: str, line: str):
+    with pytest.raises(fb.FreebodyError, match="both sides are the same"):
+        fb.check(fb.load(robot), line)
+
+
+def test_a_wrong_equation_of_long_matrices_is_refused_soon():
+    begun = time.process_time()
+    assert not fb.check(fb.load("four_bar"), "Nᵀ M N ü = Nᵀ (n + M γ)")
+    assert time.process_time() - begun < 5.0
 
 
 def test_a_matrix_that_has_no_inverse_is_said_to_have_none():

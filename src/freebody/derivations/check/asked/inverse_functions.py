@@ -38,6 +38,8 @@ _LENGTHS, _TURNS = (0.3, 2.0), (-3.1, 3.1)
 
 Branches = Mapping[Expression, int]
 """Of the functions that have two values those whose second one is taken."""
+Known = Mapping[Expression, Any]
+"""Values that need not be worked out."""
 
 
 @dataclass(frozen=True)
@@ -67,8 +69,8 @@ class RandomPosition:
             return getattr(self.values[angle], function)()
         return self.values[name]
 
-    def at(self, node: Expression, branches: Branches) -> Any:
-        """The value of a tree, on some branches of its functions."""
+    def at(self, node: Expression, branches: Branches, known: Known | None = None) -> Any:
+        """The value of a tree, on some branches of its functions; known: of pieces of it."""
 
         def wave(node: Wave, at: Callable[[Expression], Any]) -> Any:
             angle = ball(node.turn)
@@ -83,7 +85,7 @@ class RandomPosition:
             Arguments: lambda node, at: tuple(map(at, node.entries)),
             Function: lambda node, at: _applied(node, at(node.argument), branches.get(node, 0)),
         }
-        return evaluate(node, rules)
+        return evaluate(node, rules, known)
 
 
 def ball(x: Fraction | int) -> Any:

@@ -151,10 +151,10 @@ class FormulaReader:
 
     def _bodies_without_axes(self, side: Sequence[Token]) -> frozenset[int]:
         """The bodies in whose axes vectors of a side would be, if it may be a relation between
-        vectors of whatever axes: in space, none turned, no components."""
+        vectors of whatever axes: in space, none turned or in a frame, no components."""
         names = {token.text for token in side if token.kind == "name"}
         tables = [x for name in names if (x := self.targets.tables.get(name))]
-        turned = any(name[0] == "R" and name in self.targets.tables for name in names)
+        turned = any(x[-1] in FRAMES or (x[0] == "R" and x in self.targets.tables) for x in names)
         parts = any(self.targets.single[x].axis for x in names if x in self.targets.single)
         if turned or parts or any(token.kind == "begin" or token.text == "[" for token in side):
             return frozenset()

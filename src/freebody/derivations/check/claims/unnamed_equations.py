@@ -122,7 +122,7 @@ class UnnamedEquations(FormulaReader):
         """Whether the sides are equal whatever values its quantities have, as in T + V = V + T."""
         sides = list(map(self.parse, line))
         parts = [x for side in sides for x in nodes(side) if isinstance(x, Named)]
-        if any(isinstance(x, Matrix) for x in sides) or any(x.is_derivative for x in parts):
+        if any(x.is_derivative for x in parts):
             return False
         inside = {
             use.target for x in sides for use in uses(x, self.targets.single, self.vocabulary)
@@ -132,8 +132,15 @@ class UnnamedEquations(FormulaReader):
                 target: self.setting.zero + Fraction(1009 + 7 * k, 13 + k)
                 for k, target in enumerate(inside)
             }
-            left, right = (self.quotient(self.parse(side)) for side in line)
-            return difference(left, right).is_zero
+            left, right = map(entries_of, map(self.parse, line))
+            if len(left) != len(right):  # a vector may be equal to 0
+                left, right = sorted((left, right), key=len)
+                left = [*left] * len(right)
+            gaps = (
+                difference(self.quotient(x), self.quotient(y))
+                for x, y in zip(left, right, strict=True)
+            )
+            return all(gap.is_zero for gap in gaps)
         finally:
             self.replaced = {}
 

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import flint
 
+from freebody.derivations.check.algebra.answer_tree import Named
 from freebody.derivations.check.algebra.finite_field_tree import Workspace
 from freebody.derivations.check.algebra.quotients import Value, difference, pair
 from freebody.derivations.check.asked.closed_motions import MOTIONS, ClosedMotions
-from freebody.derivations.check.asked.inverse_functions import BITS, RandomPosition
+from freebody.derivations.check.asked.inverse_functions import BITS, NEAR, RandomPosition, ball
 from freebody.derivations.check.asked.quantity import LONG
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reasons.small_changes import SmallChanges
@@ -18,7 +19,7 @@ from freebody.derivations.check.verdict import EquationVerdict, Example, Mistake
 from freebody.derivations.check.verdicts.numeric_example import sentence
 from freebody.derivations.check.verdicts.verdict_sentences import Wording
 from freebody.derivations.closed_chains.linear import Ratio
-from freebody.derivations.expressions.nodes import Expression, replaced
+from freebody.derivations.expressions.nodes import Expression, nodes, replaced
 from freebody.derivations.polynomials.typical_values import occurs
 
 if TYPE_CHECKING:
@@ -86,13 +87,20 @@ def _of_long(judge: Judge, claim: Claim, explain: bool) -> EquationVerdict:
 
 def _mistake(judge: Judge, claim: Claim, right: Value, motions: ClosedMotions) -> Mistake | None:
     """The likeliest change that makes it right at all motions."""
-    work = Workspace(claim.node, judge.point)
-    if len(work.values) > _MOST_NODES:
+    work, first = Workspace(claim.node, judge.point), motions.place(0)
+    if first is None or len(work.values) > _MOST_NODES:
         return None
     changes = SmallChanges(judge.setting, work, 0, lambda name: {})
+    with flint.ctx.workprec(BITS):
+        known = {x: first.of(x.value) for x in nodes(claim.node) if isinstance(x, Named)}
+        sought = first.of(right)
 
     def fits(node: Expression) -> bool:
+        """Most changes are out at the first motion, whose values of long polynomials are kept."""
         try:
+            with flint.ctx.workprec(BITS):
+                if not abs(first.at(node, {}, known) - sought) < ball(NEAR):
+                    return False
             return motions.all_have(lambda place: place.at(node, {}) - place.of(right))
         except ZeroDivisionError:
             return False

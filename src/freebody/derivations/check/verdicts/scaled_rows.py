@@ -71,8 +71,8 @@ def _of_most(pairs: Sequence[_Pair], same: Same) -> _Pair | None:
 
 
 def _agreeing(one: _Pair, pairs: Sequence[_Pair], same: Same) -> int:
-    """How many entries are right times the factor of one."""
+    """How many entries are right times the factor of one, which loops must not make 0."""
     yours, right = one
-    if yours.is_zero:
+    if same(yours, negative(yours)):
         return 0
     return sum(same(times(yours, y), times(x, right)) for x, y in pairs)
