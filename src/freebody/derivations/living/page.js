@@ -6,10 +6,10 @@ const STATES = 8, CLOSE = 1e-9;
 const find = (id) => document.getElementById(id);
 const x = Float64Array.from(page.inputs, (input) => input.value), y = new Float64Array(page.size);
 
-// A number as it is shown, five digits; all of them stand in its title.
+// A number as it is shown, five digits; all of them stand in its title. Loops are closed to 1e-12.
 function shown(value) {
   if (!Number.isFinite(value)) return "no number";
-  const rounded = Math.abs(value) < 1e-12 ? 0 : Number(value.toPrecision(5));
+  const rounded = Math.abs(value) < 1e-11 ? 0 : Number(value.toPrecision(5));
   return String(rounded).replace("-", "\u2212");
 }
 const valueOf = (places, y) => places.length > 1 ? places.map((k) => y[k]) : y[places[0]];
