@@ -127,7 +127,7 @@ WRONG = [
     # powers, factors, terms
     ("H22 = m2 lc2 + I2", "exponent", "‘lc2’ has the wrong power"),
     ("H12 = m2 lc2² + l1 lc2 c2 + I2", "missing factor", "‘l1 lc2 c2’ lacks the factor m₂"),
-    ("G2 = m2 lc2 c12", "missing factor", "The units do not fit"),
+    ("G2 = m2 lc2 c12", "missing factor", "‘m₂ lc₂ cos(θ₁+θ₂)’ has kg m, where"),
     ("H12 = m2 lc2² + I2", "missing", "right for H22"),
     ("tau1 = (m1 lc1² + I1) θ̈1 + m1 g lc1 c1", "missing",
      "the moment of inertia of link2 is missing"),

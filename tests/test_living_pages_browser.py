@@ -648,6 +648,7 @@ READ = {
     ],
     "G1": [
         _G1 + "c_12", _G1 + "cos θ12", _G1 + "cos θ1", _G1 + "cos theta1 + theta2", _G1 + "s12",
+        "2 m1 g lc1/2 c1 + m2 g (2 l1/2 c1 + lc2 c12)",
         _G1 + "(c1 c2 − s1 s2)", _G1 + "cos theta1 theta2", "g m1lc1c1 + g m2 (l1c1 + lc2c12)",
     ],
     "omega2": [
@@ -676,6 +677,15 @@ def test_pages_read_answers_as_check_does(driver, tmp_path):
     for line, answer in (("omega2", "w2"), ("omega2", "omega_2"), ("f12", "[f12x, f_{12}y]")):
         said, _ = driver.execute_script(ANSWER, line, answer)
         assert said.startswith("Cannot be read: There is no "), said  # its own reason
+
+
+def test_what_formulas_give_may_be_typed(driver, tmp_path):
+    arm = fb.planar("R", l=[1]).bind(lc="l/2", I="m*l^2/12")
+    opened(driver, tmp_path, fb.derive(arm, "newton-euler"))
+    driver.find_element("id", "predict").click()
+    for answer, verdict in (("[lc1 c1, l1/2 s1]", "Right: "), ("lc1 [c1, c1]", "Not right: ")):
+        said, _ = driver.execute_script(ANSWER, "sc1", answer)
+        assert said.startswith(verdict), (answer, said)
 
 
 def test_answers_are_typed_in_the_letters_of_the_notation(driver, tmp_path):
@@ -707,7 +717,8 @@ def test_energies_are_typed_as_they_are_printed(driver, tmp_path):
         ("T1", "1/2 m1 vc1^2 + ½ I₁ ω₁²", "Right: "),
         ("T1", "-1/-2 (m1 lc1^2 + I1) theta1_d^2", "Right: "),
         ("T1", "1/2 I1 theta1_d^2", "Not right: "),
-        ("T1", "m1 lc1^2/2 theta1_d^2", "Cannot be read: Write * or brackets"),
+        ("T1", "m1 lc1^2/2 theta1_d^2 + I1/2 theta1_d^2", "Right: "),
+        ("T1", "m1 lc1^2/m2 theta1_d^2", "Cannot be read: Write * or brackets"),
         ("T1", "0,5 m1 vc1^2", "Cannot be read: Vectors are written in square brackets"),
         ("rc1", "(lc1 c1, lc1 s1)", "Cannot be read: Vectors are written in square brackets"),
         ("V1", "9.81 m1 lc1 s1", "Not right: here it is 11.461, as the line, but not with other"),

@@ -198,6 +198,27 @@ def test_equations_relations_and_checks_put_formulas_in():
     assert not fb.check(arm, "H33 = m3*l3**2/3", parameters={"lc": "l"})
 
 
+@pytest.mark.parametrize(
+    ("line", "is_right", "words"),
+    [
+        ("I1 = m1*l1^2/12", True, "I1 is right."),
+        ("I_1 = m_1 l_1^2/3", False, "about the joint, I₁ + m₁ lc₁²; I₁ is about the centre"),
+        ("lc2 = l2", False, "lc2, which a formula gives, is not right."),
+        ("I1 = 0.5 kg m^2", True, "With the values of"),
+        (
+            "I1 = 2.0 kg m^2\nT1 = 1/2 I1 dtheta1^2",
+            False,
+            "T1, the kinetic energy of body 1,",
+        ),
+    ],
+)
+def test_what_a_formula_gives_is_checked(line: str, is_right: bool, words: str):
+    arm = fb.planar("RR", l=[2, 1], m=[1.5, 1]).bind(lc="l/2", I="m*l^2/12")
+    verdict = fb.check(arm, line)
+    assert bool(verdict) is is_right
+    assert words in verdict.text
+
+
 # ---------------------------------------------------------------- what is refused
 @pytest.mark.parametrize(
     ("lines", "words"),

@@ -136,12 +136,13 @@ function readFormula(text, meaning) {
     for (;;) {
       const left = total, kind = next();
       if (kind === "/") {
-        const above = bare === at++, right = signed();
+        at++;
+        const right = signed();
         total = (x, y) => quotient(left(x, y), right(x, y));
-        divided ||= !(above && bare === at); // 1/2 m can mean but one thing
+        divided ||= bare !== at; // 1/2 m and l1/2 c1 can mean but one thing
       } else if (kind === "*" || kind === "number" || kind === "name" || kind === "(" || kind === "[") {
         if (kind === "*") at++;
-        else if (divided) throw unreadable("Write * or brackets after a division.");
+        else if (divided) throw unreadable("Write * or brackets after a division by what is not a number.");
         const right = kind === "*" ? signed() : factor();
         total = (x, y) => product(left(x, y), right(x, y));
       } else return total;

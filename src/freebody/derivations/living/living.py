@@ -119,6 +119,8 @@ def _parts(
     }
     spoken = dict.fromkeys(name for line in found.lines for name in line.names)
     readable = {name: x for name in spoken if rank(x := found.quantities[name]) <= 1}
+    by_formula: dict[str, Any] = dict(plain.equations.symbols.followed({}))  # lc1 = l1/2
+    readable = by_formula | readable
     page["names"] = {name: kernel.places(x) for name, x in readable.items()}
     following.page(
         kernel, dict.fromkeys(following.names, 0)

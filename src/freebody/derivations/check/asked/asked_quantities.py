@@ -10,6 +10,7 @@ from freebody.derivations.check.asked.at_rest import BodiesAtRest
 from freebody.derivations.check.asked.bodies import QuantitiesOfBodies
 from freebody.derivations.check.asked.body_quantities import soft_names
 from freebody.derivations.check.asked.energies import EnergyQuantities
+from freebody.derivations.check.asked.formula_parameters import FormulaParameters
 from freebody.derivations.check.asked.frames import QuantitiesInFrames
 from freebody.derivations.check.asked.free_body import FreeBodyQuantities
 from freebody.derivations.check.asked.group import QuantityGroup
@@ -36,6 +37,7 @@ _GROUPS: tuple[type[QuantityGroup], ...] = (
     BodiesOfTrees,
     TipQuantities,
     ReducedQuantities,
+    FormulaParameters,
 )
 """In this order: where two give a name to one number the first has it, of vectors and matrices the
 last."""

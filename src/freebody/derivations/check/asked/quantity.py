@@ -86,6 +86,7 @@ _TITLES = {
     "inverse": "entry {}, {} of the inverse of {joint}",
     "active": "the generalized active force of {joint}",
     "inertia": "the generalized inertia force of {joint}",
+    "parameter": "which a formula gives",
     LONG: "an equation between the robot's quantities",
     "identity": "an equation between the robot's quantities",
 }

@@ -163,7 +163,9 @@ class FormulaReader:
     def is_own(self, name: str) -> bool:
         """Whether a name stands for something of the user's, by none of the quantities, though a
         quantity may be called so too."""
-        return self.vocabulary.uses.get(name) == ()
+        formula = self.setting.given.get(name)
+        by_formula = formula is not None and self.vocabulary.symbols.get(name) is formula
+        return self.vocabulary.uses.get(name) == () and not by_formula
 
     def value(self, node: Expression) -> Trig:
         """A tree as polynomial."""

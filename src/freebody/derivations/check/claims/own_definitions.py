@@ -155,9 +155,11 @@ class OwnDefinitions(SolvedQuantities):
         is_matrix = name not in self.targets.single and table and table[0][0].family in _MATRICES
         soft = letter in AMBIGUOUS or name in self.targets.soft or bool(is_matrix)
         soft = soft or self.setting.is_free_body
+        target = self.targets.single.get(name)
         if not (soft or letter in _NO_QUOTIENTS) or self.is_matrix(line[1]):
             return False
-        target = self.targets.single.get(name)
+        if target is not None and target.family == "parameter":
+            return False
         if target is None:
             return name in AMBIGUOUS or (
                 self._is_used(name, line, lines)

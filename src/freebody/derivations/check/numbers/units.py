@@ -29,6 +29,7 @@ _TEXTS: dict[str, Unit] = {
     "kg m²": (1, 2, 0),
     "m/s²": (0, 1, -2),
 }
+_WAVES = ("sin_", "cos_", "sgn_")
 
 
 def unit_of(setting: RightEquations, powers: Mapping[str, int]) -> Unit | None:
@@ -45,7 +46,7 @@ def unit_of(setting: RightEquations, powers: Mapping[str, int]) -> Unit | None:
 def _unit(setting: RightEquations, name: str) -> Unit | None:
     if name == setting.order.gravity:
         return 0, 1, -2
-    if name.startswith(("sin_", "cos_", "sgn_")):
+    if name.startswith(_WAVES):
         return 0, 0, 0
     if known := _TEXTS.get(setting.units.get(name, "")):
         return known
@@ -80,15 +81,22 @@ def unit_of_quantity(setting: RightEquations, target: AskedQuantity, right: Valu
 
 
 def misfit(setting: RightEquations, yours: Trig, right: Trig) -> tuple[Trig, Unit, Unit] | None:
-    """A term of the answer in other units than the right answer, with both."""
+    """A term of the answer in other units than the right answer, with both; of the cosine of a sum
+    of angles the whole."""
     expected = _common_unit(setting, right)
     if expected is None:
         return None
-    for powers, coefficient in yours.terms():
+    for powers, _ in yours.terms():
         unit = unit_of(setting, powers)
         if unit is not None and unit != expected:
-            return setting.ring.polynomial([(powers, coefficient)]), unit, expected
+            part = _without_waves(powers)
+            alike = [term for term in yours.terms() if _without_waves(term[0]) == part]
+            return setting.ring.polynomial(alike), unit, expected
     return None
+
+
+def _without_waves(powers: Mapping[str, int]) -> dict[str, int]:
+    return {name: power for name, power in powers.items() if not name.startswith(_WAVES)}
 
 
 def is_of_another_kind(setting: RightEquations, yours: Trig, right: Trig) -> bool:
