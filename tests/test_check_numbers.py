@@ -189,7 +189,11 @@ def test_the_verdict_on_a_number_reads_like_this():
         ("G2 = 0.57", None, "G2 is a number here, but depends on θ₁, θ₂, which are not given"),
         ("G1 = 54, G2 = 3.047 N m at θ1 = 30°, θ2 = 45°", None, "G1 is a number here, but depends"),
         ("G2 = 0.57 N m", None, "G2 is a number here, but depends on θ₁, θ₂, which are not given"),
-        (f"τ₁ = 3.3 N m at {POSTURE}", None, "depends on θ̇₁, θ̇₂, θ̈₁, θ̈₂, which are not given"),
+        (
+            f"τ₁ = 3.3 N m at {POSTURE}",
+            None,
+            "θ̈₂, which are not given .of an arm that is held still",
+        ),
         ("G2 = 0.57 N m at θ₁ = 30 mm, θ₂ = 0", None, "θ₁ is given in mm, and has the unit rad"),
         ("G2 = 0.57 N m at θ₁ = 0, θ₂ = 0, m2 = 3 kg", None, "m₂ is 3 here, and 1.5 in 'RR'"),
         ("G2 = 0,57 N m at θ₁ = 30°, θ₂ = 45°", None, "a decimal comma: write a point"),

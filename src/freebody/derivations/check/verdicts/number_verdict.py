@@ -20,6 +20,7 @@ from freebody.derivations.check.verdicts.number_at_state import EXACT, NumberAtS
 from freebody.derivations.check.verdicts.number_reasons import reasons
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar.source import Span
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.outputs.numbers import shortest
 from freebody.scalars.trig import Trig
 
@@ -145,9 +146,11 @@ class _NumberVerdict:
         number, claim = self.number, self.number.claim
         if missing := number.missing:
             names = ", ".join(str(sym(x)) for x in missing[:6]) + ", …" * (len(missing) > 6)
+            held = " (of an arm that is held still all are 0: at q̇ = 0, q̈ = 0)"
             claim.source.fail(
                 f"{claim.label} is a number here, but depends on {names}, which "
-                f"{'are' if len(missing) > 1 else 'is'} not given",
+                f"{'are' if len(missing) > 1 else 'is'} not given"
+                f"{held * all(x.endswith((RATE, SECOND)) for x in missing)}",
                 claim.node.span,
                 f"State them after the number, at {sym(missing[0])} = …, or by --at "
                 f"'{missing[0]} = …', at={{'{missing[0]}': …}}.",
