@@ -368,6 +368,7 @@ UNREADABLE = [
     ("H12 = cos θ1²", "write cos^2(θ1)"),
     ("H12 = cos(theta1/2)", "a fraction of an angle"),
     ("H12 = lc2 2", "write lc2^2 for a power, lc2*2 for a product"),
+    ("H12 = 2.0.5 m2", "the number .5 follows '2.0'"),
     ("H12 = theta1dd2", "may be theta1·dd2 or theta1d·d2: put spaces"),
     ("l1 = 2", "is a symbol of the model, not a result"),
     ("lc2 = l2/2", "uniform bars, are told by parameters="),

@@ -719,6 +719,8 @@ def test_energies_are_typed_as_they_are_printed(driver, tmp_path):
         ("T1", "1/2 I1 theta1_d^2", "Not right: "),
         ("T1", "m1 lc1^2/2 theta1_d^2 + I1/2 theta1_d^2", "Right: "),
         ("T1", "m1 lc1^2/m2 theta1_d^2", "Cannot be read: Write * or brackets"),
+        ("T1", "1½ (m1 lc1^2 + I1)/3 * theta1_d^2", "Cannot be read: Write * between 1 and ½"),
+        ("T1", "1.0.5 (m1 lc1^2 + I1) theta1_d^2", "Cannot be read: Write * or ^ between 1.0"),
         ("T1", "0,5 m1 vc1^2", "Cannot be read: Vectors are written in square brackets"),
         ("rc1", "(lc1 c1, lc1 s1)", "Cannot be read: Vectors are written in square brackets"),
         ("V1", "9.81 m1 lc1 s1", "Not right: here it is 11.461, as the line, but not with other"),

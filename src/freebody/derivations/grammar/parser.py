@@ -197,7 +197,7 @@ class Parser(ABC):
                 return product_of(factors)
             elif (
                 token.kind in _STARTS
-                or (token.kind == "number" and "." in token.text)
+                or (token.kind == "number" and "." in token.text and not self._is_behind_number())
                 or (token.kind == "begin" and self.tables_anywhere)
             ):
                 factors.append(self.factor())
@@ -205,6 +205,10 @@ class Parser(ABC):
                 self._number_behind(token)
             else:
                 return product_of(factors)
+
+    def _is_behind_number(self) -> bool:
+        """Such as .5 in 2.0.5"""
+        return self.tokens[self.at - 1].kind == "number"
 
     def _number_behind(self, token: Token) -> None:
         before = self.source[self.tokens[self.at - 1].span]

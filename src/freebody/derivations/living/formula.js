@@ -29,7 +29,10 @@ function plainly(text) {
   plain = plain.replace(/\b([A-Za-z]\w*)('{1,2}|[\u2019\u2032\u2033])/g, (_, name, primes) =>
     name + (primes === "''" || primes === "\u2033" ? "_dd" : "_d"));
   plain = plain.replace(/\u00b2/g, "^2").replace(/\u00b3/g, "^3").replace(/\*\*/g, "^");
-  plain = plain.replace(/[\u00bc-\u00be\u2153-\u215e]/g, (c) => `(${c.normalize("NFKD").replace("\u2044", "/")})`);
+  plain = plain.replace(/(\S*)(\s*)([\u00bc-\u00be\u2153-\u215e])/g, (_, before, space, c) => {
+    if (/[\w.)\]]$/.test(before)) throw unreadable(`Write * between ${before} and ${c}.`);
+    return `${before}${space}(${c.normalize("NFKD").replace("\u2044", "/")})`;
+  });
   plain = plain.replace(/\{/g, "(").replace(/\}/g, ")").replace(/[\s.;]+$/, "");
   return plain.replace(/\u2212/g, "-").replace(/[\u00b7\u00d7\u22c5]/g, "*").trim();
 }
@@ -142,6 +145,8 @@ function readFormula(text, meaning) {
         divided ||= bare !== at; // 1/2 m and l1/2 c1 can mean but one thing
       } else if (kind === "*" || kind === "number" || kind === "name" || kind === "(" || kind === "[") {
         if (kind === "*") at++;
+        else if (kind === "number" && (all[at - 1].kind === "number" || !all[at].text.includes(".")))
+          throw unreadable(`Write * or ^ between ${all[at - 1].text} and ${all[at].text}.`);
         else if (divided) throw unreadable("Write * or brackets after a division by what is not a number.");
         const right = kind === "*" ? signed() : factor();
         total = (x, y) => product(left(x, y), right(x, y));
