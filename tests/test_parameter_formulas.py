@@ -24,7 +24,7 @@ l2 = 0.8
 l3 = "l2/2"
 m = "rho*A*l"
 rho = 7850
-A = "pi*r²"
+A = "π*r²"
 r = 0.01
 lc = "l/2"
 I = "m l²/12"
@@ -286,7 +286,7 @@ def test_commands_take_other_numbers(tmp_path: Path, capsys: pytest.CaptureFixtu
 
     shown = said("show", str(file), "--parameter", "r=0.02", "--parameter", "lc1=0.2")
     assert "21.7021 kg" in shown
-    assert "formulas: A = pi*r², l3 = l2/2, lc2 = l2/2" in shown
+    assert "formulas: A = π*r², l3 = l2/2, lc2 = l2/2" in shown
     assert "note: given by --parameter in the place of the file's: r = 0.02, lc1 = 0.2." in shown
     light = said("sweep", str(file), *over, "--parameter", "rho=1")
     assert said("sweep", str(file), *over) != light

@@ -144,7 +144,7 @@ class _TermsReader:
         name = self.take()
         if self.kind == "(" and name in _FUNCTIONS:
             return {(): _of_number(name, self.bracket())}
-        return {(): _PI} if name == "pi" else {((name, 1),): Fraction(1)}
+        return {(): _PI} if name in ("pi", "π") else {((name, 1),): Fraction(1)}
 
     def bracket(self) -> Terms:
         self.take()
