@@ -89,6 +89,10 @@ def test_planted_errors_in_lines_are_caught_and_explained():
     assert share_explained(SHORT) >= 0.9
 
 
+def test_a_thousand_underscores_are_harmless():
+    assert fb.check(model("RR")[0], f"H22 = m2 lc{'_' * 5000}2^2 + I2")
+
+
 def test_hostile_answers_are_harmless(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
     hostile(HOSTILE_SHORT)

@@ -221,8 +221,9 @@ def _unit(source: Source, word: Word) -> bool:
 
 
 def _subscript(source: Source, word: Word) -> None:
-    """What follows an underscore: a group in braces, or one letter, with which no name begins."""
-    word.end += 1
+    """What follows underscores: a group in braces, or one letter, with which no name begins."""
+    while source.text[word.end : word.end + 1] == "_":
+        word.end += 1
     if source.text[word.end : word.end + 1] != "{":
         command = _COMMAND.match(source.text, word.end)
         if command and command[1] in _COMMANDS:
