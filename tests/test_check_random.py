@@ -23,7 +23,7 @@ from support.answers import (
     rewritten,
 )
 
-SHORT, LONG = 150, 1000
+SHORT, LONG = 80, 1000
 
 
 def are_equal(count: int) -> None:

@@ -439,7 +439,8 @@ def test_vectors_of_three_entries_are_predicted(driver, tmp_path):
 CLOSED = [
     ("four_bar", "newton-euler"), ("five_bar", "newton-euler"),
     ("slider_crank", "newton-euler"), ("five_bar_rods", "lagrange-first-kind"),
-    ("3RRR", "lagrange-first-kind"), ("double_four_bar", "newton-euler"),
+    ("double_four_bar", "newton-euler"),
+    pytest.param("3RRR", "lagrange-first-kind", marks=pytest.mark.long),
     # one of its equations follows from the others
     pytest.param("bricard", "lagrange-first-kind", marks=pytest.mark.long),
 ]  # fmt: skip

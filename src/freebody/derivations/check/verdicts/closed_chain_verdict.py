@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import flint
 
@@ -92,7 +92,9 @@ def _mistake(judge: Judge, claim: Claim, right: Value, motions: ClosedMotions) -
         return None
     changes = SmallChanges(judge.setting, work, 0, lambda name: {})
     with flint.ctx.workprec(BITS):
-        known = {x: first.of(x.value) for x in nodes(claim.node) if isinstance(x, Named)}
+        known: dict[Expression, Any] = {
+            x: first.of(x.value) for x in nodes(claim.node) if isinstance(x, Named)
+        }
         sought = first.of(right)
 
     def fits(node: Expression) -> bool:
