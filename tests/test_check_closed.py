@@ -114,3 +114,30 @@ def test_the_tip_of_a_closed_chain_is_reached_along_every_leg(answer: str):
 )
 def test_a_wrong_way_along_a_leg_is_not_right(answer: str):
     assert not fb.check(FIVE_BAR, answer)
+
+
+IN_EQUILIBRIUM = [
+    ("2R", "f12 + m2 g = 0", "f12 - m2 g = 0"),
+    ("2R", "τ2 = m2 g lc2 cos(θ1+θ2)", "τ2 = -m2 g lc2 cos(θ1+θ2)"),
+    ("four_bar", "f01 - f12 + m1 g = 0", "f01 - f12 - m1 g = 0"),
+    ("four_bar", "τ1 - s1 × f12 + sc1 × m1 g = 0", "τ1 - s1 × f12 - sc1 × m1 g = 0"),
+    ("four_bar", "f03 = [-λ1, m3 g - λ2]", "f03 = [-λ1, m3 g + λ2]"),
+]
+
+
+@pytest.mark.parametrize(("robot", "line", "wrong"), IN_EQUILIBRIUM)
+def test_statics_is_right_in_equilibrium_only_and_a_wrong_sign_nowhere(robot, line, wrong):
+    model, still = fb.load(robot), "It is right where nothing moves: write ‘In equilibrium:’"
+    for said in (
+        f"In equilibrium: {line}",
+        f"{line} in static equilibrium",
+        f"Held still:\n{line}",
+    ):
+        assert fb.check(model, said)
+    verdict = fb.check(model, line)
+    assert not verdict
+    assert still in verdict.text
+    for said in (wrong, f"In equilibrium: {wrong}"):
+        verdict = fb.check(model, said)
+        assert not verdict
+        assert still not in verdict.equations[-1].text

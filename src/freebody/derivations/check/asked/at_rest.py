@@ -17,7 +17,7 @@ from freebody.derivations.methods.setting import Setting
 from freebody.derivations.relations.quantities import QuantityValues, branches
 from freebody.lazy import cached_property
 
-_MOVES = re.compile(
+MOVES = re.compile(
     r"[\u0307\u0308˙¨]|\\d?dot|_d|(?<![a-z\\])d?dot\b|(?<![A-Za-z\\])d{1,2}(?:theta|q|th)\d|ω|\\omega"
 )
 """What only lines about motions have."""
@@ -32,7 +32,7 @@ class BodiesAtRest(QuantitiesOfBodies):
     def is_told(cls, formulas: str) -> bool:
         """Whether an answer has forces in joints, a force at the tip, and nothing that moves."""
         forces = JOINT_FORCE.search(formulas) and not MOMENT.search(formulas)
-        return bool(forces) and not _MOVES.search(formulas)
+        return bool(forces) and not MOVES.search(formulas)
 
     @cached_property
     def _is_known(self) -> bool:

@@ -38,10 +38,12 @@ Balls = dict[str, Any]
 
 @dataclass(frozen=True)
 class ClosedMotions:
-    """Motions of a model; own_values: with the values of its parameters, which otherwise vary."""
+    """Motions of a model; own_values: with the values of its parameters, which otherwise vary;
+    still: positions at which it is held."""
 
     setting: RightEquations
     own_values: bool = False
+    still: bool = False
 
     def hold(self, x: Trig) -> bool:
         """Whether a polynomial is 0 at all of them."""
@@ -83,7 +85,8 @@ class ClosedMotions:
                 off = round(chance.uniform(-_OFF, _OFF), 6)
                 varies = name in coordinates or not self.own_values
                 x = x + varies * off * (1 if name in coordinates else x)
-            values[name] = ball(exactly(drawn if x is None else x))
+            moves = name.endswith((RATE, SECOND))
+            values[name] = ball(0 if self.still and moves else exactly(drawn if x is None else x))
         return values
 
     def _closed(self, values: Balls) -> RandomPosition | None:

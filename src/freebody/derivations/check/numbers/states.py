@@ -21,7 +21,7 @@ from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import tokens
 from freebody.derivations.grammar.source import Source
-from freebody.derivations.polynomials.symbols import RATE
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.errors import FreebodyError
 from freebody.identifiers import word_set
 from freebody.model.parameter_formulas import inertial_names
@@ -44,7 +44,9 @@ _CLOSING = re.compile(
 )
 _SEPARATOR = re.compile(r"(?:[\s~&,;]|\\\\|\\[,;:! ])*")
 _GOES_ON = re.compile(r"[\w(_]|\s?(?:[+*/^·×]|[-−](?!\s)|\\(?:cdot|times))")
-_AT_REST = re.compile(r"(?:at\s)?rest\b")
+_AT_REST = re.compile(
+    r"(?P<still>(?:[Ii]n\s)?(?:static\s)?equilibrium\b|[Hh]eld\s(?:still|at\srest)\b)|(?:at\s)?rest\b"
+)
 _COMMA = re.compile(r",\d")
 _NEXT = re.compile(r"(?:[\s~$]|\\[,;:! ()])*(?:,|;|and(?![\w]))?(?:[\s~$]|\\[,;:! ()])*(?:and\s)?")
 
@@ -143,11 +145,13 @@ class StateReader:
         return found, end
 
     def _one(self, source: Source, at: int) -> tuple[dict[str, GivenValue], int] | None:
-        """θ1 = θ2 = 30°, or at rest."""
+        """θ1 = θ2 = 30°, at rest, or in equilibrium, where nothing is accelerated either."""
         rest = _AT_REST.match(source.text, _after(_BLANK, source.text, at))
         if rest:
-            rates = [x + RATE for x in self.vocabulary.setting.symbols.coordinates]
-            return dict.fromkeys(rates, GivenValue(0.0, 0.0)), rest.end()
+            zero = (RATE, SECOND) if rest["still"] else (RATE,)
+            coordinates = self.vocabulary.setting.symbols.coordinates
+            moving = (x + dot for x in coordinates for dot in zero)
+            return dict.fromkeys(moving, GivenValue(0.0, 0.0)), rest.end()
         names: list[list[str]] = []
         while (named := self._named(source, _after(_BLANK, source.text, at))) is not None:
             own, end = named

@@ -28,9 +28,10 @@ _RESULT = re.compile(
     r"(?P<pm>(?:±|\\pm|\+/-|\+-)\s?(?P<within>\d{1,30}(?:\.\d{0,30})?))?)"
 )
 """The end of a number or of a vector, and a tolerance behind it."""
+_STILL = r"in\s(?:static|equilibrium)|held\s"
 _CLAUSE = re.compile(
     r"(?:[\s~$]|\\[,;:! ()\]]|\\(?:text|mbox|textrm)\s?\{)*"
-    r"(?:,?\s?(?:at|for|when|where|with|if)\b|[@,;(])[\s~}$]*"
+    rf"(?:,?\s?(?:(?:at|for|when|where|with|if)\b|(?={_STILL}))|[@,;(])[\s~}}$]*"
 )
 _SENTENCE = re.compile(
     r"(?:^|(?<=[.:;]\s))[^\S\n]{0,12}(?:(?:[-*>]|\(?\w{1,2}[.)])[^\S\n]{1,4})?(?:\*\*|__)?",
@@ -39,7 +40,9 @@ _SENTENCE = re.compile(
 _WORD = re.compile(r"[^\W\d_]{1,20}[,:]?(?:\*\*|__)?(?=\s?[$\s])[^\S\n]?")
 _MOST_WORDS = 8
 _KEYWORDS = ("at", "for", "with", "when", "given", "let", "if")
-_WHERE = re.compile(r"(?<=[\w)}\]²³])[\s~$]{1,4}(?=(?:at|for|when|where|with|if)[\s~$])")
+_WHERE = re.compile(
+    rf"(?<=[\w)}}\]²³])[\s~$]{{1,4}}(?=(?:at|for|when|where|with|if)[\s~$]|{_STILL})"
+)
 _COLON = re.compile(r"[\s~$]{0,3}:")
 _ALONE = re.compile(r"(?:[=\[;]|,\s)[\s~$&]{0,4}[-−+]?\s?$")
 _SENTENCE_END = re.compile(r"(?:[\s~$}]|\\[,;:! )])*(?:[.:,;)]|$)", re.MULTILINE)

@@ -33,6 +33,7 @@ _OF_LOOPS = frozenset(
 _BY_LOOPS = ("closed", "solved", "q", "drift", "N")
 """Those that only loops can make right."""
 _HOLDS = f"It holds where the loops are closed: compared in numbers at {MOTIONS} motions."
+_HELD = f"It holds in equilibrium: compared in numbers at {MOTIONS} positions."
 _MOST_NODES = 150
 """Pieces of an answer up to which changes are tried."""
 
@@ -51,8 +52,10 @@ def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> Equation
     given = judge.setting.symbols.model.parameters
     has_symbols = any(name in given for powers, _ in gap.terms() for name in powers)
     motions = judge.closed_motions[not has_symbols]
-    if motions.all_have(lambda place: place.at(claim.node, {}) - place.of(right)):
-        return EquationVerdict(claim.label, claim.target.title, True, note=_HOLDS)
+    still = judge.numbers.is_still(claim.node.span)
+    for some, note in ((motions, _HOLDS), *[(judge.closed_positions, _HELD)] * still):
+        if some.all_have(lambda place: place.at(claim.node, {}) - place.of(right)):
+            return EquationVerdict(claim.label, claim.target.title, True, note=note)
     if claim.whole is not None and isinstance(claim.value, Ratio):
         return _of_long(judge, replace(claim, node=claim.whole), explain)
     place = motions.place(0)

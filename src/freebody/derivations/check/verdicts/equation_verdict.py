@@ -12,6 +12,7 @@ from freebody.derivations.check.algebra.finite_field import Point, random_point
 from freebody.derivations.check.algebra.finite_field_tree import Workspace
 from freebody.derivations.check.algebra.quotients import Value, difference
 from freebody.derivations.check.asked.asked_quantities import Targets
+from freebody.derivations.check.asked.at_rest import MOVES
 from freebody.derivations.check.asked.closed_motions import ClosedMotions
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked.right_equations import RightEquations
@@ -42,6 +43,12 @@ from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 _OTHER_SENSE = "The force at the tip has the other sense here than in other lines."
+_STILL = (
+    "It is right where nothing moves: write ‘In equilibrium:’ in front of it if that is meant; "
+    "otherwise the terms with rates and accelerations are missing."
+)
+_OF_FORCES, _OF_MOTION = {"tau", "of body", "identity"}, {"M", "c", "C", "bias"}
+"""Families of quantities."""
 
 
 @dataclass(frozen=True)
@@ -116,6 +123,11 @@ class Judge:
         """With any parameters, and with the model's own."""
         return ClosedMotions(self.setting), ClosedMotions(self.setting, own_values=True)
 
+    @cached_property
+    def closed_positions(self) -> ClosedMotions:
+        """In equilibrium."""
+        return ClosedMotions(self.setting, still=True)
+
     def _same(self, a: Value, b: Value) -> bool:
         """Whether two values are equal, or are where loops are closed."""
         gap = difference(a, b)
@@ -151,10 +163,23 @@ class Judge:
         return sizes.index(min(sizes))
 
     def _wrong(self, claim: Claim, yours: Trig, right: Trig, explain: bool) -> EquationVerdict:
+        if explain and self._is_meant_still(claim, yours, right):
+            return self._with_example(claim, right, (), (_STILL,))
         findings, causes = self._explained(claim, yours, right) if explain else ([], [])
         hint = coriolis.advice(self.setting, claim, self.claims)
         causes = [*causes, *[hint] * bool(hint), *self._unsymmetric(claim)]
         return self._with_example(claim, right, findings, causes)
+
+    def _is_meant_still(self, claim: Claim, yours: Trig, right: Trig) -> bool:
+        """Whether an answer without anything that moves is right in equilibrium."""
+        used = {use.target.family for use in claim.uses}
+        if claim.target.family not in _OF_FORCES or used & _OF_MOTION:
+            return False
+        if MOVES.search(claim.source.text[slice(*claim.node.span)]):
+            return False
+        return self.numbers.is_right_in_equilibrium(yours, right) or (
+            self.setting.system is not None and self.closed_positions.hold(yours - right)
+        )
 
     def _unsymmetric(self, claim: Claim) -> list[str]:
         """A sentence about an entry of the mass matrix that the answer gives in two ways."""

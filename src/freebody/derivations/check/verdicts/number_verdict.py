@@ -11,7 +11,7 @@ from freebody.derivations.check.algebra.real_point import RealPoint
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.numbers.results import WrittenNumber, WrittenNumbers
-from freebody.derivations.check.numbers.states import State, in_words
+from freebody.derivations.check.numbers.states import GivenValue, State, in_words
 from freebody.derivations.check.numbers.units import unit_of_quantity
 from freebody.derivations.check.numbers.written_units import si_text
 from freebody.derivations.check.reading.claim import Claim
@@ -51,6 +51,11 @@ class NumberJudge:
             return None
         return _NumberVerdict(number).verdict(self.targets if explain else None)
 
+    def is_still(self, span: Span) -> bool:
+        """Whether what stands there is said of a robot in equilibrium."""
+        given = self.numbers.state_at(span)
+        return all(x in given and given[x].value == 0.0 for x in self._motion)
+
     def _lacks_state(self, number: NumberAtState) -> bool:
         """Whether a number without unit is a result whose state was left out: it has decimals, or
         states are given elsewhere."""
@@ -79,15 +84,30 @@ class NumberJudge:
                 )
         if not given or not isinstance(right, Trig) or not isinstance(claim.value, Trig):
             return None
-        yours, put = (self._rows(x, given) for x in (claim.value, right))
-        largest = max(map(abs, put.values()), default=0.0)
-        same = all(
-            abs(yours.get(key, 0.0) - put.get(key, 0.0)) <= EXACT * largest for key in yours | put
-        )
-        if not same or (claim.value - right).is_zero or _names(claim.value) & set(given):
+        same = self._is_same(claim.value, right, given)
+        own = _names(claim.value) & set(given)
+        by_others = claim.target.family == "identity" or bool(claim.uses)  # whose motion is in it
+        if not same or (claim.value - right).is_zero or (own and not by_others):
             return None
-        used = in_words({name: x for name, x in given.items() if name in _names(right)})
+        used = in_words({x: y for x, y in given.items() if x in _names(right) or x in own})
         return EquationVerdict(claim.label, claim.target.title, True, note=f"At {used}.")
+
+    def _is_same(self, yours: Trig, right: Trig, given: State) -> bool:
+        """Whether two polynomials are equal at a state."""
+        own, put = (self._rows(x, given) for x in (yours, right))
+        largest = max(map(abs, put.values()), default=0.0)
+        return all(
+            abs(own.get(key, 0.0) - put.get(key, 0.0)) <= EXACT * largest for key in own | put
+        )
+
+    def is_right_in_equilibrium(self, yours: Trig, right: Trig) -> bool:
+        """Whether an answer is right where nothing moves."""
+        return self._is_same(yours, right, dict.fromkeys(self._motion, GivenValue(0.0, 0.0)))
+
+    @property
+    def _motion(self) -> list[str]:
+        """The names of rates and accelerations."""
+        return [x + dot for x in self.setting.symbols.coordinates for dot in (RATE, SECOND)]
 
     def _rows(self, x: Trig, given: State) -> dict[frozenset[tuple[str, int]], float]:
         """The terms of a polynomial with the values of a state put in."""
