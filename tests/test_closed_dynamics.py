@@ -62,7 +62,9 @@ def drives(model: Model) -> Model:
     return model
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize(
+    "name", [pytest.param(x, marks=[pytest.mark.long] * (x == "stewart")) for x in ALL]
+)
 def test_forth_and_back(name):
     model, q, qd = closed(name)
     model = drives(model)

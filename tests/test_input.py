@@ -54,7 +54,7 @@ def refusal(call: Callable[[], object]) -> str:
     start = time.process_time()
     with pytest.raises(fb.FreebodyError) as caught:
         call()
-    assert time.process_time() - start < 3.0
+    assert time.process_time() - start < 6.0
     assert len(str(caught.value)) < 2500
     return str(caught.value)
 

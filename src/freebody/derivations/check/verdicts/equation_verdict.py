@@ -37,7 +37,7 @@ from freebody.derivations.check.verdicts.explanation import Explanation, first
 from freebody.derivations.check.verdicts.number_verdict import NumberJudge
 from freebody.derivations.check.verdicts.rounded_numbers import MEASURED, Rounded
 from freebody.derivations.check.verdicts.verdict_sentences import Wording, quoted
-from freebody.derivations.expressions.nodes import Number, nodes
+from freebody.derivations.expressions.nodes import Expression, Number, nodes
 from freebody.derivations.expressions.printed_names import sym
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
@@ -47,8 +47,7 @@ _STILL = (
     "It is right where nothing moves: write ‘In equilibrium:’ in front of it if that is meant; "
     "otherwise the terms with rates and accelerations are missing."
 )
-_OF_FORCES, _OF_MOTION = {"tau", "of body", "identity"}, {"M", "c", "C", "bias"}
-"""Families of quantities."""
+_OF_FORCES = frozenset(("tau", "of body", "identity"))
 
 
 @dataclass(frozen=True)
@@ -172,13 +171,19 @@ class Judge:
 
     def _is_meant_still(self, claim: Claim, yours: Trig, right: Trig) -> bool:
         """Whether an answer without anything that moves is right in equilibrium."""
-        used = {use.target.family for use in claim.uses}
-        if claim.target.family not in _OF_FORCES or used & _OF_MOTION:
+        if claim.target.family not in _OF_FORCES or any(map(self._moves, nodes(claim.node))):
             return False
         if MOVES.search(claim.source.text[slice(*claim.node.span)]):
             return False
         return self.numbers.is_right_in_equilibrium(yours, right) or (
             self.setting.system is not None and self.closed_positions.hold(yours - right)
+        )
+
+    def _moves(self, node: Expression) -> bool:
+        """Whether it is a quantity that is 0 in equilibrium only, as accelerations are."""
+        value = node.value if isinstance(node, Named) else None
+        return isinstance(value, Trig) and not (
+            value.is_zero or not self.numbers.is_right_in_equilibrium(self.setting.zero, value)
         )
 
     def _unsymmetric(self, claim: Claim) -> list[str]:
