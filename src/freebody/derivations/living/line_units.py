@@ -70,7 +70,7 @@ class LineUnits:
 def _keys(symbol: Symbol) -> Iterator[tuple[object, ...]]:
     """From near to far: the letter with its kinds of indices; of totals and components the letter
     alone."""
-    yield symbol.letter, symbol.high, tuple(re.sub("[0-9ik]", "#", x) for x in symbol.low)
+    yield symbol.letter, symbol.high, re.sub("[0-9ik]", "#", ",".join(symbol.low))
     yield symbol.letter, not symbol.low or symbol.low[-1] in "xyz"
 
 
