@@ -141,3 +141,11 @@ def test_statics_is_right_in_equilibrium_only_and_a_wrong_sign_nowhere(robot, li
         verdict = fb.check(model, said)
         assert not verdict
         assert still not in verdict.equations[-1].text
+
+
+@pytest.mark.parametrize("name", ["2R", "four_bar"])
+def test_equilibrium_tells_nothing_of_what_stands_at_an_acceleration(name: str):
+    model = fb.load(name)
+    assert fb.check(model, "In equilibrium: f01 - f12 + m1 g = m1 v̇c1")
+    for wrong in ("f01 - f12 + m1 g = 5 m1 v̇c1", "τ1 = s1 × f12 - sc1 × m1 g + 3 θ̈1"):
+        assert not fb.check(model, f"In equilibrium: {wrong}")

@@ -52,7 +52,7 @@ def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> Equation
     given = judge.setting.symbols.model.parameters
     has_symbols = any(name in given for powers, _ in gap.terms() for name in powers)
     motions = judge.closed_motions[not has_symbols]
-    still = judge.numbers.is_still(claim.node.span)
+    still = judge.numbers.is_still(claim.node.span) and not judge.numbers.has_motion(claim)
     for some, note in ((motions, _HOLDS), *[(judge.closed_positions, _HELD)] * still):
         if some.all_have(lambda place: place.at(claim.node, {}) - place.of(right)):
             return EquationVerdict(claim.label, claim.target.title, True, note=note)

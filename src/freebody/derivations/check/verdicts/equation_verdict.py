@@ -37,7 +37,7 @@ from freebody.derivations.check.verdicts.explanation import Explanation, first
 from freebody.derivations.check.verdicts.number_verdict import NumberJudge
 from freebody.derivations.check.verdicts.rounded_numbers import MEASURED, Rounded
 from freebody.derivations.check.verdicts.verdict_sentences import Wording, quoted
-from freebody.derivations.expressions.nodes import Expression, Number, nodes
+from freebody.derivations.expressions.nodes import Number, nodes
 from freebody.derivations.expressions.printed_names import sym
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
@@ -171,19 +171,12 @@ class Judge:
 
     def _is_meant_still(self, claim: Claim, yours: Trig, right: Trig) -> bool:
         """Whether an answer without anything that moves is right in equilibrium."""
-        if claim.target.family not in _OF_FORCES or any(map(self._moves, nodes(claim.node))):
+        if claim.target.family not in _OF_FORCES or self.numbers.has_motion(claim):
             return False
         if MOVES.search(claim.source.text[slice(*claim.node.span)]):
             return False
         return self.numbers.is_right_in_equilibrium(yours, right) or (
             self.setting.system is not None and self.closed_positions.hold(yours - right)
-        )
-
-    def _moves(self, node: Expression) -> bool:
-        """Whether it is a quantity that is 0 in equilibrium only, as accelerations are."""
-        value = node.value if isinstance(node, Named) else None
-        return isinstance(value, Trig) and not (
-            value.is_zero or not self.numbers.is_right_in_equilibrium(self.setting.zero, value)
         )
 
     def _unsymmetric(self, claim: Claim) -> list[str]:

@@ -4,9 +4,11 @@ degrees taken for radians."""
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from freebody.derivations.check.algebra.answer_tree import Named
 from freebody.derivations.check.algebra.real_point import RealPoint
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.right_equations import RightEquations
@@ -18,11 +20,15 @@ from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.verdict import EquationVerdict, Example, Mistake
 from freebody.derivations.check.verdicts.number_at_state import EXACT, NumberAtState, symbol_of
 from freebody.derivations.check.verdicts.number_reasons import reasons
+from freebody.derivations.expressions.nodes import nodes
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar.source import Span
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.outputs.numbers import shortest
 from freebody.scalars.trig import Trig
+
+_FORCE = re.compile(r"[fn]_?\{?[0-9₀-₉]|tau|τ")
+"""The name of a force or moment in a joint."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +93,9 @@ class NumberJudge:
         same = self._is_same(claim.value, right, given)
         own = _names(claim.value) & set(given)
         by_others = claim.target.family == "identity" or bool(claim.uses)  # whose motion is in it
-        if not same or (claim.value - right).is_zero or (own and not by_others):
+        if own and (not by_others or self.has_motion(claim)):
+            return None
+        if not same or (claim.value - right).is_zero:
             return None
         used = in_words({x: y for x, y in given.items() if x in _names(right) or x in own})
         return EquationVerdict(claim.label, claim.target.title, True, note=f"At {used}.")
@@ -103,6 +111,21 @@ class NumberJudge:
     def is_right_in_equilibrium(self, yours: Trig, right: Trig) -> bool:
         """Whether an answer is right where nothing moves."""
         return self._is_same(yours, right, dict.fromkeys(self._motion, GivenValue(0.0, 0.0)))
+
+    def has_motion(self, claim: Claim) -> bool:
+        """Whether an answer has quantities that are 0 in equilibrium only, as accelerations are:
+        of what stands at them equilibrium tells nothing."""
+        values = (
+            x.value
+            for x in nodes(claim.node)
+            if isinstance(x, Named) and not _FORCE.match(x.name)  # f12x may be 0 too
+        )
+        return any(
+            isinstance(x, Trig)
+            and not x.is_zero
+            and self.is_right_in_equilibrium(self.setting.zero, x)
+            for x in values
+        )
 
     @property
     def _motion(self) -> list[str]:
