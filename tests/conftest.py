@@ -11,6 +11,11 @@ from hypothesis import settings
 
 from freebody.model import geometry, structure
 from freebody.targets import settings as targets
+from support.dying_workers import (  # noqa: F401 - hooks, which pytest finds here
+    pytest_configure,
+    pytest_configure_node,
+    pytest_handlecrashitem,
+)
 from support.extras import extra
 
 # the same examples everywhere, however slow the machine is

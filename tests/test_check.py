@@ -470,3 +470,9 @@ def test_how_many_more_numbers_differ_is_said():
         answer += " + " + re.search("‘(.*)’ is missing", text)[1]
     assert told == [told[0], told[0] - 1, told[0] - 2]
     assert told[2] > 1
+    # H11 of three bars has thirteen terms
+    six = fb.check(fb.load("3R"), "H11 = I1").findings
+    assert len(six) == 7
+    assert six[-1].message == "6 more terms differ."
+    most = fb.check(fb.load("3R"), "H11 = I1 + I2 + I3 + m3*lc3^2 + m3*l2^2 + m3*l1^2").findings
+    assert [x.kind for x in most] == ["missing"] * 7

@@ -385,3 +385,16 @@ def test_the_cosine_of_an_angle_is_not_the_angle(state: str):
     for answer in (f"{right} at {state}", f"At {state}: {right}", f"{state}\n{right}"):
         with suppress(AnswerError):  # C θ2 = 0 may be an equation, which is wrong
             assert not fb.check(fb.load("2R"), answer, names={"C": "cos"})
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        ("G2 = 10.33 J at θ1 = 0.1, θ2 = 0.1", "‘10.33 J’ must be 11.537 N m at"),
+        ("V = 3 N m at θ1 = 0.3, θ2 = 0.2", "‘3 N m’ must be 23.04 J at"),
+        ("G2 = 1030 N cm at θ1 = 0.3, θ2 = 0.2", "‘1030 N cm’ must be 1033.1 N cm at"),
+        ("V = 3 kJ at θ1 = 0.3, θ2 = 0.2", "‘3 kJ’ must be 0.02304 kJ at"),
+    ],
+)
+def test_a_moment_is_told_in_newton_metres_and_an_energy_in_joules(answer, words):
+    assert words in str(fb.check(fb.load("2R"), answer))

@@ -54,7 +54,10 @@ def test_study_writes_a_report_and_data(capsys: pytest.CaptureFixture[str]):
         "2R: 2 coordinates. Motion: by default every joint swings within its limits, from rest to "
         "rest in 5 s."
     )
-    assert lines[1] == "The tip is 'tip', the only end of the robot."
+    assert lines[1] == "The tip is 'tip', as the robot's description says."
+    assert lines.pop(2) == (
+        "Load: none. Mounting: base fixed, gravity (0, -9.81) m/s² in world axes."
+    )
     assert re.split("  +", lines[2].strip()) == [
         "joint", "peak torque", "at", "RMS torque", "peak speed", "peak power",
     ]  # fmt: skip
@@ -62,9 +65,10 @@ def test_study_writes_a_report_and_data(capsys: pytest.CaptureFixture[str]):
     assert re.search(
         r"^Self-checks: freebody's results are consistent in all \d\.$", said.out, re.MULTILINE
     )
-    assert lines[-2:] == [
+    assert lines[-3:] == [
         "report: study-2R/report.html",
         "data:   study-2R/study.nc and CSV tables beside it",
+        "again:  freebody study 2R",
     ]
     assert Path("study-2R/report.html").stat().st_size > 10_000
     assert Path("study-2R/study.nc").exists()
@@ -114,7 +118,7 @@ def test_limits_that_are_left_are_yellow_lines(capsys: pytest.CaptureFixture[str
     assert run(["study", "ur5e", "--motion", "m.csv"]) == 1
     said = capsys.readouterr()
     assert said.out.startswith(
-        "Not feasible: shoulder_lift_joint goes to 7 rad at t = 7 s, beyond its limit 6.283 rad"
+        "Not feasible: shoulder_lift_joint goes to 7 rad at t = 7 s, beyond its upper limit 6.283"
     )
     said = said.err
     assert "warning: shoulder_lift_joint leaves its range: the motion spans 0 to 7 rad" in said

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody.algorithms.loop_constraints import Counting
 from freebody.errors import FreebodyError, LoopError
 from freebody.kernels.formulas import Option
 from freebody.kernels.tracing import program
@@ -118,7 +119,7 @@ def test_rates_that_contradict_the_loops_and_positions_that_tell_none_are_nan(dt
 
 def _held(model: fb.Model, held: tuple[int, ...]) -> Program:
     """The rates that those of some coordinates tell, one more than need be."""
-    return program(model, ("loop_velocity",), Option(held=held, equations=(0, 1)))
+    return program(model, ("loop_velocity",), Option(held=held, equations=Counting((0, 1))))
 
 
 def test_one_careful_sample_among_many():

@@ -31,8 +31,11 @@ def test_columns_equal_the_whole(model_name, name):
     state = fb.random_state(model, seed=2, batch=(2, 3))
     given = [state[INPUTS[x]] for x in FORMULAS[name].inputs]
     inputs = arguments(model, (name,), Option())
-    by_columns = ColumnKernel(name, inputs, model.nv, lambda part: fb.kernel(model, part))(*given)
-    whole = fb.kernel(model, name)(*given)
+    one = fb.kernel(model, name)
+    columns = ColumnKernel(
+        name, inputs, model.nv, lambda part: fb.kernel(model, part), lambda: one.program
+    )
+    by_columns, whole = columns(*given), one(*given)
     for a, b in zip(np.atleast_1d(by_columns), np.atleast_1d(whole), strict=True):
         np.testing.assert_allclose(a, b, atol=1e-10 * np.abs(b).max())
 
@@ -40,7 +43,13 @@ def test_columns_equal_the_whole(model_name, name):
 def test_refusals_are_those_of_a_kernel():
     model = fb.planar("RR", l=[1, 1], lc=[0.5, 0.5], m=[1, 1], I=[0.1, 0.1])
     inputs = arguments(model, ("coriolis_matrix",), Option())
-    kernel = ColumnKernel("coriolis_matrix", inputs, 2, lambda part: fb.kernel(model, part))
+    kernel = ColumnKernel(
+        "coriolis_matrix",
+        inputs,
+        2,
+        lambda part: fb.kernel(model, part),
+        lambda: fb.kernel(model, "coriolis_matrix").program,
+    )
     q = np.zeros(2)
     for text, call in (
         ("coriolis_matrix: 1 arguments given, expected 2: q(2), qd(2).", lambda: kernel(q)),
@@ -128,6 +137,15 @@ def test_several_quantities_of_a_long_chain(monkeypatch):
             ours, np.broadcast_to(alone, ours.shape), atol=1e-12 * np.abs(alone).max()
         )
     assert [x.shape[:2] for x in found] == [(2, 3)] * 3
+    columns_of_one = fb.kernel(model, "mass_matrix")
+    assert isinstance(columns_of_one, ColumnKernel)
+    monkeypatch.setattr(lookup, "LARGEST", 9)
+    again = long_chain(9)
+    for columns, names in (
+        (kernel, ["bias", "mass_matrix", "gravity_torque"]),
+        (columns_of_one, "mass_matrix"),
+    ):
+        assert columns.program == fb.kernel(again, names).program
     out = tuple(map(np.empty_like, found))
     assert all(a is b for a, b in zip(kernel(q[0, 0], qd, out=out), out, strict=True))
     assert all(map(np.array_equal, out, found))

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.spatial.transform import Rotation
 
 import freebody as fb
@@ -299,3 +300,15 @@ def test_a_simulation_refuses_the_gains_that_a_law_refuses_and_no_input_of_a_use
         fb.simulate(model, z, z, [0, 1], law, torque_inputs=given | {"kd": many})
     own = fb.compile(lambda qd, kd: [kd * v for v in qd], {"qd": 2, "kd": ()}, {"tau": 2})
     fb.simulate(model, z, z, [0, 0.01], own, torque_inputs={"kd": -1.0})
+
+
+@pytest.mark.parametrize(
+    ("name", "rows"), [("3R", "vx vy w"), ("ur5e", "vx vy vz wx wy wz")], ids=["plane", "space"]
+)
+def test_vectors_of_the_tip_are_taken_by_the_names_of_their_rows(name: str, rows: str):
+    arm, names = fb.load(name), rows.split()
+    q, qd = np.full(arm.nq, 0.4), np.full(arm.nv, 0.1)
+    pose, rates = fb.forward_kinematics(arm, q), 0.1 * np.arange(1.0, len(names) + 1)
+    back = xr.DataArray(rates[::-1], dims="component", coords={"component": names[::-1]})
+    found = (fb.impedance(arm, q, qd, pose, V, 1.0, 2.0) for V in (rates, back))
+    np.testing.assert_array_equal(*found)

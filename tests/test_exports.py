@@ -35,6 +35,7 @@ from freebody.targets.text import LANGUAGES, Unit
 from freebody.targets.text.language import called
 from freebody.targets.text.statements import Spelling, lines, statements, words_of
 from support.browser import browser
+from support.closed_chains import built, ring
 from support.exported import NEEDS, TOOL, passes, require, self_test
 from support.extras import extra
 from support.generate import model as mechanism
@@ -161,11 +162,41 @@ def test_every_operation_in_every_language(language, tmp_path):
     assert set(program.operations) == set(OPERATIONS)
     for dtype in LANGUAGES[language].dtypes:
         package(program, tmp_path, language, dtype)
-        if shutil.which(TOOL[language]) and language != "casadi":
+        if shutil.which(TOOL[language]):
             if language in NEEDS:
                 extra(NEEDS[language])
             passes(tmp_path, language, "everything")
     require(language)
+
+
+FLATTENED = {
+    "numpy": (".reshape(*batch, 2, 2)", ""),
+    "jax": (".reshape(*batch, 2, 2)", ""),
+    "casadi": ("ca.vertcat(ca.horzcat", "ca.horzcat(ca.horzcat"),
+    "matlab": ("end\n", "  M = M(:);\nend\n"),
+}
+"""Of languages whose arrays have shapes, what makes a matrix a row of its entries."""
+
+
+@pytest.mark.parametrize("language", FLATTENED)
+def test_a_matrix_that_lost_its_shape_fails_its_test(language, tmp_path):
+    written = fb.export(fb.load("2R"), "mass_matrix", tmp_path, language)
+    require(language)
+    passes(tmp_path, language, "mass_matrix")
+    text = written[0].read_text(encoding="ascii")
+    changed = text.replace(*FLATTENED[language])
+    assert changed != text
+    written[0].write_text(changed, encoding="ascii")
+    done = self_test(tmp_path, language, "mass_matrix")
+    assert done.returncode != 0
+    assert "FAILED" in done.stdout
+
+
+@pytest.mark.parametrize("language", ["casadi", "numpy"])
+def test_inputs_that_are_matrices(language, tmp_path):
+    fb.export(ROBOTS["arm"](), "inverse_kinematics", tmp_path, language)
+    require(language)
+    passes(tmp_path, language, "inverse_kinematics")
 
 
 @pytest.mark.parametrize("language", having("LONGEST"))
@@ -269,6 +300,15 @@ def test_an_input_that_is_a_result_is_read_before_anything_is_written(language, 
             ["node", "try.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True
         )
         assert done.stdout.strip() == "2,2,5,1"
+
+
+def test_a_ring_that_does_not_close_near_every_random_position(tmp_path):
+    """One of the forty tries of this ring closes nowhere; the export was refused, as if it were
+    singular everywhere."""
+    made = ring(1)
+    model = built(made, [pin.name for pin in made.pins[:-1]])
+    fb.export(model, "semi_implicit_step", tmp_path, "numpy")
+    passes(tmp_path, "numpy", "semi_implicit_step")
 
 
 @pytest.mark.parametrize(

@@ -63,15 +63,16 @@ def test_unknown_names(tmp_path, monkeypatch):
 
 def test_files_that_are_not_read(tmp_path):
     assert message(tmp_path / "arm.xacro", tmp_path) == (
-        "arm.xacro: xacro is not read directly; expand it first, with ROS by `xacro arm.xacro > "
-        "arm.urdf`, without by "
-        "`pip install xacrodoc`, then `xacrodoc arm.xacro -o arm.urdf`, and load that."
+        "arm.xacro: xacro is not read directly; expand it first, with `xacro arm.xacro -o "
+        "arm.urdf`; without ROS, `pip install xacro` has this "
+        "command, and each $(find PACKAGE) in the file is to be replaced by that "
+        "package's folder, and load that."
     )
     assert message("arm.urdf.xacro") == (
-        "arm.urdf.xacro: xacro is not read directly; expand it first, with ROS by `xacro "
-        "arm.urdf.xacro > arm.urdf`, "
-        "without by `pip install xacrodoc`, then `xacrodoc arm.urdf.xacro -o arm.urdf`, and load "
-        "that."
+        "arm.urdf.xacro: xacro is not read directly; expand it first, with `xacro "
+        "arm.urdf.xacro -o arm.urdf`; without ROS, `pip install xacro` has this "
+        "command, and each $(find PACKAGE) in the file is to be replaced by that "
+        "package's folder, and load that."
     )
     assert message("scene.xml") == (
         "scene.xml: MJCF and other XML are not read; export the robot as URDF, or describe it in "

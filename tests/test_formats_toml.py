@@ -245,7 +245,8 @@ def test_loops():
          "arm.toml:2: no key 'nme' in the file. Did you mean 'name'? Keys: "
          "name, dim, source, about, "
          "gravity, tip, base, parameters, frame, payload, loop, loop_tolerance, home, "
-         "masses_doubtful, masses_estimated, link, joint, planar, dh."),
+         "masses_missing, masses_doubtful, masses_estimated, limits_estimated, link, joint, "
+         "planar, dh."),
         ("name = 'a'\n",
          "arm.toml: there are no links; write a [[link]] for each body, the base included."),
         ("dim = 4\n" + LINKS, "arm.toml:1: dim is 4, expected 2 (the plane) or 3 (space)."),

@@ -363,9 +363,9 @@ MASSLESS = (
         (joint('<origin xyz="${a} 0 0"/>'),
          "arm.urdf:5: joint 'elbow': xyz of <origin> is '${a}', expected a "
          "finite number; "
-             "it is a xacro expression: expand it first, with ROS by `xacro FILE > out.urdf`, "
-             "without by `pip install "
-             "xacrodoc`, then `xacrodoc FILE -o out.urdf`."),
+             "it is a xacro expression: expand it first, with `xacro FILE -o out.urdf`; without "
+             "ROS, `pip install xacro` has this command, and each $(find PACKAGE) in the file is "
+             "to be replaced by that package's folder."),
         (joint('<axis xyz="1 0 0"/><axis xyz="0 1 0"/>'),
          "arm.urdf:5: joint 'elbow': there are 2 <axis>; keep one."),
         (joint('<limit lower="1" upper="-1"/>'),
@@ -413,9 +413,9 @@ def test_refused(tmp_path, body: str, text: str):
         ("<robot xmlns:xacro='x'><xacro:arm/></robot>",
          "arm.urdf:1: there are no links; a robot needs at least "
          "one; it looks "
-             "like xacro: expand it first, with ROS by `xacro FILE > out.urdf`, without by `pip "
-             "install xacrodoc`, "
-             "then `xacrodoc FILE -o out.urdf`."),
+             "like xacro: expand it first, with `xacro FILE -o out.urdf`; without "
+             "ROS, `pip install xacro` has this command, and each $(find PACKAGE) in the file is "
+             "to be replaced by that package's folder."),
     ],
 )  # fmt: skip
 def test_not_a_robot(tmp_path, text: str, problem: str):

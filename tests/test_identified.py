@@ -106,3 +106,25 @@ def test_what_no_robot_is_is_refused():
     pi = fb.inertial_parameters(sprung)
     with pytest.raises(fb.FreebodyError, match="'panda_joint3': stiffness_rest without stiffness"):
         sprung.with_inertial_parameters({**pi, "panda_joint3.stiffness": 0.0})
+
+
+@pytest.mark.parametrize(
+    "numbers",
+    [{"joint1.rotor.gear": [1.0, 2.0]}, {"joint1.friction.viscous": [0.0, 0.0]}],
+    ids=["gear without a rotor", "friction 0"],
+)
+def test_a_drive_that_does_nothing_has_no_parameters_in_a_family_either(numbers):
+    """π had entries of a drive where the columns of the regressor, and the names, had none."""
+    arm = fb.load("2R")
+    family = arm.bind(numbers)
+    pi = fb.inertial_parameters(family)
+    assert list(pi) == list(fb.inertial_parameters(arm))
+    q = np.array([0.3, -0.4])
+    assert fb.regressor(family, q, q, q).shape == (2, 2, len(pi))
+
+
+def test_a_gear_without_a_rotor_may_be_an_input():
+    arm = fb.load("2R")
+    kernel = fb.kernel(arm, "regressor", inputs=["joint1.rotor.gear"])
+    q = np.array([0.3, -0.4])
+    assert np.array_equal(kernel(q, q, q, p=[7.0]), fb.kernel(arm, "regressor")(q, q, q))

@@ -3,6 +3,7 @@ rest on."""
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
@@ -639,3 +640,18 @@ def test_numbers_of_the_model_by_name():
     symbols = fb.to_jax(fb.planar("RR"), "gravity_torque", inputs=["*"])
     with pytest.raises(fb.FreebodyError, match="need a value for"):
         symbols([0.1, 0.2], p={"l1": 1.0})
+
+
+def test_arrays_on_several_devices_are_cut_along_the_batch():
+    """Nothing is gathered but vectors in pieces; explicit axes are refused."""
+    done = subprocess.run(
+        [sys.executable, "-m", "support.sharded"],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)},
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert "mass_matrix: q lies on several devices" in done.stdout
+    assert "jax.shard_map" in done.stdout

@@ -39,7 +39,7 @@ BY_NAME = {
     **dict.fromkeys(("V_ref", "A_ref", "kp_task", "kd_task", "offset", "offset_rate"), "rows"),
     **dict.fromkeys(("inertia", "stiffness", "damping"), "rows"), "w_ext": "wrench",
     "v": "rates", "rates": "rates", "accelerations": "rates", "torque": "rates", "V": "rows",
-    "A": "rows", "restitution": "rates",
+    "A": "rows", "restitution": "rates", "forces": "rates",
     "waypoints": "positions", "wrenches": "wrench", "wrench_tables": "wrench",
     "point": "point", "about": "point",
 }  # fmt: skip

@@ -232,6 +232,9 @@ def test_power_is_the_rate_of_energy(seed: int, dim: int):
         scale,
         "gravity's potential",
     )
+    height = numbers(model, "center_of_mass", q) @ model.gravity
+    weight = numbers(field, "potential_energy", q)
+    close(weight, -model.mass * height, 1e-12, scale, "the weight of all links")
 
 
 # ---------------------------------------------------------------- kinematics

@@ -13,7 +13,7 @@ def test_two_links_by_hand(monkeypatch):
     """With motor 1 far stronger, motor 2 alone limits: (τ - m₂ g c₂ |cos φ|) / (g l₂ |cos φ|), φ
     being the last link's angle; of both elbows the better."""
     arm = fb.planar("RR", l=[0.5, 0.4], lc=[0.25, 0.2], m=[2.0, 1.5], I=[0.1, 0.1])
-    arm = arm.bind({"joint1.limits.effort": 1e6, "joint2.limits.effort": 40.0})
+    arm = arm.bind({"joint1.limits.effort": 600.0, "joint2.limits.effort": 40.0})
     study = fb.study(arm)
     q = study.motion.q
     phi = q.sum(axis=1)

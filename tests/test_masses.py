@@ -53,7 +53,7 @@ def arm(inertials: list[str], shape: str | None = BOX) -> str:
         text += (
             f"<joint name='j{k}' type='revolute'><origin xyz='{x} 0 0'/><parent link='{parent}'/>"
             f"<child link='link{k}'/><axis xyz='0 1 0'/><limit lower='-2' upper='2' velocity='3' "
-            f"effort='200'/></joint>"
+            f"effort='{200 - 20 * k}'/></joint>"
         )
         x = LENGTHS[k]
     Path("arm.urdf").write_text(text + "</robot>")
@@ -61,14 +61,15 @@ def arm(inertials: list[str], shape: str | None = BOX) -> str:
 
 
 def said(file: str, **options) -> list[str]:
-    """What is warned about, which is what stands in the notices."""
+    """What is warned about, which is what the file's doubts say."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", fb.MassWarning)
         model = fb.load(file, **options)
     texts = [str(w.message) for w in caught if issubclass(w.category, fb.MassWarning)]
-    notices = [n for n in model.notices if n.kind == "inertia"]
-    assert texts == [f"warning: {n}" for n in notices]
-    return [n.text for n in notices]
+    kinds = ("no masses", "implausible inertias")
+    doubts = [doubt for doubt in model.doubts if doubt.kind in kinds]
+    assert texts == [f"warning: {doubt}" for doubt in doubts]
+    return [doubt.text for doubt in doubts]
 
 
 # ------------------------------------------------------------ found
@@ -90,7 +91,9 @@ def test_a_robot_without_masses_does_not_pass(capsys: pytest.CaptureFixture[str]
     assert not study.passed
     page = study.to_html("page.html").read_text(encoding="utf-8")
     assert 'class="ruling poor"' in page
-    assert study.worst.text.startswith("With the masses of the file, which are in doubt: at t = ")
+    assert study.worst.text.startswith(
+        "With the masses of the file, which are in doubt: no drive needs"
+    )
 
 
 def test_speeds_are_judged_without_masses():
@@ -100,7 +103,7 @@ def test_speeds_are_judged_without_masses():
     assert verdict.text.startswith(
         "Not feasible: the speed of j0 is 4 rad/s at t = 1 s, 133 % of its limit of 3 rad/s."
     )
-    assert "the torques cannot be trusted" in verdict.text
+    assert "The torques cannot be trusted" in verdict.text
 
 
 def test_what_carries_others_without_shape_or_mass_is_no_finding():
@@ -175,8 +178,9 @@ def test_doubts_are_told_once_and_can_be_silenced():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         quiet = fb.load("arm.urdf", physical="ignore")
-    assert [n.kind for n in quiet.notices].count("inertia") == 1  # the verdict knows all the same
-    assert fb.study(model).verdict.masses == fb.study(quiet).verdict.masses
+    # the verdict knows all the same
+    assert [doubt.kind for doubt in quiet.doubts].count("no masses") == 1
+    assert fb.study(model).verdict.doubts == fb.study(quiet).verdict.doubts
 
 
 # ------------------------------------------------------------ estimated
@@ -223,17 +227,19 @@ def test_cylinders_spheres_and_turned_shapes():
     np.testing.assert_allclose(tensor, 7.0 / whole * expected, atol=1e-14)
 
 
-def test_asking_for_an_estimate_is_consent_and_it_is_marked_everywhere(
+def test_an_estimate_is_not_judged_nor_a_finding_and_it_is_marked_everywhere(
     capsys: pytest.CaptureFixture[str],
 ):
     file = arm(["", "", ""])
     assert run(["study", file, "--estimate-inertia", "9", "--out", "o"]) == 0
     told = capsys.readouterr()
     assert told.err == ""
-    assert told.out.startswith("Feasible (estimated): ")
-    assert "The inertias are estimated, and so are all torques." in " ".join(told.out.split())
+    assert told.out.startswith(
+        "Not judged: the inertias of 3 links are estimated from their shapes"
+    )
+    assert "Every limit is kept by the estimates; nearest: " in " ".join(told.out.split())
     page = Path("o/report.html").read_text(encoding="utf-8")
-    assert "<strong>Feasible (estimated):</strong>" in page
+    assert "<strong>Not judged:</strong> the inertias of 3 links are estimated" in page
     assert "9.000 kg (estimated)" in page
     assert "Mass, estimated" in page
     assert run(["show", file, "--estimate-inertia", "9"]) == 0
@@ -249,7 +255,7 @@ def test_asking_for_an_estimate_is_consent_and_it_is_marked_everywhere(
 def test_what_is_doubtful_or_estimated_is_so_in_the_saved_file_too():
     for options, outcome in (
         ({}, "Not judged: the torques cannot"),
-        ({"estimate_inertia": 9.0}, "Feasible (estimated)"),
+        ({"estimate_inertia": 9.0}, "Not judged: the inertias of 3 links are estimated"),
     ):
         model = fb.load(arm(["", "", ""]), **options)
         fb.save(model, "saved.toml")

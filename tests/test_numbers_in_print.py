@@ -114,13 +114,13 @@ def test_a_limit_that_is_exceeded_prints_so() -> None:
         "the speed of elbow is 0.78541 rad/s at t = 1 s, 100.003 % of its limit of 0.78539 rad/s"
     )
     by_rounding = LimitUse(
-        "position", "elbow", math.pi, math.nextafter(math.pi, 3), 1.0, 0.5, "rad"
+        "position", "elbow", math.pi, math.nextafter(math.pi, 3), 1.0, 0.5, "rad", "upper"
     )
     assert by_rounding.text == (
-        "elbow goes to 3.142 rad at t = 0.5 s, its nearest limit being 3.142 rad"
+        "elbow goes to 3.142 rad at t = 0.5 s, its upper limit being 3.142 rad"
     )
-    at_zero = LimitUse("position", "elbow", 1.776e-15, 0.0, 1.0, 0.5, "rad")
-    assert at_zero.text == "elbow goes to 0 rad at t = 0.5 s, its nearest limit being 0 rad"
+    at_zero = LimitUse("position", "elbow", 1.776e-15, 0.0, 1.0, 0.5, "rad", "lower")
+    assert at_zero.text == "elbow goes to 0 rad at t = 0.5 s, its lower limit being 0 rad"
 
 
 COMPARING = re.compile(

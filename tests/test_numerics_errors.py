@@ -309,7 +309,7 @@ def test_errors_of_names_are_key_errors_that_read_well():
     assert str(refusal.value).startswith("no frame 'tpi'")
 
 
-def test_no_tip_lists_the_leaves():
+def test_no_tip_lists_the_candidates():
     links = tuple(fb_link(name) for name in ("base", "left", "right"))
     joints = tuple(
         fb.model.description.Joint(f"{side}_joint", "revolute", "base", side, axis=(0.0, 0.0, 1.0))
@@ -320,7 +320,10 @@ def test_no_tip_lists_the_leaves():
     )
     model = fb.model.build.build_model(description)
     assert model.tip is None
-    text = "'twins' has no single tip: name a frame, or load with tip=. Leaves: left, right."
+    text = (
+        "'twins' has no single tip. No tip is chosen: nothing moves but equal branches of one "
+        "joint. Candidates: left and right. Name a frame, or choose the tip with tip= (--tip)."
+    )
     for call in (
         lambda: fb.jacobian(model, Z),
         lambda: fb.forward_kinematics(model, Z),

@@ -45,6 +45,30 @@ def test_energy_regressor_times_parameters_is_energy(case):
     )
 
 
+def test_links_on_the_base_have_energy_as_they_have_mass():
+    """`mass` and `center_of_mass` counted them, and energies did not."""
+    arm = fb.load("panda")
+    for model in (arm, arm.bind({"panda_link0.mass": np.linspace(0.0, 5.0, 4)})):
+        q = fb.random_state(arm, seed=3)[0]
+        expected = -model.mass * (fb.center_of_mass(model, q) * model.gravity).sum(-1)
+        np.testing.assert_allclose(fb.potential_energy(model, q), expected, rtol=1e-13)
+    kernel = fb.kernel(arm, "potential_energy", inputs=["panda_link0.mass"])
+    np.testing.assert_allclose(kernel(q, p=np.array([[5.0]])), expected[-1:], rtol=1e-13)
+
+
+def test_links_on_the_base_have_energy_in_every_derivation():
+    arm = fb.load("2R").with_payload(mass=3.0, com=[0.1, 0.2], frame="base")
+    q, eqs = [0.3, 0.4], fb.equations(arm)
+    assert eqs.evaluate(eqs.V, q) == pytest.approx(fb.potential_energy(arm, q), rel=1e-14)
+    text = fb.derive(arm, "lagrange").text()
+    assert "V₀ = 3/5 g" in text
+    assert "L = T₁ + T₂ − (V₀ + V₁ + V₂)" in text
+    absolute = fb.derive(arm, "lagrange-first-kind", coordinates="absolute").text()
+    assert "V = m₁ g y₁ + m₂ g y₂ + 3/5 g" in absolute
+    words = {str(x.symbols[0]): x.words for x in fb.derive(arm, "lagrange").glossary}
+    assert words["V₀"] == "potential energy of what is fixed to the base"
+
+
 def test_centroidal_momentum(case):
     model, q, qd, _ = case
     momentum = (fb.centroidal_momentum_matrix(model, q) @ qd[..., None])[..., 0]

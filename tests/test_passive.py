@@ -139,7 +139,7 @@ def test_a_motion_of_the_drives_alone_stays_feasible_in_a_file_of_six_digits(tmp
             fmt="%.6f",
         )
         motion = fb.read_motion(model, tmp_path / "m.csv")
-        data = series(model, "tip", motion)
+        data = series(model, motion)
         text = verdict(model, motion, data, summary(model, motion, data)).text
         assert ("joint2 is passive, and the motion needs" in text) == undriven
 

@@ -18,6 +18,10 @@ from support.helpers import close, numbers, refused
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 
 L, LC, MASS, I_G = [0.7, 0.5, 0.4], [0.3, 0.2, 0.25], [2.0, 1.5, 0.8], [0.05, 0.03, 0.01]
+LIMITS = (
+    "limits must be (lower, upper), or fb.Limits(lower, upper, velocity, effort) with those of "
+    "speed and effort too;"
+)
 WORDS = ["".join(w) for n in (1, 2, 3) for w in product("RP", repeat=n)]
 
 
@@ -184,7 +188,7 @@ def test_refusals_of_words():
     )
     for given in ((1,), (0, 1, 2), 3):
         refused(
-            f"planar: limits[0]: limits must be (lower, upper); got {given!r}.",
+            f"planar: limits[0]: {LIMITS} got {given!r}.",
             lambda given=given: fb.planar("RR", limits=[given, None]),
         )
     refused(
@@ -377,7 +381,9 @@ def test_refusals_of_tables():
     refused("dh row 2: com is (0, 0), expected 3 entries.", dh({}, {"m": 1, "com": (0, 0)}))
     refused("dh row 1: a: nan is not a finite number.", dh({"a": math.nan}))
     refused("dh row 1: com is 3, expected 3 entries.", dh({"m": 1, "com": 3}))
-    refused("dh row 1: limits must be (lower, upper); got 3.", dh({"limits": 3}))
+    refused(f"dh row 1: {LIMITS} got 3.", dh({"limits": 3}))
+    of_toml = {"lower": -1, "upper": 1}
+    refused(f"dh row 1: {LIMITS} got {of_toml}.", dh({"limits": of_toml}))
     refused(
         "dh row 1: friction must be viscous, or (viscous, coulomb); got (1, 2, 3).",
         dh({"friction": (1, 2, 3)}),

@@ -254,3 +254,8 @@ def test_stiffness_on_the_way_changes_the_method_or_is_told():
         fb.simulate(rod, [0.3], [0.0], [0, 0.4], stiffer, method="RK45", tolerance=1e-6)
     assert len(told) == 1
     assert told[0].filename == __file__
+    words = r"within (\S+) s\..* as short as (\S+) s, about (\S+) in all"
+    decay, step, steps = map(float, re.search(words, str(told[0].message)).groups())
+    assert decay == pytest.approx(1 / 3e4, rel=0.5)  # where the gain is nearly all there
+    assert 1.0 < step / decay < 5.0
+    assert steps == pytest.approx(0.4 / step, rel=0.15)

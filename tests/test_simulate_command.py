@@ -46,12 +46,13 @@ def test_torques_of_a_file_with_units_and_passive_joints():
     rows = "t [ms], joint1 (kN m)\n0, 0\n200, 0.01\n400, -0.02\n"
     with open("torques.csv", "w", encoding="utf-8") as file:
         file.write(rows)
-    options = ["--torque", "torques.csv", "--q", "0, 0", "--friction", "dry", "--restitution", "0"]
+    options = ["--torque", "torques.csv", "--q", "0, 0", "--friction", "dry"]
+    assert run(["simulate", "pendubot", *options, "--restitution", "0"]) == 2  # it has no stops
     assert run(["simulate", "pendubot", *options, "--out", "way.csv"]) == 0
     model = fb.load("pendubot")
     table = np.array([[0.0, 0.0], [10.0, 0.0], [-20.0, 0.0]])
     t = [0.0, 0.2, 0.4]
-    found = fb.simulate(model, [0, 0], [0, 0], t, table, friction="dry", restitution=0)
+    found = fb.simulate(model, [0, 0], [0, 0], t, table, friction="dry")
     motion = fb.read_motion(model, "way.csv")
     places = np.searchsorted(motion.t, t)
     assert len(motion.t) == 401

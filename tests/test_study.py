@@ -19,7 +19,6 @@ from freebody.report import replay as replays
 from freebody.report.checks import checks
 from freebody.report.driven_runs import land
 from freebody.report.error_growth import BOUND, amplification, exponentials, pieces
-from freebody.report.tip import chosen_tip
 from freebody.scalars.time_derivatives import Jet, parts
 from freebody.spatial import space
 
@@ -232,20 +231,6 @@ def test_a_motion_beyond_the_limits_is_studied_and_said():
 
 def test_which_tip_is_studied():
     panda = fb.load("panda")
-    assert chosen_tip(panda, None) == (
-        "panda_hand_tcp",
-        "The tip is 'panda_hand_tcp', the model's own tip.",
-    )
-    assert chosen_tip(replace(panda, tip=None), None)[0] == "panda_leftfinger"
-    assert chosen_tip(replace(panda, tip=None), None)[1] == (
-        "The tip is 'panda_leftfinger', the first in the file of the 2 ends after 8 movable "
-        "joints "
-        "(panda_leftfinger, panda_rightfinger); another is chosen with --tip or tip=."
-    )
-    assert chosen_tip(panda, "panda_link4") == (
-        "panda_link4",
-        "The tip is 'panda_link4', as asked.",
-    )
     with pytest.raises(
         UnknownNameError, match=r"no frame 'panda_link9' in 'panda'\. Did you mean 'panda_link"
     ):

@@ -4,6 +4,9 @@ survived."""
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
@@ -46,3 +49,18 @@ def test_a_square_has_no_sign_of_its_factor(power: int):
     assert evaluate(product(x, equations.layout), values) == pytest.approx(
         0.7 * number**power, rel=1e-12
     )
+
+
+def test_mutants_are_drawn_from_every_file():
+    """The tool refuses where a file of the source is in none of its areas."""
+    tool = Path(__file__).parents[1] / "tools/mutants.py"
+    done = subprocess.run(
+        [sys.executable, str(tool), "--list", "--count", "14"],
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr[-500:]
+    areas = [line.partition(":")[0] for line in done.stdout.splitlines()]
+    assert len(areas) == len(set(areas)) == 14

@@ -157,7 +157,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: fb.line(ARM, Q0, moved([1.5, 0, 0])), "the path leaves the workspace, by up to"),
     (of_planar([0.3, 0.0], [1.0, 0.0]), "at s = 0 of the way, the tip at (1.911, 0.591) m: the "
      "arm is singular at the start"),
-    (lambda: fb.line(LIMITED, [0.8, 1.0], [-1.0, 1.0], 1.0), "joint1 reaches its limit 1; begin"),
+    (lambda: fb.line(LIMITED, [0.8, 1.0], [-1.0, 1.0], 1.0), "reaches its upper limit 1; begin"),
     (lambda: fb.line(LIMITED, [1.8, 1.0], [-1.0, 1.0], 1.0), "line: q0 has joint1 at 1.8, outside"),
     (lambda: fb.line(ARM, Q0, moved([0.1, 0.3, -0.2]), 0.1), "its limit 3.1416 rad/s"),
     (lambda: fb.line(ARM, Q0, START), "target 0 is the pose before it"),
@@ -174,7 +174,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: fb.blend(ARM, Q0, [START], 0.0), "radius is 0, expected a number of m above 0"),
     (lambda: fb.line(ARM, [Q0, Q0], START), "line: q0 has shape (2, 6), expected (6,)"),
     (lambda: fb.line(ARM, Q0, moved([0, 0, 0.1]), task="orientation"), "target 0 is the pose bef"),
-    (lambda: fb.line(fb.load("four_bar"), np.zeros(3), [0.1, 0.2]), "is a closed chain"),
+    (lambda: fb.line(fb.load("four_bar"), np.zeros(3), [0.1, 0.2]), "is open by 0.5 m; close"),
 ]  # fmt: skip
 
 

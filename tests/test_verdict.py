@@ -121,7 +121,7 @@ def test_a_position_outside_its_range_is_not_feasible_at_any_speed():
     verdict = fb.study(model, swing(model)).verdict
     assert verdict.outcome == "not feasible"
     assert verdict.text.startswith(
-        "Not feasible: joint1 goes to 0.5 rad at t = 1 s, beyond its limit 0.4 rad."
+        "Not feasible: joint1 goes to 0.5 rad at t = 1 s, beyond its upper limit 0.4 rad."
     )
     assert "Slowing down does not help." in verdict.text
     open_below = [fb.Limits(upper=0.4, velocity=9, effort=50)]
@@ -197,7 +197,7 @@ def test_a_pace_is_not_promised_where_limits_are_not_given():
         "Not judged: the description lacks an effort limit of joint1. The limits that are given "
         "are kept; "
     )
-    assert text.endswith(" They would be kept up to 3.81 times that speed.")
+    assert " They would be kept up to 3.81 times that speed." in text
 
 
 # ------------------------------------------------------------ work

@@ -4,8 +4,9 @@
     python tools/mutants.py --only src/freebody/spatial.py:120:8
 
 Mutants are drawn by a seeded generator, the same share from every area, from the places that decide
-something: signs, operators, comparisons, conditions, small numbers, indices. Each runs in a copy of
-the source, against the area's own tests in the order given here, until the first that fails. Exit
+something: signs, operators, comparisons, conditions, numbers, tolerances among them, indices, the
+order of arguments. Each runs in a copy of the source, against the area's own tests, until the first
+that fails: first those that name the file's module, then the others in the order given here. Exit
 status 1 if one survives.
 """
 
@@ -15,6 +16,7 @@ import argparse
 import ast
 import os
 import random
+import re
 import shutil
 import subprocess
 import sys
@@ -22,6 +24,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from types import UnionType
 from typing import Any
@@ -46,37 +49,94 @@ AREAS = (
         "algorithms",
         ("algorithms/*.py", "spatial.py", "model/joints/*.py"),
         ("yardsticks", "base_parameters", "states", "derivatives", "closed_three_ways",
-         "operational", "equations",
+         "operational", "equations", "steps", "controllers", "time_optimal",
          "laws", "pinocchio"),
     ),
     Area(
+        "control laws",
+        ("algorithms/controllers/*.py", "trees/controllers.py", "trees/linearization.py"),
+        ("controllers", "linearization"),
+    ),
+    Area(
         "kernels",
-        ("program/*.py", "targets/*.py", "targets/llvm/*.py", "scalars/*.py",
-         "kernels/lookup.py", "kernels/options.py", "kernels/arguments.py", "kernels/tracing.py",
-         "kernels/formulas/*.py", "kernels/column_by_column.py"),
+        ("program/*.py", "targets/*.py", "targets/llvm/*.py", "scalars/*.py", "kernels/**/*.py",
+         "math.py", "elementary.py"),
         ("program", "kernels", "threads", "llvm_text", "sine_and_cosine", "code_cache", "targets",
          "trig", "fastcall", "columns", "expr", "operational", "order_of_calls", "code_from_text",
+         "recurrence", "memory", "compile", "gradients", "differentials", "parameter_derivatives",
          "numerics_errors", "equations", "laws"),
     ),
     Area(
+        "ways out",
+        ("targets/text/*.py", "targets/xla/*.py", "targets/cuda/*.py", "targets/in_torch.py",
+         "kernels/exports.py", "kernels/in_jax.py", "kernels/jax*.py", "kernels/program_*.py",
+         "kernels/self_test_samples.py"),
+        ("exports", "export_names", "jax", "xla", "cuda"),
+    ),
+    Area(
+        "public functions",
+        ("trees/*.py", "arrays.py", "labels.py", "errors.py", "values.py", "lazy.py", "locks.py",
+         "identifiers.py"),
+        ("arguments", "labelled", "input", "values", "fastcall", "states", "operational",
+         "base_parameters", "passive", "massless", "memory", "forks_and_interrupts", "warnings"),
+    ),
+    Area(
+        "models and files",
+        ("model/*.py", "formats/*.py", "robots/*.py"),
+        ("model", "inertia", "structure", "families", "changed_copies", "formats_toml",
+         "formats_urdf", "formats_files", "masses", "parameter_formulas", "planar_dh", "robots",
+         "uniform", "joint_kinds", "pickling", "lifting"),
+    ),
+    Area(
+        "inverse and reach",
+        ("inverse/*.py", "reach/*.py", "algorithms/closed_form_inverse/*.py"),
+        ("inverse_kinematics", "inverse_velocity", "singularities", "descent_kernel", "branches",
+         "calibrated_arms", "dexterity", "payload_map", "workspace", "reach_diagrams"),
+    ),
+    Area(
+        "motions",
+        ("motion/*.py", "motion/files/*.py", "motion/planning/*.py", "motion/optimal/*.py"),
+        ("motion", "motion_files", "planned_motions", "tip_motions", "piecewise", "measured",
+         "time_optimal", "time_optimal_closed", "closed_plans", "cli"),
+    ),
+    Area(
+        "simulation",
+        ("motion/simulation/*.py",),
+        ("simulate", "simulate_many", "simulate_torques", "simulate_wrenches", "joint_contacts",
+         "simulate_command", "steps", "closed_steps"),
+    ),
+    Area(
         "closed chains",
-        ("loops/*.py", "model/loop_kinds.py", "model/loops.py", "motion/closed_chain*.py",
+        ("loops/**/*.py", "model/loop_kinds.py", "model/loops.py", "motion/closed_chain*.py",
          "motion/simulation/closed_chain*.py", "trees/newton_euler_residuals.py"),
         ("closed_*", "dyads", "simulate"),
     ),
     Area(
+        "studies and sweeps",
+        ("report/*.py", "sweeps/*.py", "outputs/**/*.py", "cli/*.py"),
+        ("verdict", "study", "report_page", "report_equations", "numbers_in_print", "outputs",
+         "display", "cli", "terminal", "completion", "sweeps", "sweep_stores", "page_sizes"),
+    ),
+    Area(
+        "figures",
+        ("figures/**/*.py", "derivations/living/*.py"),
+        ("figures", "diagrams", "free_bodies", "living_units", "hostile_names", "reach_diagrams"),
+    ),
+    Area(
         "derivations",
         ("derivations/*.py", "derivations/methods/*.py", "derivations/closed_chains/*.py",
-         "derivations/render/*.py"),
+         "derivations/render/*.py", "derivations/equations/*.py", "derivations/expressions/*.py",
+         "derivations/grammar/*.py", "derivations/notations/*.py", "derivations/polynomials/*.py",
+         "derivations/relations/*.py"),
         ("derivation_words", "equations", "expression", "relation", "closed_equations",
-         "closed_derivations", "naming",
+         "closed_derivations", "naming", "notations", "vector_functions", "term_sources",
          "names_in_print", "singularities", "diagrams", "notes", "zero_parameters", "derive",
-         "inverse_kinematics"),
+         "kane", "modular", "inverse_kinematics"),
     ),
     Area(
         "check",
         ("derivations/check/**/*.py",),
-        ("check", "check_other_forms", "advice", "check_random", "notes"),
+        ("check", "check_other_forms", "check_numbers", "advice", "check_random", "notes"),
     ),
 )  # fmt: skip
 
@@ -170,9 +230,25 @@ def _without_sign(node: ast.UnaryOp, span: Span, raw: bytes) -> Change:
 
 
 def _other_constant(node: ast.Constant, span: Span, raw: bytes) -> Change:
-    if isinstance(node.value, str) or node.value not in (0, 1, 2):
+    value = node.value
+    if isinstance(value, bool) or (isinstance(value, int | float) and value in (0, 1, 2)):
+        return *span(node), str(not value if isinstance(value, bool) else value + 1)
+    if isinstance(value, float) and isfinite(value):  # a tolerance is tried two powers of ten off
+        return *span(node), repr(value * (100.0 if abs(value) < 0.02 else 1.5))
+    return None
+
+
+def _swapped_arguments(node: ast.Call, span: Span, raw: bytes) -> Change:
+    """The first two arguments, in the other order."""
+    if len(node.args) < 2 or any(isinstance(x, ast.Starred) for x in node.args[:2]):
         return None
-    return *span(node), str(not node.value if isinstance(node.value, bool) else node.value + 1)
+    if isinstance(node.func, ast.Name) and node.func.id in ("isinstance", "map", "getattr", "cast"):
+        return None  # nothing runs with these the other way round
+    (start, end), (begin, stop) = map(span, node.args[:2])
+    one, between, other = raw[start:end], raw[end:begin], raw[begin:stop]
+    if one == other:
+        return None
+    return start, stop, (other + between + one).decode()
 
 
 def _other_branch(node: ast.If | ast.IfExp, span: Span, raw: bytes) -> Change:
@@ -187,6 +263,7 @@ CHANGES: dict[type[ast.AST] | UnionType, Callable[[Any, Span, bytes], Change]] =
     ast.UnaryOp: _without_sign,
     ast.Constant: _other_constant,
     ast.If | ast.IfExp: _other_branch,
+    ast.Call: _swapped_arguments,
 }
 
 
@@ -203,8 +280,9 @@ def drawn(seed: int, count: int, only: str | None) -> list[tuple[Area, Mutant]]:
     return found
 
 
-def survives(area: Area, mutant: Mutant) -> tuple[bool, str]:
-    """Whether all tests of the area pass with the mutant, and the first that does not."""
+def survives(area: Area, mutant: Mutant, first: int | None = None) -> tuple[bool, str]:
+    """Whether all tests of the area, or of its first files, pass with the mutant, and the first
+    that does not."""
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
         for part in ("src", "tests"):
@@ -214,11 +292,7 @@ def survives(area: Area, mutant: Mutant) -> tuple[bool, str]:
         target = work / mutant.path.relative_to(ROOT)
         raw = target.read_bytes()
         target.write_bytes(raw[: mutant.start] + mutant.text.encode() + raw[mutant.stop :])
-        tests = [
-            str(path)
-            for name in area.tests
-            for path in sorted((work / "tests").glob(f"test_{name}.py"))
-        ]
+        tests = list(map(str, _tests(area, mutant.path, work / "tests")))[:first]
         environment = {
             **os.environ,
             "PYTHONPATH": str(work / "src"),
@@ -252,6 +326,36 @@ def survives(area: Area, mutant: Mutant) -> tuple[bool, str]:
         return run.returncode == 0, failed[0][:150] if failed else run.stdout[-150:].strip()
 
 
+def _tests(area: Area, path: Path, folder: Path) -> list[Path]:
+    """The area's test files, first those that name the file's module or a public name of its own;
+    each once."""
+    found = [file for name in area.tests for file in sorted(folder.glob(f"test_{name}.py"))]
+    words = {path.stem, *(f"fb.{name}" for name in _public(path))}
+    named = re.compile(rf"\b({'|'.join(map(re.escape, sorted(words)))})\b")
+    return sorted(
+        dict.fromkeys(found), key=lambda file: not named.search(file.read_text(encoding="utf-8"))
+    )
+
+
+def _public(path: Path) -> list[str]:
+    """Functions and classes that a file defines under names without underscore."""
+    return [
+        node.name
+        for node in ast.parse(path.read_text(encoding="utf-8")).body
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_")
+    ]
+
+
+def outside() -> list[Path]:
+    """Files of the source in no area, but those that hold no more than a list of names."""
+    inside = {file for area in AREAS for part in area.sources for file in SOURCE.glob(part)}
+    return [
+        file
+        for file in sorted(SOURCE.glob("**/*.py"))
+        if file not in inside and next(mutants(file), None) and file.stem[:2] != "__"
+    ]
+
+
 def main() -> int:
     """Draw, run, tell."""
     parser = argparse.ArgumentParser(
@@ -265,7 +369,10 @@ def main() -> int:
     parser.add_argument("--only", help="FILE:LINE:COLUMN of one mutant")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--list", action="store_true", help="say what would be run")
+    parser.add_argument("--first", type=int, help="of each mutant's test files only so many")
     options = parser.parse_args()
+    if left_out := outside():
+        parser.error(f"in no area: {', '.join(map(str, left_out))}")
     chosen = drawn(options.seed, options.count, options.area)
     if options.only:
         files = [(a, f) for a in AREAS for p in a.sources for f in SOURCE.glob(p)]
@@ -281,7 +388,7 @@ def main() -> int:
     alive = 0
     with ThreadPoolExecutor(options.jobs) as pool:
         for (area, mutant), (lives, why) in zip(
-            chosen, pool.map(lambda x: survives(*x), chosen), strict=True
+            chosen, pool.map(lambda x: survives(*x, options.first), chosen), strict=True
         ):
             alive += lives
             print(

@@ -6,12 +6,21 @@ Dimensions: `nq` positions, `nv` velocities, `nj` joints, `six` = 6 in space and
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from freebody.errors import FreebodyError, NotFiniteError, ShapeError
+from freebody.errors import (
+    FreebodyError,
+    NotFiniteError,
+    OutOfMemoryError,
+    ShapeError,
+    listed,
+    shown,
+)
 from freebody.labels import refuse_labelled
 
 Array = NDArray[np.float64]
@@ -69,7 +78,10 @@ def refuse_not_finite(
 ) -> None:
     """Refuse NaN and infinity, naming the sample (leading index) and, with `labels`, the
     component."""
-    bad = np.argwhere(~np.isfinite(array))
+    try:
+        bad = np.argwhere(~np.isfinite(array))
+    except MemoryError as problem:
+        raise too_large(function, {argument: array}, problem) from None
     if not len(bad):
         return
     index = tuple(int(i) for i in bad[0])
@@ -88,3 +100,77 @@ def at_sample(index: Sequence[int]) -> str:
         if len(index)
         else ""
     )
+
+
+def too_large(function: str, given: Mapping[str, Any], problem: Exception) -> Exception:
+    """What to raise where NumPy says that an array does not fit into memory: an error that names
+    the argument that its size comes from. Any other error is returned as it is.
+
+    given: the arguments by name. The one is named that counts as many things as the array has
+    entries, or most nearly: a number counts so many, or so many steps to 1, an array its entries.
+    """
+    if isinstance(problem, MemoryError):
+        shape = getattr(problem, "shape", None)
+    elif isinstance(problem, ValueError) and str(problem).startswith(_BEYOND_ADDRESSES):
+        shape = ()
+    else:
+        return problem
+    if shape is None:
+        return (
+            problem
+            if isinstance(problem, OutOfMemoryError)
+            else OutOfMemoryError(f"{function}: no memory is left.")
+        )
+    size = math.prod(shape) if shape else 2.0**63
+    found = [
+        (abs(math.log(count / size)), name, value)
+        for name, value in given.items()
+        for count in _counts(value)
+        if count >= _MANY
+    ]
+    cause = "this call"
+    if found:
+        _, name, value = min(found, key=lambda x: x[0])
+        if isinstance(value, Mapping):
+            cause = f"{name} of {listed(map(str, value), most=6)}"
+        elif isinstance(value, np.ndarray) and value.ndim:
+            cause = f"{name} of shape {value.shape}"
+        else:
+            cause = f"{name}={shown(value)}"
+    array = f"an array of shape {tuple(shape)}" if shape else "an array beyond all addresses"
+    room = f", {_bytes(8.0 * size)} of 64-bit numbers," if shape else ""
+    return OutOfMemoryError(
+        f"{function}: {cause} asks for {array}{room} which does not fit into memory; give less "
+        f"at a time.",
+        shape,
+    )
+
+
+_BEYOND_ADDRESSES = ("Maximum allowed", "array is too big")
+"""How NumPy begins what it says of sizes that no address space has."""
+
+_MANY = 1000
+"""What counts less is not to blame for an array that does not fit into memory."""
+
+
+def _counts(value: Any) -> Iterator[float]:
+    """What an argument may count, see `too_large`."""
+    if isinstance(value, Mapping):
+        sizes = [count for entry in value.values() for count in _counts(entry)]
+        yield math.prod(sizes) if sizes else 0.0
+    elif isinstance(value, np.ndarray) and value.ndim:
+        yield float(value.size)
+    elif isinstance(value, tuple) and all(is_count(x, 0) for x in value):
+        yield float(math.prod(value))
+    elif isinstance(value, int | float | np.number) and np.isfinite(value) and value > 0:
+        yield float(value)
+        yield 1.0 / float(value)
+
+
+def _bytes(size: float) -> str:
+    """ "72.8 TiB": a size as NumPy writes it."""
+    power = min(int(math.log2(size) // 10), len(_UNITS) - 1)
+    return f"{size / 1024.0**power:.3g} {_UNITS[power]}"
+
+
+_UNITS = ("bytes", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB")

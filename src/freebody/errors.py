@@ -215,6 +215,17 @@ class PassiveJointError(FreebodyError, ValueError):
     """A torque at a passive joint; names the joint."""
 
 
+class OutOfMemoryError(FreebodyError, MemoryError):
+    """More memory than there is; says what it is for, and how much it is.
+
+    shape: of the array that did not fit, where it was one.
+    """
+
+    def __init__(self, problem: str, shape: tuple[int, ...] | None = None):
+        self.shape = shape
+        super().__init__(problem)
+
+
 class FileError(FreebodyError, ValueError):
     """Something in a file, with the file and, where known, the line."""
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from freebody.algorithms.kinematics import joint_poses, outward, world_poses
 from freebody.elementary import Scalar
-from freebody.model.tree import Tree
-from freebody.spatial import Vector, add, dot, scale, sub, times
+from freebody.model.tree import Mass, Pose, Tree
+from freebody.spatial import Vector, add, dot, identity, scale, sub, times
 
 
 def kinetic_energy(tree: Tree, q: Vector, qd: Vector) -> Scalar:
@@ -29,16 +29,29 @@ def kinetic_energy(tree: Tree, q: Vector, qd: Vector) -> Scalar:
 def potential_energy(tree: Tree, q: Vector) -> Scalar:
     """-m g·r_c of every body (5.4), zero at the world's origin, and ½ k (q - rest)² of every spring
     (5.5)."""
-    energy: Scalar = 0.0
-    for body, (R, p) in zip(tree.bodies, world_poses(tree, joint_poses(tree, q)), strict=True):
-        for mass in body.masses:
-            energy = energy - mass.m * dot(tree.gravity, add(p, times(R, mass.c)))
-            if mass.h is not None:
-                energy = energy - dot(tree.gravity, times(R, mass.h))
+    energy = resting_energy(tree)
+    for body, pose in zip(tree.bodies, world_poses(tree, joint_poses(tree, q)), strict=True):
+        energy = energy + _of_weight(tree, body.masses, pose)
         if body.drive is not None:
             (position,) = body.position(q)
             stretch = position - body.drive.rest
             energy = energy + 0.5 * body.drive.stiffness * (stretch * stretch)
+    return energy
+
+
+def resting_energy(tree: Tree) -> Scalar:
+    """-m g·r_c of what is fixed to the base, which no motion changes."""
+    return _of_weight(tree, tree.base, (identity(tree.space.dim), tree.space.zero))
+
+
+def _of_weight(tree: Tree, masses: tuple[Mass, ...], pose: Pose) -> Scalar:
+    """-m g·r_c of the masses of a body at its pose in the world."""
+    energy: Scalar = 0.0
+    R, p = pose
+    for mass in masses:
+        energy = energy - mass.m * dot(tree.gravity, add(p, times(R, mass.c)))
+        if mass.h is not None:
+            energy = energy - dot(tree.gravity, times(R, mass.h))
     return energy
 
 

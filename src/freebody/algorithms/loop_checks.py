@@ -13,14 +13,17 @@ from functools import reduce
 from freebody.algorithms.crba import Factors
 from freebody.algorithms.loop_constraints import (
     Constrained,
+    Counting,
     constraint,
     constraint_bias,
     constraint_jacobian,
     constraint_rate,
+    kept,
     loop_ends,
     one_if_positive,
 )
 from freebody.algorithms.loop_scales import scales
+from freebody.algorithms.rounding import no_finer
 from freebody.elementary import Scalar, absolute, maximum, minimum
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, dot, times
@@ -36,6 +39,11 @@ four-bar that passes ten of them is right to 1e-9 with this, with a hundredth of
 LIGHT = 1e10
 """The mechanism's inertia over that which resists a loop; rad/s²: more than that comes of a
 division by rounding."""
+_FOLLOWS = 1e-8
+"""The same of an equation that was left out: near singular positions one that does not follow from
+the others is hardly left, either."""
+_ROUNDINGS = 4096.0
+"""The same in units of rounding, of numbers of 32 bits."""
 _IDLE = 1e-12  # a pivot of M, relative to its entry on the diagonal, that may be rounding
 # cosine between axes that a loop holds together, below which it is closed the wrong way round
 _FORWARD = 0.5
@@ -65,27 +73,43 @@ def closure_margins(tree: Tree, q: Vector, qd: Vector | None = None) -> list[Sca
 
 def consistent_margin(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Scalar:
     """Of accelerations that keep the loops closed."""
+    terms, left = _left_by(tree, q, qd, qdd, range(tree.constraints))
+    return LEFT * terms - left
+
+
+def following_margins(
+    tree: Tree, q: Vector, qd: Vector, qdd: Vector, counting: Counting | None
+) -> list[Scalar]:
+    """Of accelerations that the equations left out allow, too."""
+    others = counting.left_out(tree) if counting else ()
+    if not counting or not others:
+        return []
+    terms, left = _left_by(tree, q, qd, qdd, others)
+    return [no_finer(max(_FOLLOWS, counting.slack), terms, _ROUNDINGS) * terms - left]
+
+
+def _left_by(
+    tree: Tree, q: Vector, qd: Vector, qdd: Vector, equations: Sequence[int]
+) -> tuple[Scalar, Scalar]:
+    """(the size of the terms of scaled equations, the largest that accelerations leave of one)."""
     rows, rates = scales(tree)
-    c = constraint_bias(tree, q, qd)
-    left = [
-        s * (dot(row, qdd) - x)
-        for s, row, x in zip(rows, constraint_jacobian(tree, q), c, strict=True)
-    ]
+    c, phi = constraint_bias(tree, q, qd), constraint_jacobian(tree, q)
+    left = [rows[k] * (dot(phi[k], qdd) - c[k]) for k in equations]
     terms = 1.0 + largest(qdd, rates) + _largest(s * x for s, x in zip(rows, c, strict=True))
-    return LEFT * terms - _largest(left)
+    return terms, _largest(left)
 
 
 def solution_margins(
-    tree: Tree, M: Matrix, factors: Factors, found: Constrained, equations: Sequence[int] | None
+    tree: Tree, M: Matrix, factors: Factors, found: Constrained, counting: Counting | None
 ) -> list[Scalar]:
     """Of accelerations that were found with equations that are independent and an inertia that
     resists every motion.
 
-    M and its factors; equations: those that were taken, None is all.
+    M and its factors; counting: the equations that were taken, None is all.
     """
     rows, rates = scales(tree)
-    kept = rows if equations is None else tuple(rows[k] for k in equations)
-    pivots = [s * s * pivot for s, pivot in zip(kept, found.pivots, strict=True)]
+    taken = kept(rows, counting)
+    pivots = [s * s * pivot for s, pivot in zip(taken, found.pivots, strict=True)]
     diagonal = [M[k][k] for k in range(tree.nv)]
     inverse = [factors[1][k] for k in range(tree.nv)]
     share = reduce(maximum, [m * x for m, x in zip(diagonal, inverse, strict=True)])

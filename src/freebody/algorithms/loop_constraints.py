@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
-from typing import Any
+from typing import Any, NamedTuple
 
 from freebody.algorithms.crba import Factors, bias, crba, factor, substitute
 from freebody.algorithms.kinematics import (
@@ -60,6 +60,18 @@ class LoopEquation:
 
 Velocities = tuple[Column, Column]
 """(ω, v) of A and of B."""
+
+
+class Counting(NamedTuple):
+    """Loop equations that count; the others follow from them."""
+
+    rows: tuple[int, ...]
+    slack: float = 0.0
+    """What rounding of the model's numbers may leave of the others, relative to their terms."""
+
+    def left_out(self, tree: Tree) -> tuple[int, ...]:
+        """The others."""
+        return tuple(k for k in range(tree.constraints) if k not in self.rows)
 
 
 def loop_equations(space: AnySpace, loop: TreeLoop, a: Pose, b: Pose) -> list[LoopEquation]:
@@ -224,12 +236,13 @@ def constrained_dynamics(
     qd: Vector,
     tau: Vector,
     external: Sequence[External] = (),
-    rows: Sequence[int] | None = None,
+    counting: Counting | None = None,
 ) -> Constrained:
-    """q̈ and λ from (5.29) by M⁻¹ and S = Φ_q M⁻¹ Φ_qᵀ, for equations `rows` (default all) that are
+    """q̈ and λ from (5.29) by M⁻¹ and S = Φ_q M⁻¹ Φ_qᵀ, for equations (default all) that are
     independent."""
     factors = factor(tree, crba(tree, q))
-    return constrained_motion(tree, q, qd, factors, sub(tau, bias(tree, q, qd, external)), rows)
+    forces = sub(tau, bias(tree, q, qd, external))
+    return constrained_motion(tree, q, qd, factors, forces, counting)
 
 
 def constrained_motion(
@@ -238,51 +251,60 @@ def constrained_motion(
     qd: Vector,
     factors: Factors,
     forces: Vector,
-    rows: Sequence[int] | None = None,
+    counting: Counting | None = None,
 ) -> Constrained:
     """q̈ and λ of M q̈ + Φ_qᵀ λ = forces and Φ_q q̈ = c, from the factors of M."""
-    phi, c = _kept(constraint_jacobian(tree, q), rows), _kept(constraint_bias(tree, q, qd), rows)
+    phi = kept(constraint_jacobian(tree, q), counting)
+    c = kept(constraint_bias(tree, q, qd), counting)
     free = substitute(tree, factors, forces)
     missing = tuple(dot(row, free) - x for row, x in zip(phi, c, strict=True))
     return Constrained(*_nearest(tree, factors, phi, free, missing))
 
 
 def onto_loops(
-    tree: Tree, q: Vector, qd: Vector, factors: Factors, rows: Sequence[int] | None = None
+    tree: Tree, q: Vector, qd: Vector, factors: Factors, counting: Counting | None = None
 ) -> tuple[Vector, Vector]:
     """(q, q̇) brought back onto loops that are a little open: one Newton step of positions, then
     the rates projected.
 
-    Both are the least change in the metric M. NaN where the equations `rows` depend on one another,
-    so that others would have to count, and where the loops stay open.
+    Both are the least change in the metric M. NaN where the equations that count depend on one
+    another, so that others would have to count, and where a loop stays open, or one that was left
+    out would open.
     """
-    phi, open_by = _kept(constraint_jacobian(tree, q), rows), _kept(constraint(tree, q), rows)
+    phi, open_by = (kept(f(tree, q), counting) for f in (constraint_jacobian, constraint))
     q = moved(tree, q, _nearest(tree, factors, phi, (0.0,) * tree.nv, open_by)[0])
-    phi, left = _kept(constraint_jacobian(tree, q), rows), _kept(constraint(tree, q), rows)
+    every, left, angles = constraint_jacobian(tree, q), constraint(tree, q), _as_angles(tree)
+    phi = kept(every, counting)
     on, _, pivots = _nearest(tree, factors, phi, qd, times(phi, qd))
     if not phi:
         return q, qd
-    gaps = tuple(s * x for s, x in zip(_as_angles(tree, rows), left, strict=True))
+    gaps = tuple(s * x for s, x in zip(angles, left, strict=True))
     gap = dot(gaps, gaps)
-    allowed = no_finer(_OPEN, gap, _ROUNDINGS)
-    valid = one_if_positive(independence(tree, pivots, rows), allowed * allowed - gap)
+    slack = counting.slack if counting else 0.0
+    allowed = no_finer(max(_OPEN, slack), gap, _ROUNDINGS)
+    margins = [independence(tree, pivots, counting), allowed * allowed - gap]
+    others = counting.left_out(tree) if counting else ()
+    if others:
+        opening = tuple(angles[k] * dot(every[k], on) for k in others)
+        speed = allowed * allowed * (1.0 + dot(on, on))
+        margins.append(speed - dot(opening, opening))
+    valid = one_if_positive(*margins)
     return scale(valid, q), scale(valid, on)
 
 
-def independence(tree: Tree, pivots: Vector, rows: Sequence[int] | None = None) -> Scalar:
-    """Positive where the equations `rows`, whose pivots of S these are, do not depend on one
+def independence(tree: Tree, pivots: Vector, counting: Counting | None = None) -> Scalar:
+    """Positive where the equations that count, whose pivots of S these are, do not depend on one
     another."""
-    sizes = [s * s * pivot for s, pivot in zip(_as_angles(tree, rows), pivots, strict=True)]
+    angles = kept(_as_angles(tree), counting)
+    sizes = [s * s * pivot for s, pivot in zip(angles, pivots, strict=True)]
     most = reduce(maximum, sizes)
     return reduce(minimum, sizes) - no_finer(_PIVOT, most, _ROUNDINGS) * most
 
 
-def _as_angles(tree: Tree, rows: Sequence[int] | None) -> Vector:
+def _as_angles(tree: Tree) -> Vector:
     """What makes the equations comparable: 1 of angles, of lengths one over the mechanism's own."""
     per_length = 1.0 / mechanism_length(tree)
-    return tuple(
-        per_length if of_length else 1.0 for of_length in _kept(equations_of_lengths(tree), rows)
-    )
+    return tuple(per_length if of_length else 1.0 for of_length in equations_of_lengths(tree))
 
 
 _PIVOT = 1e-10
@@ -302,9 +324,9 @@ def one_if_positive(*margins: Scalar) -> Scalar:
     return sqrt(sign(count))
 
 
-def _kept(values: tuple[Any, ...], rows: Sequence[int] | None) -> tuple[Any, ...]:
-    """Of one value an equation those of `rows`; None: all."""
-    return values if rows is None else tuple(values[k] for k in rows)
+def kept(values: tuple[Any, ...], counting: Counting | None) -> tuple[Any, ...]:
+    """Of one value an equation those of the equations that count; None: all."""
+    return values if counting is None else tuple(values[k] for k in counting.rows)
 
 
 def _nearest(

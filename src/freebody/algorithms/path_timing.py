@@ -37,6 +37,8 @@ _CLOSE = 1e-9
 """Of the largest x: by how much it may be below the smallest."""
 _TINY = float_info.min
 """A speed beside which none is lost, and by which one can divide."""
+_ASTRAY = 0.5
+"""Of a parabola's bend: by how much the curve that it stands for may differ from it."""
 _NEGLIGIBLE = 1e-12
 """A coefficient beside the other one of its row, whose line is then parallel to an axis."""
 
@@ -206,14 +208,15 @@ def excess(
     x: Scalar,
     y: Scalar,
     h: Scalar,
-) -> tuple[list[Scalar], Scalar]:
+) -> tuple[list[Scalar], Scalar, Scalar]:
     """By how much each row is above its limit `size` within an interval, or negative below -size;
-    and the largest of them as a fraction of its limit.
+    the largest of them as a fraction of its limit; and the share of its limit that one might come
+    to.
 
     middle: the values halfway; between them and those at the ends a parabola over time: viscous
     friction grows with the square root of the way.
     """
-    found = []
+    found, near = [], []
     at_start, at_half, at_end = (sqrt(z) + _TINY for z in (x, 0.5 * (x + y), y))
     passed = 0.5 * (at_start + at_end) / (at_half + at_start)  # of the time
     u = (y - x) / h
@@ -223,8 +226,11 @@ def excess(
         peak = _vertex(first, half, last, passed)
         top, bottom = maximum(half, peak), minimum(half, peak)
         found.append(maximum(top - most, 0.0) + minimum(bottom + most, 0.0))
+        bend = absolute(half - first - (last - first) * passed)
+        values = (absolute(value) for value in (first, last, top, bottom))
+        near.append((balanced(maximum, [*values]) + _ASTRAY * bend) / most)
     shares = [absolute(by) / most for by, most in zip(found, size, strict=True)]
-    return found, balanced(maximum, [0.0 * x, *shares])
+    return found, balanced(maximum, [0.0 * x, *shares]), balanced(maximum, [0.0 * x, *near])
 
 
 def _vertex(first: Scalar, half: Scalar, last: Scalar, passed: Scalar) -> Scalar:

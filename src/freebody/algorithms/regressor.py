@@ -42,7 +42,8 @@ def regressor(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Matrix:
 def energy_regressor(tree: Tree, q: Vector, qd: Vector) -> Matrix:
     """Two rows, kinetic and potential energy, as linear functions of the same parameters.
 
-    The potential of a spring lacks its constant ½ k rest².
+    The potential of a spring lacks its constant ½ k rest², that of gravity the constant of what is
+    fixed to the base, whose parameters are not among them.
     """
     space = tree.space
     motion = outward(tree, q, qd, (0.0,) * tree.nv)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from freebody.algorithms.crba import bias, crba, factor, substitute, without
 from freebody.algorithms.kinematics import between, coordinate_rates, moved
-from freebody.algorithms.loop_constraints import constrained_motion, onto_loops
+from freebody.algorithms.loop_constraints import Counting, constrained_motion, onto_loops
 from freebody.algorithms.rnea import External
 from freebody.elementary import Scalar, sqrt
 from freebody.model.tree import Tree
@@ -118,7 +118,7 @@ def implicit(
     h: Scalar,
     loads: Loads,
     law: Law,
-    rows: Sequence[int] | None = None,
+    counting: Counting | None = None,
     width: Scalar = FRICTION_WIDTH,
 ) -> State:
     """Linearly implicit Euler, extrapolated once (Deuflhard 1985): of order 2, stable however stiff
@@ -134,7 +134,7 @@ def implicit(
 
     def euler(state: State, start: float, end: float, length: Scalar) -> State:
         given = law(start, end, *state)
-        return _implicit_euler(tree, *state, length, loads(end, state[0]), given, rows, width)
+        return _implicit_euler(tree, *state, length, loads(end, state[0]), given, counting, width)
 
     rough = euler((q, qd), 0.0, 1.0, h)
     middle = euler((q, qd), 0.0, 0.5, half)
@@ -150,7 +150,7 @@ def _implicit_euler(
     h: Scalar,
     loads: Sequence[External],
     given: Linearised,
-    rows: Sequence[int] | None,
+    counting: Counting | None,
     width: Scalar,
 ) -> State:
     """(M + h D + h² K) q̈ = forces - h (stiffness q̇ + ahead), then as `semi_implicit`.
@@ -169,7 +169,7 @@ def _implicit_euler(
     )
     factors, forces = factor(tree, M), sub(forces, scale(h, ahead))
     if tree.loops:
-        qdd = constrained_motion(tree, q, qd, factors, forces, rows).qdd
+        qdd = constrained_motion(tree, q, qd, factors, forces, counting).qdd
     else:
         qdd = substitute(tree, factors, forces)
     return semi_implicit(tree, q, qd, h, lambda part, q, qd: qdd)
@@ -193,8 +193,8 @@ def _each(factors: Vector, values: Vector) -> Vector:
     return tuple(a * x for a, x in zip(factors, values, strict=True))
 
 
-def on_loops(tree: Tree, q: Vector, reached: State, rows: Sequence[int] | None) -> State:
+def on_loops(tree: Tree, q: Vector, reached: State, counting: Counting | None) -> State:
     """The state reached from q, brought back onto the loops; that of a tree as it is."""
     if not tree.loops:
         return reached
-    return onto_loops(tree, *reached, factor(tree, crba(tree, q)), rows)
+    return onto_loops(tree, *reached, factor(tree, crba(tree, q)), counting)

@@ -113,7 +113,7 @@ def run(arguments: list[str]) -> int:
 def _run(arguments: list[str]) -> int:
     try:
         code = typer.main.get_command(app).main(
-            arguments, prog_name="freebody", standalone_mode=False
+            arguments, prog_name="freebody", standalone_mode=False, obj=tuple(arguments)
         )
     except FreebodyError as problem:
         return terminal.error(str(problem))

@@ -17,7 +17,7 @@ _LARGEST = 80_000
 """Bytes of standard input; far more than an answer may have characters."""
 
 
-@options.reading("convention")
+@options.reading("tip", "convention")
 def check(
     robot: options.GivenRobot,
     answer: Annotated[

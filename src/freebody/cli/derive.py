@@ -85,7 +85,7 @@ def _parameter(method: Method, option: MethodOption) -> Parameter:
     )
 
 
-@options.reading("convention")
+@options.reading("tip", "convention")
 def derive(
     context: typer.Context,
     robot: options.GivenRobot,

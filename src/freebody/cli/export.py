@@ -38,9 +38,6 @@ _NumberType = Annotated[
     Literal["float64", "float32"],
     typer.Option(help="Number type (float32 only for c, rust, julia and cuda)."),
 ]
-_Frame = Annotated[
-    str | None, typer.Option(help="Frame of kinematic quantities. Default: the tip.")
-]
 _Reference = Annotated[
     str, typer.Option(help="Axes of Jacobians and wrenches: world, body or child.")
 ]
@@ -81,7 +78,7 @@ def export(
     out: _Out = None,
     name: _Name = None,
     dtype: _NumberType = "float64",
-    frame: _Frame = None,
+    frame: options.Frame = None,
     reference: _Reference = "world",
     wrench: _Wrenches = None,
     inputs: _Inputs = None,

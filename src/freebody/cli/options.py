@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import shlex
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import wraps
@@ -28,7 +29,15 @@ Robot = Annotated[
 ]
 Tip = Annotated[
     str | None,
-    typer.Option(help="The frame that is the tip. Default: the end after the most joints."),
+    typer.Option(
+        metavar="FRAME",
+        help="The frame that is the tip. Default: the file's, else one that is called tcp, tool0, "
+        "flange, ee… or grasp…, else the end of the longest chain, grippers taken off.",
+    ),
+]
+Frame = Annotated[
+    str | None,
+    typer.Option(metavar="FRAME", help="Frame of kinematic quantities. Default: the tip."),
 ]
 Labels = Literal["names", "values", "both"]
 """What stands beside arrows, angles and lengths."""
@@ -145,6 +154,19 @@ _READING: dict[str, tuple[Any, Any]] = {
         ],
         None,
     ),
+    "payload": (
+        Annotated[
+            str | None,
+            typer.Option(
+                metavar="MASS[@x,y,z][,box=a,b,c|cylinder=r,h|inertia=xx,yy,zz,xy,xz,yz]",
+                help="A load at the tip, in its axes, kg and m: where its centre of mass is "
+                "(default: at the origin), and its shape: the sides of a box, radius and height "
+                "along z of a cylinder, or its inertia about its centre of mass (kg m²). Without a "
+                "shape it is a point.",
+            ),
+        ],
+        None,
+    ),
     "estimate_inertia": (
         Annotated[
             float | None,
@@ -161,8 +183,10 @@ _READING: dict[str, tuple[Any, Any]] = {
 }
 """Options of how a robot is read, by the argument of `fb.load`, with their defaults; and which of
 its numbers are others."""
-FILE = ("base", "mimic", "physical", "snap_angles", "convention", "parameters")
+FILE = ("tip", "base", "mimic", "physical", "snap_angles", "convention", "parameters")
 """Those of most commands."""
+CASE = (*FILE, "payload")
+"""Those of commands that move the robot."""
 
 
 @dataclass(frozen=True)
@@ -176,20 +200,67 @@ class GivenRobot:
         """The model; warnings become yellow lines."""
         from freebody.formats.loading import load
         from freebody.formats.toml_table import in_units
-        from freebody.model.description import Notice
+        from freebody.model.description import CHANGED, Notice
 
         how = dict(self.how)
         given = pairs("--parameter", how.pop("parameters", None), "l1=0.5")
         for name, text in given.items():
             value = in_units(text, "angle")
             given[name] = text if value is None else repr(value)
+        payload = how.pop("payload", None)
         with terminal.warnings_as_lines():
             model = load(self.name, **how)
+        if payload is not None:
+            model = model.with_payload(**_payload(payload))
         if not given:
             return model
         told = ", ".join(f"{name} = {text}" for name, text in given.items())
-        notice = Notice("parameter", f"given by --parameter in the place of the file's: {told}.")
+        notice = Notice(CHANGED, f"given by --parameter in the place of the file's: {told}.")
         return replace(model.bind(given), notices=(*model.notices, notice))
+
+
+_PAYLOAD = re.compile(
+    r"(?P<mass>[^@,=]+)(@(?P<com>[^@=]+?))?(,\s*(?P<shape>box|cylinder|inertia)\s*=(?P<sizes>[^@=]+))?"
+)
+_ENTRIES = (0, 3, 4, 1, 5, 2)
+"""Of xx, yy, zz, xy, xz, yz those of a tensor in stored order."""
+
+
+def _payload(text: str) -> dict[str, Any]:
+    """What --payload means, as arguments of `Model.with_payload`."""
+    from freebody.formats import number_text
+
+    def numbers(part: str | None) -> list[float] | None:
+        if part is None:
+            return None
+        found = [number_text.number(piece.strip()) for piece in part.split(",")]
+        usable = [x for x in found if x is not None and not number_text.fault(x)]
+        return usable if len(usable) == len(found) else []
+
+    match = _PAYLOAD.fullmatch(text.strip())
+    parts = {name: numbers(match[name]) for name in ("mass", "com", "sizes")} if match else {}
+    if match is None or [] in parts.values():
+        raise FreebodyError(
+            f"--payload {shown(text)}: write MASS (kg), then perhaps @x,y,z (m), then perhaps "
+            f",box=a,b,c or ,cylinder=r,h (m) or ,inertia=xx,yy,zz,xy,xz,yz (kg m²), such as "
+            f"3@0,0,0.1,box=0.1,0.1,0.2."
+        )
+    (mass,) = parts["mass"] or (0.0,)
+    given: dict[str, Any] = {"mass": mass, "com": parts["com"]}
+    sizes = parts["sizes"]
+    if sizes and match["shape"] == "inertia":
+        if len(sizes) not in (1, 6):
+            raise FreebodyError(
+                f"--payload {shown(text)}: inertia has {len(sizes)} entries, expected "
+                f"xx,yy,zz,xy,xz,yz, or in the plane one."
+            )
+        sizes = [sizes[k] for k in _ENTRIES] if len(sizes) == 6 else sizes[0]
+    return {**given, match["shape"]: sizes} if sizes is not None else given
+
+
+def again(context: typer.Context) -> str:
+    """The command line that runs a command again, for a shell."""
+    return shlex.join(["freebody", *context.find_root().obj])
 
 
 def reading(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:

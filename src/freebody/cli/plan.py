@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from freebody.cli import options, terminal
+from freebody.cli.tip_path import TipPathOptions
 from freebody.errors import FreebodyError, MissingArgumentError, listed
 from freebody.outputs.display import TextTable
 
@@ -28,26 +29,66 @@ def _limit(what: str) -> Any:
     return typer.Option(metavar="VALUE", parser=options.number, help=what)
 
 
-@options.reading(*options.FILE)
+@options.reading(*options.CASE)
 def plan(
+    context: typer.Context,
     robot: options.GivenRobot,
     waypoints: Annotated[
         str,
         typer.Argument(
             help="A CSV file whose header names the joints (rad, m; or a unit, as in 'joint1 "
-            "(deg)') and perhaps t (s); or the positions themselves, semicolons between waypoints.",
+            "(deg)') and perhaps t (s); or the positions themselves, semicolons between waypoints. "
+            "Of --line and --arc one: where they begin.",
         ),
     ],
     out: Annotated[
         Path, typer.Option(metavar="FILE", help="File for the motion, for study --motion.")
     ] = Path("motion.csv"),
     by: Annotated[
-        Planner,
+        Planner | None,
         typer.Option(
             help="spline and time-optimal do not stop at waypoints, the others do; time-optimal "
-            "holds the robot's limits of torque too."
+            "holds the robot's limits of torque too. Default: spline."
         ),
-    ] = "spline",
+    ] = None,
+    line: Annotated[
+        str | None,
+        typer.Option(
+            metavar="POINT",
+            help="The tip moves straight to x, y, z (m, world axes; in the plane x, y); several "
+            "targets have semicolons between them, and corners rounded within --radius.",
+        ),
+    ] = None,
+    arc: Annotated[
+        str | None,
+        typer.Option(
+            metavar="POINT;POINT",
+            help="The tip moves on a circle through the first point to the second.",
+        ),
+    ] = None,
+    pose: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ANGLES",
+            help="Orientation at the target: roll, pitch, yaw as in URDF (rad or deg; in the plane "
+            "one angle), or keep, that of the start. Default: free.",
+        ),
+    ] = None,
+    task: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ROWS",
+            help="What of the target counts: position, orientation, pose, reachable (the position, "
+            "and of the orientation what the joints can do), or rows such as vx,vy,vz,wz.",
+        ),
+    ] = None,
+    radius: Annotated[
+        float | None, _limit("Metres from a corner of --line at which its rounding begins.")
+    ] = None,
+    speed: Annotated[float | None, _limit("Limit of the tip's speed, m/s.")] = None,
+    duration: Annotated[
+        float | None, _limit("Seconds along the path of the tip. Default: as fast as limits allow.")
+    ] = None,
     velocity: Annotated[
         float | None, _limit("Limit of each joint, rad/s or m/s, beside the robot's own.")
     ] = None,
@@ -61,40 +102,59 @@ def plan(
         _limit("Seconds between rows. Default: 400 even steps, and where polynomials meet."),
     ] = None,
 ) -> None:
-    """Plan a motion through waypoints, as fast as the limits allow or at given times, and write it.
+    """Plan a motion through waypoints, or the tip along a path, as fast as the limits allow or at
+    given times, and write it.
 
-    Limits are held between samples too. Exit status 2: the limits cannot be kept, or something
-    cannot be read or written.
+    Limits are held between samples too. Exit status 2: the limits cannot be kept, the tip cannot
+    follow, or something cannot be read or written.
     """
     from freebody.motion.files.waypoint_files import write_motion
     from freebody.motion.planners import PLANNERS
 
     model = robot.load()
-    planner = PLANNERS[by]
+    path = TipPathOptions(line, arc, pose, task, radius, speed, duration)
     given = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk, "torque": torque}
     limits = {name: value for name, value in given.items() if value is not None}
+    planner = None if path.given else PLANNERS[by or "spline"]
+    if planner is None and by is not None:
+        raise FreebodyError("--by is for motions through waypoints, not for --line and --arc.")
+    own, what = ("velocity", "acceleration"), "a path of the tip"
+    if planner is not None:
+        own, what = planner.limits, by or "spline"
     for name in limits:
-        if name not in planner.limits:
+        if name not in own:
             raise FreebodyError(
-                f"--{name} has no meaning for {by}; it takes "
-                f"{listed(f'--{x}' for x in planner.limits)}."
+                f"--{name} has no meaning for {what}; it takes {listed(f'--{x}' for x in own)}."
             )
-    q, times = _read(model, waypoints)
+    q, times = _read(model, waypoints, path.given)
     try:
-        motion = planner.plan(model, q, times, **limits, step=step)
+        if planner is not None:
+            motion = planner.plan(model, q, times, **limits, step=step)
+        else:
+            motion = path.motion(model, q[0], **limits, step=step)
     except MissingArgumentError as problem:
         names = ["a column t of times" if x == "times" else f"--{x}" for x in problem.names]
         raise FreebodyError(problem.worded(names)) from None
-    path = write_motion(model, motion, out, "knots" if step is None else "samples")
-    _print(model, motion, path)
+    file = write_motion(model, motion, out, "knots" if step is None else "samples")
+    _print(model, motion, file, options.again(context))
 
 
-def _read(model: Model, text: str) -> tuple[Any, Any]:
-    """Positions, and times where there are some."""
-    if ";" not in text:
+def _read(model: Model, text: str, one: bool) -> tuple[Any, Any]:
+    """Positions, and times where there are some; `one`: of the position where a path begins."""
+    found = _of_text(model, text) if ";" in text or (one and not text.endswith(".csv")) else None
+    if found is None:
         from freebody.motion.files.waypoint_files import read_waypoints
 
-        return read_waypoints(model, text)
+        found = read_waypoints(model, text)
+    if one and len(found[0]) != 1:
+        raise FreebodyError(
+            f"--line and --arc begin at one position; {text!r} has {len(found[0])}."
+        )
+    return found
+
+
+def _of_text(model: Model, text: str) -> tuple[Any, None]:
+    """Positions as numbers."""
     rows = [options.values("waypoints", row) for row in text.split(";") if row.strip()]
     names = model.position_names
     if model.loops and rows and len(rows[0]) != model.nq:
@@ -114,13 +174,18 @@ def _cleared(position: float) -> float:
     return position if abs(position) > _ROUNDING else 0.0
 
 
-def _print(model: Model, motion: Motion, path: Path) -> None:
+def _print(model: Model, motion: Motion, path: Path, again: str) -> None:
+    from freebody.model.doubts import told
     from freebody.motion.planning.planning_limits import planning_limits
+    from freebody.report.load_case import in_a_line
 
     out = terminal.out()
     for text in motion.notices:
         terminal.warn(text)
+    if motion.doubts:
+        terminal.warn(told(motion.doubts))
     out.print(f"{model.name}: {motion.source}, {motion.duration:.4g} s.", markup=False)
+    out.print(in_a_line(model), markup=False)
     rows = []
     found, limits = motion.peaks, planning_limits("plan", model)
     names = model.driven_names if model.loops else model.velocity_names
@@ -146,3 +211,4 @@ def _print(model: Model, motion: Motion, path: Path) -> None:
     head = ("joint", "from", "to", "peak speed", "of its limit", "peak acceleration")
     terminal.table(TextTable(head, rows))
     out.print(f"written: {path}", markup=False, soft_wrap=True)
+    out.print(f"again:   {again}", markup=False, soft_wrap=True)

@@ -8,7 +8,7 @@ import typer
 
 from freebody.cli import options, terminal
 from freebody.model import joint_table
-from freebody.model.description import DOUBTFUL
+from freebody.model.doubts import ALL, Doubt, capital, doubts_used
 from freebody.model.parameters import Parameter
 from freebody.outputs.display import TextTable
 
@@ -23,7 +23,7 @@ _DEEPEST = 24
 """Levels that the tree indents by; what is deeper says what it is on."""
 
 
-@options.reading("tip", *options.FILE, "estimate_inertia")
+@options.reading(*options.FILE, "estimate_inertia")
 def show(
     robot: options.GivenRobot,
     graph: Annotated[
@@ -67,8 +67,10 @@ def show(
     if model.formulas:
         out.print(Text(f"formulas: {', '.join(f'{x.name} = {x.text}' for x in model.formulas)}"))
     for notice in model.notices:
-        if notice.kind not in ("physical", "drive", DOUBTFUL):  # those have been printed in yellow
-            out.print(Text(f"note: {notice}"), soft_wrap=True)
+        if not isinstance(notice, Doubt) and notice.kind not in ("physical", "drive"):
+            out.print(Text(f"note: {notice}"), soft_wrap=True)  # those have been printed in yellow
+    for doubt in doubts_used(model, *ALL):
+        out.print(Text(capital(doubt.text)), soft_wrap=True)
 
 
 _UNSAID = (
@@ -88,7 +90,7 @@ def _heading(model: Model) -> str:
             f"{model.mass:.6g} kg{', estimated' if model.is_estimated else ''}; "
             f"gravity [{gravity}] m/s²"
         )
-    end = f"tip {model.tip}" if model.tip else f"ends {', '.join(model.leaves)}"
+    end = f"tip {model.tip}" if model.tip else "no single tip"
     return (
         f"{model.name}: {len(model.bodies)} bodies {space}, nq = {model.nq}, nv = {model.nv}, "
         f"{mass}, {end}"

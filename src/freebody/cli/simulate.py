@@ -22,8 +22,9 @@ _ROWS = 400
 _MOST = 1_000_000
 
 
-@options.reading(*options.FILE)
+@options.reading(*options.CASE)
 def simulate(
+    context: typer.Context,
     robot: options.GivenRobot,
     q: Annotated[
         str | None,
@@ -93,16 +94,17 @@ def simulate(
 ) -> None:
     """Simulate the motion that torques cause, and write it.
 
-    Ctrl-C stops it and writes the motion so far. Exit status 2: the motion cannot go on, or
-    something cannot be read or written.
+    Ctrl-C stops it and writes the motion so far, and so does a motion that cannot go on. Exit
+    status 2: the motion cannot go on, or something cannot be read or written.
     """
-    from freebody.motion.simulation.interrupted import SimulationInterrupted
+    from freebody.motion.motion import FEWEST
+    from freebody.motion.simulation.interrupted import SimulationInterrupted, SimulationStopped
     from freebody.motion.simulation.simulate import simulate as run
 
     model = robot.load()
     start, rates = _start(model, q, qd)
     times, law, given = _torque(model, torque, start, rates, (time, every), (goal, kp, kd))
-    interrupted = False
+    interrupted, given_up = False, None
     with terminal.warnings_as_lines(), terminal.progress("simulating") as tell:
         try:
             found = run(
@@ -119,9 +121,15 @@ def simulate(
             )
         except SimulationInterrupted as stopped:
             found, interrupted = stopped.result, True
-    _written(model, found, out)
+        except SimulationStopped as stopped:
+            if stopped.result is None or len(stopped.result["time"]) < FEWEST:
+                raise
+            found, given_up = stopped.result, stopped
+    _written(model, found, out, options.again(context))
     if interrupted:
         raise typer.Exit(INTERRUPTED)
+    if given_up is not None:
+        raise given_up
 
 
 def _start(model: Model, q: str | None, qd: str | None) -> tuple[Array, Array]:
@@ -222,7 +230,7 @@ def _times(time: float | None, every: float | None) -> Array:
     return np.linspace(0.0, duration, round(duration / gap) + 1)
 
 
-def _written(model: Model, found: xr.Dataset, out: Path) -> None:
+def _written(model: Model, found: xr.Dataset, out: Path, again: str) -> None:
     """The motion as a file, and the largest values among its rows as a table."""
     import numpy as np
 
@@ -230,12 +238,16 @@ def _written(model: Model, found: xr.Dataset, out: Path) -> None:
     from freebody.motion.ranges import angular
     from freebody.outputs.files import write
     from freebody.outputs.text import csv_text
+    from freebody.report.load_case import in_a_line
 
     t, q, qd, qdd, tau = (found[n].values for n in ("time", "q", "qd", "qdd", "tau"))
     header, table = state_table(model, t, q, qd, qdd)
     path = write(out, csv_text([header, *table]))
     console = terminal.out()
+    if "doubts" in found.attrs:
+        terminal.warn(found.attrs["doubts"])
     console.print(f"{model.name}: {t[-1] - t[0]:.4g} s by {found.attrs['method']}.", markup=False)
+    console.print(in_a_line(model), markup=False)
     rows = []
     for k, name in enumerate(model.velocity_names):
         unit, effort = ("rad", "N m") if angular(model)[k] else ("m", "N")
@@ -245,3 +257,4 @@ def _written(model: Model, found: xr.Dataset, out: Path) -> None:
         )
     terminal.table(TextTable(("joint", "largest speed", "at the end", "largest torque"), rows))
     console.print(f"written: {path}", markup=False, soft_wrap=True)
+    console.print(f"again:   {again}", markup=False, soft_wrap=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -28,8 +29,9 @@ _STYLES = {
 EXAMPLE = "Example: freebody study ur5e --out study-ur5e"
 
 
-@options.reading(*options.FILE, "estimate_inertia")
+@options.reading(*options.CASE, "estimate_inertia")
 def study(
+    context: typer.Context,
     robot: options.GivenRobot,
     motion: Annotated[
         Path | None,
@@ -51,7 +53,6 @@ def study(
             "or auto to choose the cutoff from the noise.",
         ),
     ] = None,
-    tip: options.Tip = None,
 ) -> None:
     """Study a robot along a motion: torques, powers, reactions, energies and checks, as a report
     and as data.
@@ -69,10 +70,10 @@ def study(
         found = study_of(
             model,
             motion,
-            tip,
             smooth=cutoff,
             progress=lambda text, done: progress(text, 0.7 * done),
         )
+        found = replace(found, command=options.again(context))
         progress("report and data files", 0.7)
         failure = _saved(found, directory)
     _print(found, directory, failure)
@@ -105,6 +106,7 @@ def _saved(found: Study, directory: Path) -> FreebodyError | None:
 
 def _print(found: Study, directory: Path, failure: FreebodyError | None) -> None:
     from freebody.report.files import DATA, REPORT
+    from freebody.report.load_case import in_a_line
     from freebody.report.summary import drive_table, energy_text
 
     out = terminal.out()
@@ -118,6 +120,7 @@ def _print(found: Study, directory: Path, failure: FreebodyError | None) -> None
         f"{found.model.name}: {counted(found.model.nv, 'coordinate')}. Motion: "
         f"{found.motion.source}.",
         found.tip_reason,
+        in_a_line(found.model),
     )
     out.print(*above, sep="\n", markup=False)
     shares = found.summary["effort_fraction"].sel(coordinate=list(found.model.driven_names)).values
@@ -126,7 +129,7 @@ def _print(found: Study, directory: Path, failure: FreebodyError | None) -> None
     sentences = (
         found.worst.text,
         energy_text(found.summary, found.motion.duration),
-        found.singularity.text,
+        *([found.singularity.text] if found.singularity else []),
         replay,
     )
     out.print(*sentences, sep="\n", markup=False)
@@ -134,6 +137,7 @@ def _print(found: Study, directory: Path, failure: FreebodyError | None) -> None
     for title, name in (("report: {}", REPORT), ("data:   {} and CSV tables beside it", DATA)):
         if failure is None or (isinstance(failure, OutputError) and name in failure.written):
             out.print(title.format(directory / name), markup=False, soft_wrap=True)
+    out.print(f"again:  {found.command}", markup=False, soft_wrap=True)
 
 
 def _print_checks(found: Study) -> None:

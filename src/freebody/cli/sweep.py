@@ -58,6 +58,7 @@ def sweep(
         typer.Option(min=1, metavar="COUNT", help="The states are so many random ones."),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of random states and samples.")] = 0,
+    frame: options.Frame = None,
     reduce: Annotated[
         str, typer.Option(metavar="NAMES", help="Such as peak, rms, max, mean or p99, by commas.")
     ] = "peak",
@@ -92,7 +93,7 @@ def sweep(
 
     model = robot.load()
     axes = _axes(over or [], samples, method, seed)
-    axes[_free("state", axes)] = _states(model, function, motion, states, seed)
+    axes[_free("state", axes)] = _states(model, function, frame, motion, states, seed)
     names = [name.strip() for name in reduce.split(",")]
     with terminal.warnings_as_lines(), terminal.progress("compiling") as progress:
         found = sweep_of(
@@ -100,6 +101,7 @@ def sweep(
             function,
             over=axes,
             reduce=names,
+            frame=frame,
             store=store,
             client=client,
             cpu=cpu,
@@ -168,7 +170,14 @@ def _range(text: str) -> tuple[str, float, float, int | None]:
     return name.strip(), low, high, int(count) if len(pieces) == 3 else None
 
 
-def _states(model: Model, function: str, motion: str | None, states: int | None, seed: int) -> Any:
+def _states(
+    model: Model,
+    function: str,
+    frame: str | None,
+    motion: str | None,
+    states: int | None,
+    seed: int,
+) -> Any:
     """The last axis: states, or a motion."""
     from freebody.kernels.arguments import arguments
     from freebody.kernels.options import chosen_option
@@ -178,7 +187,7 @@ def _states(model: Model, function: str, motion: str | None, states: int | None,
 
     if motion is not None and states is not None:
         raise FreebodyError("--motion and --states both say at which states; give one of them.")
-    formulas, option = chosen_option(model, function)
+    formulas, option = chosen_option(model, function, frame=frame)
     needed = [x.name for x in arguments(model, formulas, option)]
     if states is None:
         return default_motion(model) if motion is None else read_motion(model, motion)
@@ -220,6 +229,8 @@ def _print(
     model: Model, found: xr.Dataset, head: list[str], rows: list[list[str]], out: Path | None
 ) -> None:
     to = terminal.out()
+    if "doubts" in found.attrs:
+        terminal.warn(found.attrs["doubts"])
     to.print(f"{model.name}: {found.attrs['points']} points.", markup=False)
     left = len(rows) - _SHOWN
     terminal.table(TextTable(head, rows[:_SHOWN]))

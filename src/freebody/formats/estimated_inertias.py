@@ -19,7 +19,8 @@ import numpy as np
 
 from freebody.errors import FileError, FreebodyError, MissingPackageError
 from freebody.formats.read_file import contents
-from freebody.model.description import DOUBTFUL, ESTIMATED, Link, Notice, RobotDescription
+from freebody.model.description import Link, RobotDescription
+from freebody.model.doubts import ESTIMATED, IMPLAUSIBLE, Doubt
 from freebody.model.inertia import Inertia, combined
 from freebody.model.placement import Placement
 from freebody.model.quantity_reader import VALUES
@@ -66,7 +67,7 @@ def estimated(description: RobotDescription, mass: float) -> RobotDescription:
 
 def _told(
     description: RobotDescription, filled: dict[str, Inertia | None], mass: float, density: float
-) -> Iterator[Notice]:
+) -> Iterator[Doubt]:
     """What was done, and whether the stated mass can be right."""
     empty = [name for name, inertia in filled.items() if inertia is None]
     without = f"; links without shapes have none: {', '.join(empty)}" if empty else ""
@@ -75,13 +76,13 @@ def _told(
         f"assuming a uniform density of {density:.4g} kg/m³ so that their total mass is {mass:g} "
         f"kg{without}."
     )
-    yield Notice(ESTIMATED, text, description.file)
+    yield Doubt(ESTIMATED, text, description.file)
     if not LIGHTEST <= density <= DENSEST:
         text = (
             f"{mass:g} kg is implausible for the shapes in the file, whose volume is "
             f"{1e3 * mass / density:.3g} litres."
         )
-        yield Notice(DOUBTFUL, text, description.file)
+        yield Doubt(IMPLAUSIBLE, text, description.file)
 
 
 def _filled(link: Link, file: str) -> Inertia | None:

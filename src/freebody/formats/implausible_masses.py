@@ -24,13 +24,12 @@ import numpy as np
 
 from freebody.errors import listed
 from freebody.model.bodies import Body
-from freebody.model.description import DOUBTFUL, Notice
-from freebody.model.inertia import combined
+from freebody.model.doubts import IMPLAUSIBLE, NO_MASSES, Doubt, is_bare, weighs
+from freebody.model.inertia import Inertia, combined
 from freebody.model.model import Model
 from freebody.model.placement import Placement
 from freebody.model.quantity_reader import VALUES
 from freebody.model.shapes import DENSEST, LIGHTEST, Shape
-from freebody.model.tree import Attached
 from freebody.spatial import of_dimension
 
 _WIDE, _SMALL, _FAR = 2.0, 0.01, 3.0
@@ -43,6 +42,15 @@ _ROW, _LOOKED = 8, 64
 _SHOWN = 12  # names in a sentence
 
 
+@dataclass
+class _DoubtsFound:
+    """A doubt in the making: its sentence, and what it is about."""
+
+    text: str
+    about: list[tuple[str, Inertia | None]]
+    kind: str = IMPLAUSIBLE
+
+
 @dataclass(frozen=True)
 class _LinkInertia:
     """The inertia of one link, and the body that it is part of."""
@@ -51,35 +59,38 @@ class _LinkInertia:
     body: int
     mass: float
     tensor: np.ndarray
+    inertia: Inertia
 
 
 def implausible_masses(
     model: Model, shapes: Mapping[str, tuple[Shape, ...]], only_missing: bool = False
-) -> list[Notice]:
-    """Notices on the masses of a model, whose links have `shapes`; model.source is the file."""
+) -> list[Doubt]:
+    """Doubts on the masses of a model, whose links have `shapes`; model.source is the file."""
     missing = _missing(model, shapes)
-    found = []
+    found: list[_DoubtsFound] = []
     if missing:
         several = len(missing) > 1
-        found.append(
+        text = (
             f"{len(missing)} of {len(model.bodies)} moving bodies {'have' if several else 'has'} "
             f"no mass: {listed(missing, _SHOWN)}"
         )
+        found.append(_DoubtsFound(text, [(name, None) for name in missing], NO_MASSES))
     if not only_missing:
         sizes = _sizes(model, shapes)
         found += [*_placeholders(model, sizes), *_implausible(model, shapes, sizes)]
     if found and any(shapes.values()) and not only_missing:
-        found[-1] += (
+        found[-1].text += (
             " (--estimate-inertia MASS, in Python estimate_inertia=, estimates from the shapes in "
             "the file)"
         )
-    return [Notice(DOUBTFUL, f"{text}.", model.source or None) for text in found]
+    file = model.source or None
+    return [Doubt(x.kind, f"{x.text}.", file, about=tuple(x.about)) for x in found]
 
 
 # ------------------------------------------------------------ missing
 def _missing(model: Model, shapes: Mapping[str, tuple[Shape, ...]]) -> list[str]:
     """Names of the bodies without mass."""
-    bare = [not any(_weighs(part) for part in body.inertias) for body in model.bodies]
+    bare = list(map(is_bare, model.bodies))
     carries = [False] * len(bare)
     for k, empty in enumerate(bare):
         i = k
@@ -92,10 +103,6 @@ def _missing(model: Model, shapes: Mapping[str, tuple[Shape, ...]]) -> list[str]
         for i, body in enumerate(model.bodies)
         if bare[i] and (i in shaped or not carries[i])
     ]
-
-
-def _weighs(part: Attached) -> bool:
-    return any(VALUES.quantity(x) != 0.0 for x in (part.inertia.mass, *part.inertia.tensor))
 
 
 # ------------------------------------------------------------ sizes
@@ -126,10 +133,10 @@ def _links(model: Model) -> Iterator[_LinkInertia]:
         for part in body.inertias:
             mass, _, tensor = part.inertia.numbers()
             if mass > 0.0:
-                yield _LinkInertia(part.link, i, mass, tensor)
+                yield _LinkInertia(part.link, i, mass, tensor, part.inertia)
 
 
-def _placeholders(model: Model, own: Sequence[float]) -> Iterator[str]:
+def _placeholders(model: Model, own: Sequence[float]) -> Iterator[_DoubtsFound]:
     links = list(_links(model))
     whole = sum(link.mass for link in links)
     alike: dict[tuple[float, ...], list[_LinkInertia]] = {}
@@ -146,9 +153,10 @@ def _placeholders(model: Model, own: Sequence[float]) -> Iterator[str]:
         differ = len(row) > 2 and max(sizes) > 1.1 * min(sizes)
         if (len(row) > 1 and _is_plain(row[0])) or differ:
             mass, inertia = row[0].mass, float(row[0].tensor[0, 0])
-            yield (
+            yield _DoubtsFound(
                 f"{len(group)} links have the same placeholder inertia ({mass:g} kg, {inertia:g} "
-                f"kg m²): {listed([link.name for link in group], _SHOWN)}"
+                f"kg m²): {listed([link.name for link in group], _SHOWN)}",
+                [(link.name, link.inertia) for link in group],
             )
 
 
@@ -176,13 +184,13 @@ def _is_plain(link: _LinkInertia) -> bool:
 # ------------------------------------------------------------ implausible
 def _implausible(
     model: Model, shapes: Mapping[str, tuple[Shape, ...]], own: Sequence[float]
-) -> Iterator[str]:
+) -> Iterator[_DoubtsFound]:
     reach = sum(sorted(own)[-4:])  # the longest bodies make it
     volumes = _volumes(model, shapes)
     bodies = [_whole(body) for body in model.bodies]
     tiny = _TINY * sum(mass for mass, _, _ in bodies)
     ends = set(range(len(bodies))) - {body.parent for body in model.bodies}
-    reasons: dict[str, list[str]] = {}
+    reasons: dict[str, list[tuple[Body, str]]] = {}
     for i, (mass, away, gyration) in enumerate(bodies):
         if mass <= tiny or reach == 0.0:
             continue
@@ -192,15 +200,19 @@ def _implausible(
         for reason, value in _faults(
             mass, away, gyration, own[i], least, _FLOOR * reach, volumes[i]
         ):
-            reasons.setdefault(reason, []).append(f"{model.bodies[i].name} ({value})")
-    for reason, names in reasons.items():
-        yield f"{reason}: {listed(names, _SHOWN)}"
+            reasons.setdefault(reason, []).append((model.bodies[i], value))
+    for reason, bodies_found in reasons.items():
+        names = [f"{body.name} ({value})" for body, value in bodies_found]
+        yield _DoubtsFound(
+            f"{reason}: {listed(names, _SHOWN)}",
+            [(part.link, part.inertia) for body, _ in bodies_found for part in body.inertias],
+        )
 
 
 def _whole(body: Body) -> tuple[float, float, float]:
     """Of all that is fixed together: mass, distance of its centre from the joint, largest radius of
     gyration; 0 where masses are not positive."""
-    parts = [part for part in body.inertias if _weighs(part)]
+    parts = [part for part in body.inertias if weighs(part)]
     if not parts or any(VALUES.quantity(part.inertia.mass) <= 0.0 for part in parts):
         return 0.0, 0.0, 0.0
     placed = (part.inertia.placed(*part.placement.lower(of_dimension(3), VALUES)) for part in parts)

@@ -13,9 +13,10 @@ from freebody.formats.implausible_masses import implausible_masses
 from freebody.formats.urdf_elements import xacro
 from freebody.model import planar_arms
 from freebody.model.build import BasePolicy, MimicPolicy, build_model
-from freebody.model.description import DOUBTFUL, RobotDescription
+from freebody.model.description import RobotDescription
 from freebody.model.description_checks import Policy
 from freebody.model.dh import Convention
+from freebody.model.doubts import read_doubts, settled
 from freebody.model.model import Model
 from freebody.model.parameters import real
 
@@ -50,7 +51,9 @@ def load(
     A file is a regular one of at most 32 MB (TOML: 16) and 50 000 links, and no number in it but a
     limit is beyond 1e60.
 
-    tip: the frame that `frame=None` means; default: the file's, else the only leaf.
+    tip: the frame that `frame=None` means; default: the file's, else the only one that is called
+    tcp, tool0, flange, ee… or grasp…, in this order, else the end of the longest chain of joints,
+    grippers taken off, where only one is so long; `tip_reason` says which.
     base: "fixed" or "free" (a free joint carries the root link); default: the file's, else fixed.
     mimic: "follow", or "free" to make mimic joints independent.
     physical: "warn" about, "refuse" or "ignore" an inertia that no rigid body has, and friction,
@@ -87,16 +90,16 @@ def _estimated(description: RobotDescription, mass: float) -> RobotDescription:
 
 
 def _weighed(model: Model, description: RobotDescription, estimate: bool, told: bool) -> Model:
-    """The model with notices on what is doubtful about its masses, where they are to be those of a
-    machine."""
+    """The model with doubts on its masses, where they are to be those of a machine."""
     if description.real:
         found = implausible_masses(
             model, {link.name: link.shapes for link in description.links}, estimate
         )
         model = replace(model, notices=(*model.notices, *found)) if found else model
-    for notice in model.notices if told else ():
-        if notice.kind == DOUBTFUL:
-            warn(f"warning: {notice}", MassWarning)
+    model = settled(model)
+    for doubt in read_doubts(model) if told else ():
+        if doubt.of.mend:
+            warn(f"warning: {doubt}", MassWarning)
     return model
 
 

@@ -11,7 +11,8 @@ from pathlib import Path
 
 from freebody.errors import FreebodyError
 from freebody.model.bodies import Frame
-from freebody.model.description import MASS_NOTICES, Drive, Joint, Limits, Loop
+from freebody.model.description import Drive, Joint, Limits, Loop
+from freebody.model.doubts import DOUBT_KINDS, read_doubts
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
 from freebody.model.model import Model
@@ -25,8 +26,9 @@ from freebody.outputs.files import write
 def save(model: Model, path: str | os.PathLike[str]) -> None:
     """Write the model to a .toml file (UTF-8).
 
-    Of `model.notices` those on masses that are doubtful or estimated go along, as `masses_doubtful`
-    and `masses_estimated`; the others, about the file it came from, are not saved.
+    Of `model.notices` the doubts that still stand go along, as `masses_missing`, `masses_doubtful`,
+    `masses_estimated` and `limits_estimated`; the others, about the file it came from, are not
+    saved.
     """
     target = Path(path)
     if target.suffix.lower() != ".toml":
@@ -74,10 +76,11 @@ class _TomlWriter:
             entries["tip"] = _text(model.tip)
         if self.free:
             entries["base"] = _text("free")
-        for key, kind in MASS_NOTICES.items():
-            texts = [_text(notice.text) for notice in model.notices if notice.kind == kind]
+        doubts = read_doubts(model)
+        for kind in DOUBT_KINDS.values():
+            texts = [_text(doubt.text) for doubt in doubts if doubt.kind == kind.name]
             if texts:
-                entries[key] = f"[{', '.join(texts)}]"
+                entries[kind.key] = f"[{', '.join(texts)}]"
         if model.loop_tolerance is not None:
             entries["loop_tolerance"] = _vector(model.loop_tolerance)
         return _entries(entries)

@@ -15,7 +15,8 @@ from freebody.formats.toml_lines import bounded, lines
 from freebody.formats.toml_parameters import with_values
 from freebody.formats.toml_table import TomlTable
 from freebody.model import dh, planar_arms
-from freebody.model.description import MASS_NOTICES, Link, Notice, RobotDescription
+from freebody.model.description import Link, RobotDescription
+from freebody.model.doubts import DOUBT_KINDS, Doubt
 
 _GENERAL = (
     "name",
@@ -31,7 +32,7 @@ _GENERAL = (
     "loop",
     "loop_tolerance",
     "home",
-    *MASS_NOTICES,
+    *(kind.key for kind in DOUBT_KINDS.values() if kind.key),
 )
 _TREE = ("link", "joint")
 _BASES: tuple[Literal["fixed", "free"], ...] = ("fixed", "free")
@@ -72,9 +73,10 @@ def describe(file: str, text: str, *, name: str) -> RobotDescription:
         source=top.text("source", ""),
         about=top.text("about", ""),
         notices=tuple(
-            Notice(kind, text, file)
-            for key, kind in MASS_NOTICES.items()
-            for text in _texts(top, key)
+            Doubt(kind.name, text, file)
+            for kind in DOUBT_KINDS.values()
+            if kind.key
+            for text in _texts(top, kind.key)
         ),
         file=file,
     )

@@ -20,8 +20,9 @@ _MOST_KINDS = 100
 def xacro(name: str, stem: str) -> str:
     """How to expand a file of that name, with ROS and without."""
     return (
-        f"expand it first, with ROS by `xacro {name} > {stem}.urdf`, without by `pip install "
-        f"xacrodoc`, then `xacrodoc {name} -o {stem}.urdf`"
+        f"expand it first, with `xacro {name} -o {stem}.urdf`; without ROS, `pip install xacro` "
+        f"has this command, and each $(find PACKAGE) in the file is to be replaced by that "
+        f"package's folder"
     )
 
 

@@ -21,7 +21,6 @@ from freebody.loops.dyad_decomposition import Decomposition, decomposed
 from freebody.loops.equations import (
     closing,
     gaps,
-    scaled_jacobian,
     scaled_residual,
     within_tolerance,
 )
@@ -46,6 +45,7 @@ def of_closed_chain(
     if work.plan is not None:
         candidates = work.plan.solve(np.tile(work.rest, (len(problem.target), 1)), problem.target)
         if candidates is not None:
+            problem.refuse_search()
             solutions = work.verified(candidates, problem.target)
             nq = problem.solver.model.nq
             found = found_in_turn(solutions, work.named(solutions), nq, "dyads, in closed form", [])
@@ -115,35 +115,17 @@ class _Held:
         """Where coordinates start, and next to which they are wrapped (nq,)."""
         return self.problem.reference
 
-    @cached_property
-    def _scales(self) -> tuple[Array, Array]:
-        """Of the tip's rows, of rates."""
-        model, task = self.solver.model, self.solver.task
-        linear = len(task.linear)
-        tip = np.array([1.0 / length(model)] * linear + [1.0] * (len(task.rows) - linear))
-        return tip, rate_scale(model)
-
-    def equations(self, q: Array, target: Array, weight: float = 1.0) -> tuple[Array, Array]:
-        """(what is missing (..., r + m), the Jacobian (..., r + m, nv)), scaled; loops count
-        `weight` times."""
-        tip, rates = self._scales
-        T, J = self.solver.pose_and_jacobian(q)
-        model = self.solver.model
-        missing = [tip * self.solver.task.error(T, target), -weight * scaled_residual(model, q)]
-        slopes = [tip[:, None] * J * rates, weight * scaled_jacobian(model, q)]
-        return np.concatenate(missing, axis=-1), np.concatenate(slopes, axis=-2)
-
     def descend(
         self, target: Array, starts: Array, weight: float, iterations: int
     ) -> tuple[Array, Array]:
         """(q, what is left) from starts (N, nq) to targets (N, …)."""
-        _, rates = self._scales
+        solver = self.solver
 
         def at(q: Array, rows: np.ndarray) -> tuple[Array, Array]:
-            return self.equations(q, target[rows], weight)
+            return solver.equations(q, target[rows], weight)
 
         def move(q: Array, step: Array) -> Array:
-            return integrate(self.solver.model, q, step * rates)
+            return solver.moved(q, step * solver.rates)
 
         goal = 1e-14 if weight == 1.0 else 0.0
         return descend(at, starts, move, goal=goal, iterations=iterations)
@@ -207,19 +189,19 @@ class _Held:
 
     def _polished(self, q: Array, target: Array) -> Array:
         """q after Newton steps, each kept where it helped."""
-        _, rates = self._scales
+        solver = self.solver
         for _ in range(4 if len(q) else 0):
-            e, E = self.equations(q, target)
-            step = (np.linalg.pinv(E, rcond=1e-9) @ e[..., None])[..., 0] * rates
-            trial = integrate(self.solver.model, q, step)
-            after, _ = self.equations(trial, target)
+            e, E = solver.equations(q, target)
+            step = (np.linalg.pinv(E, rcond=1e-9) @ e[..., None])[..., 0] * solver.rates
+            trial = solver.moved(q, step)
+            after, _ = solver.equations(trial, target)
             better = np.linalg.norm(after, axis=-1) < np.linalg.norm(e, axis=-1)
             q = np.where(better[:, None], trial, q)
         return q
 
     def freedom(self, q: Array) -> int:
         """Motions that are left with the tip held."""
-        _, E = self.equations(q, self.solver.pose_and_jacobian(q)[0])
+        _, E = self.solver.equations(q, self.solver.pose_and_jacobian(q)[0])
         return E.shape[-1] - int(np.linalg.matrix_rank(E, rtol=1e-8))
 
     def thinned(self, s: Verified) -> Verified:

@@ -74,7 +74,7 @@ def _side_by_side(
     solver, task = problem.solver, problem.solver.task
     limits = [body.joint.limits for body in model.bodies]
     differ = any(isinstance(x, Members) for one in limits for x in (one.lower, one.upper))
-    if model.loops or problem.starts is not None or differ:
+    if model.loops or problem.searched or differ:
         return [], every
     known = form_near(solver.model, solver.frame, task)
     if known is None or not len(every):

@@ -41,7 +41,7 @@ def inverse_kinematics(
     limits: LimitsChoice = "mark",
     redundancy: ArrayLike | None = None,
     starts: int | None = None,
-    seed: int = 0,
+    seed: int | None = None,
 ) -> Solutions:
     """All joint positions that bring a frame to a target where a closed form exists, else those
     found from many starts.
@@ -55,7 +55,7 @@ def inverse_kinematics(
     redundancy: (...), of an arm with seven joints the position of the last, else of the first (rad,
     m), for which all branches are returned; without it, of each branch the one nearest to q0, else
     to the middle of the limits. starts, seed: of the numeric search (default: 32 for redundant
-    arms, else 96).
+    arms, else 96, and 0), which they ask for; refused where a closed form finds all.
 
     Returns Solutions. Out of reach: k = 0, the distance (m) to the workspace, and a sentence in
     `notes`. Every solution has been put through forward kinematics. Raises ShapeError,
@@ -78,7 +78,7 @@ def inverse_kinematics(
     try:
         known = model.compiled["inverse_kinematics", frame, task, limits, given.shape[-1]]
         sure = known(given, q0, redundancy)
-        if sure is not None and starts is None:
+        if sure is not None and starts is None and seed is None:
             return sure
     except UNCLEAR:
         pass
@@ -116,7 +116,9 @@ def _found(problem: Problem, form: ClosedFormArm | None) -> tuple[Problem, Found
     if form is None:
         return problem, _without_form(problem)
     if form.held is not None and problem.held is None:
-        return problem, by_self_motion(problem, form) or by_search(problem)
+        found = None if problem.searched else by_self_motion(problem, form)
+        return problem, found or by_search(problem)
+    problem.refuse_search()
     problem = replace(problem, target=form.complete(problem.target))
     return problem, by_closed_form(problem, form)
 
@@ -129,7 +131,7 @@ def _asked(
     q0: Vector | None,
     limits: LimitsChoice,
     starts: int | None,
-    seed: int,
+    seed: int | None,
 ) -> tuple[Problem, Array]:
     """The arguments checked, of a family as a problem of its first member; the targets as poses (…,
     dim + 1, dim + 1)."""
@@ -147,7 +149,8 @@ def _asked(
     if model.family:
         solver = replace(solver, model=model[(0,) * len(model.family)])
     flat = poses.reshape(-1, *poses.shape[-2:])
-    return Problem(solver, flat, start, limits, starts, seed), poses
+    searched = starts is not None or seed is not None
+    return Problem(solver, flat, start, limits, starts, seed or 0, searched), poses
 
 
 def _form(problem: Problem) -> ClosedFormArm | None:
@@ -163,7 +166,7 @@ def _without_form(problem: Problem) -> Found:
     """From the branches of an arm nearby where there is one, else from many starts."""
     solver = problem.solver
     known = None
-    if problem.starts is None:
+    if not problem.searched:
         known = nearby_form(solver.model, solver.frame, solver.task)
     return by_search(problem) if known is None else by_nearby(problem, known)
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.algorithms.kinematics import ancestors
+from freebody.algorithms.loop_scales import rates_of_lengths
 from freebody.algorithms.screws import arm_length
 from freebody.arrays import Array
 from freebody.inverse.descent_kernel import descend_by_kernel, descent_kernel
@@ -18,6 +19,8 @@ from freebody.kernels import structural
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import Bound
 from freebody.lazy import cached_property
+from freebody.loops.equations import scaled_jacobian, scaled_residual
+from freebody.loops.scaled_equations import length as mechanism_length
 from freebody.model.model import Model
 from freebody.trees.states import generic_state, integrate
 
@@ -37,8 +40,21 @@ class NumericalSolver:
 
     @cached_property
     def length(self) -> float:
-        """Length of the arm (m): what a radian is worth."""
+        """Length of the arm, of a closed chain of the mechanism (m): what a radian is worth."""
+        if self.model.loops:
+            return mechanism_length(self.model)
         return arm_length(self.model.tree, self.frame)
+
+    @cached_property
+    def rates(self) -> Array:
+        """(nv,): the length for rates in m/s, 1 for angular ones."""
+        return np.where(rates_of_lengths(self.model.tree), self.length, 1.0)
+
+    @cached_property
+    def scale(self) -> Array:
+        """(r,): what makes angles of the task's rows."""
+        angular = len(self.task.angular)
+        return np.array([1.0 / self.length] * len(self.task.linear) + [1.0] * angular)
 
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
@@ -91,6 +107,21 @@ class NumericalSolver:
             J[..., list(at.v)] = 0.0
         return T, J
 
+    def equations(self, q: Array, target: Array, weight: float = 1.0) -> tuple[Array, Array]:
+        """(what is missing (..., r + m), its slopes (..., r + m, nv) over `rates`) of the task and
+        of a closed chain's loops, as angles; loops count `weight` times."""
+        T, J = self.pose_and_jacobian(q)
+        missing = self.scale * self.task.error(T, target)
+        slopes = self.scale[:, None] * J * self.rates
+        model = self.model
+        if not model.loops:
+            return missing, slopes
+        open_by, loops = scaled_residual(model, q), scaled_jacobian(model, q)
+        return (
+            np.concatenate([missing, -weight * open_by], axis=-1),
+            np.concatenate([slopes, weight * loops], axis=-2),
+        )
+
     def miss(self, q: Array, target: Array) -> Array:
         """How far q (..., nq) is from the targets, by forward kinematics: m or rad, the larger."""
         return self.task.miss(self.pose_and_jacobian(q)[0], target)
@@ -118,7 +149,7 @@ class NumericalSolver:
                 by_kernel, starts, target, scales, limits, goal=goal, iterations=iterations
             )
         k = len(self.task.linear)
-        scale = np.array([1.0 / self.length] * k + [weight] * (len(self.task.rows) - k))
+        scale = np.append(self.scale[:k], weight * self.scale[k:])
 
         def residual(q: Array, rows: np.ndarray) -> tuple[Array, Array]:
             T, J = self.pose_and_jacobian(q)

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.errors import FreebodyError
 from freebody.inverse.numerical_solver import NumericalSolver
 from freebody.inverse.solutions import Names, Verified, named, wrapped
 from freebody.lazy import cached_property
@@ -27,6 +28,8 @@ class Problem:
     limits: LimitsChoice
     starts: int | None
     seed: int
+    searched: bool = False
+    """Whether a search was asked for, by its starts or seed."""
     held: Array | None = None
     """(N,): of an arm of seven joints the position of the one that is given."""
     alone: bool = False
@@ -36,6 +39,15 @@ class Problem:
         """The targets of these rows alone."""
         held = None if self.held is None else self.held[rows]
         return replace(self, target=self.target[rows], held=held)
+
+    def refuse_search(self) -> None:
+        """Refuse what is asked of a search, where a closed form answers."""
+        if self.searched:
+            raise FreebodyError(
+                f"inverse_kinematics: starts= and seed= are of the numeric search; for "
+                f"{self.solver.model.name!r} with frame {self.solver.frame!r} and this task a "
+                f"closed form finds all positions. Leave them out."
+            )
 
     @cached_property
     def reference(self) -> Array:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from freebody.algorithms.screws import arm_length
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, SingularError, warn
-from freebody.inverse.task import row_names, rows_of
+from freebody.inverse.task import combined_rates, row_names, rows_of
 from freebody.labels import aligned, labels_of
 from freebody.model.model import Model
 from freebody.model.model_argument import require_one
@@ -199,20 +199,9 @@ def _refuse_singular(problem: _JacobianRows, U: Array, singular: np.ndarray) -> 
     raise SingularError(
         f"{problem.function}: the Jacobian is singular{where}: {problem.frame} has lost a degree "
         f"of freedom: every motion that the joints can give it satisfies "
-        f"{_linear(lost, problem.names)} = 0. Leave out a row (task=), or give damping=0.05 for "
-        f"the nearest possible motion."
+        f"{combined_rates(lost, problem.names)} = 0. Leave out a row (task=), or give damping=0.05 "
+        f"for the nearest possible motion."
     )
-
-
-def _linear(factors: Array, names: list[str]) -> str:
-    """vx + 0.309 vy - 2 w."""
-    text = ""
-    for factor, name in zip(factors, names, strict=True):
-        if abs(factor) > 1e-9:
-            size = "" if f"{abs(factor):.3g}" == "1" else f"{abs(factor):.3g} "
-            sign = (" - " if factor < 0 else " + ") if text else ("-" if factor < 0 else "")
-            text += f"{sign}{size}{name}"
-    return text
 
 
 def _say_damped(problem: _JacobianRows, J: Array, rates: Array, wanted: Array) -> None:

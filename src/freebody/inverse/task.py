@@ -72,6 +72,17 @@ def row_names(dim: int) -> tuple[str, ...]:
     return ("vx", "vy", "vz", "wx", "wy", "wz") if dim == 3 else ("vx", "vy", "w")
 
 
+def combined_rates(factors: Array, names: Sequence[str]) -> str:
+    """vx + 0.309 vy - 2 w: factors times rates by name."""
+    text = ""
+    for factor, name in zip(factors, names, strict=True):
+        if abs(factor) > 1e-9:
+            size = "" if f"{abs(factor):.3g}" == "1" else f"{abs(factor):.3g} "
+            sign = (" - " if factor < 0 else " + ") if text else ("-" if factor < 0 else "")
+            text += f"{sign}{size}{name}"
+    return text
+
+
 def rows_of(function: str, model: Model, task: str | Sequence[str]) -> tuple[int, ...]:
     """Indices of the rows that a task names: "position", "orientation", "pose", or rows one by
     one."""

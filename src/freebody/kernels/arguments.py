@@ -63,7 +63,9 @@ def shape(
         "pose": lambda: model.dim + 1,
         "rows": lambda: len(option.rows),
         "equations": lambda: (
-            (tree or model.tree).constraints if option.equations is None else len(option.equations)
+            (tree or model.tree).constraints
+            if option.equations is None
+            else len(option.equations.rows)
         ),
         "constraints": lambda: (tree or model.tree).constraints,
         "loose": lambda: (

@@ -16,7 +16,7 @@ _OF_FAMILIES = (
     "forward_dynamics",
     "static_torque",
     "joint_wrenches",
-    "independent_rows",
+    "counting_equations",
     "require_partition",
 )
 _PLACES = {
@@ -26,7 +26,7 @@ _PLACES = {
     "joint_wrenches": ("freebody.loops.reactions", "reactions"),
     "assemble": ("freebody.loops.assembly", "assemble"),
     "loop_velocity": ("freebody.loops.rates", "loop_velocity"),
-    "independent_rows": ("freebody.loops.independent_equations", "independent_rows"),
+    "counting_equations": ("freebody.loops.independent_equations", "counting_equations"),
     "require_partition": ("freebody.loops.independent_equations", "require_partition"),
 }
 

@@ -8,6 +8,7 @@ times a unit vector, all columns in one batch.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -17,18 +18,40 @@ from freebody.arrays import Array, as_floats, check_core
 from freebody.errors import ShapeError
 from freebody.kernels.formulas import FORMULAS
 from freebody.kernels.formulas.record import Fetch
-from freebody.program import Argument
+from freebody.lazy import cached_property
+from freebody.program import Argument, Program
 from freebody.targets import KernelError
 
 LARGEST = 64
 """Coordinates up to which a matrix is one straight-line program."""
 
 
-class ColumnKernel:
+class _InParts:
+    """What is computed by several kernels, and could be one."""
+
+    def __init__(self, inputs: tuple[Argument, ...], whole: Callable[[], Program]):
+        self.inputs, self._whole = inputs, whole
+
+    @cached_property
+    def program(self) -> Program:
+        """What is computed, as one program, which is traced when it is first asked for and run by
+        nothing here: it grows with the square of the robot."""
+        return self._whole()
+
+
+class ColumnKernel(_InParts):
     """Called like a `Kernel` of the same formula: (..., n) inputs, (..., n, n) outputs."""
 
-    def __init__(self, name: str, inputs: tuple[Argument, ...], n: int, fetch: Fetch):
-        self.name, self.inputs, self.n, self.fetch = name, inputs, n, fetch
+    def __init__(
+        self,
+        name: str,
+        inputs: tuple[Argument, ...],
+        n: int,
+        fetch: Fetch,
+        whole: Callable[[], Program],
+    ):
+        super().__init__(inputs, whole)
+        self.name, self.n, self.fetch = name, n, fetch
 
     def __call__(self, *arrays: ArrayLike, out: Any = None, threads: int | None = None) -> Any:
         """The matrix, or the tuple of them; `out` receives copies. Refuses what a `Kernel`
@@ -63,16 +86,22 @@ class ColumnKernel:
         return f"ColumnKernel({self.name}: {', '.join(map(str, self.inputs))}; n = {self.n})"
 
 
-class KernelList:
+class KernelList(_InParts):
     """Several quantities of a large robot behind one call, each part a kernel of its own.
 
     Called like a `Kernel` of them all; only, a sample has NaN in the quantities whose own inputs
     are not finite.
     """
 
-    def __init__(self, inputs: tuple[Argument, ...], parts: list[tuple[Any, list[str], list[int]]]):
+    def __init__(
+        self,
+        inputs: tuple[Argument, ...],
+        parts: list[tuple[Any, list[str], list[int]]],
+        whole: Callable[[], Program],
+    ):
         """parts: kernel, names of its inputs, and which outputs of the whole its outputs are."""
-        self.inputs, self.parts = inputs, parts
+        super().__init__(inputs, whole)
+        self.parts = parts
 
     def __call__(
         self, *arrays: ArrayLike, out: tuple[Array, ...] | None = None, threads: int | None = None

@@ -67,32 +67,32 @@ def driven_step(
     wrench_frames: Sequence[str] = (),
     varying: Sequence[bool] = (),
     law: Program | None = None,
+    adds: bool = False,
     holds: bool = False,
 ) -> Bound:
     """A kernel (q, qd, h, width, t, …) -> (q1, qd1): a step of h from time t on.
 
     Then follow, without a law, two torques (nv,) and which parts of the way from the one to the
     other the step begins and ends at (2,), else the law's inputs besides `STATE` in its order;
-    then, where the step `holds` coordinates, torques that push besides (nv,) and which coordinates
+    then, where it `adds` another line of torques, the same of that; then, where the step `holds`
+    coordinates, torques that push besides (nv,) and which coordinates
     are held (nv,), 1 or 0; then the wrenches, of one that is `varying` two and the parts, like the
     torques. width: of Coulomb friction. With the model's numbers as last input, as in
     `structural.fetch`.
     """
     record = STEP_METHODS[method]
-    option, given, taken = _taken(model, record.formula, wrench_frames, law, holds, tuple(varying))
+    takes = _Taken(model, law, adds, holds, tuple(varying))
+    option = _option(model, record.formula, wrench_frames)
     reached = (Argument("q1", (model.nq,)), Argument("qd1", (model.nv,)))
 
     def evaluate(tree: Tree, *scalars: Any) -> tuple[Any, ...]:
-        q, qd, h, width, t, *more = scalars
-        own, more = more[:given], more[given:]
-        torque = _of_law(law, t, h, own) if law else _of_line(*own)
-        held, loads = (more[:2], more[2:]) if holds else ((), more)
-        step = _DrivenStep(tree, option, method, width, torque, _loads(varying, loads), *held)
+        (q, qd, h, width), (torque, held, loads) = scalars[:4], takes.told(scalars)
+        step = _DrivenStep(tree, option, method, width, torque, loads, *held)
         end = step.implicit(q, qd, h) if record.implicit else step.explicit(q, qd, h)
         return simulation_steps.on_loops(tree, q, end, option.equations)
 
-    key = ("driven step", method, law.digest if law else "", "holds" if holds else "", str(varying))
-    return _fetched(model, key, option, evaluate, taken, reached)
+    key = ("driven step", method, *takes.key)
+    return _fetched(model, key, option, evaluate, takes.inputs, reached)
 
 
 def driven_rates(
@@ -100,52 +100,83 @@ def driven_rates(
     wrench_frames: Sequence[str],
     varying: Sequence[bool],
     law: Program | None,
+    adds: bool = False,
 ) -> Bound:
     """What a step that holds coordinates meets in a state: a kernel of the same inputs -> (q̈ (nv,),
     what holds (nv,), M (nv, nv))."""
-    option, given, taken = _taken(model, "rk4_step", wrench_frames, law, True, tuple(varying))
-    nv = model.nv
+    takes = _Taken(model, law, adds, True, tuple(varying))
+    option, nv = _option(model, "rk4_step", wrench_frames), model.nv
     found = (Argument("qdd", (nv,)), Argument("reaction", (nv,)), Argument("M", (nv, nv)))
 
     def evaluate(tree: Tree, *scalars: Any) -> HeldMotion:
-        q, qd, h, width, t, *more = scalars
-        own, (push, held, *loads) = more[:given], more[given:]
-        torque = _of_law(law, t, h, own) if law else _of_line(*own)
-        on_frames = _loads(varying, loads)
-        return _DrivenStep(tree, option, "rk4", width, torque, on_frames, push, held).rates(q, qd)
+        (q, qd, _, width), (torque, held, loads) = scalars[:4], takes.told(scalars)
+        return _DrivenStep(tree, option, "rk4", width, torque, loads, *held).rates(q, qd)
 
-    key = ("driven rates", law.digest if law else "", str(varying))
-    return _fetched(model, key, option, evaluate, taken, found)
+    key = ("driven rates", *takes.key)
+    return _fetched(model, key, option, evaluate, takes.inputs, found)
 
 
-def _taken(
-    model: Model,
-    formula: str,
-    wrench_frames: Sequence[str],
-    law: Program | None,
-    holds: bool,
-    varying: tuple[bool, ...],
-) -> tuple[Option, int, tuple[Argument, ...]]:
-    """The option of a formula, how many inputs say what the torque is, and all inputs but the
-    model's numbers."""
-    _, option = chosen_option(model, formula, wrench_frames=wrench_frames, function="simulate")
-    given = tuple(x for x in law.inputs if x.name not in STATE) if law else _line_of("", model.nv)
-    size = 6 if model.dim == 3 else 3
-    taken = (
-        Argument("q", (model.nq,)),
-        Argument("qd", (model.nv,)),
-        Argument("h", ()),
-        Argument("width", (), uniform=True),
-        Argument("t", ()),
-        *(Argument(f"given{k}", x.shape) for k, x in enumerate(given)),
-        *(Argument(name, (model.nv,)) for name in ("push", "held") if holds),
-        *(
-            x
-            for k, varies in enumerate(varying)
-            for x in (_line_of(f"wrench{k}", size) if varies else [Argument(f"wrench{k}", (size,))])
-        ),
-    )
-    return option, len(given), taken
+def _option(model: Model, formula: str, wrench_frames: Sequence[str]) -> Option:
+    return chosen_option(model, formula, wrench_frames=wrench_frames, function="simulate")[1]
+
+
+@dataclass(frozen=True)
+class _Taken:
+    """What a kernel of a step takes besides the model's numbers."""
+
+    model: Model
+    law: Program | None
+    adds: bool
+    holds: bool
+    varying: tuple[bool, ...]
+
+    @property
+    def key(self) -> tuple[str, ...]:
+        """By which kernels are told apart."""
+        law = self.law.digest if self.law else ""
+        return law, "adds" if self.adds else "", "holds" if self.holds else "", str(self.varying)
+
+    @property
+    def own(self) -> tuple[Argument, ...]:
+        """What says what the torque is."""
+        if self.law is None:
+            return _line_of("", self.model.nv)
+        return tuple(x for x in self.law.inputs if x.name not in STATE)
+
+    @property
+    def inputs(self) -> tuple[Argument, ...]:
+        """All, in their order."""
+        nv, size = self.model.nv, 6 if self.model.dim == 3 else 3
+        return (
+            Argument("q", (self.model.nq,)),
+            Argument("qd", (nv,)),
+            Argument("h", ()),
+            Argument("width", (), uniform=True),
+            Argument("t", ()),
+            *(Argument(f"given{k}", x.shape) for k, x in enumerate(self.own)),
+            *(_line_of("added", nv) if self.adds else ()),
+            *(Argument(name, (nv,)) for name in ("push", "held") if self.holds),
+            *(
+                x
+                for k, varies in enumerate(self.varying)
+                for x in (
+                    _line_of(f"wrench{k}", size) if varies else [Argument(f"wrench{k}", (size,))]
+                )
+            ),
+        )
+
+    def told(
+        self, scalars: Sequence[Any]
+    ) -> tuple[Torque, Sequence[Vector], Callable[[float], Loads]]:
+        """The torque, what pushes and what is held, and the wrenches."""
+        _, _, h, _, t, *rest = scalars
+        more = iter(rest)
+        own = [*islice(more, len(self.own))]
+        torque = _of_law(self.law, t, h, own) if self.law else _of_line(*own)
+        if self.adds:
+            torque = _sum(torque, _of_line(*islice(more, 3)))
+        held = [*islice(more, 2)] if self.holds else ()
+        return torque, held, _loads(self.varying, [*more])
 
 
 def _fetched(
@@ -195,6 +226,10 @@ def _of_line(*own: Vector) -> Torque:
     return lambda part, q, qd: line(part)
 
 
+def _sum(one: Torque, other: Torque) -> Torque:
+    return lambda part, q, qd: add(one(part, q, qd), other(part, q, qd))
+
+
 def _loads(varying: Sequence[bool], given: Sequence[Vector]) -> Callable[[float], Loads]:
     """Wrenches on frames, of the part of the step that has passed."""
     rest = iter(given)
@@ -209,6 +244,18 @@ def _of_law(law: Program, t: Scalar, h: Scalar, own: Sequence[Any]) -> Torque:
         return tau
 
     return at
+
+
+def both_laws(law: Program, other: Program) -> Program:
+    """The sum of two laws, the second of which takes nothing but `STATE`."""
+    taken = {x.name: x for x in (*law.inputs, *other.inputs)}
+
+    def tau(*scalars: Any) -> tuple[Vector]:
+        given = dict(zip(taken, scalars, strict=True))
+        (one,), (more,) = (evaluated(x, [given[i.name] for i in x.inputs]) for x in (law, other))
+        return (add(one, more),)
+
+    return trace("both_laws", tau, tuple(taken.values()), law.outputs)
 
 
 def law_inputs(law: Program, state: Mapping[str, Any], own: Sequence[Any]) -> list[Any]:
@@ -240,8 +287,8 @@ class _DrivenStep:
         def on_bodies(part: float, q: Vector) -> Any:
             return external(self.tree, self.option, q, self.loads(part))
 
-        law, rows = _linearised(self.tree, self.torque), self.option.equations
-        return simulation_steps.implicit(self.tree, q, qd, h, on_bodies, law, rows, self.width)
+        law, counting = _linearised(self.tree, self.torque), self.option.equations
+        return simulation_steps.implicit(self.tree, q, qd, h, on_bodies, law, counting, self.width)
 
     def rates(self, q: Vector, qd: Vector, part: float = 0.0) -> HeldMotion:
         """What the state meets."""

@@ -16,6 +16,7 @@ from freebody.kernels.inputs import InputKernel, KernelInputs
 from freebody.kernels.kernel_or_quantities import Asked, asked
 from freebody.kernels.program_description import ProgramDescription, of_program
 from freebody.kernels.self_test_samples import vectors
+from freebody.model.doubts import Doubt, attribute
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
 from freebody.outputs.folder import write_folder
@@ -68,7 +69,9 @@ def export(
     """
     if not isinstance(out, str | os.PathLike):
         raise KindError("fb.export", "out", out, "the name of a folder")
-    unit, described, given, option = _unit("fb.export", what, names, language, name, dtype, options)
+    unit, described, given, option, doubts = _unit(
+        "fb.export", what, names, language, name, dtype, options
+    )
     known = LANGUAGES[language]
     model = what if isinstance(what, Model) else None
     files = known.package(
@@ -78,6 +81,7 @@ def export(
     files["README.txt"] = _readme(word, known.test.format(name=word), known.note, list(files))
     files["names.json"] = json.dumps(described, indent=1) + "\n"
     about = {"freebody": __version__, "function": word, "language": language, "dtype": dtype}
+    about |= attribute(doubts)
     return write_folder(out, {key: (lambda text=text: text) for key, text in files.items()}, about)
 
 
@@ -89,9 +93,9 @@ def _unit(
     name: str | None,
     dtype: str,
     options: dict[str, Any],
-) -> tuple[Unit, dict[str, Any], KernelInputs | None, Option | None]:
-    """What is written, the names behind its words, the numbers that are inputs, and what was
-    chosen of a model."""
+) -> tuple[Unit, dict[str, Any], KernelInputs | None, Option | None, tuple[Doubt, ...]]:
+    """What is written, the names behind its words, the numbers that are inputs, what was chosen of
+    a model, and the doubts on it."""
     if not isinstance(language, str) or language not in LANGUAGES:
         raise UnknownNameError("language", language, function, LANGUAGES)
     dtypes = LANGUAGES[language].dtypes
@@ -117,11 +121,11 @@ def _unit(
             else None
         )
         comment, words = of_program(traced, given)
-        return Unit(traced, name or traced.name, comment, None, dtype), words, given, None
+        return Unit(traced, name or traced.name, comment, None, dtype), words, given, None, ()
     traced = share_reciprocals(chosen.program())
     about = ProgramDescription(chosen.model, chosen.names, chosen.option, chosen.given, traced)
     unit = Unit(traced, name or traced.name, about.comment, about.joints, dtype, about.marks)
-    return unit, about.names, chosen.given, chosen.option
+    return unit, about.names, chosen.given, chosen.option, about.doubts
 
 
 def _readme(word: str, command: str, note: str, files: list[str]) -> str:

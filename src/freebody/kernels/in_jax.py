@@ -35,14 +35,15 @@ def to_jax(
     or a tuple. With inputs=, p (..., k) comes last, or is given as p={name: value}, the rest being
     the model's. On the CPU it runs the compiled kernel, inside of what JAX compiles; on other
     platforms, or where JAX has another interface than the one that is known, JAX calls Python, and
-    a UserWarning says so. Derivatives of every order, forward and reverse, come from compiled
-    kernels too: ordinary partial derivatives, by q of all its nq entries (on the tangent space they
-    are with by=), by numbers of the model given as p. f.parameters, f.values: names of the entries
-    of p, and the model's own values. 64-bit numbers are the caller's choice,
-    jax.config.update("jax_enable_x64", True); without it JAX makes all numbers float32, and the
-    kernel computes in these, to about 6 digits, and refuses dtype="float64". A kernel of float32
-    keeps to them. Raises UnknownNameError, FreebodyError; f raises KernelError, ShapeError,
-    BatchError.
+    a UserWarning says so. Arrays on several devices are cut along the batch, so that each device
+    computes its own samples; along Explicit axes of a mesh they are refused (jax.shard_map).
+    Derivatives of every order, forward and reverse, come from compiled kernels too: ordinary
+    partial derivatives, by q of all its nq entries (on the tangent space they are with by=), by
+    numbers of the model given as p. f.parameters, f.values: names of the entries of p, and the
+    model's own values. 64-bit numbers are the caller's choice, jax.config.update("jax_enable_x64",
+    True); without it JAX makes all numbers float32, and the kernel computes in these, to about 6
+    digits, and refuses dtype="float64". A kernel of float32 keeps to them. Raises UnknownNameError,
+    FreebodyError; f raises KernelError, ShapeError, BatchError.
     """
     chosen = asked("fb.to_jax", what, names, options)
     try:
@@ -157,6 +158,14 @@ def _check(program: Program, arrays: Sequence[Any]) -> None:
         )
     shapes = []
     for x, argument in zip(arrays, inputs, strict=True):
+        along = tuple(getattr(getattr(x.aval, "sharding", None), "spec", ()))
+        if any(axis is not None for axis in along):
+            raise KernelError(
+                f"{program.name}: {argument.name} lies on several devices along axes of a mesh "
+                f"that are Explicit, {along}. Take a mesh of axis_types=(jax.sharding.AxisType."
+                f"Auto, …), along whose axes the batch is cut; or call it in jax.shard_map, where "
+                f"each device has its own samples."
+            )
         core = len(argument.shape)
         if x.ndim < core or x.shape[x.ndim - core :] != argument.shape:
             expected = f"({', '.join(['...', *map(str, argument.shape)])})"

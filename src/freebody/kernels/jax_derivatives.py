@@ -8,6 +8,7 @@ along a direction takes, or one of the gradient; where there are many for the sa
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Sequence
 from functools import cache
 from math import prod
@@ -311,6 +312,11 @@ def _transposed(
 
 
 _linear.def_impl(_evaluate)
+with contextlib.suppress(ImportError, AttributeError):  # JAX has no public name for it
+    from jax._src.dispatch import prim_requires_devices_during_lowering
+
+    # what it is made of is, where there are several devices, cut for them
+    prim_requires_devices_during_lowering.add(_linear)
 mlir.register_lowering(_linear, mlir.lower_fun(_evaluate, multiple_results=True))
 batching.primitive_batchers[_linear] = _mapped
 ad.primitive_jvps[_linear] = _jvp

@@ -14,7 +14,7 @@ from freebody.kernels.options import chosen_option, several
 from freebody.kernels.tracing import program
 from freebody.model.model import Model
 from freebody.model.numbers import Name
-from freebody.program import Argument
+from freebody.program import Argument, Program
 from freebody.targets import Kernel, compile_program
 
 
@@ -162,9 +162,14 @@ def in_columns(
     """
     if not _large(model, names):
         return None
+
+    def whole() -> Program:
+        return program(model, names, option)
+
     if len(names) == 1:
-        return ColumnKernel(names[0], arguments(model, names, option), model.nv, fetch_product)
-    return _in_parts(model, names, option, fetch_some)
+        inputs = arguments(model, names, option)
+        return ColumnKernel(names[0], inputs, model.nv, fetch_product, whole)
+    return _in_parts(model, names, option, fetch_some, whole)
 
 
 def _large(model: Model, names: tuple[str, ...]) -> list[str]:
@@ -206,6 +211,7 @@ def _in_parts(
     names: tuple[str, ...],
     option: Option,
     fetch_some: Callable[[tuple[str, ...]], Any],
+    whole: Callable[[], Program],
 ) -> KernelList:
     """Quantities by columns each alone, all others in one program that shares their work."""
     large = _large(model, names)
@@ -223,4 +229,4 @@ def _in_parts(
         )
         for some in groups
     ]
-    return KernelList(arguments(model, names, option), parts)
+    return KernelList(arguments(model, names, option), parts, whole)

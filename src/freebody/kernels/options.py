@@ -70,7 +70,7 @@ def _near_home(function: str, model: Model, listed: tuple[str, ...], option: Opt
     """Of a closed chain's equations and coordinates those that tell all near its home, whatever
     positions will come."""
     if any(FORMULAS[name].settled == "equations" for name in listed):
-        option = option._replace(equations=closed_chain_function("independent_rows")(model))
+        option = option._replace(equations=closed_chain_function("counting_equations")(model))
     for name in listed:
         settled = FORMULAS[name].settled
         if settled in ("partition", "loops"):

@@ -14,6 +14,7 @@ from freebody.identifiers import identifiers
 from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
 from freebody.kernels.inputs import KernelInputs
 from freebody.kernels.recursion_names import MEANINGS, marks
+from freebody.model.doubts import Doubt, doubts_used
 from freebody.model.model import Model
 from freebody.model.numbers import Parameters
 from freebody.program import Argument, Program
@@ -35,6 +36,7 @@ class ProgramDescription:
         program: Program,
     ):
         self.model, self.option, self.numbers, self.program = model, option, numbers, program
+        self._names = quantities
         # of all numbers: names.json is then the same for all functions of a robot, which may share
         # a folder
         self._number_words = identifiers(Parameters(model).names)
@@ -54,6 +56,7 @@ class ProgramDescription:
             f"{sum(program.operations.values())} operations: {counts or 'none'}.",
             f"Written by freebody {__version__} for this robot only: its numbers are constants in "
             f"the code{', except those in p' if self.numbers else ''}.",
+            *self._doubtful(),
             "",
             *self._arguments("Inputs", program.inputs),
             *self._arguments("Outputs", program.outputs),
@@ -64,6 +67,16 @@ class ProgramDescription:
             frame = self._body_words[self.option.frame]
             lines.append(f"The frame is {frame}; axes: {self.option.reference}.")
         return (*lines, *self._legend())
+
+    @property
+    def doubts(self) -> tuple[Doubt, ...]:
+        """On what the quantities depend on."""
+        return doubts_used(self.model, *(x for name in self._names for x in FORMULAS[name].touches))
+
+    def _doubtful(self) -> list[str]:
+        """By kind, since sentences hold names of the robot's."""
+        kinds = ", ".join(dict.fromkeys(doubt.kind for doubt in self.doubts))
+        return [f"Doubts about the robot: {kinds}."] if kinds else []
 
     def _legend(self) -> list[str]:
         """What the words of the text stand for that are names of the recursion."""

@@ -141,15 +141,29 @@ def _closed(model: Model, names: list[str], given: list[Array]) -> list[Array]:
     """
     found = dict(zip(names, given, strict=True))
     with contextlib.suppress(LoopError):
-        closed_at = {
-            x: closed_chain_function("assemble")(model, found[x]) for x in POSITIONS if x in found
-        }
+        closed_at = {x: _assembled(model, found[x]) for x in POSITIONS if x in found}
         if "q" in closed_at and "qd" in found:
             found["qd"] = closed_chain_function("loop_velocity")(model, closed_at["q"], found["qd"])
         for name, positions in closed_at.items():
             positions[1::2] += _OFF * (found[name] - positions)[1::2]
             found[name] = _unit_quaternions(model, positions)
     return list(found.values())
+
+
+def _assembled(model: Model, near: Array) -> Array:
+    """Closed positions near these (tries, nq); where one closes nowhere, another takes its place.
+    Raises LoopError where none closes."""
+    assemble = closed_chain_function("assemble")
+    try:
+        return assemble(model, near)
+    except LoopError as none:
+        closed = []
+        for position in near:
+            with contextlib.suppress(LoopError):
+                closed.append(assemble(model, position))
+        if not closed:
+            raise none
+        return np.resize(closed, near.shape)
 
 
 def _run(program: Program, given: list[Array], kind: type) -> list[np.ndarray]:

@@ -14,6 +14,8 @@ from freebody.loops.dyad_decomposition import decomposed
 from freebody.loops.equations import (
     closing,
     gaps,
+    holds,
+    homed_at,
     require_loops,
     scaled_jacobian,
     within_tolerance,
@@ -25,12 +27,14 @@ from freebody.loops.scaled_equations import (
     every_residual,
     length,
     rate_scale,
+    scales,
     shortest_way,
 )
 from freebody.model.model import Model
 from freebody.trees.public_calls import Vector, finite_vector
 from freebody.trees.states import home_guess, integrate
 
+_STARTS = 200  # of `assembly_modes`
 _RESTARTS = 32
 _NEARLY = 0.02  # gap, relative to the length, that rounded numbers may be the reason of
 
@@ -50,11 +54,27 @@ def assemble(model: Model, q: Vector | None = None, free: Sequence[str] | None =
     guess = finite_vector("assemble", model, "q", _completed(model, q, moving))
     flat = guess.reshape(-1, model.nq)
     closed, left = closing(model, flat, moving)
-    for k in np.flatnonzero(~_is_closed(model, closed, left)):
-        closed[k] = _restarted(
-            model, flat[k], moving, closed[k], at_sample((int(k),) if guess.ndim > 1 else ())
-        )
+    good = is_closed(model, closed, left)
+    for k in np.flatnonzero(~holds(model, closed, good)):
+        rounded = _as_rounded(model, flat[k], moving, closed[k])
+        if rounded is not None:
+            closed[k] = rounded
+        elif not good[k]:
+            closed[k] = _restarted(
+                model, flat[k], moving, closed[k], at_sample((int(k),) if guess.ndim > 1 else ())
+            )
     return closed.reshape(guess.shape)
+
+
+def _as_rounded(model: Model, guess: Array, moving: Sequence[int], best: Array) -> Array | None:
+    """The closed position of the mechanism that rounded numbers mean near the guess; None where
+    what is open at the best position found is more than rounding, or nothing is redundant."""
+    if (np.abs(every_residual(model, best)) > scales(model).tolerance).any():
+        return None
+    there = homed_at(model, best)
+    closed, left = closing(there, guess[None], moving)
+    good = holds(there, closed, is_closed(there, closed, left))
+    return closed[0] if good[0] else None
 
 
 def _completed(model: Model, q: Vector | None, moving: Sequence[int]) -> Vector:
@@ -74,17 +94,17 @@ def _completed(model: Model, q: Vector | None, moving: Sequence[int]) -> Vector:
 
 
 def assembly_modes(
-    model: Model, q: Vector, free: Sequence[str] | None = None, starts: int = 200
+    model: Model, q: Vector, free: Sequence[str] | None = None, starts: int | None = None
 ) -> Array:
     """All closed positions (k, nq) that were found with the fixed coordinates of q (nq,), nearest
     to q first.
 
     free: as for `assemble`; the coordinates that differ from mode to mode. Planar mechanisms that
     come apart into dyads (two unknown joints per loop) are solved in closed form, and these are
-    all.
-    Others by Newton's method from `starts` starts spread over the free coordinates' whole range, so
-    completeness is likely, not proved. Where the mechanism can move with the fixed coordinates
-    locked, there are infinitely many and FreebodyError is raised.
+    all. Others by Newton's method from `starts` starts (200) spread over the free coordinates'
+    whole range, so completeness is likely, not proved; where a closed form answers, `starts` is
+    refused. Where the mechanism can move with the fixed coordinates locked, there are infinitely
+    many and FreebodyError is raised.
     """
     require_loops(model, "assembly_modes")
     guess = finite_vector("assembly_modes", model, "q", q)
@@ -92,13 +112,18 @@ def assembly_modes(
         raise FreebodyError(
             f"assembly_modes: q has shape {guess.shape}, expected ({model.nq},): one position."
         )
-    if starts < 1:
+    if starts is not None and starts < 1:
         raise FreebodyError(f"assembly_modes: starts is {starts}, expected at least 1.")
     moving = free_coordinates(model, free, "assembly_modes")
     found = _by_dyads(model, guess, moving)
     in_closed_form = found is not None
     if found is None:
-        found = _solutions(model, guess, moving, starts)
+        found = _solutions(model, guess, moving, _STARTS if starts is None else starts)
+    elif starts is not None:
+        raise FreebodyError(
+            f"assembly_modes: starts= is of the numeric search; {model.name!r} with these "
+            f"coordinates free is solved in closed form, which finds all modes. Leave it out."
+        )
     modes: list[Array] = []
     for position in found:
         if all(np.abs(shortest_way(model, position, other)).max() > 1e-6 for other in modes):
@@ -114,7 +139,9 @@ def assembly_modes(
 
 
 # ---------------------------------------------------------------- positions
-def _is_closed(model: Model, q: Array, left: Array) -> NDArray[np.bool_]:
+def is_closed(model: Model, q: Array, left: Array) -> NDArray[np.bool_]:
+    """(N,): whether every loop is closed at positions q (N, nq), the right way round, where solving
+    has left so much (N,) of the scaled equations."""
     return (
         (left < EXACT) & within_tolerance(model, q).all(axis=-1) & ~backward(model, q).any(axis=-1)
     )
@@ -159,7 +186,7 @@ def _by_dyads(model: Model, guess: Array, moving: Sequence[int]) -> Array | None
     if found is None:
         return None
     closed, left = closing(model, found[0][np.isfinite(found[0]).all(axis=-1)], moving)
-    good = closed[_is_closed(model, closed, left)]
+    good = closed[is_closed(model, closed, left)]
     way = shortest_way(model, np.broadcast_to(guess, good.shape), good)
     return (guess + way * rate_scale(model))[np.argsort(np.linalg.norm(way, axis=-1))]
 
@@ -174,7 +201,7 @@ def _solutions(model: Model, guess: Array, moving: Sequence[int], starts: int) -
     spread[:, held] = 0.0
     begun = integrate(model, np.broadcast_to(guess, (starts, model.nq)), spread * rate_scale(model))
     closed, left = closing(model, begun, moving)
-    good = closed[_is_closed(model, closed, left)]
+    good = closed[is_closed(model, closed, left)]
     distance = np.linalg.norm(
         shortest_way(model, np.broadcast_to(guess, good.shape), good), axis=-1
     )

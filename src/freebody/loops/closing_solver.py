@@ -5,16 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.loops.scaled_equations import every_jacobian, every_residual, rate_scale
 from freebody.model.model import Model
-from freebody.trees.states import integrate
+from freebody.trees.states import difference, integrate
 
 Telling = Callable[[Array], Array]
 """Φ_q (N, m, nv) -> P (N, m, m): the combinations of the equations that count, see
 `scaled_equations.telling`."""
 
+Closing = Callable[[Array], tuple[Array, NDArray[np.bool_]]]
+"""q (N, nq) -> (positions near q (N, nq), whether they are closed (N,))."""
+
+_WAYS = (0.05, 0.13, 0.31)  # rad: how far a neighbourhood is explored
+_MOST = 48  # directions, among many at random
 _STEP = 0.6  # rad: the longest step towards closure
 _ITERATIONS = 60
 
@@ -55,6 +61,21 @@ def closed_from(
             better, np.maximum(damping[active] * 0.1, 1e-12), damping[active] * 10.0
         )
     return q, np.abs(phi).max(axis=-1, initial=0.0)
+
+
+def explored(model: Model, q: Array, directions: Array, close: Closing) -> Array:
+    """Closed positions (k, nq) to which finite motions lead from q (nq,): steps along directions
+    (n, nv), scaled, and mixtures of them, that closing does not undo."""
+    n = len(directions)
+    if not n:
+        return np.empty((0, model.nq))
+    ways = np.concatenate([np.eye(n), np.random.default_rng(2).normal(size=(4 * n, n))])[:_MOST]
+    ways /= np.linalg.norm(ways, axis=-1, keepdims=True)
+    ways = np.concatenate([size * sign * ways for size in _WAYS for sign in (1.0, -1.0)])
+    start = np.broadcast_to(q, (len(ways), model.nq))
+    found, good = close(integrate(model, start, ways @ directions * rate_scale(model)))
+    moved = np.linalg.norm(difference(model, start, found) / rate_scale(model), axis=-1)
+    return found[good & (moved > 0.3 * np.linalg.norm(ways, axis=-1))]
 
 
 def _levenberg(J: Array, phi: Array, damping: Array) -> Array:

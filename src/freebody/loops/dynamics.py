@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.algorithms.loop_checks import LEFT
+from freebody.algorithms.loop_constraints import Counting
 from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
 from freebody.loops.equations import (
     blurred,
+    branches,
     closing,
     counting,
     refuse_inconsistent,
@@ -21,7 +23,11 @@ from freebody.loops.equations import (
     scaled_jacobian,
     telling_much,
 )
-from freebody.loops.independent_equations import independent_rows, partition
+from freebody.loops.independent_equations import (
+    counting_equations,
+    independent_rows,
+    partition,
+)
 from freebody.loops.named_coordinates import driven_coordinates
 from freebody.loops.rank_deficient import BLURRED, RANK, Idle, Jerk, solve
 from freebody.loops.redundancy import redundancy
@@ -79,14 +85,14 @@ def definite_accelerations(
     """q̈ (..., nv); refuses states that the loops do not allow, and singular positions from which
     no way leads on."""
     qdd = _by_kernel(model, "state", frames, q, qd, tau, *loads)
-    with_care = np.isnan(qdd).any(axis=-1)
-    if with_care.any():
-        require_closed(function, model, q, qd)
-        _complete(model, frames, qdd, q, qd, tau, *loads)
-        for index in np.argwhere(with_care):
+    with_care = np.asarray(np.isnan(qdd).any(axis=-1))
+    for taken, part in branches(model, q, with_care):
+        require_closed(function, taken, q, qd, part)
+        _complete(taken, frames, qdd, part, q, qd, tau, *loads)
+        for index in np.argwhere(part):
             at = tuple(index)
-            require_way(first_member(model), q[at], qd[at], qdd[at])
-        require_consistent(function, model, q, qd, qdd, STUCK)
+            require_way(first_member(taken), q[at], qd[at], qdd[at])
+        require_consistent(function, taken, q, qd, qdd, STUCK, part)
     return qdd
 
 
@@ -96,7 +102,7 @@ def accelerations(
     """q̈ (..., nv), of states taken as closed: the stages of a motion, which by themselves do not
     tell where it goes."""
     qdd = _by_kernel(model, "solution", frames, q, qd, tau, *loads)
-    _complete(model, frames, qdd, q, qd, tau, *loads)
+    _complete(model, frames, qdd, np.asarray(np.isnan(qdd).any(axis=-1)), q, qd, tau, *loads)
     return qdd
 
 
@@ -105,7 +111,7 @@ def _solution(model: Model, checks: str) -> Option | None:
     does."""
     if redundancy(model).rank is not None:
         return None
-    return Option(equations=independent_rows(model), checks=checks)
+    return Option(equations=counting_equations(model), checks=checks)
 
 
 def _by_kernel(model: Model, checks: str, frames: tuple[str, ...], *arrays: Array) -> Array:
@@ -116,10 +122,17 @@ def _by_kernel(model: Model, checks: str, frames: tuple[str, ...], *arrays: Arra
     return fetch(model, ("forward_dynamics",), option._replace(wrench_frames=frames))(*arrays)
 
 
-def _complete(model: Model, frames: tuple[str, ...], qdd: Array, *arrays: Array) -> None:
-    """Put the careful solution where q̈ (..., nv) is NaN and all that is given is finite."""
+def _complete(
+    model: Model,
+    frames: tuple[str, ...],
+    qdd: Array,
+    with_care: NDArray[np.bool_],
+    *arrays: Array,
+) -> None:
+    """Put the careful solution at the samples marked (...) of q̈ (..., nv) where all that is given
+    is finite."""
     batch = qdd.shape[:-1]
-    for at in np.argwhere(np.isnan(qdd).any(axis=-1)):
+    for at in np.argwhere(with_care):
         sample = tuple(at)
         some = [np.broadcast_to(x, (*batch, x.shape[-1]))[sample] for x in arrays]
         if all(np.isfinite(x).all() for x in some):
@@ -132,7 +145,7 @@ def regular(model: Model, q: Array) -> bool:
     if massless(model) or redundancy(model).rank is not None:
         s = np.linalg.svd(scaled_jacobian(model, q), compute_uv=False)[: len(kept)]
         return bool(s.min(initial=1.0) ** 2 > _REGULAR * s.max(initial=0.0) ** 2)
-    quick = fetch(model, ("constrained_dynamics",), Option(equations=kept))
+    quick = fetch(model, ("constrained_dynamics",), Option(equations=Counting(kept)))
     still = np.zeros(model.nv)
     return bool(_smallest(model, kept, quick(q, still, still)[2]) > _REGULAR)
 
@@ -157,7 +170,8 @@ def careful(
     speed = float(np.abs(qd / rates).max(initial=0.0))
     try:
         c = counting(model, q, row_scale(model) * c)
-        return solve(M, tau - bias, A, c, rates, _jerk(model, q, qd), speed, blurred(model))
+        zero = blurred(model, moving=speed > 0.0)
+        return solve(M, tau - bias, A, c, rates, _jerk(model, q, qd), speed, zero)
     except Idle as idle:
         raise SingularError(
             f"forward_dynamics: {model.name!r} has no unique acceleration: its loops let "
@@ -169,7 +183,8 @@ def careful(
 def require_way(model: Model, q: Array, qd: Array, qdd: Array) -> None:
     """Refuse a singular position (nq,) from which the rates and accelerations found (nv,) lead
     nowhere."""
-    _, loose = null_space(scaled_jacobian(model, q), BLURRED)
+    zero = BLURRED if qd.any() else blurred(model, moving=False)
+    _, loose = null_space(scaled_jacobian(model, q), zero)
     lost = mechanism(model).constraints - loose.shape[1] < len(independent_rows(model))
     if lost and not _leads_on(model, q, qd, qdd):
         worst = int(np.argmax(np.linalg.norm(loose, axis=1)))
@@ -212,37 +227,44 @@ def inverse_dynamics(
     qdd: Vector,
     wrenches: Wrenches,
     actuated: Sequence[str] | None = None,
+    forces: Vector | None = None,
 ) -> Array:
     """See `fb.inverse_dynamics`."""
-    found = _attempted("inverse_dynamics", model, (q, qd, qdd), wrenches, actuated)
-    if found is not None:
-        return found
-    frames, arrays = checked_inputs(
-        "inverse_dynamics", model, {"q": q, "qd": qd, "qdd": qdd}, wrenches
-    )
-    return motion_torques("inverse_dynamics", model, frames, *arrays, actuated=actuated)
+    if forces is None:
+        found = _attempted("inverse_dynamics", model, (q, qd, qdd), wrenches, actuated)
+        if found is not None:
+            return found
+        forces = np.zeros(model.nv)
+    given = {"q": q, "qd": qd, "qdd": qdd, "forces": forces}
+    frames, arrays = checked_inputs("inverse_dynamics", model, given, wrenches)
+    acting = arrays.pop(len(given) - 1)
+    return motion_torques("inverse_dynamics", model, frames, acting, *arrays, actuated=actuated)
 
 
 def motion_torques(
     function: str,
     model: Model,
     frames: tuple[str, ...],
+    forces: Array,
     q: Array,
     qd: Array,
     qdd: Array,
     *loads: Array,
     actuated: Sequence[str] | None = None,
 ) -> Array:
-    """Torques (..., nv) of the drives; refuses states and accelerations that the loops do not
-    allow."""
+    """Torques (..., nv) of the drives, less what generalized forces (..., nv) do; refuses states
+    and accelerations that the loops do not allow."""
     driven = driven_coordinates(function, model, actuated)
     arrays = q, qd, qdd, *loads
     tau = _by_drives("inverse_dynamics", model, driven, frames, arrays)
-    if np.isnan(tau).any():
-        require_closed(function, model, q, qd)
-        require_consistent(function, model, q, qd, qdd, WOULD_OPEN)
+    if forces.any():
+        tau = tau - _by_drives("drive_torques", model, driven, (), (q, forces))
+    with_care = np.asarray(np.isnan(tau).any(axis=-1))
+    for taken, part in branches(model, q, with_care):
+        require_closed(function, taken, q, qd, part)
+        require_consistent(function, taken, q, qd, qdd, WOULD_OPEN, part)
         needed = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))(*arrays)
-        _complete_torques(function, model, driven, tau, q, needed)
+        tau[part] = _careful_torques(function, taken, q, needed - forces, driven, part)
     return tau
 
 
@@ -253,10 +275,12 @@ def static_torque(model: Model, q: Vector, wrenches: Wrenches) -> Array:
         return found
     frames, arrays = checked_inputs("static_torque", model, {"q": q}, wrenches)
     tau = _by_drives("static_torque", model, model.driven, frames, tuple(arrays))
-    if np.isnan(tau).any():
-        require_closed("static_torque", model, arrays[0])
+    with_care = np.asarray(np.isnan(tau).any(axis=-1))
+    q = np.broadcast_to(arrays[0], (*tau.shape[:-1], model.nq))
+    for taken, part in branches(model, q, with_care):
+        require_closed("static_torque", taken, q, among=part)
         needed = fetch(model.opened, ("static_torque",), Option(wrench_frames=frames))(*arrays)
-        _complete_torques("static_torque", model, model.driven, tau, arrays[0], needed)
+        tau[part] = _careful_torques("static_torque", taken, q, needed, model.driven, part)
     return tau
 
 
@@ -309,18 +333,11 @@ def drive_torques(function: str, model: Model, q: Array, needed: Array) -> Array
         tau = np.full(needed.shape, np.nan)
     else:
         tau = fetch(model, ("drive_torques",), Option(partition=chosen))(q, needed)
-    _complete_torques(function, model, model.driven, tau, q, needed)
-    return tau
-
-
-def _complete_torques(
-    function: str, model: Model, driven: Sequence[int], tau: Array, q: Array, needed: Array
-) -> None:
-    """Put torques found by singular values where tau (..., nv) is NaN."""
     with_care = np.asarray(np.isnan(tau).any(axis=-1))
     if with_care.any():
         q = np.broadcast_to(q, (*needed.shape[:-1], model.nq))
-        tau[with_care] = _careful_torques(function, model, q, needed, driven, with_care)
+        tau[with_care] = _careful_torques(function, model, q, needed, model.driven, with_care)
+    return tau
 
 
 def _careful_torques(
@@ -374,15 +391,21 @@ def missed(model: Model, q: Array, qd: Array, qdd: Array) -> tuple[Array, Array]
     phi, c = fetch(first_member(model), ("constraint_jacobian", "constraint_bias"), Option())(q, qd)
     rows = row_scale(model)
     left = rows * (np.einsum("...mk,...k->...m", phi, qdd) - c)
-    return telling_much(model, q, left), rows * c
+    return telling_much(model, q, qd, left), rows * c
 
 
 def require_consistent(
-    function: str, model: Model, q: Array, qd: Array, qdd: Array, problem: str
+    function: str,
+    model: Model,
+    q: Array,
+    qd: Array,
+    qdd: Array,
+    problem: str,
+    among: NDArray[np.bool_],
 ) -> None:
-    """Refuse accelerations that would open a loop, with a problem that has a place for the
-    sample."""
-    bad = np.argwhere(_left(model, q, qd, qdd) > max(LEFT, redundancy(model).slack))
+    """Refuse accelerations at the samples marked (...) that would open a loop, with a problem that
+    has a place for the sample."""
+    bad = np.argwhere(among & (_left(model, q, qd, qdd) > max(LEFT, redundancy(model).slack)))
     if len(bad):
         at = tuple(map(int, bad[0]))
         q, qd, qdd = (x[at] for x in (q, qd, qdd))

@@ -7,6 +7,7 @@ Where numbers are rounded and equations redundant, what counts are combinations 
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator, Sequence
 from typing import NoReturn
 
@@ -19,8 +20,15 @@ from freebody.errors import FreebodyError, LoopError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
 from freebody.loops.closing_solver import Telling, closed_from
-from freebody.loops.rank_deficient import BLURRED
-from freebody.loops.redundancy import redundancy
+from freebody.loops.rank_deficient import AT_REST, BLURRED
+from freebody.loops.redundancy import (
+    EXACT,
+    counting_values,
+    moves_exactly,
+    redundancy,
+    softness,
+    surely_exact,
+)
 from freebody.loops.scaled_equations import (
     backward,
     every_jacobian,
@@ -47,8 +55,8 @@ def require_loops(model: Model, function: str) -> None:
 
 def _projector(model: Model) -> Telling | None:
     """Φ_q -> P, the combinations that count; None where every equation does."""
-    rank = redundancy(model).rank
-    return None if rank is None else lambda A: telling(A, rank)
+    known = redundancy(model)
+    return None if known.rank is None else lambda A: telling(A, counting_values(known))
 
 
 def counting(model: Model, q: Array, scaled: Array) -> Array:
@@ -62,21 +70,89 @@ def counting(model: Model, q: Array, scaled: Array) -> Array:
     )
 
 
-def blurred(model: Model) -> float:
+def blurred(model: Model, moving: bool = True) -> float:
     """Singular values of Φ_q, relative to the largest, that count as zero where accelerations are
     sought: rounding of size ε is divided by their square, and near a singular position they say as
-    much about it as about the motion."""
-    return max(BLURRED, redundancy(model).blur ** (1.0 / 3.0))
+    much about it as about the motion, whose branch is then told by Φ's third derivative. At rest
+    that tells nothing, and those alone count as zero of which rounding leaves nothing."""
+    blur = redundancy(model).blur
+    return max(BLURRED, blur ** (1.0 / 3.0)) if moving else max(AT_REST, 2.0 * blur**0.5)
 
 
-def telling_much(model: Model, q: Array, scaled: Array) -> Array:
-    """The same as `counting`, without combinations whose singular values are blurred."""
-    rank = redundancy(model).rank
-    if rank is None:
+def telling_much(model: Model, q: Array, qd: Array, scaled: Array) -> Array:
+    """All of scaled equations (..., m), redundant ones too; where a combination that counts has a
+    singular value that is blurred, which is near a singular position, those alone that have not."""
+    known = redundancy(model)
+    if known.rank is None:
         return scaled
-    A = every_jacobian(model, q)
-    above = blurred(model) * np.linalg.norm(A, ord=2, axis=(-2, -1))
-    return np.einsum("...ij,...j->...i", telling(A, rank, above[..., None]), scaled)
+    U, s, _ = np.linalg.svd(every_jacobian(model, q), full_matrices=False)
+    moving = np.asarray(qd.any(axis=-1))[..., None]
+    clear = s > np.where(moving, blurred(model), blurred(model, moving=False)) * s[..., :1]
+    kept = counting_values(known)(s)
+    some = np.einsum("...ik,...jk,...j->...i", U * (kept & clear)[..., None, :], U, scaled)
+    return np.where((kept & ~clear).any(axis=-1, keepdims=True), some, scaled)
+
+
+def branches(
+    model: Model, q: Array, among: NDArray[np.bool_]
+) -> Iterator[tuple[Model, NDArray[np.bool_]]]:
+    """(the model with its loops taken as they count at some of the positions q (..., nq), which of
+    them (...)), until each of those marked in `among` (...) has come.
+
+    Which equations are redundant is known from the model's home. Where that does not hold, on
+    another branch of the mechanism's motion, the position itself is taken for the home: so answers
+    do not depend on the home that is given. Where nothing holds the model comes as it is.
+    """
+    if not among.any():
+        return
+    good = holds(model, q, among)
+    if good.any():
+        yield model, good
+    left = among & ~good
+    while left.any():
+        first = tuple(np.argwhere(left)[0])
+        there = homed_at(model, q[first])
+        part = left & holds(there, q, left)
+        if not part[first]:
+            there, part = model, left
+        yield there, part
+        left = left & ~part
+
+
+def taken_at(model: Model, q: Array) -> Model:
+    """The model with its loops taken as they count at the positions q (..., nq), see `branches`;
+    as it is, where they are on branches that differ in it."""
+    if not model.loops:
+        return model
+    parts = list(branches(model, q, np.ones(q.shape[:-1], dtype=bool)))
+    return parts[0][0] if len(parts) == 1 else model
+
+
+def homed_at(model: Model, q: Array) -> Model:
+    """The model with the position q (nq,) for its home."""
+    home = tuple(zip(model.position_names, map(float, q), strict=True))
+    return dataclasses.replace(model, home=home)
+
+
+def holds(model: Model, q: Array, among: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(...): whether what is known of the model's equations holds at those of the positions q
+    (..., nq): all that counts is closed, and nothing of it in doubt."""
+    found = np.array(among, dtype=bool)
+    if not softness(model):
+        return found
+    some, known = q[among], redundancy(model)
+    phi = np.abs(scaled_residual(model, some))
+    good = np.asarray((phi <= max(CLOSED, known.slack)).all(axis=-1))
+    good &= within_tolerance(model, some).all(axis=-1)
+    one = first_member(model)
+    if known.rank is None:
+        doubt = good & ~surely_exact(model, some)
+        good[doubt] = [moves_exactly(one, at) for at in some[doubt]]
+    else:  # what moves with all loops closed to the last digit is not rounded there
+        exact = good & (np.abs(every_residual(model, some)) <= EXACT).all(axis=-1)
+        good[exact] = [not moves_exactly(one, at) for at in some[exact]]
+    np.place(found, among, good)
+    return found
 
 
 def scaled_residual(model: Model, q: Array) -> Array:
@@ -124,17 +200,26 @@ def gaps(model: Model, phi: Array) -> Array:
     return np.stack(parts, axis=-1)
 
 
-def require_closed(function: str, model: Model, q: Array, qd: Array | None = None) -> None:
-    """Refuse positions whose loops are open, and rates that would open them."""
+def require_closed(
+    function: str,
+    model: Model,
+    q: Array,
+    qd: Array | None = None,
+    among: NDArray[np.bool_] | None = None,
+) -> None:
+    """Refuse positions whose loops are open, and rates that would open them; of a batch those
+    marked in `among` (...), None is all."""
+    among = np.ones(q.shape[:-1], dtype=bool) if among is None else among
+    marked = among[..., None]
     reach, least = length(model), max(CLOSED, redundancy(model).slack)
     gap = gaps(model, scaled_residual(model, q))
-    for at, name, sample in _marked(model, gap > least * reach):
+    for at, name, sample in _marked(model, marked & (gap > least * reach)):
         raise LoopError(
             f"{function}: loop {name!r} of {model.name!r} is open by {gap[at]:.3g} m{sample}; "
             "close it with fb.assemble(model, q)."
         )
-    require_within_tolerance(function, model, q)
-    for _, name, sample in _marked(model, backward(model, q)):
+    require_within_tolerance(function, model, q, among)
+    for _, name, sample in _marked(model, marked & backward(model, q)):
         raise LoopError(
             f"{function}: loop {name!r} of {model.name!r} is closed the wrong way round{sample}: "
             f"its frames face "
@@ -143,16 +228,18 @@ def require_closed(function: str, model: Model, q: Array, qd: Array | None = Non
     if qd is not None:
         rate = gaps(model, scaled_rate(model, q, qd))
         speed = reach * (1.0 + np.abs(qd / rate_scale(model)).max(axis=-1, initial=0.0))
-        for at, name, sample in _marked(model, rate > least * speed[..., None]):
+        for at, name, sample in _marked(model, marked & (rate > least * speed[..., None])):
             raise LoopError(
                 f"{function}: loop {name!r} of {model.name!r} would open at {rate[at]:.3g} "
                 f"m/s{sample}; make the rates consistent with fb.loop_velocity(model, q, qd)."
             )
 
 
-def require_within_tolerance(function: str, model: Model, q: Array) -> None:
-    """Refuse positions at which redundant equations are open by more than rounding."""
-    bad = np.argwhere(~within_tolerance(model, q))
+def require_within_tolerance(
+    function: str, model: Model, q: Array, among: NDArray[np.bool_]
+) -> None:
+    """Refuse those positions at which redundant equations are open by more than rounding."""
+    bad = np.argwhere(among[..., None] & ~within_tolerance(model, q))
     if len(bad):
         at, row = tuple(map(int, bad[0][:-1])), int(bad[0][-1])
         gap = abs(float(every_residual(model, q)[(*at, row)]))

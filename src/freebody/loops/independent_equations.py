@@ -12,17 +12,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from freebody.algorithms.loop_constraints import Counting
 from freebody.algorithms.loop_forces import Partition
 from freebody.arrays import Array
-from freebody.errors import LoopError, SingularError
-from freebody.loops.assembly import assemble
-from freebody.loops.equations import scaled_jacobian
+from freebody.errors import SingularError
+from freebody.loops.assembly import is_closed
+from freebody.loops.equations import closing, scaled_jacobian
 from freebody.loops.mobility import dependent_rows, rank, regular_jacobian
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled_equations import mechanism
 from freebody.model.geometry import first_member, geometric_fact
 from freebody.model.model import Model
-from freebody.trees.states import generic_state
+from freebody.trees.states import generic_state, home_guess
 
 _SEEDS = 8  # starts from which a closed position is sought where home leads to none
 _REGULAR = 1e-2  # the smallest part, relative to the largest, that a coordinate has of its own
@@ -42,6 +43,11 @@ def independent_rows(model: Model) -> tuple[int, ...]:
     regular = _regular(model)
     dropped = () if regular is None else dependent_rows(regular)
     return tuple(k for k in range(mechanism(model).constraints) if k not in dropped)
+
+
+def counting_equations(model: Model) -> Counting:
+    """The same, with what rounding of the model's numbers leaves of the others."""
+    return Counting(independent_rows(model), redundancy(model).slack)
 
 
 @geometric_fact
@@ -65,11 +71,12 @@ def idle_coordinates(model: Model) -> tuple[int, ...]:
 def _anywhere(model: Model) -> Array | None:
     """A closed position (nq,), the same whatever was asked before: home's, else the first found
     from fixed starts."""
-    for start in (None, *generic_state(model, seed=5, batch=_SEEDS)[0]):
-        try:
-            return assemble(model, start)
-        except LoopError:
-            continue
+    starts = np.stack([home_guess(model), *generic_state(model, seed=5, batch=_SEEDS)[0]])
+    for some in (starts[:1], starts[1:]):
+        closed, left = closing(model, some, range(model.nv))
+        good = closed[is_closed(model, closed, left)]
+        if len(good):
+            return good[0]
     return None
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.kernels.options import motion_rows
-from freebody.loops.equations import require_closed, require_loops, scaled_jacobian
+from freebody.loops.equations import require_closed, require_loops, scaled_jacobian, taken_at
 from freebody.loops.named_coordinates import driven_coordinates
 from freebody.loops.rank_deficient import RANK
 from freebody.loops.scaled_equations import length, null_space, rate_scale
@@ -88,6 +88,7 @@ def input_output(
         raise FreebodyError(
             f"input_output: q has shape {at.shape}, expected ({model.nq},): one position."
         )
+    model = taken_at(model, at)
     require_closed("input_output", model, at)
     driven = list(driven_coordinates("input_output", model, actuated))
     chosen = motion_rows(model, rows)

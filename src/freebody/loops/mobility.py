@@ -5,21 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.loops.equations import closing, require_closed, scaled_jacobian
-from freebody.loops.redundancy import redundancy
-from freebody.loops.scaled_equations import null_space, rate_scale, row_names
+from freebody.loops.closing_solver import explored
+from freebody.loops.equations import closing, require_closed, scaled_jacobian, taken_at
+from freebody.loops.redundancy import EXACT, redundancy
+from freebody.loops.scaled_equations import null_space, row_names
 from freebody.model.model import Model
 from freebody.outputs.display import InWords, counted
 from freebody.trees.public_calls import Vector, finite_vector
-from freebody.trees.states import difference, integrate
 from freebody.values import ByValue
 
 # singular values of the scaled Φ_q, relative to the largest, that count as zero at positions found
 _RANK = 1e-8
-_STEPS = (0.05, 0.13, 0.31)  # rad: lengths of the ways along which the neighbourhood is explored
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -98,6 +98,7 @@ def mobility(model: Model, q: Vector) -> Mobility:
     if not model.loops:
         n = model.nv
         return Mobility(model.name, n, n, n, 0, 0, (), model.velocity_names)
+    model = taken_at(model, at)
     require_closed("mobility", model, at)
     here, _ = null_space(scaled_jacobian(model, at), _RANK)
     regular, moves = regular_jacobian(model, at)
@@ -124,7 +125,12 @@ def regular_jacobian(model: Model, q: Array) -> tuple[Array, bool]:
     """(the scaled Φ_q (m, nv) of largest rank at q (nq,) and at positions reached from it, whether
     any is reached)."""
     J = scaled_jacobian(model, q)
-    reached = _neighbours(model, q, null_space(J, _RANK)[0])
+
+    def close(start: Array) -> tuple[Array, NDArray[np.bool_]]:
+        found, left = closing(model, start, range(model.nv))
+        return found, left < EXACT
+
+    reached = explored(model, q, null_space(J, _RANK)[0].T, close)
     return max([J, *(scaled_jacobian(model, p) for p in reached)], key=rank), len(reached) > 0
 
 
@@ -132,25 +138,6 @@ def rank(J: Array) -> int:
     """Of a scaled Φ_q (m, nv)."""
     s = np.linalg.svd(J, compute_uv=False)
     return int((s > _RANK * s.max(initial=1e-300)).sum())
-
-
-def _neighbours(model: Model, q: Array, directions: Array) -> Array:
-    """Closed positions (k, nq) that a finite motion leads to from q: steps along null directions
-    that closing does not undo."""
-    rng = np.random.default_rng(2)
-    n = directions.shape[1]
-    if n == 0:
-        return np.empty((0, model.nq))
-    ways = np.concatenate([np.eye(n), rng.normal(size=(4 * n, n))])
-    ways = np.concatenate([size * np.concatenate([ways, -ways]) for size in _STEPS])
-    ways *= np.repeat(_STEPS, len(ways) // len(_STEPS))[:, None] / np.linalg.norm(
-        ways, axis=-1, keepdims=True
-    )
-    start = np.broadcast_to(q, (len(ways), model.nq))
-    steps = ways @ directions.T * rate_scale(model)
-    closed, left = closing(model, integrate(model, start, steps), range(model.nv))
-    moved = np.linalg.norm(difference(model, start, closed) / rate_scale(model), axis=-1)
-    return closed[(left < 1e-12) & (moved > 0.3 * np.linalg.norm(ways, axis=-1))]
 
 
 def dependent_rows(J: Array) -> tuple[int, ...]:

@@ -23,6 +23,8 @@ RANK = 1e-9
 """Singular values, relative to the largest, that count as zero."""
 BLURRED = 1e-5
 """The same for accelerations, in which rounding is divided by the square of a singular value."""
+AT_REST = 1e-6
+"""The same of a mechanism at rest, where rounding in the computation may change them by 1e-4."""
 _BRANCH = 1e-7  # the same for the conditions at a singular position, relative to the speed
 _IDLE = 1e-13  # of the largest inertia: none
 

@@ -8,12 +8,14 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from freebody.algorithms.loop_constraints import Counting
 from freebody.algorithms.loop_rates import ALLOWED
 from freebody.arrays import Array, as_floats, at_sample, refuse_not_finite
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
 from freebody.loops.equations import (
+    branches,
     counting,
     refuse_inconsistent,
     require_closed,
@@ -41,7 +43,6 @@ def loop_velocity(model: Model, q: Vector, rates: Vector) -> Array:
     if found is not None:
         return found
     at = finite_vector("loop_velocity", model, "q", q)
-    require_closed("loop_velocity", model, at)
     return _consistent("loop_velocity", model, {"q": at}, rates)
 
 
@@ -53,7 +54,6 @@ def loop_acceleration(model: Model, q: Vector, qd: Vector, accelerations: Vector
     if found is not None:
         return found
     at, rates = (finite_vector("loop_acceleration", model, n, x) for n, x in (("q", q), ("qd", qd)))
-    require_closed("loop_acceleration", model, at, rates)
     return _consistent("loop_acceleration", model, {"q": at, "qd": rates}, accelerations)
 
 
@@ -95,10 +95,13 @@ def _consistent(
     batch = common_batch(function, arrays)
     arrays = {name: np.broadcast_to(a, (*batch, a.shape[-1])) for name, a in arrays.items()}
     result = _by_kernel(function, model, held, arrays)
-    with_care = np.isnan(result).any(axis=-1)
-    if with_care.any():
-        some = {name: a[with_care] for name, a in arrays.items()}
-        result[with_care] = _carefully(function, model, held, some, np.argwhere(with_care))
+    with_care = np.asarray(np.isnan(result).any(axis=-1))
+    q, qd = arrays["q"], arrays.get("qd")
+    require_closed(function, model, q, qd, ~with_care)
+    for taken, part in branches(model, q, with_care):
+        require_closed(function, taken, q, qd, part)
+        some = {name: a[part] for name, a in arrays.items()}
+        result[part] = _carefully(function, taken, held, some, np.argwhere(part))
     return result
 
 
@@ -111,7 +114,11 @@ def _by_kernel(
     told = range(model.nv) if held is None else held
     if chosen is None or not set(idle_coordinates(model)) <= set(told):
         return np.full(arrays["rates"].shape, np.nan)
-    option = Option(partition=chosen) if held is None else Option(equations=chosen.rows, held=held)
+    option = (
+        Option(partition=chosen)
+        if held is None
+        else Option(equations=Counting(chosen.rows), held=held)
+    )
     return fetch(model, (function,), option)(*arrays.values())
 
 

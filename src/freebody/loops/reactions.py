@@ -15,7 +15,7 @@ from freebody.errors import FreebodyError, UnknownNameError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
 from freebody.loops.dynamics import definite_accelerations, motion_torques
-from freebody.loops.equations import scaled_jacobian
+from freebody.loops.equations import branches, scaled_jacobian
 from freebody.loops.independent_equations import partition_of_loops
 from freebody.loops.rank_deficient import RANK
 from freebody.loops.scaled_equations import (
@@ -110,14 +110,17 @@ def reactions(
     qdd: Vector | None = None,
     wrenches: Wrenches = None,
     actuated: Sequence[str] | None = None,
+    forces: Vector | None = None,
     reference: Literal["world", "child"] = "world",
 ) -> Reactions:
     """All reactions of a tree or closed chain at the state q (..., nq), qd (..., nv).
 
     Give tau (..., nv), the drives' torques, and the motion follows; or qdd (..., nv), and the
-    torques of the driven joints (`actuated`) follow. wrenches: as for `inverse_dynamics`. Raises
-    LoopError for a state that the loops do not allow, PassiveJointError for a torque at a passive
-    joint.
+    torques of the driven joints (`actuated`) follow. wrenches: as for `inverse_dynamics`. forces:
+    (..., nv), generalized forces besides the drives', each between parent and child along its
+    joint, as that of a spring is: of the joint's wrench it is a part. What acts from outside, such
+    as drag, is given as wrenches. Raises LoopError for a state that the loops do not allow,
+    PassiveJointError for a torque at a passive joint.
     Source: (5.23), (5.29); Newton and Euler body by body (3.1, 3.2, 6.1, 6.2).
     """
     if actuated is not None and not model.loops:
@@ -131,23 +134,26 @@ def reactions(
     if tau is not None:
         refuse_passive("reactions", model, tau)
     name, third = ("tau", tau) if qdd is None else ("qdd", qdd)
-    frames, (at, rates, given, *loads) = checked_inputs(
-        "reactions", model, {"q": q, "qd": qd, name: third}, wrenches
+    acting = np.zeros(model.nv) if forces is None else forces
+    frames, (at, rates, given, acting, *loads) = checked_inputs(
+        "reactions", model, {"q": q, "qd": qd, name: third, "forces": acting}, wrenches
     )
-    state = at, rates, given, *loads
     if qdd is not None:
         second = given
         if model.loops:
-            drive = motion_torques("reactions", model, frames, *state, actuated=actuated)
+            motion = at, rates, second, *loads
+            drive = motion_torques("reactions", model, frames, acting, *motion, actuated=actuated)
         else:
-            drive = fetch(model, ("inverse_dynamics",), Option(wrench_frames=frames))(*state)
+            inverse = fetch(model, ("inverse_dynamics",), Option(wrench_frames=frames))
+            drive = inverse(at, rates, second, *loads) - acting
     else:
         drive = given
+        state = at, rates, drive + acting, *loads
         if model.loops:
             second = definite_accelerations("reactions", model, frames, *state)
         else:
             second = fetch(model, ("forward_dynamics",), Option(wrench_frames=frames))(*state)
-    return _found(model, frames, at, rates, second, drive, loads, reference)
+    return _found(model, frames, at, rates, second, drive, acting, loads, reference)
 
 
 def _found(
@@ -157,6 +163,7 @@ def _found(
     qd: Array,
     qdd: Array,
     tau: Array,
+    forces: Array,
     loads: list[Array],
     reference: str,
 ) -> Reactions:
@@ -170,7 +177,9 @@ def _found(
         needed = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))(
             q, qd, qdd, *loads
         )
-        multipliers, determined = _multipliers(first_member(model), q, tau - needed, reference)
+        multipliers, determined = _multipliers(
+            first_member(model), q, tau + forces - needed, reference
+        )
     world = wrenches_in("world")
     left = _miss(model, q, qd, qdd, world, frames, loads)
     asked = world if reference == "world" else wrenches_in(reference)
@@ -194,7 +203,7 @@ def _multipliers(
         with_care = np.ones(batch, dtype=bool)
     else:
         multipliers = fetch(model, ("loop_multipliers",), Option(partition=chosen))(q, force)
-        with_care = np.isnan(multipliers).any(axis=-1)
+        with_care = np.asarray(np.isnan(multipliers).any(axis=-1))
         if len(chosen.rows) < mechanism(model).constraints:
             change = fetch(
                 model, ("loose_wrenches",), Option(reference=reference, partition=chosen)
@@ -202,9 +211,12 @@ def _multipliers(
             determined = _undisturbed(
                 model, np.abs(change).max(axis=-3), np.full(batch, _DETERMINED)
             )
-    for index in np.argwhere(with_care):
-        at = tuple(index)
-        multipliers[at], determined[at] = _careful_multipliers(model, q[at], force[at], reference)
+    for taken, part in branches(model, q, with_care):
+        for index in np.argwhere(part):
+            at = tuple(index)
+            multipliers[at], determined[at] = _careful_multipliers(
+                taken, q[at], force[at], reference
+            )
     return multipliers, determined
 
 

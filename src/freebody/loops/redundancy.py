@@ -1,32 +1,41 @@
 """Which loop equations are redundant for the mechanism that a model's rounded numbers mean.
 
+Exactness comes first: numbers whose loops close to the last digit, at a position where no singular
+value of Φ_q is small without being zero, are taken as they stand, and so are those that move to
+such a position with all loops closed.
+
 A real machine often has more equations than its motion needs, and numbers with a few digits, by
 which they contradict each other a little. What tells such a machine from one that is stuck is that
 it moves: along a way of half a radian and more every loop stays closed within `loop_tolerance`.
 There the singular values of Φ_q that rounding makes out of zeros show, and how many are left is the
-rank of the mechanism. It is found at regular positions on that way, from fixed starts, so it
-depends on the geometry alone, never on a position that is asked about.
+rank of the mechanism. It is found at regular positions on that way, near the model's home.
 
 Where that is so, the combinations of equations that tell most count, as many as the rank: P = U_r
 U_rᵀ of the singular value decomposition of Φ_q. No fixed choice of equations would do: in a
 parallelogram with a third crank either equation of the third is singular twice a turn, P is only
 where the mechanism is. What P leaves out stays open by the misfit, which must not exceed the
-tolerance.
+tolerance. The rank is that of a branch of the motion, and what was found near home does not bind
+another: where more singular values stand clear of rounding, more combinations count
+(`counting_values`), and where what is known does not hold at all, the position asked about is taken
+for the home (`equations.branches`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array
-from freebody.loops.closing_solver import closed_from
+from freebody.loops.closing_solver import Closing, closed_from, explored
 from freebody.loops.scaled_equations import (
+    Kept,
     backward,
     every_jacobian,
     every_residual,
+    largest,
     length,
     mechanism,
     rate_scale,
@@ -36,15 +45,17 @@ from freebody.loops.scaled_equations import (
 )
 from freebody.model.geometry import geometric_fact
 from freebody.model.model import Model
-from freebody.trees.states import difference, generic_state, home_guess, integrate
+from freebody.trees.states import generic_state, home_guess, integrate
 
 EXACT = 1e-12
 """Of scaled equations: what is open by less is closed but for rounding in the computation."""
 _ZERO = 1e-9  # singular values, relative to the largest, that rounding in the computation makes
 _SOFT = 8.0  # tolerances: a singular value below moves an eighth of a radian within the tolerance
-_STEPS = (0.13, 0.31)  # rad: lengths of the ways to regular positions
-_STRIDE, _WAY = 0.1, 0.5  # rad: of the way that shows a motion, each step and the whole
+_NEAR = 0.3  # rad: how far an exact position may be from one within the tolerance
+_STRIDE, _WAY = 0.1, 0.5  # rad: of the way that shows a motion, each step and the least of all
+_FOLLOWED = 4  # directions in which an exact motion is followed
 _STARTS = 16
+_AS_GOOD = 0.2  # of what the best row tells: a row before it is taken
 # misfits: what is left out turns with the motion, the faster the nearer a singular position
 _SLACK = 30.0
 
@@ -63,6 +74,8 @@ class Redundancy:
     """(m, rad): by how much the others were open there, at most."""
     blur: float = 0.0
     """The misfit as an angle: what scaled equations are uncertain by."""
+    soft: float = 0.0
+    """Singular values that rounding of the model's numbers may have made out of zeros are below."""
 
     @property
     def slack(self) -> float:
@@ -76,14 +89,13 @@ _NONE = Redundancy(None)
 
 @geometric_fact
 def redundancy(model: Model) -> Redundancy:
-    """Of a geometry, found once."""
-    tolerance = scales(model).tolerance
-    soft = _SOFT * float(tolerance.max(initial=0.0))
+    """Of a geometry, near its home; found once."""
+    soft = softness(model)
     if not soft:
         return _NONE
     search = _Search(model, soft)
     at = search.start()
-    if at is None or search.regularity(at)[0] == mechanism(model).constraints:
+    if at is None or search.is_exact(at):
         return _NONE
     reached = search.neighbours(at)  # from a singular position to regular ones
     if not len(reached):
@@ -91,32 +103,73 @@ def redundancy(model: Model) -> Redundancy:
     at = max(reached, key=search.regularity)
     _, s, Vt = np.linalg.svd(every_jacobian(model, at))
     rank = int((s > soft).sum())
-    if rank == mechanism(model).constraints:
-        return _NONE
     # singular values between rounding in the computation and rounding in the file: do they let it
     # move?
-    doubtful = [k for k in range(rank, len(s)) if s[k] > _ZERO * s[0]]
-    ways = [search.way(at, Vt[k], rank) for k in doubtful]
+    ways = [search.way(at, Vt[k], rank) for k in np.flatnonzero(_doubtful(s, soft))]
     seen = np.concatenate([at[None], *(way for way in ways if way is not None)])
     rank += sum(way is None for way in ways)
-    return _weighed(model, seen, rank)
+    return _NONE if rank == mechanism(model).constraints else _weighed(model, seen, rank, soft)
 
 
-def _weighed(model: Model, seen: Array, rank: int) -> Redundancy:
+def softness(model: Model) -> float:
+    """Below it a singular value of the scaled Φ_q may be a zero that rounding of the model's
+    numbers has changed; 0 where they are to be taken as they stand."""
+    return _SOFT * float(scales(model).tolerance.max(initial=0.0))
+
+
+def _doubtful(s: Array, soft: float) -> NDArray[np.bool_]:
+    """Which of singular values s (..., k) are neither zero nor clear of rounding."""
+    return (s > _ZERO * s.max(axis=-1, keepdims=True, initial=1e-300)) & (s <= soft)
+
+
+def surely_exact(model: Model, q: Array) -> NDArray[np.bool_]:
+    """(...): whether at q (..., nq) all equations are independent, clear of rounding of the model's
+    numbers, or all hold to the last digit and no singular value is small without being zero."""
+    s = np.asarray(np.linalg.svd(every_jacobian(model, q), compute_uv=False), dtype=np.float64)
+    soft, every = softness(model), mechanism(model).constraints
+    closed = (np.abs(every_residual(model, q)) <= EXACT).all(axis=-1)
+    return ((s > soft).sum(axis=-1) == every) | (closed & ~_doubtful(s, soft).any(axis=-1))
+
+
+def moves_exactly(model: Model, q: Array) -> bool:
+    """Whether near the position q (nq,) all loops close to the last digit, and no singular value
+    leaves in doubt what they hold: there, or where a motion leads with all of them closed."""
+    search = _Search(model, softness(model))
+    return search.is_exact(search.exactly(q))
+
+
+def counting_values(known: Redundancy) -> Kept:
+    """Of the singular values of Φ_q as many as the rank that is known, and those that stand clear
+    of rounding besides.
+
+    Where a position is found by combinations whose least singular value is s_r, it is uncertain by
+    the tolerance over s_r, and further singular values by as much.
+    """
+    rank = known.rank or 0
+
+    def kept(s: Array) -> NDArray[np.bool_]:
+        before = np.concatenate([s[..., :1], s[..., :-1]], axis=-1)
+        clear = s > known.soft * np.maximum(1.0, s[..., :1] / np.maximum(before, 1e-300))
+        return np.logical_and.accumulate(clear | (np.arange(s.shape[-1]) < rank), axis=-1)
+
+    return kept
+
+
+def _weighed(model: Model, seen: Array, rank: int, soft: float) -> Redundancy:
     """From positions (k, nq) on the mechanism's ways."""
-    seen, _ = closed_from(model, seen, range(model.nv), lambda A: telling(A, rank))
+    seen, _ = closed_from(model, seen, range(model.nv), lambda A: telling(A, largest(rank)))
     phi, A = every_residual(model, seen), every_jacobian(model, seen)
     s = np.linalg.svd(A, compute_uv=False)
     if np.abs(phi).max(initial=0.0) < EXACT and (s[:, rank:] <= _ZERO * s[:, :1]).all():
         return _NONE
     metres = scales(model).metres
-    largest = np.abs(phi).max(axis=0)
-    largest[largest < EXACT] = 0.0
+    most = np.abs(phi).max(axis=0)
+    most[most < EXACT] = 0.0
     misfit = (
-        float(length(model) * largest[metres].max(initial=0.0)),
-        float(largest[~metres].max(initial=0.0)),
+        float(length(model) * most[metres].max(initial=0.0)),
+        float(most[~metres].max(initial=0.0)),
     )
-    return Redundancy(rank, _telling_rows(A, rank), misfit, float(largest.max()))
+    return Redundancy(rank, _telling_rows(A, rank), misfit, float(most.max()), soft)
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,33 +196,51 @@ class _Search:
             q, good = self.closed(begun)
             if good.any():
                 way = shortest_way(model, np.broadcast_to(guess, q[good].shape), q[good])
-                return q[good][int(np.argmin(np.linalg.norm(way, axis=-1)))]
+                return self.exactly(q[good][int(np.argmin(np.linalg.norm(way, axis=-1)))])
         return None
+
+    def exactly(self, q: Array) -> Array:
+        """The position (nq,) near q at which every loop is closed to the last digit; q, where there
+        is none near."""
+        model = self.model
+        found, good = self.closed_exactly(q[None])
+        away = np.abs(shortest_way(model, q, found[0])).max(initial=0.0)
+        return found[0] if good[0] and away < _NEAR else q
+
+    def is_exact(self, q: Array) -> bool:
+        """See `moves_exactly`."""
+        model = self.model
+        if np.abs(every_residual(model, q)).max(initial=0.0) > EXACT:
+            return False
+        if surely_exact(model, q):
+            return True
+        _, s, Vt = np.linalg.svd(every_jacobian(model, q))
+        rank = int((s > _ZERO * s[0]).sum())
+        return any(
+            bool(surely_exact(model, p))
+            for direction in Vt[rank:][:_FOLLOWED]
+            for sense in (1.0, -1.0)
+            for p in self.followed(q, sense * direction, rank, self.closed_exactly)
+        )
 
     def closed(self, q: Array, rank: int | None = None) -> tuple[Array, NDArray[np.bool_]]:
         """(positions (N, nq) near q at which all that tells holds, whether the rest does within the
         tolerance (N,))."""
         model = self.model
-        soft = 0.0 if rank is not None else self.soft
-        q, left = closed_from(model, q, range(model.nv), lambda A: telling(A, rank, soft))
+        kept = largest(rank) if rank is not None else lambda s: s > self.soft
+        q, left = closed_from(model, q, range(model.nv), lambda A: telling(A, kept))
         within = (np.abs(every_residual(model, q)) <= scales(model).tolerance).all(axis=-1)
         return q, within & (left < EXACT) & ~backward(model, q).any(axis=-1)
 
+    def closed_exactly(self, q: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """The same with every equation."""
+        q, left = closed_from(self.model, q, range(self.model.nv), None)
+        return q, (left < EXACT) & ~backward(self.model, q).any(axis=-1)
+
     def neighbours(self, q: Array) -> Array:
         """Positions (k, nq) that a motion within the tolerance leads to from q (nq,)."""
-        model = self.model
-        _, s, Vt = np.linalg.svd(every_jacobian(model, q))
-        directions = Vt[int((s > self.soft).sum()) :]
-        n = len(directions)
-        if not n:
-            return np.empty((0, model.nq))
-        ways = np.concatenate([np.eye(n), np.random.default_rng(2).normal(size=(n, n))])
-        ways /= np.linalg.norm(ways, axis=-1, keepdims=True)
-        ways = np.concatenate([sign * size * ways for size in _STEPS for sign in (1.0, -1.0)])
-        start = np.broadcast_to(q, (len(ways), model.nq))
-        found, good = self.closed(integrate(model, start, ways @ directions * rate_scale(model)))
-        moved = np.linalg.norm(difference(model, start, found) / rate_scale(model), axis=-1)
-        return found[good & (moved > 0.3 * np.linalg.norm(ways, axis=-1))]
+        _, s, Vt = np.linalg.svd(every_jacobian(self.model, q))
+        return explored(self.model, q, Vt[int((s > self.soft).sum()) :], self.closed)
 
     def regularity(self, q: Array) -> tuple[int, float]:
         """(how many combinations of equations tell something at q (nq,), how much the last of
@@ -181,22 +252,26 @@ class _Search:
     def way(self, start: Array, direction: Array, rank: int) -> Array | None:
         """Positions (k, nq) on the motion that starts along a direction (nv,), with `rank`
         combinations held; None where it leaves the tolerance at once."""
-        model = self.model
-        found: list[Array] = []
-        for sense in (1.0, -1.0):
-            q, along = start, sense * direction
-            for _ in range(round(2.0 * _WAY / _STRIDE)):
-                null = np.linalg.svd(every_jacobian(model, q))[2][rank:]
-                along = null.T @ (null @ along)
-                along /= max(float(np.linalg.norm(along)), 1e-300)
-                there, good = self.closed(
-                    integrate(model, q, _STRIDE * along * rate_scale(model))[None], rank
-                )
-                if not good[0]:
-                    break
-                q = there[0]
-                found.append(q)
+        found = [
+            q
+            for sense in (1.0, -1.0)
+            for q in self.followed(start, sense * direction, rank, lambda q: self.closed(q, rank))
+        ]
         return np.array(found) if len(found) * _STRIDE >= _WAY else None
+
+    def followed(self, q: Array, along: Array, rank: int, close: Closing) -> Iterator[Array]:
+        """Positions (nq,) on the motion from q (nq,) that starts along a direction (nv,), `rank`
+        combinations of equations held; it ends where closing fails."""
+        model = self.model
+        for _ in range(round(2.0 * _WAY / _STRIDE)):
+            null = np.linalg.svd(every_jacobian(model, q))[2][rank:]
+            along = null.T @ (null @ along)
+            along = along / max(float(np.abs(along).max()), 1e-300)
+            found, good = close(integrate(model, q, _STRIDE * along * rate_scale(model))[None])
+            if not good[0]:
+                return
+            q = found[0]
+            yield q
 
 
 def _telling_rows(A: Array, rank: int) -> tuple[int, ...]:
@@ -207,7 +282,7 @@ def _telling_rows(A: Array, rank: int) -> tuple[int, ...]:
     for _ in range(rank):
         sizes = np.linalg.norm(left, axis=-1).min(axis=0)
         sizes[chosen] = 0.0
-        k = int(np.argmax(sizes > 0.5 * sizes.max()))
+        k = int(np.argmax(sizes > _AS_GOOD * sizes.max()))
         chosen.append(k)
         unit = left[:, k] / np.linalg.norm(left[:, k], axis=-1, keepdims=True)
         left = left - np.einsum("kmr,kr->km", left, unit)[..., None] * unit[:, None]

@@ -3,6 +3,7 @@ compare."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -177,11 +178,17 @@ def null_space(A: Array, tolerance: float) -> tuple[Array, Array]:
     return Vt[rank:].T, U[:, rank:]
 
 
-def telling(A: Array, rank: int | None = None, above: float | Array = 0.0) -> Array:
+Kept = Callable[[Array], NDArray[np.bool_]]
+"""Singular values (..., k) of Φ_q, the largest first -> which of them count."""
+
+
+def telling(A: Array, kept: Kept) -> Array:
     """P (..., m, m) that takes the equations to their combinations which tell most: those of the
-    `rank` largest singular values of Φ_q = A (..., m, nv), or of all above a bound."""
+    singular values of Φ_q = A (..., m, nv) that are kept."""
     U, s, _ = np.linalg.svd(A, full_matrices=False)
-    kept = s > above
-    if rank is not None:
-        kept &= np.arange(s.shape[-1]) < rank
-    return (U * kept[..., None, :]) @ np.swapaxes(U, -1, -2)
+    return (U * kept(s)[..., None, :]) @ np.swapaxes(U, -1, -2)
+
+
+def largest(rank: Array | int) -> Kept:
+    """The `rank` (...) largest."""
+    return lambda s: np.arange(s.shape[-1]) < np.asarray(rank)[..., None]

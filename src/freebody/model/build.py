@@ -17,6 +17,7 @@ from freebody.model.mimic_chains import leaders
 from freebody.model.model import Model
 from freebody.model.parameters import one_value_each
 from freebody.model.placement import Placement
+from freebody.model.tip import chosen
 from freebody.model.tree import Attached
 from freebody.spatial import of_dimension
 
@@ -145,8 +146,9 @@ class _Assembly:
         for name, _ in d.home:
             if name not in known:
                 self._unknown("position", name, "home", model.position_names)
-        chosen = tip or d.tip or (model.leaves[0] if len(model.leaves) == 1 else None)
-        return model if chosen is None else model.replace(tip=chosen)
+        if tip is not None:
+            return model.replace(tip=tip)
+        return changes.with_tip(model, chosen(model, d.tip, joints))
 
     def parts(self, bodies: int) -> list[list[Attached]]:
         """The inertias of links and payloads that each body carries; the last are the base's."""

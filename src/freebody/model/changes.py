@@ -8,12 +8,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from numbers import Real
 from operator import is_
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import ModelError, UnknownNameError, shown
+from freebody.errors import ModelError, UnknownNameError, listed, shown
 from freebody.model.bodies import Body, Frame
 from freebody.model.description import Loop
 from freebody.model.families import Members, is_array, is_nested, members, one_family
@@ -32,6 +32,7 @@ from freebody.model.parameters import (
 )
 from freebody.model.piece_paths import get, put
 from freebody.model.placement import AxisRotation, Placement, Rotate, Shift, rotate, shift
+from freebody.model.tip import ChosenTip, with_notice
 from freebody.model.tree import Attached
 
 if TYPE_CHECKING:
@@ -77,22 +78,73 @@ def actuated(model: Model, names: Sequence[str]) -> tuple[Body, ...]:
     )
 
 
-def load(inertia: Any, mass: Any, com: Any, dim: int) -> Inertia:
+def load(mass: Any, com: Any, box: Any, cylinder: Any, inertia: Any, dim: int) -> Inertia:
     """What the arguments of `Model.with_payload` mean."""
-    if inertia is not None and mass is not None:
-        raise ModelError("with_payload: inertia and mass= exclude each other; give one of them.")
-    given = mass if inertia is None else inertia
-    centre = None if com is None else _entries(com, dim)
-    if isinstance(given, np.ndarray) and not given.ndim:
-        given = given[()]
-    if isinstance(given, (float, int, Real)):
-        return Inertia.point(float(given), (0.0,) * dim if centre is None else centre)
-    if is_array(given):
-        masses = members(given, "with_payload: mass", LARGEST)
-        return Inertia.point(masses, (0.0,) * dim if centre is None else centre)
-    if not isinstance(given, Inertia):
-        raise ModelError("with_payload: give an Inertia, or mass= (and com=).")
-    return given if centre is None else given.moved_to(centre)
+    if isinstance(inertia, Inertia):
+        if mass is not None:
+            raise ModelError(
+                "with_payload: an Inertia has a mass of its own; leave out mass=, or give inertia= "
+                "as its entries about the centre of mass."
+            )
+        mass, inertia = inertia, None
+    shapes = {"box": box, "cylinder": cylinder, "inertia": inertia}
+    given = [name for name, shape in shapes.items() if shape is not None]
+    if isinstance(mass, Inertia):
+        if given:
+            raise ModelError(
+                f"with_payload: an Inertia has a shape of its own; leave out {given[0]}=."
+            )
+        return mass if com is None else mass.moved_to(_entries(com, dim))
+    if len(given) > 1:
+        raise ModelError(
+            f"with_payload: {listed(f'{x}=' for x in given)} exclude each other; give one."
+        )
+    weight = _mass(mass)
+    centre = (0.0,) * dim if com is None else _entries(com, dim)
+    if not given:
+        return Inertia.point(weight, centre)
+    if inertia is not None:
+        return Inertia.of(weight, centre, inertia)
+    if box is not None:
+        words = "sides (a, b, c)" if dim == 3 else "sides (a, b)"
+        unit = Inertia.box(1.0, _sizes("box", box, dim, words))
+    else:
+        radius, height = _sizes("cylinder", cylinder, 2, "radius and height (r, h)")
+        unit = Inertia.cylinder(1.0, radius, height) if dim == 3 else Inertia.disc(1.0, radius, 2)
+    return Inertia(weight, centre, tuple(_times(weight, x) for x in unit.tensor))
+
+
+def _sizes(name: str, given: Any, count: int, words: str) -> list[float]:
+    """The lengths of a load's shape (m)."""
+    found = np.asarray(given, dtype=object)
+    if found.shape != (count,):
+        raise ModelError(f"with_payload: {name} is {shown(given)}, expected its {words} in m.")
+    sizes = [finite(x, f"with_payload: {name}") for x in found.tolist()]
+    if min(sizes) < 0.0:
+        raise ModelError(f"with_payload: {name} is {shown(given)}; no length is negative.")
+    return sizes
+
+
+def _times(mass: float | Members, entry: Quantity) -> float | Members:
+    """An entry of an inertia from that of one kilogram, a number."""
+    x = cast(float, entry)
+    if x == 0.0:
+        return 0.0
+    return Members(mass.array * x) if isinstance(mass, Members) else mass * x
+
+
+def _mass(mass: Any) -> float | Members:
+    """A load's mass, or those of the members of a family."""
+    if isinstance(mass, np.ndarray) and not mass.ndim:
+        mass = mass[()]
+    if isinstance(mass, (float, int, Real)):
+        return float(mass)
+    if is_array(mass):
+        return members(mass, "with_payload: mass", LARGEST)
+    raise ModelError(
+        "with_payload: give a mass (kg), perhaps with com= and box=, cylinder= or inertia=; or an "
+        "Inertia."
+    )
 
 
 def _entries(com: Any, dim: int) -> tuple[Quantity, ...]:
@@ -184,6 +236,12 @@ def attached(
     if fault:
         raise ModelError(f"with_payload: {name!r}: {fault}.")
     return Attached(name, inertia, placement, load=True, frame=frame)
+
+
+def with_tip(model: Model, tip: ChosenTip) -> Model:
+    """The model with another tip, which its notices tell."""
+    frame = None if tip.frame is None else model.frame(tip.frame).name
+    return replace(model, tip=frame, notices=with_notice(model.notices, tip))
 
 
 def with_frame(

@@ -17,7 +17,7 @@ from freebody.elementary import Scalar
 from freebody.lazy import kept
 from freebody.model.placement import Placement
 from freebody.model.quantity_reader import VALUES
-from freebody.model.tree import Attached, Pose, drive_of, placed_composite
+from freebody.model.tree import Attached, Pose, acting, drive_of, placed_composite
 from freebody.spatial import AnySpace, Matrix, Vector, of_dimension
 
 if TYPE_CHECKING:
@@ -135,11 +135,6 @@ def _drive_part(drive: Drive) -> tuple[Array, bool]:
     """Its numbers, and whether friction, a rotor or a spring acts."""
     scalars = drive_of(drive, VALUES)
     return as_row(scalars), acting(scalars)
-
-
-def acting(drive: Sequence[Scalar]) -> bool:
-    """Whether friction, a rotor or a spring acts; of a family, on some member."""
-    return any(x.any() if isinstance(x, np.ndarray) else x != 0.0 for x in drive[:4])
 
 
 def pose_part(placement: Placement, dim: int) -> PoseContribution:

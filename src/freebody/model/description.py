@@ -3,13 +3,13 @@ of."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from freebody.errors import ModelError
+from freebody.errors import ModelError, shown
 from freebody.lazy import Keeps
 from freebody.model.families import Members
 from freebody.model.inertia import Inertia
@@ -80,8 +80,11 @@ class Limits:
         """Limits as they are, a pair (lower, upper), or None for none; an error names the owner."""
         if given is None or isinstance(given, Limits):
             return given or Limits()
-        if isinstance(given, str) or not hasattr(given, "__len__") or len(given) != 2:
-            raise ModelError(f"{owner}: limits must be (lower, upper); got {given!r}.")
+        if isinstance(given, str | Mapping) or not hasattr(given, "__len__") or len(given) != 2:
+            raise ModelError(
+                f"{owner}: limits must be (lower, upper), or fb.Limits(lower, upper, velocity, "
+                f"effort) with those of speed and effort too; got {shown(given)}."
+            )
         return Limits(*(real(x, f"{owner}: limits") for x in given))
 
 
@@ -225,16 +228,16 @@ class Loop:
     line: int | None = field(default=None, compare=False)
 
 
-DOUBTFUL, ESTIMATED = "inertia", "estimate"
-"""Kinds of notices on masses: missing, placeholders or implausible; and estimated, how."""
-MASS_NOTICES = {"masses_doubtful": DOUBTFUL, "masses_estimated": ESTIMATED}
-"""What TOML calls them."""
+CHANGED = "parameter"
+"""Kind of the notice on numbers that are others than the file's."""
+TIP = "tip"
+"""Kind of the notice that says which frame is the tip and why, or why none is."""
 
 
 @dataclass(frozen=True)
 class Notice:
-    """Something worth knowing about how a model was read: snapped angles, ignored tags, doubtful
-    inertias."""
+    """Something worth knowing about how a model was read: snapped angles, ignored tags, what is
+    doubtful."""
 
     kind: str
     text: str

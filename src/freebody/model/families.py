@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from freebody.arrays import Array
+from freebody.arrays import Array, too_large
 from freebody.errors import FreebodyError, ModelError, shown
 from freebody.labels import refuse_masked
 from freebody.outputs.numbers import compared
@@ -68,6 +68,8 @@ def members(value: Any, owner: str, largest: float) -> Members:
     refuse_masked(owner, value)
     try:
         array = np.array(value)
+    except MemoryError as problem:
+        raise too_large(owner, {"the array": np.asarray(value)}, problem) from None
     except ValueError:
         array = np.array(None)
     if array.dtype.kind not in "iufb":

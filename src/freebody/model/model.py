@@ -17,7 +17,8 @@ from freebody.lazy import cached_property
 from freebody.model import changes as changed
 from freebody.model import edits, inertial_parameters, joint_table, numbers
 from freebody.model.bodies import Body, Frame, JointLimits
-from freebody.model.description import ESTIMATED, Loop, Notice
+from freebody.model.description import Loop, Notice
+from freebody.model.doubts import ALL, ESTIMATED, Doubt, doubts_on, doubts_used, named, read_doubts
 from freebody.model.families import MemberError, one_family, taken
 from freebody.model.geometry import Geometry, geometry_of
 from freebody.model.gravity import gravity_of
@@ -28,6 +29,7 @@ from freebody.model.parameter_formulas import ParameterFormula
 from freebody.model.parameters import Quantity, each_parameter
 from freebody.model.quantity_reader import VALUES
 from freebody.model.structure import Structure, numbers_of, structure_of
+from freebody.model.tip import asked_for
 from freebody.model.tree import Attached, Tree, lower
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.values import ByValue
@@ -185,9 +187,15 @@ class Model(NamedParts, Tabled, ByValue):
 
     @property
     def is_estimated(self) -> bool:
-        """Whether inertias were estimated from shapes (`load`, estimate_inertia=); how stands in
-        `notices`."""
-        return any(notice.kind == ESTIMATED for notice in self.notices)
+        """Whether inertias are estimates (such as `load` makes, estimate_inertia=); how stands in
+        `doubts`."""
+        return any(doubt.kind == ESTIMATED for doubt in read_doubts(self))
+
+    @property
+    def doubts(self) -> tuple[Doubt, ...]:
+        """What is doubtful about the model as it is now: each doubt with its `kind` and `text`;
+        `of` says what it touches, and whether it bars a verdict."""
+        return doubts_on(self, *ALL)
 
     @property
     def gravity(self) -> Array:
@@ -262,8 +270,6 @@ class Model(NamedParts, Tabled, ByValue):
         changes: dict[str, object] = {}
         if name is not None:
             changes["name"] = name
-        if tip is not None:
-            changes["tip"] = self.frame(tip).name
         if gravity is not None:
             changes["gravity_size"], changes["gravity_direction"] = gravity_of(
                 gravity, self.dim, self.gravity_direction
@@ -273,6 +279,8 @@ class Model(NamedParts, Tabled, ByValue):
         if loop_tolerance is not None:
             changes["loop_tolerance"] = checked_tolerance(loop_tolerance, "Model.replace")
         result = dataclasses.replace(self, **changes)
+        if tip is not None:
+            result = changed.with_tip(result, asked_for(tip))
         if gravity is not None:
             result = changed.with_symbols_known(result, result.gravity_size)
         return one_family(result, self, *changes.values())
@@ -316,21 +324,29 @@ class Model(NamedParts, Tabled, ByValue):
 
     def with_payload(
         self,
-        inertia: Any = None,
-        *,
         mass: Any = None,
+        *,
         com: Any = None,
+        box: Sequence[float] | None = None,
+        cylinder: Sequence[float] | None = None,
+        inertia: Any = None,
         frame: str | None = None,
         name: str = "payload",
     ) -> Model:
         """The model carrying a rigid load in `frame` (default: the tip).
 
-        inertia: an Inertia in the frame's axes, or a number: the mass (kg) of a particle, as `mass`
-        is. com: (dim,) m, where the load's centre of mass is in the frame; default the Inertia's
-        own, of a particle the origin. Arrays of masses, and of centres (..., dim), give each member
-        of a family its own. Raises ModelError for a load that no rigid body is.
+        mass: kg; or an Inertia in the frame's axes, which is the whole load. com: (dim,) m, where
+        the load's centre of mass is in the frame; default the origin, or the Inertia's own. Its
+        shape, in the frame's axes: box, the sides (a, b, c) m (in the plane (a, b)); cylinder, the
+        radius and the height along z (r, h) m (in the plane a disc of radius r); or inertia, kg m²
+        about the centre of mass: six entries ixx, ixy, ixz, iyy, iyz, izz, (3, 3), or in the plane
+        a number. Box and cylinder are filled evenly. Without a shape the load is a point, which has
+        no inertia. Arrays of masses, and of centres (..., dim), give each member of a family its
+        own. Its numbers are then called payload.mass, payload.com.x, payload.inertia.xx, ….
+        Raises ModelError for a load that no rigid body is.
         """
-        return edits.loaded(self, changed.load(inertia, mass, com, self.dim), frame, name)
+        load = changed.load(mass, com, box, cylinder, inertia, self.dim)
+        return edits.loaded(self, load, frame, name)
 
     def with_frame(
         self,
@@ -354,9 +370,8 @@ class Model(NamedParts, Tabled, ByValue):
         frame: str | None = None,
     ) -> Model:
         """The model with a frame more, as `with_frame`, which is the tip; `inertia` rides in it."""
-        model = dataclasses.replace(
-            changed.with_frame(self, name, position, rotation, frame, "with_tool"), tip=name
-        )
+        model = changed.with_frame(self, name, position, rotation, frame, "with_tool")
+        model = changed.with_tip(model, asked_for(name))
         return model if inertia is None else model.with_payload(inertia, frame=name, name=name)
 
     def with_loop(
@@ -395,7 +410,7 @@ class Model(NamedParts, Tabled, ByValue):
             f"{counted(len(self.bodies), 'body')}, nq = {self.nq}, nv = {self.nv}, dim {self.dim}"
         )
         members = f"; a family of shape {self.family}" if self.family else ""
-        return f"Model {self.name!r}: {sizes}{loops}{members}"
+        return f"Model {self.name!r}: {sizes}{loops}{members}{named(doubts_used(self, *ALL))}"
 
     def _table(self) -> TextTable:
         loops = [f"loop {x.name}: {x.kind}, {x.frames[0]} and {x.frames[1]}" for x in self.loops]

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 from collections.abc import Callable
 from functools import wraps
 from typing import Any
 
+from freebody.arrays import too_large
 from freebody.errors import KindError
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
@@ -35,13 +37,20 @@ _OF_FAMILIES = (
 
 def takes_model(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
     """The function under its public name, which refuses a first argument that is no model, or a
-    family where it is about one robot."""
+    family where it is about one robot, and names the argument for which memory does not suffice."""
     require = require_model if name in _OF_FAMILIES else require_one
 
     @wraps(function)
     def checked(model: Model, *args: Any, **kwargs: Any) -> Any:
         require(name, model)
-        return function(model, *args, **kwargs)
+        try:
+            return function(model, *args, **kwargs)
+        except (MemoryError, ValueError) as problem:
+            named = inspect.signature(function).bind(model, *args, **kwargs).arguments
+            explained = too_large(name, named, problem)
+            if explained is problem:
+                raise
+            raise explained from None
 
     # a function is pickled by the place where it is found
     checked.__module__, checked.__qualname__ = "freebody", name

@@ -8,7 +8,7 @@ from dataclasses import replace
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.model.bodies import Body, Frame
-from freebody.model.description import Loop
+from freebody.model.description import TIP, Loop, Notice
 from freebody.model.joints import JointKind
 from freebody.model.tree import Coordinates
 
@@ -22,6 +22,7 @@ class NamedParts:
     frames: tuple[Frame, ...]
     loops: tuple[Loop, ...]
     tip: str | None
+    notices: tuple[Notice, ...]
 
     @cached_property
     def coordinates(self) -> tuple[Coordinates, ...]:
@@ -154,13 +155,19 @@ class NamedParts:
                 ends.append(name)
         return tuple(ends)
 
+    @property
+    def tip_reason(self) -> str:
+        """Which rule made `tip` the tip, or why there is none and which frames may be it: a
+        sentence of `notices`."""
+        return next((notice.text for notice in self.notices if notice.kind == TIP), "")
+
     def frame(self, name: str | None = None) -> Frame:
         """The frame of that name; None is the tip."""
         if name is None:
             if self.tip is None:
                 raise FreebodyError(
-                    f"{self.name!r} has no single tip: name a frame, or load with tip=. "
-                    f"Leaves: {', '.join(self.leaves)}."
+                    f"{self.name!r} has no single tip. {self.tip_reason} Name a frame, or choose "
+                    f"the tip with tip= (--tip)."
                 )
             name = self.tip
         try:

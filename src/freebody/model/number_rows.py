@@ -9,18 +9,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from freebody.model.contributions import (
-    acting,
-    gravity_part,
-    inertial_entries,
-    linear_row,
-    pose_part,
-)
+from freebody.model.contributions import gravity_part, inertial_entries, linear_row, pose_part
 from freebody.model.inertia import in_shape
 from freebody.model.piece_paths import Path
 from freebody.model.placement import Placement, Shift
 from freebody.model.quantity_reader import VALUES
-from freebody.model.tree import Attached, drive_numbers
+from freebody.model.tree import Attached, acting, drive_numbers
 from freebody.spatial import Matrix, Vector, add, identity, of_dimension, times
 
 if TYPE_CHECKING:

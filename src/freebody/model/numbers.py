@@ -18,7 +18,7 @@ from freebody.model.families import Members, arrays_in, common_shape, is_array, 
 from freebody.model.gravity import direction_fault
 from freebody.model.inertia import faults
 from freebody.model.loops import checked_distance
-from freebody.model.number_names import Catalogue, ModelNumber, catalogue
+from freebody.model.number_names import PAYLOAD, Catalogue, ModelNumber, catalogue
 from freebody.model.parameter_formulas import followed, with_formulas
 from freebody.model.parameters import LARGEST, Parameter, Quantity, finite, real
 from freebody.model.quantity_reader import EXACT
@@ -207,9 +207,19 @@ def found(names: Catalogue, given: Name, model: Model) -> str:
             raise ModelError(
                 f"{model.name!r}: several things have a number {name!r}; write {longer}."
             )
+    _require_tip(model, name)
     symbols = model.parameters
     meant = isinstance(name, str) and "." not in name and likely(name, symbols)
     raise UnknownNameError("parameter", given, repr(model.name), symbols if meant else names.rows)
+
+
+def _require_tip(model: Model, name: object) -> None:
+    """Tell of a load's numbers, which are those at the tip, where there is none."""
+    if model.tip is None and isinstance(name, str) and name.startswith(f"{PAYLOAD}."):
+        raise ModelError(
+            f"{model.name!r} has no {name!r}, which would be of a load at the tip. "
+            f"{model.tip_reason} Choose the tip with tip= (--tip)."
+        )
 
 
 def matching(
@@ -229,6 +239,7 @@ def matching(
     meant = {name for name in usual if fnmatchcase(name, pattern)}
     meant |= {name for told, name in names.told.items() if fnmatchcase(told, pattern)} & set(usual)
     if not meant:
+        _require_tip(model, pattern)
         bare = pattern.translate({ord(c): None for c in "*?[]"})
         near = (
             likely(bare, usual, 3)

@@ -6,9 +6,11 @@ become chains of primitives, in an order where parents come first.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from freebody.elementary import Scalar
 from freebody.lazy import Keeps
@@ -364,11 +366,15 @@ def drive_numbers(
     viscous: Scalar, coulomb: Scalar, rotor: Scalar, gear: Scalar, stiffness: Scalar, rest: Scalar
 ) -> tuple[Scalar, ...]:
     """The same of what a drive is made of."""
-    return viscous, coulomb, rotor * gear * gear, stiffness, rest
+    reflected = 0.0 if _is_zero(rotor) else rotor * gear * gear
+    return viscous, coulomb, reflected, stiffness, rest
+
+
+def acting(drive: Sequence[Scalar]) -> bool:
+    """Whether friction, a rotor or a spring acts; of a family, on some member."""
+    return any(x.any() if isinstance(x, np.ndarray) else not _is_zero(x) for x in drive[:4])
 
 
 def _drive(body: Body, reader: QuantityReader) -> DriveScalars | None:
     scalars = drive_of(body.joint.drive, reader)
-    if all(isinstance(x, float) and x == 0.0 for x in scalars[:-1]):
-        return None
-    return DriveScalars(*scalars)
+    return DriveScalars(*scalars) if acting(scalars) else None

@@ -20,6 +20,7 @@ from freebody.arrays import (
 from freebody.errors import FreebodyError, KindError
 from freebody.lazy import cached_property
 from freebody.locks import imported
+from freebody.model.doubts import Doubt, named, told
 from freebody.model.model import Model
 from freebody.motion.peaks import Peaks, peaks_of
 from freebody.motion.piecewise import PiecewisePolynomial, hermite
@@ -61,11 +62,14 @@ class Motion(Tabled, ByValue):
     """Where the motion comes from, in words."""
     layout: CoordinateLayout
     notices: tuple[str, ...] = ()
+    doubts: tuple[Doubt, ...] = ()
+    """Of a planned motion, on what of the robot it rests: its limits, of a time-optimal one its
+    masses and drives too."""
     differentiated: Literal["", "positions", "rates"] = ""
     """What samples the accelerations are derivatives of, where they were not given."""
     pieces: PiecewisePolynomial | None = None
     """The positions (nq,) over time as they were planned; None: interpolated."""
-    _aside = ("source", "notices")
+    _aside = ("source", "notices", "doubts")
     _copies = True
 
     def __post_init__(self) -> None:
@@ -104,11 +108,11 @@ class Motion(Tabled, ByValue):
     def _title(self) -> str:
         return (
             f"Motion: {counted(len(self.t), 'sample')}, {self.t[0]:.4g} to {self.t[-1]:.4g} s, "
-            f"{self.layout.nq} positions; {self.source}"
+            f"{self.layout.nq} positions; {self.source}{named(self.doubts)}"
         )
 
     def _table(self) -> TextTable:
-        found = self.peaks
+        found, notes = self.peaks, (*filter(None, [told(self.doubts)]), *self.notices)
         rows = [
             (f"q[{k}]", f"{low:.4g} … {high:.4g}")
             for k, (low, high) in enumerate(
@@ -129,9 +133,9 @@ class Motion(Tabled, ByValue):
                     "largest acceleration (rad/s², m/s²)",
                 ),
                 rows,
-                self.notices,
+                notes,
             )
-        return TextTable(("position", "range (rad, m; quaternions 1)"), rows, self.notices)
+        return TextTable(("position", "range (rad, m; quaternions 1)"), rows, notes)
 
     @property
     def duration(self) -> float:
@@ -244,11 +248,12 @@ class Motion(Tabled, ByValue):
         if not self.layout.flat:
             joined["q"] = pieces(t)
         notices = tuple(dict.fromkeys((*self.notices, *other.notices)))
+        doubts = tuple(dict.fromkeys((*self.doubts, *other.doubts)))
         source = self.source if other.source == self.source else f"{self.source}; {other.source}"
         both = (self.differentiated, other.differentiated)
         how = "positions" if "positions" in both else max(both)
         return Motion(
-            t, **joined, source=source, layout=self.layout, notices=notices,
+            t, **joined, source=source, layout=self.layout, notices=notices, doubts=doubts,
             differentiated=how, pieces=pieces,
         )  # fmt: skip
 

@@ -187,10 +187,7 @@ def of_spline(spline: BSpline) -> PiecewisePolynomial:
     """The same in powers, n functions, between its knots."""
     degree = spline.k
     knots = np.unique(spline.t[degree:-degree])
-    powers = [
-        spline(knots[:-1]) if j == 0 else spline.derivative(j)(knots[:-1]) / factorial(j)
-        for j in range(degree, -1, -1)
-    ]
+    powers = [spline(knots[:-1], j) / factorial(j) for j in range(degree, -1, -1)]
     return PiecewisePolynomial(knots, np.stack(powers))
 
 

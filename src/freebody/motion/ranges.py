@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import compress
 
@@ -12,8 +11,8 @@ from numpy.typing import NDArray
 from freebody.arrays import Array
 from freebody.errors import listed
 from freebody.lazy import kept
-from freebody.model.description import Limits
 from freebody.model.model import Model
+from freebody.model.usable_limits import usable_limits
 from freebody.trees.position_rates import Index
 
 Flags = NDArray[np.bool_]
@@ -61,15 +60,11 @@ def ranges(model: Model) -> Ranges:
 
 
 def _ranges(model: Model) -> Ranges:
-    own = (body for body in model.bodies if body.joint.mimic is None)
-    rows = [_numbers(body.joint.limits) for body in own for _ in range(body.kind.nv)]
-    given, meant = np.array(rows, dtype=float).reshape(-1, 2, 4).transpose(1, 2, 0)
-    lower, upper, velocity, effort = meant.copy()
-    apart = tuple(_narrow(model, lower, upper, velocity))
+    found = usable_limits(model)
     turns = angular(model)
-    for array in (lower, upper, velocity, effort, turns):
+    for array in (*found[:4], turns):
         array.flags.writeable = False
-    names = model.velocity_names
+    names, given = model.velocity_names, found.given
     notices = [
         f"{what} of {listed(compress(names, bad), 6)} is zero in the model and is taken as not "
         f"given."
@@ -80,12 +75,7 @@ def _ranges(model: Model) -> Ranges:
         )
         if bad.any()
     ]
-    return Ranges(lower, upper, velocity, effort, turns, tuple(notices), apart)
-
-
-def _numbers(limits: Limits) -> list[tuple[float, ...]]:
-    """Lower, upper, velocity and effort, as written and as they are meant."""
-    return [(x.lower, x.upper, x.velocity, x.effort) for x in (limits, limits.meant)]
+    return Ranges(*found[:4], turns, tuple(notices), found.apart)
 
 
 def angular(model: Model) -> Flags:
@@ -118,21 +108,3 @@ def _position_columns(model: Model) -> tuple[Index, Index]:
     columns = np.array([iq, iv], dtype=int)
     columns.flags.writeable = False
     return columns[0], columns[1]
-
-
-def _narrow(model: Model, lower: Array, upper: Array, velocity: Array) -> Iterator[str]:
-    """Bring the limits of followers to their leaders, where the ranges meet; yields who does not
-    meet whom."""
-    for body, at in zip(model.bodies, model.coordinates, strict=True):
-        limits, k = body.joint.limits.meant, at.v[0] if at.v else -1
-        if body.joint.mimic is None or at.ratio == 0.0:
-            continue
-        low, high = sorted(
-            ((limits.lower - at.offset) / at.ratio, (limits.upper - at.offset) / at.ratio)
-        )
-        low, high = max(low, lower[k]), min(high, upper[k])
-        if low < high:
-            lower[k], upper[k] = low, high
-        else:
-            yield f"{body.joint.name}, which follows {model.velocity_names[k]}"
-        velocity[k] = min(velocity[k], limits.velocity / abs(at.ratio))

@@ -14,6 +14,7 @@ from math import isfinite, prod
 from freebody.errors import FreebodyError
 from freebody.identifiers import is_identifier
 from freebody.lazy import cached_property
+from freebody.outputs.display import Titled, counted
 from freebody.scalars.operations import ARITY
 
 
@@ -47,8 +48,8 @@ class Argument:
         return f"{self.name}({', '.join(map(str, self.shape))})"
 
 
-@dataclass(frozen=True)
-class Program:
+@dataclass(frozen=True, repr=False)
+class Program(Titled):
     """Nodes (op, a, b, c) in an order in which operands precede, and the nodes that are the
     results.
 
@@ -71,6 +72,10 @@ class Program:
     def __post_init__(self) -> None:
         if not self.c:
             object.__setattr__(self, "c", (-1,) * len(self.op))
+
+    def _title(self) -> str:
+        given, found = (", ".join(map(str, some)) for some in (self.inputs, self.outputs))
+        return f"Program {self.name!r}: {given} -> {found} in {counted(len(self.op), 'node')}"
 
     def __len__(self) -> int:
         return len(self.op)

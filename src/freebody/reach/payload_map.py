@@ -13,6 +13,16 @@ from freebody.elementary import Scalar, absolute, less, where
 from freebody.errors import FreebodyError, PassiveJointError
 from freebody.kernels.scalar_formulas import formula
 from freebody.labels import aligned
+from freebody.model.doubts import (
+    EFFORTS,
+    MASSES,
+    Doubt,
+    attribute,
+    barring,
+    doubts_on,
+    named,
+    told,
+)
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.program import Argument, trace
@@ -39,7 +49,9 @@ class PayloadMap(Tabled, ByValue):
 
     mass: (...), kg; 0 where a joint is overloaded without any, infinite where none limits it.
     joint: (...), index of the joint that limits it, -1 without one. overloaded: (...), whether that
-    joint is overloaded without payload. joint_names: (nv,). frame: where the mass is.
+    joint is overloaded without payload. joint_names: (nv,). frame: where the mass is. doubts: those
+    on the robot's masses and effort limits; where one of them bars a verdict, the masses are what
+    its numbers give, and nothing is judged.
     """
 
     mass: Array
@@ -47,6 +59,8 @@ class PayloadMap(Tabled, ByValue):
     overloaded: np.ndarray
     joint_names: tuple[str, ...]
     frame: str
+    doubts: tuple[Doubt, ...] = ()
+    _aside = ("doubts",)
 
     def to_xarray(self) -> xr.Dataset:
         """As a labelled dataset over the postures: mass, the name of the joint that limits it, and
@@ -60,16 +74,18 @@ class PayloadMap(Tabled, ByValue):
                 "overloaded": (dims, self.overloaded, "1", "overloaded without payload"),
             },
             {},
-            {"frame": self.frame},
+            {"frame": self.frame, **attribute(self.doubts)},
         )
 
     def _title(self) -> str:
         count = self.mass.size
         if not count:
             return f"Payload map: no postures; frame {self.frame!r}"
+        least, most = self.mass.min(), self.mass.max()
+        masses = "" if barring(self.doubts) else f", {least:.4g} to {most:.4g} kg"
         return (
-            f"Payload map: {counted(count, 'posture')}, {self.mass.min():.4g} to "
-            f"{self.mass.max():.4g} kg at frame {self.frame!r}"
+            f"Payload map: {counted(count, 'posture')}{masses} at frame {self.frame!r}"
+            f"{named(self.doubts)}"
         )
 
     def _table(self) -> TextTable:
@@ -78,7 +94,7 @@ class PayloadMap(Tabled, ByValue):
             mass = self.mass[self.joint == k]
             if mass.size:
                 rows.append((name, str(mass.size), f"{mass.min():.4g}", f"{mass.max():.4g}"))
-        notes = []
+        notes = [told(self.doubts)] if self.doubts else []
         if self.overloaded.any():
             count = counted(int(self.overloaded.sum()), "posture")
             notes.append(f"A joint is overloaded without payload in {count}.")
@@ -133,6 +149,7 @@ def payload_map(
         np.asarray(over == 1.0),
         model.velocity_names,
         name,
+        doubts_on(model, MASSES, *([EFFORTS] if effort is None else ())),
     )
 
 

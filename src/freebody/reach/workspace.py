@@ -15,6 +15,7 @@ from freebody.inverse.kinematics import inverse_kinematics
 from freebody.inverse.numerical_solver import NumericalSolver
 from freebody.inverse.problem import Problem
 from freebody.inverse.task import Task, read_target
+from freebody.model.doubts import RANGES, Doubt, attribute, doubts_used, named, told
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.reach.labelled_maps import axes_of, labelled
@@ -38,7 +39,7 @@ class WorkspaceMap(Tabled, ByValue):
     infinitely many ways; ways is 1 there. distance: as ways, m, from the reachable set without
     limits; 0 where only limits or the orientation prevent it; NaN out of a closed chain's reach.
     oriented: whether the orientation was given. frame: its name. method: how the ways were found.
-    family: the shape of the family.
+    family: the shape of the family. doubts: those on the limits of positions.
     """
 
     points: Array
@@ -49,6 +50,8 @@ class WorkspaceMap(Tabled, ByValue):
     frame: str
     method: str
     family: tuple[int, ...] = ()
+    doubts: tuple[Doubt, ...] = ()
+    _aside = ("doubts",)
 
     @property
     def reached(self) -> np.ndarray:
@@ -88,7 +91,7 @@ class WorkspaceMap(Tabled, ByValue):
             for k, axis in enumerate("xyz"[: self.points.shape[-1]])
         }
         about = {"frame": self.frame, "method": self.method, "redundant": int(self.redundant)}
-        return labelled(entries, places, about)
+        return labelled(entries, places, about | attribute(self.doubts))
 
     def _title(self) -> str:
         count = self.reached.size
@@ -98,7 +101,8 @@ class WorkspaceMap(Tabled, ByValue):
             how = f"{many} orientations" if self._several else "one orientation"
         members = f" of {int(np.prod(self.family))} members" if self.family else ""
         points = f"{int(self.reached.sum())} of {counted(count, 'point')}{members}"
-        return f"Workspace: frame {self.frame!r} reaches {points}, {how}"
+        end = named(self.doubts)
+        return f"Workspace: frame {self.frame!r} reaches {points}, {how}{end}"
 
     def _table(self) -> TextTable:
         if not self.ways.size:
@@ -109,7 +113,8 @@ class WorkspaceMap(Tabled, ByValue):
             for k, n in zip(values, counts, strict=True)
         ]
         what = "poses" if self.oriented else "points"
-        return TextTable(("ways", what, f"of all {what}"), rows, (f"By {self.method}.",))
+        notes = (f"By {self.method}.", *filter(None, [told(self.doubts)]))
+        return TextTable(("ways", what, f"of all {what}"), rows, notes)
 
 
 def workspace(
@@ -162,6 +167,7 @@ def workspace(
         name,
         method,
         model.family,
+        doubts_used(model, RANGES),
     )
 
 

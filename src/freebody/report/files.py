@@ -11,11 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import freebody
+from freebody.model.doubts import attribute
 from freebody.motion.files.waypoint_files import motion_table
 from freebody.outputs.folder import Makers, write_folder
 from freebody.outputs.text import csv_text, encodable
 from freebody.report import variables
 from freebody.report.html import page
+from freebody.report.load_case import load_case
 from freebody.report.results_dataset import facts
 
 if TYPE_CHECKING:
@@ -37,7 +39,11 @@ def save(study: Study, directory: Path, report: bool) -> list[Path]:
         "freebody": freebody.__version__,
         "robot": study.model.name,
         "motion": study.motion.source,
+        **load_case(study.model),
+        **({"command": study.command} if study.command else {}),
         "written": datetime.now(UTC).isoformat(timespec="seconds"),
+        "verdict": study.verdict.text,
+        **attribute(study.model.doubts),
     }
     return write_folder(directory, makers(study, report), about)
 
@@ -67,7 +73,7 @@ def dataset(study: Study) -> xr.Dataset:
         compat="no_conflicts",
         combine_attrs="drop_conflicts",
     )
-    whole.attrs.update(study.data.attrs)
+    whole.attrs.update(study.data.attrs | study.summary.attrs)
     whole.attrs["verdict"] = study.verdict.text
     whole.attrs["notices"] = "\n".join(study.notices)
     replay = study.replay

@@ -6,7 +6,7 @@ from __future__ import annotations
 import platform
 from dataclasses import replace
 from functools import cache
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +18,8 @@ import freebody
 from freebody.figures import colours
 from freebody.formats.loading import SUFFIXES
 from freebody.loops.mobility import mobility
-from freebody.model.description import DOUBTFUL, ESTIMATED
+from freebody.model.description import TIP
+from freebody.model.doubts import Doubt
 from freebody.motion.ranges import ranges
 from freebody.outputs import files
 from freebody.outputs.numbers import significant
@@ -27,6 +28,7 @@ from freebody.outputs.text import legal
 from freebody.report import equations
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
+from freebody.report.load_case import load_case
 from freebody.report.summary import energy_text
 from freebody.report.tables import typeset
 
@@ -51,7 +53,9 @@ def page(study: Study) -> str:
             study=study,
             model=study.model,
             facts=_facts(study),
+            case=load_case(study.model),
             notices=_notices(study),
+            doubts={doubt.kind: doubt.of.bars for doubt in study.verdict.doubts},
             robot=figures.robot(study),
             energy=energy_text(study.summary, study.motion.duration),
             **{table.__name__: table(study) for table in tables.TABLES},
@@ -92,7 +96,6 @@ def _facts(study: Study) -> dict[str, Any]:
     loops = study.replay
     return {
         "failed": failed,
-        "unphysical": sum(notice.kind == "physical" for notice in model.notices),
         "source": source,
         "path": path,
         "gravity": ", ".join(significant(float(x)) for x in model.gravity),
@@ -108,16 +111,15 @@ def _facts(study: Study) -> dict[str, Any]:
 
 
 def _notices(study: Study) -> dict[str, list[str]]:
-    """Findings about the motion, inertias that no body has, and how the file was read, without the
-    file's folder."""
-    read = study.model.notices
-    short = {str(n): str(replace(n, file=Path(n.file).name if n.file else None)) for n in read}
-    doubtful = [str(n) for n in read if n.kind in ("physical", "drive", DOUBTFUL, ESTIMATED)]
-    found = study.notices
+    """Findings about the motion, what is doubtful but not said by the verdict, and how the file was
+    read, without the file's folder."""
+    read = [n for n in study.model.notices if not isinstance(n, Doubt) and n.kind != TIP]
+    short = [str(replace(n, file=Path(n.file).name if n.file else None)) for n in read]
+    strong = [n.kind in ("physical", "drive") for n in read]
     return {
-        "findings": [text for text in found if text not in short],
-        "doubtful": [short[text] for text in found if text in doubtful],
-        "reading": [short[text] for text in found if text in short and text not in doubtful],
+        "findings": list(study.warnings),
+        "doubtful": [text for text, first in zip(short, strong, strict=True) if first],
+        "reading": [text for text, first in zip(short, strong, strict=True) if not first],
     }
 
 
@@ -131,5 +133,12 @@ def _source(study: Study) -> tuple[str, str]:
 
 
 def _versions() -> dict[str, str]:
-    packages = {p: version(p) for p in ("numpy", "scipy", "xarray", "llvmlite")}
+    packages = {p: _version(p) for p in ("numpy", "scipy", "xarray", "llvmlite")}
     return {"freebody": freebody.__version__, "Python": platform.python_version(), **packages}
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:  # LLVM; NumPy computes without it
+        return "not installed"

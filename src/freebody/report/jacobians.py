@@ -13,7 +13,6 @@ from freebody.loops.scaled_equations import null_space, rate_scale
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
 from freebody.report.results import Singularity
-from freebody.report.tip import bodies_before, coordinates_before
 from freebody.trees import kinematics
 
 if TYPE_CHECKING:
@@ -23,6 +22,20 @@ SINGULAR = 1e-3
 """A ratio of smallest to largest singular value below which the pose is called singular."""
 
 
+def _bodies_before(model: Model, frame: str) -> list[int]:
+    """The body that carries a frame and all that carry it, from there to the ground."""
+    found, body = [], model.frame(frame).body
+    while body >= 0:
+        found.append(body)
+        body = model.bodies[body].parent
+    return found
+
+
+def _coordinates_before(model: Model, frame: str) -> list[int]:
+    """Indices of the velocity coordinates that move a frame, in the order of q̇."""
+    return sorted({k for i in _bodies_before(model, frame) for k in model.coordinates[i].v})
+
+
 def task(model: Model, tip: str, q: Array) -> tuple[int, str]:
     """How many rows of the Jacobian are counted along q (T, nq), and their name.
 
@@ -30,7 +43,7 @@ def task(model: Model, tip: str, q: Array) -> tuple[int, str]:
     unless the tip's position leaves some coordinate unseen all the time (a tip on the last axis).
     """
     six, d = (6, 3) if model.dim == 3 else (3, 2)
-    columns = coordinates_before(model, tip)
+    columns = _coordinates_before(model, tip)
     everything = six, "position and orientation"
     if model.loops:
         freedom = null_space(scaled_jacobian(model, q[len(q) // 2]), RANK)[0].shape[1]
@@ -46,7 +59,7 @@ def characteristic_length(model: Model, tip: str, q: Array) -> float:
     where that is zero."""
     d = model.dim
     T = kinematics.forward_kinematics(model, q, tip)[..., :d, d]
-    bodies = bodies_before(model, tip)
+    bodies = _bodies_before(model, tip)
     first = model.bodies[bodies[-1]].name if bodies else tip
     base = kinematics.forward_kinematics(model, q[:1], first)[..., :d, d]
     length = float(np.sqrt(np.mean(np.sum((T - base) ** 2, axis=-1))))
@@ -61,7 +74,7 @@ def scaled(model: Model, tip: str, q: Array) -> Array:
     """
     rows, _ = task(model, tip, q)
     length = characteristic_length(model, tip, q)
-    columns = coordinates_before(model, tip)
+    columns = _coordinates_before(model, tip)
     if model.loops:
         J = kinematics.jacobian(model, q, tip)[..., :rows, :] * rate_scale(model)
         J[..., : model.dim, :] /= length
@@ -77,7 +90,7 @@ def scaled(model: Model, tip: str, q: Array) -> Array:
 def measures(model: Model, tip: str, q: Array) -> dict[str, Any]:
     """Singular values of the scaled Jacobian along q (T, nq), and their product (Yoshikawa's
     manipulability)."""
-    J = scaled(model, tip, q) if coordinates_before(model, tip) else np.zeros((len(q), 1, 0))
+    J = scaled(model, tip, q) if _coordinates_before(model, tip) else np.zeros((len(q), 1, 0))
     values = np.linalg.svd(J, compute_uv=False) if J.shape[-1] else np.zeros((len(q), 1))
     return {
         "smallest_singular_value": values[:, -1],

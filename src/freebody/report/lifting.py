@@ -13,6 +13,7 @@ from freebody.figures.map_diagram import map_diagram
 from freebody.inverse.closed_form import ClosedFormArm, closed_form_for
 from freebody.inverse.kinematics import inverse_kinematics
 from freebody.inverse.task import Task
+from freebody.model.doubts import EFFORTS, MASSES, doubts_on
 from freebody.model.model import Model
 from freebody.motion.ranges import ranges
 from freebody.reach.payload_map import payload_map
@@ -32,14 +33,14 @@ TITLE = "Largest payload at rest (kg)"
 
 
 def along(study: Study) -> Array | None:
-    """The largest mass (T,) at the tip at each posture of the motion; None where gravity or efforts
-    say nothing of it."""
+    """The largest mass (T,) at the tip at each posture of the motion; None without a tip, and where
+    gravity or efforts say nothing of it."""
     model = study.model
-    if model.loops or model.passive or not model.gravity.any():
+    if model.tip is None or model.loops or model.passive or not model.gravity.any():
         return None
-    if not np.isfinite(ranges(model).effort).any():
+    if not np.isfinite(ranges(model).effort).any() or _wrong(model):
         return None
-    mass = payload_map(model, study.motion.q, study.tip).mass
+    mass = payload_map(model, study.motion.q).mass
     return mass if np.isfinite(mass).all() else None
 
 
@@ -47,31 +48,37 @@ def over_plane(study: Study) -> tuple[Drawing, str] | None:
     """The map, of all branches the best, and words on how the tip is turned in it; None for an arm
     without a closed form."""
     model, q = study.model, study.motion.q[study.worst.index]
-    form = _form(model, study.tip)
+    tip = model.frame().name
+    form = None if _wrong(model) else _form(model, tip)
     if form is None:
         return None
-    points = _plane(model, study.tip, q)
+    points = _plane(model, tip, q)
     if points is None:
         return None
     oriented, held = bool(form.task.angular), form.held
     target = points
     if oriented:
-        pose = forward_kinematics(model, q, study.tip)
+        pose = forward_kinematics(model, q, tip)
         target = np.broadcast_to(pose, (*points.shape[:-1], *pose.shape)).copy()
         target[..., : model.dim, model.dim] = points
     found = inverse_kinematics(
-        model, target, study.tip, q0=q, redundancy=None if held is None else q[held]
+        model, target, tip, q0=q, redundancy=None if held is None else q[held]
     )
     good = found.valid & found.within_limits
     if not good.any():
         return None
-    mass = payload_map(model, np.nan_to_num(found.q), study.tip).mass
+    mass = payload_map(model, np.nan_to_num(found.q), tip).mass
     best = np.where(good, mass, -1.0).max(axis=-1)
     best[(best < 0) | ~np.isfinite(best)] = np.nan
     words = "oriented as at the worst instant" if oriented else "in any orientation"
     if held is not None:
         words += f", {model.position_names[held]} as at that instant"
     return map_diagram(model, points, best, q, title=TITLE).drawing, words
+
+
+def _wrong(model: Model) -> bool:
+    """Whether its masses or effort limits cannot be trusted."""
+    return any(doubt.of.mend for doubt in doubts_on(model, MASSES, EFFORTS))
 
 
 def _form(model: Model, tip: str) -> ClosedFormArm | None:

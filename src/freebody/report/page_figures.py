@@ -39,17 +39,18 @@ class CaptionedDrawing:
 
 def robot(study: Study) -> CaptionedDrawing:
     """The robot at the worst instant, with poses before and after."""
-    model = study.model.replace(tip=study.tip)
-    q = study.motion.q
+    model, q = study.model, study.motion.q
     count, worst = len(study.motion.t), study.worst
     others = {count * k // 4 for k in (range(4) if len(model.bodies) <= 12 else (1, 3))}
     ghosts = [q[k] for k in sorted(others - {worst.index})]
-    path = study.data["tip_position"].values[:: max(1, count // 240)]
+    path, words = None, ""
+    if study.tip is not None:
+        path = study.data["tip_position"].values[:: max(1, count // 240)]
+        words = f" Orange: the path of {study.tip}."
     drawing = picture(robot_drawing(model, q[worst.index], ghosts, path), 640, 540)
     return CaptionedDrawing(
         drawing.text(css=False),
-        f"At the worst instant, t = {worst.time:.3g} s; paler, other poses of the motion. "
-        f"Orange: the path of {study.tip}.",
+        f"At the worst instant, t = {worst.time:.3g} s; paler, other poses of the motion.{words}",
     )
 
 
@@ -108,8 +109,11 @@ def energies(study: Study) -> Iterator[CaptionedDrawing]:
 
 
 def kinematics(study: Study) -> Iterator[CaptionedDrawing]:
-    """The tip's path and speed, and how near the arm is to a singular pose."""
-    data = study.data
+    """The tip's path and speed, and how near the arm is to a singular pose; nothing without a
+    tip."""
+    data, singularity = study.data, study.singularity
+    if singularity is None:
+        return
     position = data["tip_position"]
     curves = {str(a): position.sel(axis=a).values for a in position["axis"].values}
     yield _plot(study, f"Position of {study.tip}", curves, "m")
@@ -118,7 +122,7 @@ def kinematics(study: Study) -> Iterator[CaptionedDrawing]:
     smallest = data["smallest_singular_value"]
     curve = {"smallest singular value": smallest.values}
     yield _plot(
-        study, "Smallest singular value", curve, "1/rad", legend=False, now=study.singularity.time
+        study, "Smallest singular value", curve, "1/rad", legend=False, now=singularity.time
     )
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from freebody.arrays import Array
+from freebody.model.doubts import Doubt
 from freebody.outputs.display import Tabled, TextTable, Titled, counted
 from freebody.outputs.numbers import compared
 
@@ -31,6 +32,8 @@ class LimitUse:
     time: float
     """When (s); NaN for a mean over the motion."""
     unit: str
+    end: Literal["", "lower", "upper"] = ""
+    """Which limit of a range it is; empty where there is one."""
 
     @property
     def exceeded(self) -> bool:
@@ -43,8 +46,11 @@ class LimitUse:
         when = f" at t = {self.time:.3g} s" if self.time == self.time else ""
         value, limit = self.in_print()
         if self.quantity == "position":
-            way = "beyond its limit" if self.exceeded else "its nearest limit being"
-            return f"{self.coordinate} goes to {value} {self.unit}{when}, {way} {limit} {self.unit}"
+            way = "beyond its" if self.exceeded else "its"
+            return (
+                f"{self.coordinate} goes to {value} {self.unit}{when}, {way} {self.end} limit "
+                f"{'' if self.exceeded else 'being '}{limit} {self.unit}"
+            )
         return (
             f"the {self.quantity} of {self.coordinate} is {value.lstrip('-')} {self.unit}{when}, "
             f"{percent(self.fraction)} of its limit of {limit} {self.unit}"
@@ -67,15 +73,10 @@ class MotionVerdict(Tabled):
     reason: str
     """Why, in a sentence or a few."""
     uses: tuple[LimitUse, ...]
-    """Every limit that is given, with what the motion uses of it; most used first."""
-    missing: tuple[str, ...]
-    """What would have to be given, in words, such as "an effort limit of elbow"; empty if all is
-    there."""
-    masses: tuple[str, ...]
-    """What is wrong with the masses: links whose inertia is missing, a placeholder, or
-    implausible."""
-    estimated: str
-    """How inertias were estimated; empty if they are the description's own."""
+    """Every limit that is given and can be told of, with what the motion uses of it; most used
+    first."""
+    doubts: tuple[Doubt, ...]
+    """All that is doubtful about the robot: what bars the verdict, and what stands beside it."""
     factor: float
     """Run so many times as fast the motion reaches its first limit of speed or torque: above 1 it
     can be sped up so far, below 1 it must be slowed down to that. 0: no slowing helps; infinite: no
@@ -89,14 +90,12 @@ class MotionVerdict(Tabled):
         for x in self.uses:
             value, limit = (f"{text} {x.unit}" for text in x.in_print())
             rows.append((x.quantity, x.coordinate, value, limit, percent(x.fraction)))
-        notes = [f"Not given: {x}." for x in self.missing if x not in self.reason]
-        notes += [x for x in self.masses if x.rstrip(".") not in self.reason]
-        return TextTable(("quantity", "joint", "value", "limit", "share"), rows, notes)
+        return TextTable(("quantity", "joint", "value", "limit", "share"), rows)
 
     @property
     def heading(self) -> str:
-        """The outcome as a first word, and whether it rests on estimated inertias."""
-        return self.outcome.capitalize() + (" (estimated)" if self.estimated else "")
+        """The outcome, to begin with."""
+        return self.outcome.capitalize()
 
     @property
     def text(self) -> str:
@@ -108,9 +107,9 @@ class MotionVerdict(Tabled):
 
     @property
     def good(self) -> bool:
-        """Whether there is nothing to mend: no limit is exceeded and the masses are known, or
-        estimated on demand."""
-        return self.outcome != "not feasible" and not self.masses
+        """Whether there is nothing to mend: no limit is exceeded, and no masses and limits of the
+        file are wrong. What is not given or estimated is none that had to be mended."""
+        return self.outcome != "not feasible" and not any(x.of.mend for x in self.doubts)
 
     @property
     def binding(self) -> LimitUse | None:

@@ -10,6 +10,7 @@ from freebody.algorithms.kinematics import joint_poses, world_poses
 from freebody.arrays import Array
 from freebody.figures.skeleton import mass_and_centre
 from freebody.loops.dynamics import drive_torques
+from freebody.model.doubts import DYNAMIC, attribute, doubts_used
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.motion.friction import drive_arrays
@@ -28,22 +29,24 @@ Values = dict[str, Any]
 """Arrays by the names of variables."""
 
 
-def series(model: Model, tip: str, motion: Motion) -> xr.Dataset:
+def series(model: Model, motion: Motion) -> xr.Dataset:
     """The dataset that `Study.data` describes."""
     found: Values = {}
     for part in (_motion, torques, _reactions, _bodies, energy.energies):
         found |= part(model, motion)
-    found |= _tip(model, tip, motion) | jacobians.measures(model, tip, motion.q)
+    if (tip := model.tip) is not None:
+        found |= _tip(model, tip, motion) | jacobians.measures(model, tip, motion.q)
     found |= energy.powers(model, found, motion)
     about = {
         "title": f"Dynamic study of {model.name}",
         "robot": model.name,
-        "tip": tip,
+        "tip": tip or "",
         "motion": motion.source,
         "conventions": "SI units; world axes unless said; reactions act on the child, by the "
         "parent, at the child's joint origin",
+        **attribute(doubts_used(model, *DYNAMIC)),
     }
-    return dataset(found, coordinates(model, motion.t), about, tip=tip)
+    return dataset(found, coordinates(model, motion.t), about, tip=tip or "")
 
 
 def coordinates(model: Model, t: Array | None = None) -> dict[str, Any]:

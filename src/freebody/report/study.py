@@ -12,6 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from freebody.errors import FreebodyError, KindError, SingularError, listed
+from freebody.model.description import TIP
+from freebody.model.doubts import Doubt
 from freebody.model.model import Model
 from freebody.motion.default_motion import default_motion
 from freebody.motion.files.read_motion import read_motion
@@ -30,7 +32,6 @@ from freebody.report.series import series, torque_parts
 from freebody.report.static_poses import worst_poses
 from freebody.report.summary import drive_table, limit_notices, summary, worst
 from freebody.report.time_scaling import at_pace, pace
-from freebody.report.tip import chosen_tip
 from freebody.report.verdict import effort_limits, verdict
 from freebody.values import ByValue
 
@@ -55,10 +56,11 @@ class Study(Tabled, ByValue):
     """
 
     model: Model
-    tip: str
-    """Frame whose position, velocity and Jacobian are studied."""
+    tip: str | None
+    """Frame whose position, velocity and Jacobian are studied; without a single tip None, and
+    nothing is said of these."""
     tip_reason: str
-    """One sentence: which frame is the tip and why."""
+    """One sentence: which frame is the tip and why, or why none is, and which may be."""
     motion: Motion
     data: xr.Dataset
     """Time series: the motion, torques with their parts, reactions and what bearings carry, bodies,
@@ -70,7 +72,8 @@ class Study(Tabled, ByValue):
     worst: Worst
     static: tuple[StaticPose, ...]
     """For each coordinate that gravity loads."""
-    singularity: Singularity
+    singularity: Singularity | None
+    """None without a tip."""
     checks: tuple[Check, ...]
     """Of freebody on itself: quantities computed in two ways."""
     verdict: MotionVerdict
@@ -79,13 +82,15 @@ class Study(Tabled, ByValue):
     replay_skipped: str
     """Why there is no replay; empty if there is one."""
     notices: tuple[str, ...]
-    """What a reader must know: how the file was read, doubtful inertias, and all `warnings`."""
+    """What a reader must know: how the file was read, what is doubtful, and all `warnings`."""
     warnings: tuple[str, ...] = ()
     """About the motion: limits that it leaves, limits that the model does not give, a base that
     nothing drives."""
     seconds: dict[str, float] = field(default_factory=dict)
     """How long each part took (s)."""
-    _aside = ("seconds",)
+    command: str = ""
+    """The command line that makes it again, where one made it."""
+    _aside = ("seconds", "command")
 
     def _title(self) -> str:
         samples = counted(len(self.motion.t), "sample")
@@ -105,14 +110,14 @@ class Study(Tabled, ByValue):
 
     @property
     def passed(self) -> bool:
-        """Whether the motion is feasible, masses known or estimated on demand, and all `checks`
-        passed."""
+        """Whether the motion is feasible, which nothing doubtful bars, and all `checks` passed."""
         return self.checked and self.verdict.good and self.verdict.outcome == "feasible"
 
     @property
     def finding(self) -> bool:
         """Whether there is something to mend (the command then exits with 1): a limit exceeded,
-        masses missing or doubtful, a check failed. Limits that are not given are none."""
+        masses or limits that are wrong in the file, a check failed. What is not given or estimated
+        is none."""
         return not (self.checked and self.verdict.good)
 
     def save(self, directory: str | os.PathLike[str], *, report: bool = False) -> list[Path]:
@@ -148,10 +153,11 @@ def study(
     model: with all values. motion: a Motion, a CSV file (see `read_motion`) or a table by names
     (see `Motion.of`: a dict, a DataFrame, a Dataset); default a smooth one within the joint limits,
     slowed as far as the limits of speed and torque require. tip: frame; default the model's own,
-    else the leaf behind the most movable joints. smooth: True, or a cutoff (Hz), for a measured
-    motion (see `smoothed`); noise that spoils the torques is reported in any case, with the torques
-    with and without it. progress: called with a text and the fraction done. Raises FreebodyError
-    for a robot without movable joints, MissingValueError for one with open parameters.
+    without which the study leaves out what is of a tip. smooth: True, or a cutoff (Hz), for a
+    measured motion (see `smoothed`); noise that spoils the torques is reported in any case, with
+    the torques with and without it. progress: called with a text and the fraction done. Raises
+    FreebodyError for a robot without movable joints, MissingValueError for one with open
+    parameters.
     """
     if model.nv == 0:
         raise FreebodyError(
@@ -159,12 +165,13 @@ def study(
         )
     model.require_values("the study")
     clock = _Clock(progress)
-    frame, reason = chosen_tip(model, tip)
+    if tip is not None:
+        model = model.replace(tip=tip)
     with clock.part("motion", 0.0):
         sampled, measured = filtered(model, _motion(model, motion), smooth)
         followed = with_peaks(model, sampled)
     with clock.part("torques, reactions, energies", 0.05):
-        data = series(model, frame, followed)
+        data = series(model, followed)
         found = summary(model, followed, data)
         judged = verdict(model, followed, data, found, noisy=bool(measured) and not smooth)
     with clock.part("worst poses", 0.4):
@@ -178,22 +185,27 @@ def study(
     clock.say("done", 1.0)
     return Study(
         model=model,
-        tip=frame,
-        tip_reason=reason,
+        tip=model.tip,
+        tip_reason=model.tip_reason,
         motion=followed,
         data=data,
         summary=found,
         worst=worst(model, data),
         static=poses,
-        singularity=singularity(model, frame, data),
+        singularity=None if model.tip is None else singularity(model, model.tip, data),
         checks=checked,
         verdict=judged,
         replay=replay,
         replay_skipped=skipped,
-        notices=(*map(str, model.notices), *warned),
+        notices=(*_read(model), *map(str, model.doubts), *warned),
         warnings=warned,
         seconds=clock.seconds,
     )
+
+
+def _read(model: Model) -> list[str]:
+    """How its file was read, besides the doubts."""
+    return [str(x) for x in model.notices if not isinstance(x, Doubt) and x.kind != TIP]
 
 
 def _driven(model: Model) -> tuple[str, ...]:

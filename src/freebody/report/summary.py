@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.model.description import DOUBTFUL
+from freebody.model.doubts import EFFORTS, MASSES, attribute, doubts_on
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges, with_drive
@@ -31,7 +31,8 @@ def summary(model: Model, motion: Motion, data: xr.Dataset) -> xr.Dataset:
     found = _drives(motion, data) | works(data, t) | _use(model, motion, data) | _reactions(data, t)
     wanted = ("coordinate", "joint", "unit", "effort_unit")
     named = {name: x for name, x in coordinates(model).items() if name in wanted}
-    return dataset(found, named, {"robot": model.name, "motion": motion.source})
+    about = {"robot": model.name, "motion": motion.source, **attribute(model.doubts)}
+    return dataset(found, named, about)
 
 
 def mean(t: Array, x: Array) -> Array:
@@ -171,22 +172,33 @@ def worst(model: Model, data: xr.Dataset) -> Worst:
     tau, t = data["tau"].values, data["time"].values
     units = np.asarray(data["effort_unit"].values)
     driven = with_drive(model)
-    limited = np.isfinite(allowed.effort) & driven
+    masses, efforts = (
+        [doubt for doubt in doubts_on(model, aspect) if doubt.of.mend]
+        for aspect in (MASSES, EFFORTS)
+    )
+    doubted = {name for doubt in efforts for name in doubt.joints or model.velocity_names}
+    given = np.isfinite(allowed.effort) & driven
+    limited = given & ~np.isin(model.velocity_names, list(doubted))
     if limited.any():
         load = np.where(limited, np.abs(tau) / allowed.effort, 0.0)
     else:
         alike = driven & (units == ("N m" if (units == "N m")[driven].any() else "N"))
         load = np.where(alike, np.abs(tau), 0.0)
     k, j = (int(i) for i in np.unravel_index(np.argmax(load), load.shape))
-    name, value, unit = model.velocity_names[j], float(tau[k, j]), str(units[j])
+    name, value, unit = model.velocity_names[j], float(tau[k, j]) + 0.0, str(units[j])
     share = abs(value) / float(allowed.effort[j]) if limited[j] else float("nan")
-    why = "the largest of the motion; the model gives no effort limits"
+    why = "the largest of the motion"
+    if not given.any():
+        why += "; the model gives no effort limits"
     if limited[j]:
         why = f"{percent(share)} of its effort limit, the largest share of any drive"
         why += " during the motion"
     text = f"At t = {t[k]:.3g} s {name} needs {value:.4g} {unit}: {why}."
-    if any(notice.kind == DOUBTFUL for notice in model.notices):
-        text = f"With the masses of the file, which are in doubt: at{text[2:]}"
+    if value == 0.0:
+        text = "No drive needs a torque or force during the motion."
+    if masses:
+        start = text[:1].lower() + text[1:]
+        text = f"With the masses of the file, which are in doubt: {start}"
     return Worst(k, float(t[k]), name, value, share, unit, text)
 
 

@@ -1,10 +1,10 @@
 """The verdict of a study: feasible, not feasible, or not judged, and by which limit.
 
-A verdict is never kinder than the truth. What the description does not tell is named, and nothing
-is then called feasible; masses that are missing, placeholders or implausible make every torque, and
-so the verdict, void. A limit of 0 counts as not given (`motion.ranges`). Files give no continuous
-rating and no power, so that the RMS torque is held against the effort limit and the power against
-effort times speed.
+A verdict is never kinder than the truth. A doubt on the robot that bars the verdict (`doubts`:
+masses that are none, limits that are placeholders or not given, estimates) makes void what rests on
+it, is named, and nothing is then called feasible; what is left is judged all the same. A limit of 0
+counts as not given (`motion.ranges`). Files give no continuous rating and no power, so that the RMS
+torque is held against the effort limit and the power against effort times speed.
 """
 
 from __future__ import annotations
@@ -15,7 +15,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from freebody.errors import listed
-from freebody.model.description import DOUBTFUL, ESTIMATED
+from freebody.model.doubts import (
+    EFFORTS,
+    MASSES,
+    MISSING,
+    RANGES,
+    ROTORS,
+    SPEEDS,
+    Doubt,
+    barring,
+    capital,
+)
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges, with_drive
@@ -36,46 +46,52 @@ def verdict(
 ) -> MotionVerdict:
     """Judge a motion by `Study.data` and `Study.summary`; noisy: the motion's noise is part of its
     torques."""
-    allowed = ranges(model)
-    uses = tuple(sorted(_uses(model, motion, allowed, found), key=lambda use: -use.fraction))
-    masses = tuple(notice.text for notice in model.notices if notice.kind == DOUBTFUL)
-    estimated = " ".join(notice.text for notice in model.notices if notice.kind == ESTIMATED)
-    if not masses and _is_massless(model):
-        masses = ("no body has any mass.",)
-    if masses:  # torques mean nothing; what is left is about positions and speeds
-        uses = tuple(use for use in uses if use.quantity in ("position", "speed"))
-    missing = _missing(model, allowed)
-    undriven = () if masses else _undriven(model, data)
+    allowed, doubts = ranges(model), model.doubts
+    wrong = [doubt for doubt in doubts if doubt.of.mend]
+    unknown = [doubt for doubt in barring(doubts) if not doubt.of.mend]
+    every = sorted(_uses(model, motion, allowed, found), key=lambda use: -use.fraction)
+    told = [use for use in every if not _rests(use, wrong)]
+    judged = [use for use in told if not _rests(use, unknown)]
+    torques = not any({MASSES, ROTORS} & {*doubt.of.touches} for doubt in wrong)
+    sound = torques and not any(MASSES in doubt.of.touches for doubt in unknown)
+    undriven = _undriven(model, data) if torques else ()
     run = pace(motion, data, allowed.velocity, effort_limits(model, allowed))
-    over = [use for use in uses if use.exceeded]
+    over = [use for use in judged if use.exceeded]
     outcome: Outcome = "feasible"
-    if over or undriven:
+    if over or (undriven and sound):
         outcome = "not feasible"
-    elif masses or missing:
+    elif wrong or unknown:
         outcome = "not judged"
-    sentences = [*_reasons(outcome, uses, over, undriven, missing, masses)]
-    loose = () if masses else _own_pace(model, data)
+    sentences = [*_reasons(outcome, told, over, undriven if sound else (), barring(doubts))]
+    loose = _own_pace(model, data) if torques else ()
     if loose:
-        sentences.append(_no_other_pace(loose, slower=bool(over or undriven)))
-    elif not masses and uses:
-        sentences += _paces(model, run, uses, over, bool(undriven), bool(missing))
-    if noisy and not masses:
+        sentences.append(_no_other_pace(loose, slower=bool(over or (undriven and sound))))
+    elif not wrong and told:
+        partly = any(doubt.kind == MISSING for doubt in unknown)
+        beyond = [use for use in told if use.exceeded]
+        sentences += _paces(model, run, told, beyond, bool(undriven and sound), partly)
+    if noisy and torques:
         sentences.append(
             "The noise of the motion counts as torque here; --smooth auto (smooth=True) takes it "
             "out."
         )
-    unphysical = sum(notice.kind == "physical" for notice in model.notices)
-    if unphysical and not masses:
-        noun, verb = ("inertias", "are") if unphysical > 1 else ("inertia", "is")
-        sentences.append(f"{unphysical} {noun} that no rigid body has {verb} used as given.")
-    drives = sum(notice.kind == "drive" for notice in model.notices)
-    if drives:
-        noun, verb = ("drives", "are") if drives > 1 else ("drive", "is")
-        sentences.append(f"{drives} {noun} that no motor has {verb} used as given.")
-    if estimated:
-        sentences.append("The inertias are estimated, and so are all torques.")
-    factor = float("nan") if masses or loose or not uses else run.factor
-    return MotionVerdict(outcome, " ".join(sentences), uses, missing, masses, estimated, factor)
+    sentences += [capital(doubt.text) for doubt in doubts if not doubt.of.bars]
+    factor = float("nan") if wrong or loose or not told else run.factor
+    return MotionVerdict(outcome, " ".join(sentences), tuple(told), doubts, factor)
+
+
+def _rests(use: LimitUse, doubts: Sequence[Doubt]) -> bool:
+    """Whether a limit's use rests on what is doubted."""
+    aspects = _ASPECTS.get(use.quantity, (MASSES, ROTORS, EFFORTS))
+    return any(
+        set(aspects) & set(doubt.of.touches)
+        for doubt in doubts
+        if doubt.kind != MISSING and (not doubt.joints or use.coordinate in doubt.joints)
+    )
+
+
+_ASPECTS = {"position": (RANGES,), "speed": (SPEEDS,), "power": (MASSES, ROTORS, EFFORTS, SPEEDS)}
+"""What the use of a limit rests on, where that is not a torque."""
 
 
 def effort_limits(model: Model, allowed: Ranges) -> np.ndarray:
@@ -115,9 +131,9 @@ def _position(
     found, lower, upper = motion.peaks.position, float(allowed.lower[k]), float(allowed.upper[k])
     low, high = float(found.low[column]), float(found.high[column])
     to_lower, to_upper = low - lower, upper - high
-    at, when, limit = high, float(found.high_at[column]), upper
+    at, when, limit, end = high, float(found.high_at[column]), upper, "upper"
     if to_lower < to_upper:
-        at, when, limit = low, float(found.low_at[column]), lower
+        at, when, limit, end = low, float(found.low_at[column]), lower, "lower"
     if not np.isfinite(limit):
         return
     if np.isnan(fraction):  # the other end is open: within, or beyond by more than rounding
@@ -125,42 +141,10 @@ def _position(
         if beyond <= CLOSE * max(1.0, abs(limit)):
             return
         fraction = 1.0 + beyond / (2 * np.pi if allowed.turns[k] else 1.0)
-    yield LimitUse("position", name, at, limit, fraction, when, unit)
+    yield LimitUse("position", name, at, limit, fraction, when, unit, end)
 
 
 # ------------------------------------------------------------ what is not there
-def _missing(model: Model, allowed: Ranges) -> tuple[str, ...]:
-    """Limits that the description does not give, and joints of which nothing tells what moves
-    them."""
-    single = [
-        (body, at.v[0])
-        for body, at in zip(model.bodies, model.coordinates, strict=True)
-        if body.joint.mimic is None and body.kind.nv == 1
-    ]
-    driven = [(body, k) for body, k in single if not body.joint.passive]
-    bounded = np.isfinite(allowed.lower) & np.isfinite(allowed.upper)
-    absent: dict[tuple[str, ...], list[str]] = {}
-    """All that is not given, by the names of joints."""
-    for what, given in (
-        ("an effort limit", np.isfinite(allowed.effort)),
-        ("a speed limit", np.isfinite(allowed.velocity)),
-        ("a position range", bounded),
-    ):
-        asked = (pair for pair in driven if given is not bounded or pair[0].kind.ranged)
-        names = tuple(body.joint.name for body, k in asked if not given[k])
-        absent.setdefault(names, []).append(what)
-    found = [
-        f"{listed(parts)} of {listed(names, _NAMES)}" for names, parts in absent.items() if names
-    ]
-    if allowed.apart:
-        found.append(f"a range that suits {listed(allowed.apart, _NAMES)}")
-    several = [b.joint.name for b in model.bodies if b.kind.nv > 1 and not b.joint.passive]
-    if several and not model.loops:
-        have = "has no motor of its" if len(several) == 1 else "have no motors of their"
-        found.append(f"what moves {listed(several, _NAMES)}, which {have} own")
-    return tuple(found)
-
-
 def _undriven(model: Model, data: xr.Dataset) -> tuple[str, ...]:
     """Passive joints of an open chain that the motion needs a torque at."""
     if model.loops:
@@ -202,36 +186,44 @@ def _acting(model: Model, data: xr.Dataset) -> np.ndarray:
     return size
 
 
-def _is_massless(model: Model) -> bool:
-    """Whether nothing that moves has mass or inertia."""
-    return not any(body.masses for body in model.tree.bodies)
-
-
 # ------------------------------------------------------------ in words
 def _reasons(
     outcome: Outcome,
     uses: Sequence[LimitUse],
     over: Sequence[LimitUse],
     undriven: Sequence[str],
-    missing: Sequence[str],
-    masses: Sequence[str],
+    doubts: Sequence[Doubt],
 ) -> Iterator[str]:
+    """Sentences, the first to go on with after the outcome."""
     if over:
         more = len(over) - 1
         others = f"; {more} more limit{'s are' if more > 1 else ' is'} exceeded" if more else ""
         yield f"{over[0].text}{others}."
     for sentence in undriven:
         yield f"{sentence}."
-    if masses:
-        yield f"the torques cannot be trusted: {'; '.join(text.rstrip('.') for text in masses)}."
-        return
     if outcome == "feasible":
         yield f"the motion stays within every limit; nearest: {uses[0].text}."
-    elif missing:
-        the = "the" if outcome == "not judged" else "The"
-        yield f"{the} description lacks {'; '.join(missing)}."
-        if outcome == "not judged" and uses:
-            yield f"The limits that are given are kept; nearest: {uses[0].text}."
+    first = outcome == "not judged"
+    for sentence in _doubted(doubts):
+        yield sentence if first else capital(sentence)
+        first = False
+    if outcome == "not judged" and uses and not any(doubt.of.mend for doubt in doubts):
+        beyond = [use for use in uses if use.exceeded]
+        estimated = "" if all(doubt.kind == MISSING for doubt in doubts) else " by the estimates"
+        if beyond:
+            yield f"It would not be feasible{estimated}: {beyond[0].text}."
+        elif any(doubt.kind == MISSING for doubt in doubts):
+            yield f"The limits that are given are kept{estimated}; nearest: {uses[0].text}."
+        else:
+            yield f"Every limit is kept{estimated}; nearest: {uses[0].text}."
+
+
+def _doubted(doubts: Sequence[Doubt]) -> Iterator[str]:
+    """What bars the verdict: what is wrong with the torques in one sentence, then the rest."""
+    torques = [x for x in doubts if x.of.mend and {MASSES, ROTORS} & {*x.of.touches}]
+    if torques:
+        yield f"the torques cannot be trusted: {'; '.join(x.clause for x in torques)}."
+    yield from (x.text for x in doubts if x not in torques)
 
 
 def _paces(

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError, warn
+from freebody.errors import FreebodyError, OutOfMemoryError, warn
+from freebody.model.doubts import attribute, doubts_used
 from freebody.model.model import Model
 from freebody.sweeps.axes import SweepAxis, SweepGrid
 from freebody.sweeps.evaluation import BlockResult, FailedPoint, SweepBlock, SweepTask, with_more
@@ -30,18 +31,18 @@ class SweepArrays:
         self.outputs = task.outputs if held else ()
         self._whole_rows = task.whole_rows
         rows, columns = grid.shape
-        self.failed = np.zeros(rows, dtype=np.int64)
         self.reasons: list[FailedPoint] = []
         self.values: dict[tuple[str, str], Array] = {}
         """By output and reduction (rows, *core), or (rows, columns, *core) and no reduction."""
         self._open: list[Gathered] | None = None
         names = [x.name for x in reductions] or [""]
         try:
+            self.failed = np.zeros(rows, dtype=np.int64)
             for output, core in self.outputs:
                 shape = (rows, *core) if reductions else (rows, columns, *core)
                 self.values |= {(output, name): np.full(shape, np.nan) for name in names}
         except MemoryError:
-            raise FreebodyError(
+            raise OutOfMemoryError(
                 f"sweep: the {rows * columns:.3g} points of {task.outputs[0][0]} do not fit into "
                 f"memory; give reduce=, or fewer points."
             ) from None
@@ -68,7 +69,7 @@ class SweepArrays:
         self._open = None
 
 
-def _about(model: Model, arrays: SweepArrays) -> dict[str, Any]:
+def _about(model: Model, function: SweptFunction, arrays: SweepArrays) -> dict[str, Any]:
     """What the attributes tell; a warning where points failed, an error where all did."""
     grid, points = arrays.grid, arrays.grid.shape[0] * arrays.grid.shape[1]
     failed = int(arrays.failed.sum())
@@ -80,7 +81,8 @@ def _about(model: Model, arrays: SweepArrays) -> dict[str, Any]:
             f"sweep: {failed} of {points} points have no value, and count in no reduction; the "
             f"first: {reasons[0]}",
         )
-    return {"model": model.name, "points": points, "failed": failed, "failures": reasons}
+    found = {"model": model.name, "points": points, "failed": failed, "failures": reasons}
+    return found | attribute(doubts_used(model, *function.touches))
 
 
 def lazy_dataset(
@@ -90,7 +92,7 @@ def lazy_dataset(
     stored: xr.Dataset,
 ) -> xr.Dataset:
     """All values as they lie in a store, over `point`, the rows of the table, and the columns."""
-    about, grid = _about(model, arrays), arrays.grid
+    about, grid = _about(model, function, arrays), arrays.grid
     coordinates: dict[str, Any] = {}
     for axis in grid.columns:
         coordinates |= _coordinates(axis)
@@ -109,7 +111,7 @@ def dataset(model: Model, function: SweptFunction, arrays: SweepArrays) -> xr.Da
     """With the axes that stay in front."""
     import xarray as xr
 
-    about, grid = _about(model, arrays), arrays.grid
+    about, grid = _about(model, function, arrays), arrays.grid
     axes = grid.rows if arrays.reductions else grid.rows + grid.columns
     coordinates: dict[str, Any] = {}
     for axis in axes:

@@ -17,6 +17,7 @@ from freebody.kernels.formulas import FORMULAS, INPUTS
 from freebody.kernels.inputs import InputKernel
 from freebody.kernels.lookup import kernel
 from freebody.kernels.options import chosen_option
+from freebody.model.doubts import ALL
 from freebody.model.model import Model
 from freebody.model.numbers import found, known
 from freebody.targets import Kernel
@@ -34,6 +35,11 @@ class SweptFunction(Protocol):
     @property
     def numbers(self) -> tuple[str, ...]:
         """Of the model, that vary."""
+        ...
+
+    @property
+    def touches(self) -> tuple[str, ...]:
+        """What of the model it depends on, of what a doubt may be on."""
         ...
 
     @property
@@ -62,6 +68,11 @@ class SweptKernel:
     numbers: tuple[str, ...]
     formulas: tuple[str, ...] = ()
     threads: bool = True
+
+    @property
+    def touches(self) -> tuple[str, ...]:
+        """See `SweptFunction`; a function of one's own has no model."""
+        return tuple({x: None for name in self.formulas for x in FORMULAS[name].touches})
 
     @property
     def inputs(self) -> tuple[str, ...]:
@@ -119,6 +130,8 @@ class SweptCallable:
     model: Model
     numbers: tuple[str, ...]
     threads: bool = False
+    touches: tuple[str, ...] = ALL
+    """Whatever it asks the model."""
 
     def __call__(self, given: Mapping[str, Array], hoisted: bool) -> dict[str, Array]:
         """See `SweptFunction`."""

@@ -14,7 +14,13 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array, as_floats, is_count
-from freebody.errors import FreebodyError, KindError, UnknownNameError, listed
+from freebody.errors import (
+    FreebodyError,
+    KindError,
+    OutOfMemoryError,
+    UnknownNameError,
+    listed,
+)
 from freebody.lazy import cached_property
 from freebody.outputs.display import Titled
 
@@ -152,7 +158,7 @@ def _made(method: str, count: int, dimensions: int, seed: int, run: int) -> Arra
     try:
         points = SAMPLERS[method].unit(count, dimensions, rng)
     except MemoryError:
-        raise FreebodyError(
+        raise OutOfMemoryError(
             f"samples: {count} points of method {method!r} do not fit into memory, and are made "
             f"all at once; 'sobol' and 'random' make them in parts."
         ) from None

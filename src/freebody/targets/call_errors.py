@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from freebody.arrays import too_large
 from freebody.errors import FreebodyError, ShapeError, shown
 from freebody.program.program import Argument, Program
 from freebody.targets.target import KernelError
@@ -19,6 +20,11 @@ def explained(
     program: Program, dtype: np.dtype[Any], arrays: tuple[Any, ...], out: Any, problem: Exception
 ) -> Exception:
     """The error that says which argument is to blame; the original one if none is."""
+    if isinstance(problem, MemoryError):
+        names = (argument.name for argument in program.inputs)
+        return too_large(
+            program.name, dict(zip(names, map(np.asarray, arrays), strict=True)), problem
+        )
     name, inputs = program.name, program.inputs
     if len(arrays) != len(inputs):
         wanted = ", ".join(map(str, inputs))

@@ -125,7 +125,7 @@ class Kernel:
                 elif self._at_most(self._longest if threads else self._few, arrays):
                     return self.ufunc(*arrays, out=out)
             return self._long(arrays, out, threads)
-        except (TypeError, ValueError) as problem:
+        except (TypeError, ValueError, MemoryError) as problem:
             raise explained(self.program, self.dtype, arrays, out, problem) from None
 
     @cached_property

@@ -23,6 +23,7 @@ from freebody.trees.public_calls import (
     Vector,
     Wrenches,
     careful,
+    checked_inputs,
     common_batch,
     evaluate,
     finite_vector,
@@ -36,13 +37,16 @@ def inverse_dynamics(
     qdd: Vector,
     wrenches: Wrenches = None,
     actuated: Sequence[str] | None = None,
+    forces: Vector | None = None,
 ) -> Array:
-    """tau (..., nv): M q̈ + c + g + friction + springs + rotors - Σ Jᵀ w (N m, N), by recursive
-    Newton-Euler.
+    """tau (..., nv): M q̈ + c + g + friction + springs + rotors - Σ Jᵀ w - forces (N m, N), by
+    recursive Newton-Euler.
 
     q: (..., nq); qd, qdd: (..., nv), rad or m and s. wrenches: {frame: (..., 6)} or one array for
     the tip: force, then moment, that act on the arm at the frame's origin, world axes ((..., 3):
-    fx, fy, m in the plane). Raises ShapeError, NotFiniteError, UnknownNameError, MissingValueError.
+    fx, fy, m in the plane). forces: (..., nv), generalized forces (N m, N) along the joints that no
+    drive gives, at passive joints too: springs between links, cables, aerodynamic drag. Raises
+    ShapeError, NotFiniteError, UnknownNameError, MissingValueError.
     Source: Luh, Walker, Paul 1980; notes 4.6-4.15, 6.16-6.29.
 
     Of an open chain the entries of passive joints (`model.passive`) are what is missing: the torque
@@ -53,15 +57,20 @@ def inverse_dynamics(
     for a state that its loops do not allow, SingularError where the drives do not determine the
     motion.
     """
-    if actuated is None:
+    if actuated is None and forces is None:
         return evaluate("inverse_dynamics", model, (q, qd, qdd), None, wrenches, _of_any_chain)
     require_model("inverse_dynamics", model)
     if model.loops:
-        return closed_chain_function("inverse_dynamics")(model, q, qd, qdd, wrenches, actuated)
-    raise FreebodyError(
-        f"inverse_dynamics: actuated= chooses among the joints of a closed chain; {model.name!r} "
-        f"has no loops."
-    )
+        of_loops = closed_chain_function("inverse_dynamics")
+        return of_loops(model, q, qd, qdd, wrenches, actuated, forces)
+    if actuated is not None:
+        raise FreebodyError(
+            f"inverse_dynamics: actuated= chooses among the joints of a closed chain; "
+            f"{model.name!r} has no loops."
+        )
+    given = {"q": q, "qd": qd, "qdd": qdd, "forces": forces}
+    (*motion, acting), loads = _checked("inverse_dynamics", model, given, wrenches)
+    return evaluate("inverse_dynamics", model, tuple(motion), None, loads, _of_any_chain) - acting
 
 
 def _of_any_chain(
@@ -75,10 +84,15 @@ def _of_any_chain(
 
 
 def forward_dynamics(
-    model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches = None
+    model: Model,
+    q: Vector,
+    qd: Vector,
+    tau: Vector,
+    wrenches: Wrenches = None,
+    forces: Vector | None = None,
 ) -> Array:
-    """q̈ (..., nv) under joint torques tau (..., nv); other arguments as for `inverse_dynamics`
-    (3.29).
+    """q̈ (..., nv) under joint torques tau (..., nv) and, where given, further generalized forces
+    (..., nv); other arguments as for `inverse_dynamics` (3.29).
 
     Closed chains: (5.29), with dependent equations and at singular positions, where a motion keeps
     its branch. Raises SingularError naming the joint that moves no inertia, LoopError for a state
@@ -86,7 +100,21 @@ def forward_dynamics(
     """
     if isinstance(model, Model) and model.passive:
         refuse_passive("forward_dynamics", model, tau)
+    if forces is not None:
+        require_model("forward_dynamics", model)
+        given = {"q": q, "qd": qd, "tau": tau, "forces": forces}
+        (q, qd, tau, acting), wrenches = _checked("forward_dynamics", model, given, wrenches)
+        tau = tau + acting
     return evaluate("forward_dynamics", model, (q, qd, tau), None, wrenches, _forward_dynamics)
+
+
+def _checked(
+    function: str, model: Model, given: dict[str, Vector], wrenches: Wrenches
+) -> tuple[list[Array], dict[str, Array] | None]:
+    """The inputs as finite arrays of one batch shape, and the wrenches by frame."""
+    frames, arrays = checked_inputs(function, model, given, wrenches)
+    loads = dict(zip(frames, arrays[len(given) :], strict=True))
+    return arrays[: len(given)], loads or None
 
 
 def _forward_dynamics(
@@ -258,7 +286,9 @@ def joint_wrenches(
     Row i belongs to joint_names[i]: the total reaction of the parent on the child, at the child's
     joint origin, world axes or the child's. Arguments as for `inverse_dynamics`. Closed chains: a
     row for each loop follows, on the second frame's body by the first's; `reactions` also says
-    which components are determined.
+    which components are determined. A motion's generalized forces between parent and child along a
+    joint, such as those of springs, change no joint's total in an open chain (in a closed one:
+    `reactions`, forces=); what acts from outside is given as wrenches.
     """
     key = "joint_wrenches", reference
     return evaluate(key, model, (q, qd, qdd), _in_axes, wrenches, _joint_wrenches)
@@ -288,7 +318,11 @@ def kinetic_energy(model: Model, q: Vector, qd: Vector) -> Array:
 
 
 def potential_energy(model: Model, q: Vector) -> Array:
-    """V (...) in J: gravity, zero at the world's origin, and springs (5.4, 5.5)."""
+    """V (...) in J: gravity, zero at the world's origin, and springs (5.4, 5.5).
+
+    The weight of all links counts, as in `model.mass` and `center_of_mass`: links fixed to the base
+    add a constant.
+    """
     return evaluate("potential_energy", model, (q,))
 
 

@@ -133,8 +133,8 @@ def regressor(model: Model, q: Vector, qd: Vector, qdd: Vector) -> Array:
 
 
 def energy_regressor(model: Model, q: Vector, qd: Vector) -> Array:
-    """(..., 2, p): kinetic and potential energy (without the springs' constants) as linear
-    functions of π."""
+    """(..., 2, p): kinetic and potential energy (without the constants of springs and of links
+    fixed to the base) as linear functions of π."""
     return evaluate("energy_regressor", model, (q, qd))
 
 

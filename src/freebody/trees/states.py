@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.arrays import Array
+from freebody.arrays import Array, too_large
 from freebody.errors import MissingValueError
 from freebody.labels import refuse_other_times
 from freebody.model.description import Limits
@@ -64,7 +64,10 @@ def random_state(
     require_model("random_state", model)
     if arrays_in(tuple(body.joint.limits for body in model.bodies)):
         raise FamilyError("random_state", model.name, model.family)
-    return _states(model, seed, batch, [body.joint.limits.meant for body in model.bodies])
+    try:
+        return _states(model, seed, batch, [body.joint.limits.meant for body in model.bodies])
+    except (MemoryError, ValueError) as problem:
+        raise too_large("random_state", {"batch": batch}, problem) from None
 
 
 def generic_state(

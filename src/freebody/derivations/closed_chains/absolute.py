@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from freebody.algorithms.energy import resting_energy
 from freebody.algorithms.kinematics import Pose
 from freebody.algorithms.loop_constraints import LoopEquation, loop_equations
 from freebody.derivations.closed_chains.first_kind import MULTIPLIER
@@ -266,8 +267,9 @@ class AbsoluteCoordinates:
 
     @cached_property
     def potential(self) -> Trig:
-        """V of the weights: the negative of their forces times the places."""
-        ring, total = self.symbols.ring, self.symbols.zero()
+        """V of the weights: the negative of their forces times the places, and a constant of what
+        is fixed to the base."""
+        ring, total = self.symbols.ring, self._element(resting_energy(self.tree))
         for force, name in zip(self._weights(), self.names, strict=True):
             total = total - force * ring[name]
         return total

@@ -18,6 +18,8 @@ def body_quantities(s: Setting, reactions: SolvedReactions) -> dict[str, Any]:
     found: dict[str, Any] = {name: ring[name] for name in ring.names}
     found["gravity"] = vector(s, s.tree.gravity)
     found["V"], found["T"] = energies.total_potential, energies.rotors
+    if s.tree.base:
+        found["V0"] = energies.resting
     for i in s.order:
         found |= _of_body(s, reactions, i)
         if i in s.weighted:

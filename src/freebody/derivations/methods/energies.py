@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+from freebody.algorithms.energy import resting_energy
 from freebody.algorithms.kinematics import BodyMotions
 from freebody.derivations.derivation import Step
 from freebody.derivations.expressions import expression as ex
@@ -62,6 +63,16 @@ class Energies:
                 total = total + 0.5 * body.drive.rotor * (rate * rate)
         return total
 
+    @cached_property
+    def resting(self) -> Trig:
+        """-m g · r_c of what is fixed to the base: a constant."""
+        return self.s.symbols.element(resting_energy(self.s.tree))
+
+    @property
+    def has_resting(self) -> bool:
+        """Whether what is fixed to the base has a potential energy."""
+        return not self.resting.is_zero
+
     @property
     def has_springs(self) -> bool:
         """Whether springs store energy."""
@@ -80,7 +91,8 @@ class Energies:
     @cached_property
     def total_potential(self) -> Trig:
         """V."""
-        return sum((self.potential(i) for i in self.s.weighted), self.springs)
+        own = (self.potential(i) for i in self.s.weighted)
+        return sum(own, self.resting + self.springs)
 
     @cached_property
     def lagrangian(self) -> Trig:
@@ -113,7 +125,7 @@ def kinetic_step(s: Setting, energies: Energies) -> Step:
 
 def potential_step(s: Setting, energies: Energies) -> Step:
     """Weights, and springs where there are."""
-    lines: list[Equation] = []
+    lines = [eq("V0", s.show(energies.resting))] if energies.has_resting else []
     for i in s.weighted if s.weighs else ():
         n = s.numbers[i]
         rule = ex.neg(s.mass_times(i, ex.dot(vec("g"), s.name("rc", i))))
@@ -123,6 +135,11 @@ def potential_step(s: Setting, energies: Energies) -> Step:
     parts = (
         ["that of a weight is mass times gravity times height above the base's origin"]
         if s.weighs
+        else []
+    )
+    parts += (
+        ["that of what is fixed to the base, V_0, is the same at all times"]
+        if energies.has_resting
         else []
     )
     parts += (

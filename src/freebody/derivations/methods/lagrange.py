@@ -51,6 +51,8 @@ def symbols(s: Setting, energies: Energies) -> Iterator[Meaning]:
     )
     if energies.has_rotors:
         yield Meaning((sym("T_r"),), "kinetic energy of the motors' rotors", glossary.JOULE)
+    if energies.has_resting:
+        yield Meaning((sym("V0"),), "potential energy of what is fixed to the base", glossary.JOULE)
     if energies.has_springs:
         yield Meaning((sym("V_s"),), "potential energy of the springs", glossary.JOULE)
     yield Meaning((sym("L"),), "Lagrangian", glossary.JOULE)
@@ -153,7 +155,11 @@ def _velocities(s: Setting) -> Step:
 
 def _lagrangian(s: Setting, energies: Energies) -> Step:
     numbers = [s.numbers[i] for i in s.weighted]
-    potential = ex.add(*(f"V{n}" for n in numbers), *(["V_s"] if energies.has_springs else []))
+    potential = ex.add(
+        *(["V0"] if energies.has_resting else []),
+        *(f"V{n}" for n in numbers),
+        *(["V_s"] if energies.has_springs else []),
+    )
     kinetic = ex.add(*(f"T{n}" for n in numbers), *(["T_r"] if energies.has_rotors else []))
     rule = ex.sub(kinetic, potential) if energies.has_potential else kinetic
     return Step(

@@ -12,6 +12,7 @@ from freebody.algorithms.controllers.operational_space_control import operationa
 from freebody.algorithms.controllers.pd_gravity import pd_gravity
 from freebody.kernels.formulas.choices import frame_of
 from freebody.kernels.formulas.record import Formula, Option, Output
+from freebody.model.doubts import MASSES
 from freebody.model.tree import Tree
 
 _TORQUE = {"tau": Output(("nv",), "torques and forces of the drives (N m, N)")}
@@ -27,6 +28,7 @@ FORMULAS = {
         _TORQUE,
         lambda t, o, **inputs: (pd_gravity(t, **inputs),),
         chains="open",
+        touches=(MASSES,),
     ),
     "computed_torque": Formula(
         ("q", "qd", "q_ref", "qd_ref", "qdd_ref", "kp", "kd"),
@@ -49,6 +51,7 @@ FORMULAS = {
         of_frame=True,
         of_rows=True,
         chains="open",
+        touches=(MASSES,),
     ),
     "admittance": Formula(
         ("h", "offset", "offset_rate", "w_ext", "inertia", "stiffness", "damping"),
@@ -58,6 +61,7 @@ FORMULAS = {
         },
         lambda t, o, **inputs: admittance(**inputs),
         of_rows=True,
+        touches=(),
     ),
     "momentum_observer": Formula(
         ("q", "qd", "tau", "h", "integral", "ko"),

@@ -18,6 +18,7 @@ from freebody.algorithms.crba import (
 from freebody.algorithms.loop_checks import (
     closure_margins,
     consistent_margin,
+    following_margins,
     solution_margins,
     sure,
 )
@@ -27,6 +28,7 @@ from freebody.algorithms.rnea import External, joint_wrenches, rnea
 from freebody.kernels.formulas import by_columns
 from freebody.kernels.formulas.choices import at_driven_joints, external, still
 from freebody.kernels.formulas.record import Formula, Option, Output
+from freebody.model.doubts import FRICTION, INERTIAL, MASSES, ROTORS
 from freebody.model.tree import Tree
 from freebody.spatial import Vector, sub
 
@@ -43,7 +45,8 @@ def _inverse(
 def forward(
     tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector, wrenches: Any = ()
 ) -> tuple[Any, ...]:
-    """Accelerations of a tree or a closed chain, as the one entry of a tuple."""
+    """Accelerations of a tree or a closed chain, as the one entry of a tuple; at a stage of a step
+    too, which is a little beside the loops."""
     if tree.loops:
         return (_closed_forward(tree, o, q, qd, tau, external(tree, o, q, wrenches)),)
     method = aba if _prefers_articulated_bodies(tree) else forward_dynamics
@@ -63,6 +66,15 @@ def _closed_forward(
     margins = solution_margins(tree, M, factors, found, o.equations)
     margins.append(consistent_margin(tree, q, qd, found.qdd))
     return sure(found.qdd, margins + (closure_margins(tree, q, qd) if o.checks == "state" else []))
+
+
+def _forward(
+    tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector, wrenches: Any = ()
+) -> tuple[Any, ...]:
+    (qdd,) = forward(tree, o, q, qd, tau, wrenches)
+    stage = o.checks == "solution"  # of an integration, a little beside the loops
+    followed = [] if stage else following_margins(tree, q, qd, qdd, o.equations)
+    return (sure(qdd, followed) if followed else qdd,)
 
 
 def _prefers_articulated_bodies(tree: Tree) -> bool:
@@ -100,7 +112,7 @@ FORMULAS = {
     "forward_dynamics": Formula(
         ("q", "qd", "tau", "wrenches"),
         {"qdd": Output(("nv",), "accelerations (rad/s^2, m/s^2)")},
-        forward,
+        _forward,
         by_motion=True,
         settled="equations",
         derivatives={
@@ -114,6 +126,7 @@ FORMULAS = {
         lambda t, o, q: (crba(t, q),),
         by_motion=True,
         by_columns=by_columns.mass,
+        touches=(*INERTIAL, ROTORS),
     ),
     "mass_matrix_inverse": Formula(
         ("q",),
@@ -121,37 +134,46 @@ FORMULAS = {
         lambda t, o, q: (mass_matrix_inverse(t, q),),
         chains="open",
         by_columns=by_columns.inverse_mass,
+        touches=(*INERTIAL, ROTORS),
     ),
     "mass_product": Formula(
         ("q", "x"),
         {"Mx": Output(("nv",), "mass matrix times x")},
         lambda t, o, q, x: (mass_product(t, q, x),),
+        touches=(*INERTIAL, ROTORS),
     ),
     "coriolis_matrix": Formula(
         ("q", "qd"),
         {"C": Output(("nv", "nv"), "Coriolis matrix (N m s/rad, N s/m)")},
         lambda t, o, q, qd: (coriolis_matrix(t, q, qd),),
         by_columns=by_columns.coriolis,
+        touches=INERTIAL,
     ),
     "coriolis_product": Formula(
         ("q", "qd", "x"),
         {"Cx": Output(("nv",), "Coriolis matrix times x")},
         lambda t, o, q, qd, x: (coriolis_product(t, q, qd, x),),
+        touches=INERTIAL,
     ),
     "bias": Formula(
         ("q", "qd"),
         {"bias": Output(("nv",), "torques at zero accelerations (N m, N)")},
         lambda t, o, q, qd: (bias(t, q, qd),),
         by_motion=True,
+        touches=(*INERTIAL, FRICTION),
     ),
     "gravity_torque": Formula(
-        ("q",), {"g": Output(("nv",), "torques that balance gravity (N m, N)")}, _gravity
+        ("q",),
+        {"g": Output(("nv",), "torques that balance gravity (N m, N)")},
+        _gravity,
+        touches=(MASSES,),
     ),
     "static_torque": Formula(
         ("q", "wrenches"),
         {"tau": Output(("nv",), "torques that hold the robot still (N m, N)")},
         _static,
         settled="partition",
+        touches=(MASSES,),
     ),
     "joint_wrenches": Formula(
         ("q", "qd", "qdd", "wrenches"),
@@ -163,5 +185,6 @@ FORMULAS = {
         _wrenches,
         axes=("child",),
         chains="open",
+        touches=INERTIAL,
     ),
 }

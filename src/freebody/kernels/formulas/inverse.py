@@ -72,5 +72,6 @@ FORMULAS = {
         of_frame=True,
         of_rows=True,
         chains="arm",
+        touches=(),
     )
 }

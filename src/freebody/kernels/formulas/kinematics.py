@@ -7,6 +7,7 @@ from typing import Any
 from freebody.algorithms import kinematics
 from freebody.kernels.formulas.choices import along_every_direction, frame_of, still
 from freebody.kernels.formulas.record import Formula, Option, Output
+from freebody.model.doubts import MASSES
 from freebody.model.tree import Tree
 from freebody.scalars.dual import slopes
 from freebody.spatial import Vector
@@ -59,12 +60,14 @@ FORMULAS = {
         {"T": Output(("pose", "pose"), "pose of the frame in the world, homogeneous matrix (m)")},
         _pose,
         of_frame=True,
+        touches=(),
     ),
     "velocity": Formula(
         ("q", "qd", "point"),
         {"V": Output(("six",), "velocity of the point, then angular velocity (m/s, rad/s)")},
         _velocity,
         of_frame=True,
+        touches=(),
     ),
     "acceleration": Formula(
         ("q", "qd", "qdd", "point"),
@@ -75,6 +78,7 @@ FORMULAS = {
         },
         _acceleration,
         of_frame=True,
+        touches=(),
     ),
     "jacobian": Formula(
         ("q",),
@@ -82,6 +86,7 @@ FORMULAS = {
         _jacobian,
         of_frame=True,
         axes=_AXES,
+        touches=(),
     ),
     "jacobian_dot": Formula(
         ("q", "qd"),
@@ -89,6 +94,7 @@ FORMULAS = {
         _jacobian_dot,
         of_frame=True,
         axes=_AXES,
+        touches=(),
     ),
     "jacobian_derivatives": Formula(
         ("q",),
@@ -96,20 +102,24 @@ FORMULAS = {
         _jacobian_by_position,
         of_frame=True,
         axes=_AXES,
+        touches=(),
     ),
     "center_of_mass": Formula(
         ("q",),
         {"com": Output(("dim",), "centre of mass in the world (m)")},
         lambda t, o, q: (kinematics.centre_of_mass(t, q),),
+        touches=(MASSES,),
     ),
     "integrate": Formula(
         ("q", "v"),
         {"q1": Output(("nq",), "positions after the displacement")},
         lambda t, o, q, v: (kinematics.moved(t, q, v),),
+        touches=(),
     ),
     "difference": Formula(
         ("q0", "q1"),
         {"v": Output(("nv",), "displacement from q0 to q1 (rad, m)")},
         lambda t, o, q0, q1: (kinematics.between(t, q0, q1),),
+        touches=(),
     ),
 }

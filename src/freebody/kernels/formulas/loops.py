@@ -22,6 +22,7 @@ from freebody.algorithms.newton_euler_residuals import Moving, balance
 from freebody.algorithms.rnea import joint_wrenches, rnea
 from freebody.kernels.formulas.choices import external, partition_of, seeded
 from freebody.kernels.formulas.record import Formula, Option, Output
+from freebody.model.doubts import INERTIAL
 from freebody.model.tree import Tree
 from freebody.scalars.dual import slopes
 from freebody.scalars.time_derivatives import Jet, parts
@@ -49,7 +50,7 @@ def _consistent(
     if o.held is None:
         found, margins = nearest(tree, q, x, right, partition_of(o))
     else:
-        found, margins = led(tree, q, x, right, o.held, o.equations or ())
+        found, margins = led(tree, q, x, right, o.held, o.equations.rows if o.equations else ())
     return (sure(found, margins + (closure_margins(tree, q, qd) if o.checks == "state" else [])),)
 
 
@@ -120,6 +121,7 @@ FORMULAS = {
             )
         },
         lambda t, o, q: (constraint(t, q),),
+        touches=(),
     ),
     "constraint_jacobian": Formula(
         ("q",),
@@ -129,16 +131,19 @@ FORMULAS = {
             )
         },
         lambda t, o, q: (constraint_jacobian(t, q),),
+        touches=(),
     ),
     "constraint_bias": Formula(
         ("q", "qd"),
         {"c": Output(("constraints",), "right-hand side of Phi_q qdd = c")},
         lambda t, o, q, qd: (constraint_bias(t, q, qd),),
+        touches=(),
     ),
     "constraint_rate": Formula(
         ("q", "qd"),
         {"Phid": Output(("constraints",), "rate of the loop equations")},
         lambda t, o, q, qd: (constraint_rate(t, q, qd),),
+        touches=(),
     ),
     "constraint_jerk": Formula(
         ("q", "qd", "x"),
@@ -148,6 +153,7 @@ FORMULAS = {
             )
         },
         _jerk,
+        touches=(),
     ),
     "constrained_dynamics": Formula(
         ("q", "qd", "tau", "wrenches"),
@@ -168,6 +174,7 @@ FORMULAS = {
         _velocity,
         chains="closed",
         settled="loops",
+        touches=(),
     ),
     "loop_acceleration": Formula(
         ("q", "qd", "x"),
@@ -179,6 +186,7 @@ FORMULAS = {
         _acceleration,
         chains="closed",
         settled="loops",
+        touches=(),
     ),
     "drive_torques": Formula(
         ("q", "x"),
@@ -191,6 +199,7 @@ FORMULAS = {
         lambda t, o, q, x: (drive_torques(t, q, x, partition_of(o)),),
         chains="closed",
         settled="partition",
+        touches=(),
     ),
     "loop_multipliers": Formula(
         ("q", "x"),
@@ -198,12 +207,14 @@ FORMULAS = {
         lambda t, o, q, x: (loop_multipliers(t, q, x, partition_of(o)),),
         chains="closed",
         settled="loops",
+        touches=(),
     ),
     "closed_wrenches": Formula(
         ("q", "qd", "qdd", "multipliers", "wrenches"),
         {"W": Output(("reactions", "six"), f"wrench of each joint, then of each loop: {_WRENCH}")},
         _wrenches,
         axes=_AXES,
+        touches=INERTIAL,
     ),
     "loose_wrenches": Formula(
         ("q",),
@@ -217,6 +228,7 @@ FORMULAS = {
         axes=_AXES,
         chains="closed",
         settled="loops",
+        touches=(),
     ),
     "balance": Formula(
         ("q", "qd", "qdd", "reactions", "wrenches"),
@@ -226,5 +238,6 @@ FORMULAS = {
             "largest": Output((2,), "largest force and moment in any balance (N, N m)"),
         },
         _balance,
+        touches=INERTIAL,
     ),
 }

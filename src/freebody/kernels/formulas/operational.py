@@ -5,6 +5,7 @@ from __future__ import annotations
 from freebody.algorithms.operational_space import centroidal_momentum_matrix, operational_space
 from freebody.kernels.formulas.choices import frame_of
 from freebody.kernels.formulas.record import Formula, Output
+from freebody.model.doubts import INERTIAL
 
 FORMULAS = {
     "operational_space_inertia": Formula(
@@ -36,5 +37,6 @@ FORMULAS = {
             )
         },
         lambda t, o, q: (centroidal_momentum_matrix(t, q),),
+        touches=INERTIAL,
     ),
 }

@@ -6,8 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
+from freebody.algorithms.loop_constraints import Counting
 from freebody.algorithms.loop_forces import Partition
 from freebody.arrays import Array
+from freebody.model.doubts import DYNAMIC
 
 Dimensions = tuple[str | int, ...]
 """Numbers, or names that a model turns into numbers: nq, nv, nj, six, dim, angular (3 or 1), pose
@@ -36,8 +38,8 @@ class Option(NamedTuple):
     point: bool = False
     rows: tuple[int, ...] = ()
     """Rows of a frame's motion, for the quantities of operational space and inverse kinematics."""
-    equations: tuple[int, ...] | None = None
-    """Loop equations that count; None: all. The others follow from them."""
+    equations: Counting | None = None
+    """Loop equations that count; None: all."""
     partition: Partition | None = None
     """Of a closed chain's equations and coordinates, for what its drives do."""
     held: tuple[int, ...] | None = None
@@ -75,6 +77,8 @@ class Formula:
     those left out that depend on others, or the "partition" of equations and coordinates by its
     drives, or one for what the "loops" do, to which drives do not matter.
     by_columns: how a matrix of a large robot is made column by column.
+    touches: what of the robot it depends on besides geometry, of what a doubt may be on
+    (`model.doubts`).
     derivatives: of an open chain without wrenches, formulas of the one output's derivatives on the
     tangent space, and the inputs by which their outputs are, in their order.
     """
@@ -90,6 +94,7 @@ class Formula:
     chains: Literal["all", "open", "closed", "arm"] = "all"
     settled: Literal["equations", "partition", "loops"] | None = None
     by_columns: ByColumns | None = None
+    touches: tuple[str, ...] = DYNAMIC
     derivatives: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def uses(self, option: str) -> bool:

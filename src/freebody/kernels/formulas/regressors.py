@@ -27,6 +27,7 @@ FORMULAS = {
         {"Y": Output(("nv", "parameters"), "factors of the inertial parameters in the torques")},
         lambda t, o, q, qd, qdd: (regressor(t, q, qd, qdd),),
         chains="open",
+        touches=(),
     ),
     "energy_regressor": Formula(
         ("q", "qd"),
@@ -37,6 +38,7 @@ FORMULAS = {
             )
         },
         lambda t, o, q, qd: (energy_regressor(t, q, qd),),
+        touches=(),
     ),
     "forward_dynamics_parameter_derivatives": Formula(
         ("q", "qd", "tau"),

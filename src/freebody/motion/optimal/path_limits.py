@@ -24,6 +24,7 @@ from freebody.motion.optimal.robot_limits import Reached, RobotLimits
 from freebody.motion.optimal.speed_profile import PathRows, speed_limits
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.ranges import Flags
+from freebody.trees.position_rates import Index
 
 _INSTANT = 1e-6
 """s: no path takes less time; what would be quicker has no limit."""
@@ -31,6 +32,8 @@ RESERVE = 2e-4
 """Of a limit of torque or acceleration: kept from it in the rows, for what is between points."""
 _CUSHION = 5e-5
 """Of a limit: by how much more than what it was exceeded by it is made stricter."""
+_PLACES = np.linspace(0.0, 1.0, 17)
+"""Of an interval, by way."""
 _SLIGHTLY = 0.01
 """Of a squared speed: what is given away at once rather than by computing the motion again."""
 
@@ -83,13 +86,37 @@ class PathProblem:
         return share.max(axis=(0, 2), initial=0.0)
 
     def reached(self, x: Array) -> Reached:
-        """By motions with x (N + 1, P)."""
-        return self.limits.reached(self.with_friction(x), x, self.at, self.between)
+        """By motions with x (N + 1, P): by a parabola in each interval, and where one might not be
+        enough, at `_PLACES` of it."""
+        found = self.limits.reached(self.with_friction(x), x, self.at, self.between)
+        interval, path = np.nonzero(found.near > 1.0)
+        if len(interval):
+            by = self._within(x, interval, path)
+            found.by[interval, path] = by
+            found.share[interval, path] = (np.abs(by) / self.limits.size).max(axis=-1)
+        return found
+
+    def _within(self, x: Array, interval: Index, path: Index) -> Array:
+        """(k, m) by how much the rows exceed their limits in k intervals; see `Reached`."""
+        at, size = self.at, self.limits.size
+        start, end = x[interval, path], x[interval + 1, path]
+        way = at.s[interval + 1, path] - at.s[interval, path]
+        half = 0.5 * (end - start) / way  # s̈
+        passed = way[:, None] * _PLACES
+        q, first, second = (
+            _taylor([order[interval, path] for order in at.orders[k:]], passed) for k in range(3)
+        )
+        square = start[:, None] + 2.0 * half[:, None] * passed
+        qd = first * np.sqrt(square)[..., None]
+        qdd = second * square[..., None] + first * half[:, None, None]
+        values = self.limits.row(self.limits.dynamics(q, qd, qdd), qdd)
+        top, bottom = (_highest(way * values) for way in (1.0, -1.0))
+        return np.maximum(top - size, 0.0) - np.maximum(bottom - size, 0.0)
 
     def tightened(self, x: Array, reached: Reached, paths: Flags) -> PathProblem:
         """With limits that are stricter by what motions with x (N + 1, P) exceed them by, of those
         paths."""
-        by, _, speed = reached
+        by, speed = reached.by, reached.speed
         most = 0.25 * self.limits.size  # a grid so coarse is told, not mended
         by = by + np.sign(by) * _CUSHION * self.limits.size
         rows = np.clip(np.where(paths[:, None], by, 0.0), -most, most)
@@ -131,6 +158,27 @@ class PathProblem:
         fewer = PathRows(h, rows.most[cut], rows.a[cut], rows.b[cut], lo, hi)
         drag = None if self.viscous is None else self.viscous[cut]
         return replace(self, rows=fewer, viscous=drag)
+
+
+def _taylor(orders: Sequence[Array], beyond: Array) -> Array:
+    """(k, n, nv) of derivatives (k, nv), none left out, `beyond` (k, n) where they are taken."""
+    found = np.zeros((*beyond.shape, orders[0].shape[-1]))
+    for power in range(len(orders) - 1, -1, -1):
+        found = found * (beyond[..., None] / (power + 1)) + orders[power][:, None]
+    return found
+
+
+def _highest(values: Array) -> Array:
+    """(k, m) of samples (k, n, m), evenly spaced: by a parabola through the highest and its
+    neighbours."""
+    place = np.clip(values.argmax(axis=1), 1, values.shape[1] - 2)[:, None]
+    before, middle, after = (
+        np.take_along_axis(values, place + side, axis=1)[:, 0] for side in (-1, 0, 1)
+    )
+    bend, lean = 2.0 * middle - before - after, after - before
+    inside = np.abs(lean) < 2.0 * bend
+    peak = middle + np.divide(lean**2, 8.0 * bend, out=np.zeros_like(bend), where=inside)
+    return np.maximum(peak, values.max(axis=1))
 
 
 def path_problem(

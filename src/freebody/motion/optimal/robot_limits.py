@@ -38,10 +38,12 @@ _NAME = "time_optimal"
 class Reached(NamedTuple):
     """What a motion does within the intervals: by how much its rows exceed their limits, above the
     upper one, or negative below the lower one (N, P, m); the largest as a fraction of its limit
-    (N, P); and the largest speed as a fraction of its limit, squared (N, P)."""
+    (N, P); the share of a limit that one might come to (N, P); and the largest speed as a fraction
+    of its limit, squared (N, P)."""
 
     by: Array
     share: Array
+    near: Array
     speed: Array
 
 
@@ -99,13 +101,9 @@ class RobotLimits:
         along = *between.orders[:3], at.first[:-1], at.first[1:], *both_ends(rows)
         ends = (a.ravel() for a in (x[:-1], x[1:], rows.h))
         finite = np.minimum(self.velocity, path_timing.FAR)
-        by, share, speed = self._kernel("reached")(
-            *_flat(along), *ends, self.size, finite, *self._loads
-        )
+        by, *others = self._kernel("reached")(*_flat(along), *ends, self.size, finite, *self._loads)
         shape = rows.h.shape
-        found = Reached(
-            by.reshape(*shape, len(self.size)), share.reshape(shape), speed.reshape(shape)
-        )
+        found = Reached(by.reshape(*shape, len(self.size)), *(x.reshape(shape) for x in others))
         if self.model.loops:
             lost = np.isnan(found.share) & np.isfinite(x[:-1] + x[1:])
             self._refuse_singular(between, lost)
@@ -217,7 +215,7 @@ def _rows(
 def _reached_arguments(model: Model, m: int) -> tuple[list[Argument], list[Argument]]:
     given = [*_path(model), *_rates(model, "start", "end"), *row_arguments(m), *ENDS]
     sizes = Argument("size", (m,), uniform=True), Argument("velocity", (model.nv,), uniform=True)
-    outputs = [Argument("excess", (m,)), Argument("share", ()), Argument("top", ())]
+    outputs = [Argument("excess", (m,)), *(Argument(name, ()) for name in ("share", "near", "top"))]
     return [*given, *sizes], outputs
 
 
@@ -231,13 +229,13 @@ def _reached(
     second: Vector,
     *given: Any,
 ) -> tuple[Any, ...]:
-    """Of one interval: by how much, the largest share, the largest speed."""
+    """Of one interval, see `Reached`."""
     start, end, *rows, x, y, h, size, velocity = given
     qd, qdd = path_timing.halfway(first, second, x, y, h)
     every = (*driven(rnea(tree, q, qd, qdd, loads).tau), *qdd)
     limits = path_timing.RowsAtEnd(*rows[:4]), path_timing.RowsAtEnd(*rows[4:])
-    by, share = path_timing.excess(*limits, [every[k] for k in limited], size, x, y, h)
-    return by, share, path_timing.top_speed(start, first, end, velocity, x, y)
+    found = path_timing.excess(*limits, [every[k] for k in limited], size, x, y, h)
+    return *found, path_timing.top_speed(start, first, end, velocity, x, y)
 
 
 _KERNELS = {"rows": (_rows, _rows_arguments), "reached": (_reached, _reached_arguments)}

@@ -14,6 +14,7 @@ from scipy.interpolate import PPoly
 from freebody.arrays import Array, as_floats, is_count, refuse_not_finite
 from freebody.errors import FreebodyError, listed, shown
 from freebody.labels import is_labelled
+from freebody.model.doubts import DYNAMIC, EFFORTS, MISSING, Doubt, doubts_on, doubts_used
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.optimal.geometric_path import (
@@ -29,6 +30,7 @@ from freebody.motion.optimal.unreachable import refuse_unreachable, without_moti
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planning.planned import sample_times
 from freebody.motion.planning.planning_limits import Limit, PlanningLimits, planning_limits
+from freebody.outputs.numbers import rounded_up
 from freebody.trees.public_calls import Wrenches, wrenches_by_frame
 
 Path = ArrayLike | Motion | PPoly
@@ -41,9 +43,6 @@ _HELD = 1e-6  # of a limit: what it may be exceeded by between two points of the
 _FAST = 2e-4  # of a limit of speed: more is not slowed down to, but computed again
 _MISSED = 1e-6  # of the squares of speeds: what parabolas may miss of them
 _FAR_FROM_HELD = 0.05
-_MANY = 200  # intervals: so short that a limit which is kept halfway is kept elsewhere
-_PLACES = np.linspace(0.0, 1.0, 9)[1:-1]  # in a longer one
-_WORTH_TELLING = 1e-3  # of a limit, there
 _COARSE = (10, 8, 5, 4, 3, 2)
 _SOURCE = "the quickest along a path within the limits"
 
@@ -71,10 +70,10 @@ def time_optimal(
     (viscous, Coulomb), rotors, springs and the payload. wrenches: constant ones by frame, world
     axes. points: of the grid over s, to which 20 are added in its first and last interval; at least
     one interval in each piece of the path; s̈ is constant in an interval. Limits are kept
-    halfway in each interval too, or else notices say by how much torques or accelerations exceed
-    theirs (above 5 % it raises); on grids of up to 200 intervals elsewhere too, where it is more
-    than 0.1 %.
-    Returns the motion with its exact curve, samples at the grid; of many, a tuple.
+    within each interval too, or else notices say by how much torques or accelerations exceed
+    theirs (above 5 % it raises).
+    Returns the motion with its exact curve, samples at the grid; of many, a tuple. What is
+    doubtful about the robot's masses, drives and limits stands in its `doubts`.
     Raises FreebodyError where the path leaves the joints' ranges, or where the robot cannot hold or
     move it: at which s, which joint, which limit; LoopError and SingularError where the loops block
     it, or the drives do not hold it.
@@ -174,6 +173,7 @@ def _motions(
     own = [curves[k] for k in block.paths]
     grids = np.stack([grid(curve, block.intervals) for curve in own], axis=1)
     problem = path_problem(robot, own, grids)
+    doubts = _doubts(robot.model, limits)
     labels = ["the path"] if len(curves) == 1 else [f"path {k}" for k in block.paths]
     for k, curve in enumerate(own):
         refuse_out_of_range(_NAME, robot.model, curve, problem.at, k, limits, labels[k])
@@ -182,25 +182,23 @@ def _motions(
     found.x[:] /= 1.0 + 2.0 * bulge  # slower by some millionths
     motions = motions_along(robot.model, problem.at, found.x, _SOURCE)
     for label, over, motion in zip(labels, found.over, motions, strict=True):
-        elsewhere = _elsewhere(robot, motion) if block.intervals < _MANY else 0.0
-        if elsewhere > _WORTH_TELLING:
-            over = max(over, elsewhere)
         if over > _FAR_FROM_HELD:
             raise FreebodyError(
-                f"{_NAME}: between points of the grid {label} exceeds a limit by {100 * over:.2g} "
-                f"%; give more points than {block.intervals + 1}, or larger limits."
+                f"{_NAME}: between points of the grid {label} exceeds a limit by "
+                f"{rounded_up(100 * over, 2)} %; give more points than {block.intervals + 1}, or "
+                f"larger limits."
             )
-        yield replace(motion, notices=_told(over)) if over > _HELD else motion
+        notices = _told(over) if over > _HELD else ()
+        yield replace(motion, notices=notices, doubts=doubts)
 
 
-def _elsewhere(robot: RobotLimits, motion: Motion) -> float:
-    """By which fraction of a limit torque or acceleration is above it at more places of each
-    interval than halfway."""
-    start, step = motion.t[:-1, None], np.diff(motion.t)[:, None]
-    t = start + step * _PLACES
-    q, qd, qdd = motion.at(t, np.broadcast_to(start + 0.5 * step, t.shape))
-    share = np.abs(robot.row(robot.dynamics(q, qd, qdd), qdd)) / robot.size
-    return float(share.max(initial=0.0)) - 1.0
+def _doubts(model: Model, limits: PlanningLimits) -> tuple[Doubt, ...]:
+    """On what the motion rests: drives whose torque nothing limits count where no acceleration does
+    either."""
+    free = np.isinf(limits.torque) & np.isinf(limits.acceleration)
+    lacking = doubts_on(model, EFFORTS) if free[list(model.driven)].any() else ()
+    used = doubts_used(model, *DYNAMIC, *limits.rests)
+    return (*(doubt for doubt in lacking if doubt.kind == MISSING), *used)
 
 
 class _Quickest(NamedTuple):
@@ -282,6 +280,6 @@ def _first_guess(problem: PathProblem, labels: list[str]) -> Array:
 
 def _told(worst: float) -> tuple[str, ...]:
     return (
-        f"Between two points of the grid a limit is exceeded by {100 * worst:.2g} %; more points "
-        f"keep it more closely.",
+        f"Between two points of the grid a limit is exceeded by {rounded_up(100 * worst, 2)} %; "
+        f"more points keep it more closely.",
     )

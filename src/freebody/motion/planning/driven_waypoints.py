@@ -50,7 +50,7 @@ def driven_waypoints(
     if array.shape[1] == n:
         refuse_beyond(function, model, array, model.driven, limits, one)
         return DrivenWaypoints(array, _from_home(function, model, columns, array[0]), None)
-    require_closed(function, model, array)
+    require_closed(function, model, array[0] if one else array)
     q = array[:, columns]
     refuse_beyond(function, model, q, model.driven, limits, one)
     others = [x for k, x in enumerate(model.velocity_names) if k not in model.driven]

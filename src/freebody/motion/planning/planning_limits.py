@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from freebody.arrays import Array, as_floats
 from freebody.errors import FreebodyError, MissingArgumentError, ShapeError
+from freebody.model.doubts import EFFORTS, RANGES, SPEEDS, doubts_used
 from freebody.model.model import Model
 from freebody.motion.motion import Motion, require_motion
 from freebody.motion.ranges import Ranges, position_columns, ranges
@@ -43,22 +44,26 @@ class LimitExcess:
     def text(self) -> str:
         """A clause."""
         value, limit = compared(self.value, self.limit, digits=5)
+        end = ""
+        if self.quantity == "position":
+            end = "lower " if self.value < self.limit else "upper "
         return (
             f"the {self.quantity} of {self.name} is {value} {self.unit} at t = {self.time:.4g} s, "
-            f"its limit {limit} {self.unit}"
+            f"its {end}limit {limit} {self.unit}"
         )
 
 
 @dataclass(frozen=True, eq=False)
 class PlanningLimits:
     """Largest rates and torques (nv,), infinite where nothing limits them; positions keep to
-    `allowed`."""
+    `allowed`. rests: which of them are the model's own, as aspects of it that may be doubtful."""
 
     allowed: Ranges
     velocity: Array
     acceleration: Array
     jerk: Array
     torque: Array
+    rests: tuple[str, ...]
 
 
 def planning_limits(
@@ -83,7 +88,14 @@ def planning_limits(
     }
     given["velocity"] = np.minimum(given["velocity"], allowed.velocity)
     given["torque"] = np.minimum(given["torque"], allowed.effort)
-    return PlanningLimits(allowed, **given)
+    rests = [RANGES]
+    for name, own, aspect in (
+        ("velocity", allowed.velocity, SPEEDS),
+        ("torque", allowed.effort, EFFORTS),
+    ):
+        if (np.isfinite(own) & (given[name] == own)).any():
+            rests.append(aspect)
+    return PlanningLimits(allowed, **given, rests=tuple(rests))
 
 
 def _read(function: str, model: Model, name: str, value: Limit) -> Array:
@@ -182,10 +194,11 @@ def pace_unknown(function: str, model: Model, *needed: str) -> MissingArgumentEr
 
 
 def within_limits(function: str, model: Model, motion: Motion, limits: PlanningLimits) -> Motion:
-    """The motion, with the model's notices on its limits; refuses one that exceeds a limit."""
+    """The motion, with the doubts on its limits; refuses one that exceeds a limit."""
     found = list(excesses(model, motion, limits))
     if not found:
-        return motion
+        aspects = (aspect for aspect in limits.rests if aspect != EFFORTS)
+        return replace(motion, doubts=doubts_used(model, *aspects))
     found.sort(key=lambda x: (x.quantity != "position", -x.value / x.limit if x.limit else 0.0))
     remedies = []
     if any(x.quantity == "position" for x in found):

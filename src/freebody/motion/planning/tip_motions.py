@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -11,32 +12,39 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import make_interp_spline
 
 from freebody.arrays import Array, above_zero, as_floats, refuse_not_finite
-from freebody.errors import FreebodyError, MissingArgumentError, ShapeError
+from freebody.errors import FreebodyError, MissingArgumentError, ShapeError, UnknownNameError
 from freebody.inverse.numerical_solver import NumericalSolver
-from freebody.inverse.task import Task, read_target
+from freebody.inverse.task import TASKS, Task, read_target, row_names
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.piecewise import PiecewisePolynomial, of_spline
+from freebody.motion.planning.driven_waypoints import DrivenWaypoints
 from freebody.motion.planning.planned import SAMPLES, sample_times
+from freebody.motion.planning.planned_joints import PlannedJoints
 from freebody.motion.planning.planning_limits import (
     Limit,
     PlanningLimits,
-    checked_waypoints,
     planning_limits,
     quickest,
     within_limits,
 )
+from freebody.motion.planning.through_loops import through_loops
 from freebody.motion.planning.tip_following import TipFollower
+from freebody.motion.planning.tip_mobility import TipPosture
 from freebody.motion.planning.tip_paths import TipPath, arc_path, rounded_lines
 from freebody.outputs.numbers import compared, rounded_up
 from freebody.trees.kinematics import forward_kinematics
 from freebody.trees.kinematics import velocity as tip_velocity
-from freebody.trees.position_rates import layout
+from freebody.trees.position_rates import continuous, layout, normalised, state_of
 from freebody.trees.public_calls import Vector
+from freebody.trees.states import difference
 
 NEAR = 1e-6
 """m, rad: the tip is nearer to its path than this, between samples too."""
+REACHABLE = "reachable"
+"""A task: the whole position, and of the orientation what the joints can do."""
 _NODES, _DOUBLINGS = 24, 4  # of each stretch of a path
+_AGREE = 3e-8  # rad, m: by this joints may be off halfway between nodes, which then are nodes too
 
 
 def line(
@@ -54,17 +62,21 @@ def line(
 ) -> Motion:
     """From rest at q0 the frame moves straight to a target, to rest, on the branch of q0.
 
-    q0: (nq,). target: a point (dim,) in m, or a pose (dim + 1, dim + 1), world axes; a pose's
+    q0: (nq,); of a closed chain closed, or positions of the driven joints, on the branch of its
+    home. target: a point (dim,) in m, or a pose (dim + 1, dim + 1), world axes; a pose's
     orientation is reached about a fixed axis. duration: s, default as fast as the limits allow.
     frame: default the tip. task: what counts, as in `inverse_kinematics`, of a point its position;
-    with "pose" a point keeps the orientation at q0. speed: limit of the frame's speed, m/s.
-    velocity, acceleration: of the joints, one number or (nv,); the model's limits of position and
-    speed count too. step: s between samples, by default a 400th. The way over time is a polynomial
-    of degree 5. A redundant arm moves its joints least.
+    with "pose" a point keeps the orientation at q0; "reachable" is the whole position, and of a
+    pose's orientation what the joints can do, and `notices` say what they cannot. speed: limit of
+    the frame's speed, m/s. velocity, acceleration: of the joints (of a closed chain: the driven
+    ones), one number or (nv,); the model's limits of position and speed count too. step: s between
+    samples, by default a 400th. The way over time is a polynomial of degree 5. A redundant arm
+    moves its joints least.
 
-    The tip stays within 1e-6 m and rad of its path, else `notices` say how far off. Raises
-    FreebodyError with the place where the path is out of reach, the arm singular, or a joint at its
-    limit.
+    With fewer joints than the task has rows, as of a SCARA or a delta, the path must ask for
+    nothing that they cannot do. The tip stays within 1e-6 m and rad of its path, else `notices` say
+    how far off. Raises FreebodyError with the place where the path asks for such a motion, in which
+    direction and how much, is out of reach, the arm singular, or a joint at its limit.
     """
     plan = _TipPlan("line", model, q0, frame, task, velocity, acceleration)
     poses = plan.poses(target, 0)
@@ -142,9 +154,16 @@ class _TipPlan:
         velocity: Limit,
         acceleration: Limit,
     ):
-        self.function, self.model, self.task = function, model, task
+        self.function, self.model = function, model
         self.limits: PlanningLimits = planning_limits(function, model, velocity, acceleration)
-        self.q0 = checked_waypoints(function, model, [q0, q0], self.limits, "q0")[0]
+        names = (*TASKS, REACHABLE, *row_names(model.dim))
+        if isinstance(task, str) and task not in names:
+            raise UnknownNameError("task", task, function, names)
+        self.nearest = isinstance(task, str) and task == REACHABLE
+        self.task = "pose" if self.nearest else task
+        joints = PlannedJoints.of(function, model, [q0, q0], self.limits, "q0")
+        self.q0 = joints.waypoints[0] if joints.driven is None else joints.driven.start
+        self.columns = [model.position_names.index(name) for name in joints.names]
         self.frame = model.frame(frame).name
         self.start = forward_kinematics(model, self.q0, self.frame)
 
@@ -179,9 +198,9 @@ class _TipPlan:
             duration = above_zero(self.function, "duration", duration, "seconds")
         if speed is not None:
             speed = above_zero(self.function, "speed", speed, "m/s")
-        off = np.inf
+        curve = self._followed(path)
         for doubling in range(_DOUBLINGS + 1):
-            found = self._along(path, duration, speed, step, 2**doubling)
+            found = self._along(curve, duration, speed, step, (SAMPLES - 1) * 2**doubling + 1)
             off = self._off(found, path)
             if off <= NEAR:
                 break
@@ -193,29 +212,41 @@ class _TipPlan:
 
     def _along(
         self,
-        path: TipPath,
+        curve: _JointCurve,
         duration: float | None,
         speed: float | None,
         step: float | None,
-        finer: int,
+        samples: int,
     ) -> Motion:
-        curve = self._followed(path, finer)
-        unit = curve.motion(1.0, np.linspace(0.0, 1.0, (SAMPLES - 1) * finer + 1))
+        unit = curve.motion(1.0, np.linspace(0.0, 1.0, samples))
         T = self._duration(unit, duration, speed)
         t = unit.t * T if step is None else sample_times(self.function, np.array([0.0, T]), step)
         return within_limits(self.function, self.model, curve.motion(T, t), self.limits)
 
-    def _followed(self, path: TipPath, finer: int) -> _JointCurve:
+    def _followed(self, path: TipPath) -> _JointCurve:
         """The joints along a path, on the branch of q0."""
-        pieces = [
-            np.linspace(a, b, _NODES * finer + 1)[:-1]
-            for a, b in zip(path.marks[:-1], path.marks[1:], strict=True)
-        ]
-        ways = np.append(np.concatenate(pieces), path.length)
-        q, notices = TipFollower(self.function, self.solver, path).joints(self.q0, ways)
-        notices = (*self.limits.allowed.notices, *notices)
-        spline = of_spline(make_interp_spline(ways, q, k=5)).resting()
-        return _JointCurve(self.model, path, spline, notices)
+        follower = TipFollower(self.function, self.solver, path, self.q0, self.nearest)
+        ways = _nodes(path.marks, _NODES)
+        found, where = follower.along(ways), layout(self.model)
+        for doubling in range(_DOUBLINGS):
+            guess = _spline(path.marks, ways, continuous(where, _positions(found)))
+            halfway = normalised(where, guess(0.5 * (ways[1:] + ways[:-1])))
+            between = follower.between(found, ways, halfway)
+            off = np.abs(difference(self.model, halfway, _positions(between))).max()
+            ways = _nodes(path.marks, _NODES * 2 ** (doubling + 1))
+            found = [*(at for pair in zip(found, between, strict=False) for at in pair), found[-1]]
+            if off <= _AGREE:
+                break
+        notices = follower.notices(found, ways)
+        curve = _spline(path.marks, ways, _positions(found)[:, self.columns]).resting()
+        words = f"the tip along {path.words}"
+        if self.model.loops:
+            ends = DrivenWaypoints(curve(curve.breaks[[0, -1]]), self.q0, None)
+            when = "a way of {:.4g} m"
+            motion = through_loops(self.function, self.model, curve, ends, words, None, when)
+            assert motion.pieces is not None
+            curve, words = motion.pieces.resting(), motion.source
+        return _JointCurve(self.model, path, curve, words, (*self.limits.allowed.notices, *notices))
 
     def _duration(self, unit: Motion, duration: float | None, speed: float | None) -> float:
         """The one that is given, else the shortest within the limits, of a motion that takes 1 s;
@@ -249,26 +280,50 @@ class _TipPlan:
         """How far the tip is from where it should be between samples, m or rad."""
         t = 0.5 * (motion.t[1:] + motion.t[:-1])
         goal = path.at(np.clip(_way(path.length, motion.duration, t)[0], 0.0, path.length))
-        return float(self.solver.miss(motion.at(t)[0], goal).max())
+        task = self.solver.task
+        kept = Task(task.dim, task.linear) if self.nearest else task
+        return float(kept.miss(self.solver.pose_and_jacobian(motion.at(t)[0])[0], goal).max())
 
 
 @dataclass(frozen=True, eq=False)
 class _JointCurve:
-    """The joints as a spline over the way of the tip (m, or rad of a turn alone)."""
+    """The joints over the way of the tip (m, or rad of a turn alone)."""
 
     model: Model
     path: TipPath
-    spline: PiecewisePolynomial
+    curve: PiecewisePolynomial
+    words: str
     notices: tuple[str, ...]
 
     def motion(self, T: float, t: Array) -> Motion:
         """From rest to rest in T s, at times t of these."""
         s, sd, sdd = (x[:, None] for x in _way(self.path.length, T, t))
-        curves = self.spline, self.spline.derivative(), self.spline.derivative(2)
-        q, slope, bend = (curve(s[:, 0]) for curve in curves)
-        rates = slope * sd, bend * sd**2 + slope * sdd
-        words = f"the tip along {self.path.words}"
-        return Motion(t, q, *rates, words, layout(self.model), self.notices)
+        curves = self.curve, self.curve.derivative(), self.curve.derivative(2)
+        x, slope, bend = (curve(s[:, 0]) for curve in curves)
+        where = layout(self.model)
+        states = state_of(where, x, slope * sd, bend * sd**2 + slope * sdd)
+        return Motion(t, *states, self.words, where, self.notices)
+
+
+def _nodes(marks: Array, count: int) -> Array:
+    """Ways from mark to mark, so many steps in each stretch."""
+    steps = [np.linspace(a, b, count + 1)[:-1] for a, b in pairwise(marks)]
+    return np.append(np.concatenate(steps), marks[-1])
+
+
+def _positions(found: Sequence[TipPosture]) -> Array:
+    return np.array([at.q for at in found])
+
+
+def _spline(marks: Array, ways: Array, x: Array) -> PiecewisePolynomial:
+    """Through x (N, n) at the ways (N,), of degree 5; the third derivative may jump at the
+    marks."""
+    stretches = np.split(ways[:-1], len(marks) - 1)
+    # every way but those beside ends is a knot
+    inner = [np.concatenate([np.repeat(x[0], 3), x[2:-1]]) for x in stretches]
+    own = np.concatenate([inner[0][4:], *inner[1:]])[:-1]
+    knots = np.concatenate([np.repeat(marks[0], 6), own, np.repeat(marks[-1], 6)])
+    return of_spline(make_interp_spline(ways, x, k=5, t=knots))
 
 
 def _way(length: float, T: float, t: Array) -> tuple[Array, Array, Array]:

@@ -60,7 +60,7 @@ def closed_chain_scheme(system: System, tolerance: float, max_step: float) -> Sc
 
     def onto_loops(y: Array) -> Array:
         on = settled(system, y)
-        require_within_tolerance("simulate", system.model, system.split(on)[0])
+        require_within_tolerance("simulate", system.model, system.split(on)[0], np.array(True))
         return on
 
     return Scheme(rate, onto_loops, settings, require, True, reason)

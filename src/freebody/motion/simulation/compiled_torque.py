@@ -58,8 +58,11 @@ class CompiledTorque:
         return np.broadcast_to(found, np.broadcast_shapes(found.shape, qd.shape))
 
 
-def compiled_torque(model: Model, kernel: Kernel, given: Mapping[str, Any]) -> CompiledTorque:
-    """The torque of a kernel, its inputs checked; given: those besides t, q and qd, by name."""
+def compiled_torque(
+    model: Model, kernel: Kernel, given: Mapping[str, Any], name: str = "torque"
+) -> CompiledTorque:
+    """The torque of a kernel, its inputs checked; given: those besides t, q and qd, by name. name:
+    of the argument, of which `torque` alone takes such inputs."""
     if not isinstance(given, Mapping):
         raise KindError("simulate", "torque_inputs", given, "a dict of names and values")
     law = kernel.program
@@ -68,12 +71,12 @@ def compiled_torque(model: Model, kernel: Kernel, given: Mapping[str, Any]) -> C
     for x in law.inputs:
         if x.name in sizes and x.shape != sizes[x.name]:
             raise FreebodyError(
-                f"simulate: the compiled torque takes {x}, but of {model.name!r} {x.name} has "
+                f"simulate: the compiled {name} takes {x}, but of {model.name!r} {x.name} has "
                 f"shape {sizes[x.name]}."
             )
     if [x.shape for x in law.outputs] != [(model.nv,)]:
         raise FreebodyError(
-            f"simulate: the compiled torque returns {listed(map(str, law.outputs))}; expected one "
+            f"simulate: the compiled {name} returns {listed(map(str, law.outputs))}; expected one "
             f"output of shape ({model.nv},)."
         )
     for name in given:
@@ -81,9 +84,13 @@ def compiled_torque(model: Model, kernel: Kernel, given: Mapping[str, Any]) -> C
             raise UnknownNameError("input", name, "torque_inputs=", [x.name for x in own])
     lacking = [x.name for x in own if x.name not in given]
     if lacking:
+        remedy = (
+            f"give torque_inputs={{{lacking[0]!r}: …}}"
+            if name == "torque"
+            else "compile it with these numbers inside"
+        )
         raise FreebodyError(
-            f"simulate: the compiled torque takes {listed(lacking)} besides t, q and qd: give "
-            f"torque_inputs={{{lacking[0]!r}: …}}."
+            f"simulate: the compiled {name} takes {listed(lacking)} besides t, q and qd: {remedy}."
         )
     more, gains = [], _gains(law)
     for x in own:

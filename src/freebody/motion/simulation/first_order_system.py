@@ -161,10 +161,11 @@ def suited_method(
 def loads_over(t: Array, wrenches: Mapping[str, Array]) -> tuple[tuple[str, ...], Loads]:
     """(frames, loads) of wrenches (..., T, six) at the times t (T,), linear between them, or (...,
     1, six), which do not change."""
-    return tuple(wrenches), lambda now: tuple(_at(now, t, rows) for rows in wrenches.values())
+    return tuple(wrenches), lambda now: tuple(row_at(now, t, rows) for rows in wrenches.values())
 
 
-def _at(now: Array, t: Array, rows: Array) -> Array:
+def row_at(now: Array, t: Array, rows: Array) -> Array:
+    """(*now.shape, ..., n) of a table (..., T or 1, n) over the times t (T,)."""
     if rows.shape[-2] == 1:
         return rows[..., 0, :]
     k = np.clip(np.searchsorted(t, now, side="right") - 1, 0, len(t) - 2)

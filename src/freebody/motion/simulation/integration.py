@@ -11,8 +11,8 @@ import numpy as np
 from scipy.integrate import BDF, DOP853, LSODA, RK45, OdeSolver, Radau
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError
 from freebody.motion.simulation.first_order_system import Drive, System
+from freebody.motion.simulation.interrupted import SimulationStopped
 from freebody.motion.simulation.stiffness_watch import StiffnessWatch
 from freebody.motion.simulation.torques import Schedule
 
@@ -27,12 +27,13 @@ IMPLICIT = ("Radau", "BDF", "LSODA")
 _DAMPING = ("Radau", "BDF")  # what they are chosen for damps their errors
 # a robot's errors grow on the way, tenfold and more in a second; other steps are as much finer
 _FEWER = 100.0
-_LEAST = 2.3e-14  # the finest tolerance that rounding leaves any meaning
+FINEST = 2.3e-14
+"""The finest tolerance of a step that rounding leaves any meaning."""
 
 
 def step_tolerance(method: str, tolerance: float) -> float:
     """Relative error of a step for a motion that is to land within about `tolerance`."""
-    return tolerance if method in _DAMPING else max(tolerance / _FEWER, _LEAST)
+    return tolerance if method in _DAMPING else max(tolerance / _FEWER, FINEST)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,9 +79,11 @@ def integrated(
     watch: StiffnessWatch,
     states: list[Array],
     tell: Callable[[float], None],
+    passed: Callable[[float, float, Array], None],
 ) -> None:
     """Put the states (nq + nv,) at the times t (T,) into a list as they are reached, the first of
-    them y0. tell: of the part that is done.
+    them y0. tell: of the part that is done. passed: told of each step its two times and the state
+    that it led to.
 
     The solver begins anew at each edge of the schedule, with the step that it had reached, and
     where the watch has found another method.
@@ -99,6 +102,7 @@ def integrated(
             message = solver.step()
             if solver.status == "failed" or not np.isfinite(solver.y).all():
                 _refuse(scheme, method, before, message)
+            passed(before, solver.t, solver.y)
             states += _reached(solver, scheme, t[(t > before) & (t <= solver.t)])
             tell((solver.t - t[0]) / (t[-1] - t[0]))
             if watch.steps(method):
@@ -145,6 +149,6 @@ def _solver(
 
 def _refuse(scheme: Scheme, method: str, before: float, message: str | None) -> None:
     told = f" ({message.rstrip('.')})" if message else ""
-    raise FreebodyError(
+    raise SimulationStopped(
         f"simulate: {method} stopped after t = {before:.6g} s{told}. {scheme.stopped}"
     )

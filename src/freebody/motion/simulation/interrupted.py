@@ -1,8 +1,10 @@
-"""An interrupt that keeps what was computed."""
+"""Ends before the end that keep what was computed."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
+
+from freebody.errors import FreebodyError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,3 +20,10 @@ class SimulationInterrupted(KeyboardInterrupt):
             f"this exception."
         )
         self.result = result
+
+
+class SimulationStopped(FreebodyError):
+    """A motion of `simulate` that cannot go on, or would not end; `result` is the dataset of what
+    there was, up to the last of the times t that was reached."""
+
+    result: xr.Dataset | None = None

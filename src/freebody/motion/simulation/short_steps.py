@@ -13,6 +13,7 @@ from freebody.model.families import member_at
 from freebody.model.model import Model
 from freebody.motion.friction import smooth_friction
 from freebody.motion.simulation.compiled_torque import CompiledTorque, one_lane
+from freebody.motion.simulation.driving import Driving
 from freebody.motion.simulation.first_order_system import Drive, System, loads_over, system
 from freebody.motion.simulation.motion_lanes import some_of
 from freebody.motion.simulation.simulation import Simulation
@@ -32,7 +33,7 @@ class ShortSteps:
     """Looks now and then at the motion that makes the shortest step of a block."""
 
     asked: Simulation
-    drive: Drive
+    driving: Driving
     text: str = ""
     """What was found."""
     told: bool = False
@@ -45,7 +46,7 @@ class ShortSteps:
             return
         self.looks += 1
         asked, y = self.asked, np.concatenate(state)
-        torque = lane_drive(asked, lane, self.drive)
+        torque = lane_drive(asked, lane, self.driving)
         decay = lane_system(asked, lane).fastest_decay(np.asarray(t), y, torque)
         smooth, friction = smooth_friction(asked.model)
         rubs = friction.acts and decay * step > _BENT
@@ -90,11 +91,20 @@ def lane_system(asked: Simulation, k: int, model: Model | None = None) -> System
     return system(member, asked.width, *loads_over(asked.t, loads))
 
 
-def lane_drive(asked: Simulation, k: int, drive: Drive) -> Drive:
-    """The torque of one motion, of a batch of its states; of what does not depend on them, 0."""
-    if asked.sample_time is not None or isinstance(asked.torque, np.ndarray):
-        still = np.zeros(asked.model.nv)
-        return lambda now, q, qd: still
-    if isinstance(asked.torque, CompiledTorque):
-        return one_lane(asked.torque, asked.lanes, k)
+def lane_drive(asked: Simulation, k: int, driving: Driving) -> Drive:
+    """Torque and forces of one motion, of a batch of its states; of what does not depend on them,
+    0."""
+    sampled = asked.sample_time is not None
+    pairs = (None if sampled else asked.torque, driving.drive), (asked.forces, driving.forces)
+    acting = [
+        one_lane(given, asked.lanes, k) if isinstance(given, CompiledTorque) else _each(drive)
+        for given, drive in pairs
+        if callable(given) and drive is not None
+    ]
+    still = np.zeros(asked.model.nv)
+    return lambda now, q, qd: sum((drive(now, q, qd) for drive in acting), still)
+
+
+def _each(drive: Drive) -> Drive:
+    """Of one state at a time, for a batch of them."""
     return lambda now, q, qd: np.stack([drive(now, *state) for state in zip(q, qd, strict=True)])

@@ -18,6 +18,7 @@ from freebody.motion.simulation.first_order_system import Drive
 from freebody.motion.simulation.lane_torques import HeldTorque, LaneTorque
 from freebody.motion.simulation.motion_lanes import MotionLanes
 from freebody.motion.simulation.step_sizes import Advance
+from freebody.motion.simulation.unending import SampledGrowth
 from freebody.targets.threads import cpus
 
 _LOOK = 0.05  # s
@@ -33,6 +34,7 @@ class Walk:
     """Moves all lanes over a course.
 
     controller: of (t, q, qd) of all lanes, what the torque holds from each call to the next.
+    growth: looks at the rates there; motions without hope are NaN from there.
     """
 
     track: Track
@@ -40,6 +42,7 @@ class Walk:
     lanes: MotionLanes
     controller: Drive | None
     torque: LaneTorque | None
+    growth: SampledGrowth | None
     threads: int | None
     tell: Callable[[float], None]
     stop: threading.Event
@@ -110,6 +113,10 @@ class Walk:
         """The controller, at an edge; its torque is recorded until the next call, the one before at
         the end of all."""
         assert isinstance(self.torque, HeldTorque)
+        if self.growth is not None and self.track.rows == self.lanes.count:
+            lost = self.growth.hopeless(self.track.state[1])
+            for x in self.track.state:
+                x[lost] = np.nan
         q, qd = (x.reshape(*self.lanes.shape, -1) for x in self.track.state)
         way, result = self.track.course, self.track.result
         now = np.asarray(way.edges[first])

@@ -12,20 +12,28 @@ from freebody.arrays import Array, above_zero, as_floats, is_count, refuse_not_f
 from freebody.errors import FreebodyError, UnknownNameError, listed, shown, warn
 from freebody.kernels.driven_steps import STEP_METHODS
 from freebody.labels import is_labelled
+from freebody.loops.equations import taken_at
 from freebody.model.model import Model
 from freebody.motion.friction import WIDTH, smooth_friction
 from freebody.motion.simulation.alone import one_by_one
 from freebody.motion.simulation.closed_chain_integration import EXPLICIT
 from freebody.motion.simulation.compiled_torque import CompiledTorque
-from freebody.motion.simulation.integration import METHODS
-from freebody.motion.simulation.interrupted import SimulationInterrupted
+from freebody.motion.simulation.integration import FINEST, METHODS
+from freebody.motion.simulation.interrupted import SimulationInterrupted, SimulationStopped
 from freebody.motion.simulation.joint_contacts import JointContacts, joint_contacts, refuse_beyond
 from freebody.motion.simulation.motion_lanes import MotionLanes
 from freebody.motion.simulation.paced import Progress, paced
 from freebody.motion.simulation.simulation import Simulated, Simulation
 from freebody.motion.simulation.simulation_dataset import dataset, recorded
 from freebody.motion.simulation.stepped import stepped
-from freebody.motion.simulation.torques import Torque, breakpoints_of, torque_of
+from freebody.motion.simulation.torques import (
+    Given,
+    Torque,
+    breakpoints_of,
+    forces_of,
+    torque_of,
+)
+from freebody.motion.simulation.unending import MOST
 from freebody.motion.simulation.wrench_tables import all_wrenches, warn_of_tables
 from freebody.trees.massless_joints import refuse_massless
 from freebody.trees.public_calls import Vector, Wrenches, vector
@@ -34,7 +42,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _TOLERANCE = 1e-10
-_MOST = 1e12  # equal steps: beyond these a run would take days
+MOST_COMPILED = 1e12
+"""Equal steps in compiled code: beyond these a run would take days."""
 _FRICTION = ("smooth", "dry")
 _TO_EVENTS = ("auto", "rk4", "semi-implicit")
 
@@ -51,13 +60,14 @@ def simulate(
     step: float | None = None,
     tolerance: float | None = None,
     friction: str = "smooth",
-    friction_width: float = WIDTH,
+    friction_width: float | None = None,
     restitution: Vector | float | None = None,
     max_step: float = np.inf,
     breakpoints: ArrayLike = (),
     sample_time: float | None = None,
     torque_inputs: Mapping[str, Any] | None = None,
     wrench_tables: Wrenches = None,
+    forces: Torque = None,
     record: str | Sequence[str] | None = None,
     every: int = 1,
     threads: int | None = None,
@@ -75,7 +85,10 @@ def simulate(
     without either, a pulse between two of the times at which it is evaluated is not seen. With
     sample_time (s) it is a controller: called once at t[0], t[0] + sample_time, …, with the state
     there, its torque held until the next. wrenches: constant, as for `inverse_dynamics`;
-    wrench_tables: (..., T, six) at the times t, given and integrated as a table of torques.
+    wrench_tables: (..., T, six) at the times t, given and integrated as a table of torques. forces:
+    generalized forces that no drive gives, of springs between links or drag, at passive joints too:
+    constant, a table, a function or a compiled law (of t, q and qd alone), as torque, but not
+    sampled.
 
     method: "rk4", "semi-implicit" and "implicit" take equal steps of at most `step` (s; None: from
     each time of t to the next) without error control. One of scipy's integrators, and "auto",
@@ -88,9 +101,9 @@ def simulate(
     relative to the motion: the relative error of a step is a hundredth of it (of Radau and BDF,
     which damp errors, as much), the absolute one a hundredth of that.
 
-    friction: "smooth": Coulomb friction acts as c tanh(q̇ / friction_width), rad/s or m/s (c q̇ /
-    √(q̇² + width²) in "implicit"), so that a joint at rest creeps instead of sticking. "dry": as c
-    sign(q̇), and a joint that comes to rest stays there as long as at most c is needed to hold it.
+    friction: "smooth": Coulomb friction acts as c tanh(q̇ / friction_width), 1e-3 rad/s or m/s (c
+    q̇ / √(q̇² + width²) in "implicit"), so that a joint at rest creeps instead of sticking. "dry": as
+    c sign(q̇), and a joint that comes to rest stays there as long as at most c is needed to hold it.
     restitution: None: nothing stops a joint at its limit. A number from 0 to 1, or (..., nv): a
     joint rebounds from stops at its limits with this fraction of its speed; the others change as
     the impulse demands (Newton's law of impact); below 1e-5 rad/s or m/s it comes to rest there.
@@ -108,29 +121,34 @@ def simulate(
     Returns a dataset over `time`, of many states over `sample`, of a family over `member` too, with
     q, qd, qdd, tau, energies and powers, units as attributes; what was used stands in its
     attributes. Raises SingularError for joints without inertia, PassiveJointError for a torque at a
-    joint that nothing drives, FreebodyError when the integration cannot go on; of many motions,
-    those that cannot go on are NaN from there, with a warning. Ctrl-C raises a KeyboardInterrupt
-    whose `result` is the dataset of what there was.
+    joint that nothing drives, FreebodyError when the integration cannot go on or would not end,
+    as where a sampled torque is unstable; of many motions, those that cannot go on are NaN from
+    there, with a warning. The `result` of this error, and of the KeyboardInterrupt that Ctrl-C
+    raises, is the dataset of what there was.
     """
     _require_counts(every=every, threads=threads)
     _require_sizes(step, tolerance, friction_width, max_step)
+    _require_friction(model, friction, friction_width)
     names = recorded(model, record)
     times = _times(t)
-    if step is not None and (count := float(times[-1] - times[0]) / step) > _MOST:
+    if every >= len(times):
         raise FreebodyError(
-            f"simulate: step is {step:g} s, {count:.3g} steps in this run; {_MOST:g} are the most."
+            f"simulate: every is {every}, beyond the {len(times)} times of t: only the start would "
+            f"be kept."
         )
-    ends = breakpoints_of(breakpoints, sample_time)
+    others = forces_of(model, times, forces)
+    ends = breakpoints_of(breakpoints, sample_time, others)
     contacts = _contacts(model, friction, restitution)
     asked = _asked(
         model if contacts is None else smooth_friction(model)[0] if friction == "dry" else model,
         (q, qd),
         times,
-        torque_of(model, times, torque, torque_inputs, ends, sample_time),
+        torque_of(model, times, torque, torque_inputs, ends, sample_time, others),
+        others,
         all_wrenches(model, times, wrenches, wrench_tables),
         contacts=contacts,
         tolerance=_TOLERANCE if tolerance is None else tolerance,
-        width=friction_width,
+        width=WIDTH if friction_width is None else friction_width,
         max_step=max_step,
         step=step,
         breakpoints=ends,
@@ -140,6 +158,7 @@ def simulate(
         tell=paced(progress, "simulating"),
     )
     chosen = _method(model, method, tolerance, asked)
+    _refuse_endless(asked, chosen)
     if not model.loops:
         refuse_massless(model, "simulate")
     if contacts is not None:
@@ -148,6 +167,9 @@ def simulate(
     try:
         _run(asked, chosen, result)
         return dataset(asked, result, names)
+    except SimulationStopped as stopped:
+        stopped.result = dataset(asked, result.until_now(), names)
+        raise
     except KeyboardInterrupt:
         raise SimulationInterrupted(dataset(asked, result.until_now(), names)) from None
 
@@ -183,19 +205,66 @@ def _require_counts(**given: Any) -> None:
 
 
 def _require_sizes(
-    step: float | None, tolerance: float | None, friction_width: float, max_step: float
+    step: float | None, tolerance: float | None, friction_width: float | None, max_step: float
 ) -> None:
-    above_zero("simulate", "friction_width", friction_width)
+    above_zero("simulate", "friction_width", WIDTH if friction_width is None else friction_width)
     above_zero("simulate", "step", 1.0 if step is None else step, "seconds")
     above_zero("simulate", "tolerance", _TOLERANCE if tolerance is None else tolerance)
     above_zero("simulate", "max_step", 1.0 if max_step == np.inf else max_step, "seconds")
+    if tolerance is not None and tolerance < FINEST:
+        raise FreebodyError(
+            f"simulate: tolerance is {tolerance:g}, finer than the rounding of numbers lets any "
+            f"motion be known; from about 1e-12 on it has a meaning."
+        )
+
+
+def _require_friction(model: Model, friction: str, width: float | None) -> None:
+    """Refuse a width of friction that is not there, or not smooth."""
+    if width is None:
+        return
+    if friction == "dry":
+        raise FreebodyError(
+            "simulate: friction_width= is of friction='smooth'; dry friction has no width. Leave "
+            "one of them out."
+        )
+    if not _rubs(model):
+        raise FreebodyError(
+            f"simulate: friction_width= is of Coulomb friction, and no joint of {model.name!r} has "
+            f"any: leave it out, or give a joint some (model.with_drive(joint, coulomb=…))."
+        )
+
+
+def _rubs(model: Model) -> bool:
+    return any(b.drive is not None and np.any(b.drive.coulomb) for b in model.tree.bodies)
+
+
+def _refuse_endless(asked: Simulation, chosen: str) -> None:
+    """Refuse steps of which there would be too many, whether they are equal or at most so long."""
+    equal = chosen in STEP_METHODS
+    name, size = ("step", asked.step) if equal else ("max_step", asked.max_step)
+    if size is None:
+        return
+    functions = [
+        x
+        for x in (asked.torque if asked.sample_time is None else None, asked.forces)
+        if callable(x) and not isinstance(x, CompiledTorque)
+    ]
+    quick = equal and not functions and asked.contacts is None
+    most, count = MOST_COMPILED if quick else MOST, asked.duration / size
+    if count > most:
+        said = "" if quick else " where Python makes each of them"
+        raise FreebodyError(
+            f"simulate: {name} is {size:g} s, {count:.3g} steps in this run; {most:g} are the most"
+            f"{said}."
+        )
 
 
 def _asked(
     model: Model,
     state: tuple[Vector, Vector],
     t: Array,
-    torque: Any,
+    torque: Given,
+    forces: Given | None,
     wrenches: Mapping[str, tuple[str, Array]],
     **others: Any,
 ) -> Simulation:
@@ -206,16 +275,20 @@ def _asked(
     }
     for name, array in named.items():
         refuse_not_finite("simulate", name, array, 1)
+    model = taken_at(model, named["q"])
     batches = {name: x.shape[:-1] for name, x in named.items()}
     batches |= {name: w.shape[:-2] for name, w in wrenches.values()}
     warn_of_tables(t, wrenches, named["q"])
-    if isinstance(torque, np.ndarray):
-        batches["torque"] = torque.shape[:-2]
-        if torque.shape[:-1] == (len(t),) == batches["q"]:
+    for name, table in (("torque", torque), ("forces", forces)):
+        if not isinstance(table, np.ndarray):
+            continue
+        batches[name] = table.shape[:-2]
+        if table.shape[:-1] == (len(t),) == batches["q"]:
+            one = "one torque" if name == "torque" else "one row"
             warn(
-                f"simulate: torque {torque.shape} is taken as a table over the {len(t)} times, the "
-                f"same for all motions; one torque for each is {(len(t), 1, model.nv)}, a table "
-                f"{(1, *torque.shape)} says the same as this without a warning.",
+                f"simulate: {name} {table.shape} is taken as a table over the {len(t)} times, the "
+                f"same for all motions; {one} for each is {(len(t), 1, model.nv)}, a table "
+                f"{(1, *table.shape)} says the same as this without a warning.",
             )
     if isinstance(torque, CompiledTorque):
         batches |= torque.batches
@@ -232,9 +305,8 @@ def _asked(
             f"simulate: the batch shapes do not broadcast together: {said}."
         ) from None
     loads = {frame: w for frame, (_, w) in wrenches.items()}
-    return Simulation(
-        model, named["q"], named["qd"], t, torque, loads, MotionLanes(shape), **others
-    )
+    state = named["q"], named["qd"]
+    return Simulation(model, *state, t, torque, forces, loads, MotionLanes(shape), **others)
 
 
 def _method(model: Model, method: str, tolerance: float | None, asked: Simulation) -> str:
@@ -293,12 +365,17 @@ def _contacts(
             f"simulate: friction='dry' and restitution= need an open chain, and {model.name!r} has "
             f"loops: leave them out, and give stops as part of the torque."
         )
-    return joint_contacts(model, friction == "dry", share)
+    contacts = joint_contacts(model, friction == "dry", share)
+    if share is not None and not np.isfinite([contacts.lower, contacts.upper]).any():
+        raise FreebodyError(
+            f"simulate: restitution= is of stops at the limits of joints, and no joint of "
+            f"{model.name!r} has one: leave it out, or give its joints limits."
+        )
+    return contacts
 
 
 def _used(model: Model, asked: Simulation, chosen: str, friction: str) -> dict[str, Any]:
     """What stands in the result's attributes."""
-    acts = any(b.drive is not None and np.any(b.drive.coulomb) for b in model.tree.bodies)
     coulomb = STEP_METHODS["rk4" if chosen not in STEP_METHODS else chosen].coulomb
     told = "c sign(q̇), sticking at rest" if friction == "dry" else coulomb
     stops = (
@@ -308,7 +385,7 @@ def _used(model: Model, asked: Simulation, chosen: str, friction: str) -> dict[s
     return {
         "method": chosen,
         **({"tolerance": asked.tolerance} if chosen not in STEP_METHODS else {}),
-        "coulomb_friction": told.format(width=asked.width) if acts else "none",
+        "coulomb_friction": told.format(width=asked.width) if _rubs(model) else "none",
         "friction_width": asked.width,
         **({"stops": "at the limits, rebound with the fraction restitution="} if stops else {}),
     }

@@ -10,11 +10,10 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.model.model import Model
-from freebody.motion.simulation.compiled_torque import CompiledTorque
 from freebody.motion.simulation.first_order_system import Drive
 from freebody.motion.simulation.joint_contacts import JointContacts
 from freebody.motion.simulation.motion_lanes import MotionLanes
-from freebody.motion.simulation.torques import TorqueFunction
+from freebody.motion.simulation.torques import Given
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,16 +21,17 @@ class Simulation:
     """The arguments of `simulate`, as arrays of the right shapes.
 
     q (..., nq), qd (..., nv), wrenches by frame (..., T or 1, six), contacts (..., nv): their
-    leading axes and the model's family broadcast to `lanes`. torque: a table (..., T or 1, nv), a
-    Python function, or compiled. contacts: dry friction, which the model then is without, and
-    stops.
+    leading axes and the model's family broadcast to `lanes`. torque, and forces besides: tables
+    (..., T or 1, nv), Python functions, or compiled. contacts: dry friction, which the model then
+    is without, and stops.
     """
 
     model: Model
     q: Array
     qd: Array
     t: Array
-    torque: Array | TorqueFunction | CompiledTorque
+    torque: Given
+    forces: Given | None
     wrenches: Mapping[str, Array]
     lanes: MotionLanes
     contacts: JointContacts | None

@@ -16,11 +16,14 @@ from freebody.kernels.options import several
 from freebody.kernels.structural import Bound, fetch
 from freebody.lazy import cached_property
 from freebody.loops.equations import gaps, scaled_rate, scaled_residual
+from freebody.model.doubts import DYNAMIC, RANGES, attribute, doubts_used
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
-from freebody.motion.simulation.first_order_system import System, loads_over, system
+from freebody.motion.simulation.first_order_system import System, loads_over, row_at, system
 from freebody.motion.simulation.joint_contacts import JointContacts
 from freebody.motion.simulation.simulation import Simulated, Simulation
+from freebody.motion.simulation.torques import Given, drive_of
+from freebody.trees.passive_joints import all_driven
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,9 +52,19 @@ class States:
         loads = {n: np.expand_dims(w, [*range(axes - w.ndim)]) for n, w in asked.wrenches.items()}
         whole = system(asked.model, asked.width, *loads_over(asked.t, loads))
         assert self.tau is not None
+        acting = self.tau if asked.forces is None else self.tau + self._forces(asked.forces, axes)
         if asked.contacts is None:
-            return whole.acceleration(self.t, self.q, self.qd, self.tau)
-        return self._under_contact(whole, asked.contacts, self.tau)
+            return whole.acceleration(self.t, self.q, self.qd, acting)
+        return self._under_contact(whole, asked.contacts, acting)
+
+    def _forces(self, given: Given, axes: int) -> Array:
+        """Those besides the torques (R, ..., nv)."""
+        if isinstance(given, np.ndarray):
+            table = np.expand_dims(given, [*range(axes - given.ndim)])
+            return row_at(self.t, self.asked.t, table)
+        shape = self.asked.lanes.shape
+        drive = drive_of(all_driven(self.model), self.asked.t, given, shape, "forces")
+        return np.stack([drive(*now) for now in zip(self.t, self.q, self.qd, strict=True)])
 
     def _under_contact(self, whole: System, contacts: JointContacts, tau: Array) -> Array:
         """Those with dry friction and stops."""
@@ -161,7 +174,9 @@ def dataset(asked: Simulation, result: Simulated, names: Sequence[str]) -> xr.Da
         coordinates["effort_unit"] = ("coordinate", np.where(turns, "N m", "N"))
     if "loop" in used:
         coordinates["loop"] = [loop.name for loop in model.loops]
-    return xr.Dataset(variables, coordinates, {"robot": model.name, **result.used})
+    aspects = DYNAMIC if asked.contacts is None else (*DYNAMIC, RANGES)
+    doubts = attribute(doubts_used(model, *aspects))
+    return xr.Dataset(variables, coordinates, {"robot": model.name, **result.used, **doubts})
 
 
 def _batch_dims(model: Model, batch: tuple[int, ...]) -> list[str]:

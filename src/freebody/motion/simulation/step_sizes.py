@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -16,9 +16,10 @@ from freebody.motion.simulation.contact_events import ContactEvents
 from freebody.motion.simulation.course import Track
 from freebody.motion.simulation.motion_lanes import Some
 from freebody.motion.simulation.steppers import State, Stepper
+from freebody.motion.simulation.unending import IN_A_ROW, MOST, GivenUp, Growth
 
 _ROUND = 1e-9  # of a step: what is left of an interval that rounding left
-_SHORTEST = 1e-13  # of the duration: steps this short lead nowhere
+_SHORTEST = 1e-13  # of the duration, or of 1 s: steps this short lead nowhere
 _WATCHED = 50  # steps between two looks at the shortest
 _SAFETY, _LEAST, _MOST = 0.9, 0.2, 4.0  # of a step: how much the next may differ
 
@@ -94,7 +95,8 @@ class ControlledSteps:
     """Each step is made twice, whole and in halves, whose difference tells the error (Hairer,
     Norsett and Wanner 1993, II.4); each lane has its own steps.
 
-    tolerance: relative error of a step of order 4, a hundredth of it absolute. extrapolated:
+    tolerance: relative error of a step of order 4, a hundredth of it absolute. end: of the run, to
+    which a motion that takes too many short steps does not come. extrapolated:
     whether the difference corrects the result, which then is of order 5; not where coordinates do
     not simply add. sizes (lanes,): with which each goes on.
     """
@@ -103,6 +105,7 @@ class ControlledSteps:
     tolerance: float
     max_step: float
     duration: float
+    end: float
     extrapolated: bool
     sizes: Array
     stop: threading.Event
@@ -110,6 +113,15 @@ class ControlledSteps:
     watch: Callable[[int, float, State, float], None] | None = None
     """Told now and then of a lane, a time, its state there, and the step it took."""
     order: int = 4
+    given_up: dict[int, GivenUp] = field(default_factory=dict)
+    """By lane where it was when there was no end to be seen."""
+    growth: Growth = field(init=False)
+    slow: NDArray[np.intp] = field(init=False)
+    """Of each lane, how many steps in a row were too short for the end to be reached."""
+
+    def __post_init__(self) -> None:
+        self.slow = np.zeros(len(self.sizes), dtype=int)
+        self.growth = Growth(len(self.sizes), self.end)
 
     def __call__(self, lanes: slice, state: State, start: float, end: float) -> State:
         """See `SpanBySpan`."""
@@ -142,10 +154,22 @@ class ControlledSteps:
                     first + done, _of(at, good), reached, now[done], taken, self._moved
                 )
             q[done], qd[done] = reached
-            now[done] = np.where(taken == left[good], end, now[done] + taken)
+            before = now[done]
+            now[done] = np.where(taken == left[good], end, before + taken)
             lost = ~np.isfinite(qd[done]).all(axis=-1)
             now[done[lost]] = end
-            stuck = going[~good & (h_next < _SHORTEST * self.duration)]
+            too_short = (taken * MOST < self.end - now[done]) | (now[done] == before)
+            slow = self.slow[lanes]
+            slow[done] = np.where(too_short, slow[done] + 1, 0)
+            at_rest = h_next < _SHORTEST * min(self.duration, 1.0)
+            slow[going] = np.where(~good & at_rest, IN_A_ROW, slow[going])
+            doubling = np.full(len(q), np.nan)
+            doubling[done] = self.growth.hopeless(first + done, now[done], qd[done])
+            slow[np.isfinite(doubling)] = IN_A_ROW
+            stuck = going[slow[going] >= IN_A_ROW]
+            for k in stuck.tolist():
+                there = float(now[k]), float(now[k] + sizes[k]), qd[k].copy()
+                self.given_up[first + k] = GivenUp(*there, float(doubling[k]))
             q[stuck] = qd[stuck] = np.nan
             now[stuck] = end
             if self.watch is not None and rounds % _WATCHED == 0 and len(done):

@@ -16,16 +16,11 @@ from freebody.motion.simulation.compiled_steps import STAYING, CompiledSteps
 from freebody.motion.simulation.compiled_torque import CompiledTorque
 from freebody.motion.simulation.contact_events import ContactEvents
 from freebody.motion.simulation.course import Course, Track, course
-from freebody.motion.simulation.first_order_system import Drive, System, loads_over, system
+from freebody.motion.simulation.driving import Driving, driving_of
+from freebody.motion.simulation.first_order_system import System, loads_over, system
 from freebody.motion.simulation.integration import step_tolerance
-from freebody.motion.simulation.lane_torques import (
-    HeldTorque,
-    LaneTorque,
-    LawTorque,
-    SteadyWrench,
-    TableTorque,
-    steady,
-)
+from freebody.motion.simulation.interrupted import SimulationStopped
+from freebody.motion.simulation.lane_torques import SteadyWrench, TableTorque, steady
 from freebody.motion.simulation.motion_lanes import some_of
 from freebody.motion.simulation.short_steps import ShortSteps, lane_drive, lane_system
 from freebody.motion.simulation.side_by_side import Walk
@@ -45,13 +40,19 @@ from freebody.motion.simulation.steppers import (
     LaneKernel,
     Stepper,
 )
-from freebody.motion.simulation.torques import batched, instants
+from freebody.motion.simulation.torques import instants
+from freebody.motion.simulation.unending import (
+    GivenUp,
+    SampledGrowth,
+    endless,
+    too_late,
+    why_sampled,
+)
 from freebody.trees.position_rates import layout
 
 _LOOKED_AT = 3  # motions whose stiffness is looked at
 _FEW_STEPS = 8  # between two calls of a controller, to which Python may as well see itself
 _NONE = np.zeros(0)
-_REMEDY = "compile the torque with fb.compile, or give sample_time="
 
 
 def stepped(asked: Simulation, method: str, result: Simulated) -> None:
@@ -64,75 +65,69 @@ def stepped(asked: Simulation, method: str, result: Simulated) -> None:
     if asked.sample_time is not None:
         calls = instants(float(asked.t[0]), float(asked.t[-1]), asked.sample_time)
     way = course(asked.t, asked.every, asked.breakpoints, calls)
-    drive, torque = _torque(asked)
+    driving = driving_of(asked)
     if isinstance(asked.torque, CompiledTorque):
-        drive(asked.t[0], asked.q, asked.qd)  # refused here, where it acts at a passive joint
+        driving.drive(
+            asked.t[0], asked.q, asked.qd
+        )  # refused here, where it acts at a passive joint
     q, qd = (lanes.all(x, 1) for x in (asked.q, asked.qd))
-    events = None if asked.contacts is None else _events(asked, torque, drive, qd)
-    stepper = _stepper(asked, fixed, torque, drive, events)
+    events = None if asked.contacts is None else _events(asked, driving, qd)
+    stepper = _stepper(asked, fixed, driving, events)
     if method != "auto":
-        _warn_unstable(asked, fixed, way, drive)
+        _warn_unstable(asked, fixed, way, driving)
     stop = threading.Event()
-    watch = ShortSteps(asked, drive)
-    advance = _advance(asked, method, way, stepper, events, watch, stop)
+    watch = ShortSteps(asked, driving)
+    given_up: dict[int, GivenUp] = {}
+    advance = _advance(asked, method, way, stepper, events, watch, stop, given_up)
     result.used["method"] = fixed if method != "auto" else f"{fixed}, steps chosen by their error"
     if method != "auto":
         result.used["step"] = _longest(asked, way)
-    if isinstance(torque, HeldTorque):
+    if driving.held is not None:
         result.tau = np.full(result.qd.shape, np.nan)
     else:
-        result.given = lambda now, q, qd: drive(np.asarray(now), q, qd)
+        result.given = lambda now, q, qd: driving.drive(np.asarray(now), q, qd)
     state = q.reshape(stepper.rows, -1), qd.reshape(stepper.rows, -1)
-    controller = drive if isinstance(torque, HeldTorque) else None
+    controller = None if driving.held is None else driving.drive
+    growth = None if asked.sample_time is None else SampledGrowth(len(way.calls))
     Walk(
         Track(way, state, result),
         advance,
         lanes,
         controller,
-        torque,
+        driving.held,
+        growth,
         asked.threads,
         watch.while_telling(asked.tell),
         stop,
     ).run()
     watch.tell()
-    _tell_stopped(asked, fixed, result)
+    _tell_stopped(asked, fixed, result, given_up, stepper.rows < lanes.count)
 
 
-def _torque(asked: Simulation) -> tuple[Drive, LaneTorque | None]:
-    """The torque of all motions at a time, and as steps take it: None for a Python function that
-    acts within them."""
-    torque, lanes, nv = asked.torque, asked.lanes, asked.model.nv
-    if isinstance(torque, np.ndarray):
-        table = TableTorque(asked.t, lanes.each(torque, 2))
-        whole = (*lanes.shape, nv)
-        return lambda now, q, qd: np.broadcast_to(_shaped(table.given(now), whole), whole), table
-    drive: Drive = (
-        torque if isinstance(torque, CompiledTorque) else batched(asked.model, torque, lanes.shape)
-    )
-    if asked.sample_time is not None:
-        return drive, HeldTorque(np.zeros((lanes.count, nv)))
-    if isinstance(torque, CompiledTorque):
-        return drive, LawTorque.of(torque.law, lanes, torque.more, torque.cores)
-    return drive, None
-
-
-def _shaped(tau: Array, whole: tuple[int, ...]) -> Array:
-    """One row for all motions as it is, one for each in the shape of the batch."""
-    return tau if tau.ndim == 1 else tau.reshape(whole)
-
-
-def _events(asked: Simulation, torque: LaneTorque | None, drive: Drive, qd: Array) -> ContactEvents:
+def _events(asked: Simulation, driving: Driving, qd: Array) -> ContactEvents:
     """Where dry friction and stops change the motions; qd (lanes, nv): their rates at the start."""
     assert asked.contacts is not None
+    torque = driving.torque
     if torque is None and asked.lanes.shape:
         raise FreebodyError(
             f"simulate: dry friction and stops end the steps of each motion at its own times, but "
-            f"a Python function is called with all motions at once: {_REMEDY}."
+            f"a Python function is called with all motions at once: {_remedy(asked)}."
         )
     law = None if torque is None else torque.law
-    kernel = _lane_kernel(asked, driven_rates(asked.model, *_frames(asked), law))
-    rates = FunctionRates(kernel, drive) if torque is None else KernelRates(kernel, torque)
+    kernel = _lane_kernel(asked, driven_rates(asked.model, *_frames(asked), law, driving.adds))
+    rates = (
+        FunctionRates(kernel, driving.acting)
+        if torque is None
+        else KernelRates(kernel, torque, driving.added)
+    )
     return ContactEvents.of(asked.contacts, asked.lanes, rates, asked.duration, qd)
+
+
+def _remedy(asked: Simulation) -> str:
+    """Instead of a Python function within steps."""
+    if callable(asked.forces) and not isinstance(asked.forces, CompiledTorque):
+        return "compile the forces with fb.compile"
+    return "compile the torque with fb.compile, or give sample_time="
 
 
 def _lane_kernel(asked: Simulation, kernel: Bound) -> LaneKernel:
@@ -151,28 +146,29 @@ def _frames(asked: Simulation) -> tuple[tuple[str, ...], tuple[bool, ...]]:
 def _stepper(
     asked: Simulation,
     method: str,
-    torque: LaneTorque | None,
-    drive: Drive,
+    driving: Driving,
     events: ContactEvents | None,
 ) -> Stepper:
-    model, (frames, varying) = asked.model, _frames(asked)
+    model, (frames, varying), torque = asked.model, _frames(asked), driving.torque
     holding = None if events is None else (events.push, events.held)
     if torque is not None:
-        kernel = driven_step(model, method, frames, varying, torque.law, holding is not None)
-        return KernelStepper(_lane_kernel(asked, kernel), torque, asked.lanes.count, holding)
+        more = torque.law, driving.adds, holding is not None
+        kernel = _lane_kernel(asked, driven_step(model, method, frames, varying, *more))
+        return KernelStepper(kernel, torque, asked.lanes.count, driving.added, holding)
     if model.loops:
         raise FreebodyError(
-            f"simulate: the steps of a closed chain cannot call a Python function: {_REMEDY}."
+            f"simulate: the steps of a closed chain cannot call a Python function: "
+            f"{_remedy(asked)}."
         )
     if STEP_METHODS[method].implicit:
         raise FreebodyError(
-            f"simulate: method 'implicit' needs the derivatives of the torque, which a Python "
-            f"function does not give: {_REMEDY}."
+            f"simulate: method 'implicit' needs the derivatives of the torque and forces, which a "
+            f"Python function does not give: {_remedy(asked)}."
         )
     whole = system(model, asked.width, *loads_over(asked.t, asked.wrenches))
     if holding is not None:
         whole = _holding(asked, whole, holding)
-    return FunctionStepper(whole, drive, asked.lanes.shape, classical=method == "rk4")
+    return FunctionStepper(whole, driving.acting, asked.lanes.shape, classical=method == "rk4")
 
 
 def _holding(asked: Simulation, whole: System, holding: tuple[Array, Array]) -> System:
@@ -196,6 +192,7 @@ def _advance(
     events: ContactEvents | None,
     watch: ShortSteps,
     stop: threading.Event,
+    given_up: dict[int, GivenUp],
 ) -> Advance:
     if method != "auto":
         each = step_counts(way.ends - way.begins, asked.step).sum() / max(1, len(way.calls))
@@ -208,7 +205,17 @@ def _advance(
     tolerance = step_tolerance("rk4", asked.tolerance)
     own = None if stepper.rows < asked.lanes.count or asked.model.loops else watch.look
     steps = ControlledSteps(
-        stepper, tolerance, asked.max_step, asked.duration, flat, first, stop, events, own
+        stepper,
+        tolerance,
+        asked.max_step,
+        asked.duration,
+        float(asked.t[-1]),
+        flat,
+        first,
+        stop,
+        events,
+        own,
+        given_up=given_up,
     )
     return SpanBySpan(steps, stop)
 
@@ -219,17 +226,19 @@ def _longest(asked: Simulation, way: Course) -> float:
     return float((gaps / step_counts(gaps, asked.step)).max())
 
 
-def _warn_unstable(asked: Simulation, method: str, way: Course, drive: Drive) -> None:
+def _warn_unstable(asked: Simulation, method: str, way: Course, driving: Driving) -> None:
     """Say where equal steps of an explicit method are too long for the motion at its start."""
     model, lanes, reach = asked.model, asked.lanes, STEP_METHODS[method].reach
-    function = not isinstance(asked.torque, np.ndarray | CompiledTorque)
+    function = any(
+        callable(x) and not isinstance(x, CompiledTorque) for x in (asked.torque, asked.forces)
+    )
     if model.loops or STEP_METHODS[method].implicit or (function and lanes.shape):
         return
     step = _longest(asked, way)
     for k in sorted({0, lanes.count // 2, lanes.count - 1})[:_LOOKED_AT]:
         index = lanes.index(k)
         y = np.concatenate([some_of(lanes.each(x, 1), 1, k) for x in (asked.q, asked.qd)])
-        rate = lane_system(asked, k).fastest(asked.t[0], y, lane_drive(asked, k, drive))
+        rate = lane_system(asked, k).fastest(asked.t[0], y, lane_drive(asked, k, driving))
         if rate * step > reach:
             where = at_sample(index)
             warn(
@@ -240,22 +249,35 @@ def _warn_unstable(asked: Simulation, method: str, way: Course, drive: Drive) ->
             return
 
 
-def _tell_stopped(asked: Simulation, method: str, result: Simulated) -> None:
-    """Refuse the one motion that could not go on, warn of some among many."""
+def _tell_stopped(
+    asked: Simulation,
+    method: str,
+    result: Simulated,
+    given_up: dict[int, GivenUp],
+    alike: bool,
+) -> None:
+    """Refuse the one motion that could not go on, warn of some among many; alike: whether all take
+    the same steps."""
     finite = np.isfinite(result.q).all(axis=-1), np.isfinite(result.qd).all(axis=-1)
     going = np.asarray(np.logical_and(*finite))
     stopped = np.argwhere(~going[..., -1])
     if not len(stopped):
         return
     index = tuple(map(int, stopped[0]))
-    last = result.t[max(0, int(np.argmin(going[index])) - 1)]
+    at = result.t[max(0, int(np.argmin(going[index])) - 1)]
     advice = (
         "It may diverge, pass a state without finite acceleration, or, in a closed chain, come to "
         "a position where its equations do not tell; shorter steps or method 'implicit' may help."
     )
+    lane = int(np.ravel_multi_index(index, asked.lanes.shape)) if index else 0
+    advice = why_sampled(asked, lane) or too_late(asked.t) or advice
+    # those that Python calls at once step alike
+    last = given_up.get(0 if alike else lane)
+    if last is not None:
+        advice = endless(asked, last, lane)
     if not asked.lanes.shape:
-        raise FreebodyError(f"simulate: {method} stopped after t = {last:.6g} s. {advice}")
+        raise SimulationStopped(f"simulate: {method} stopped after t = {at:.6g} s. {advice}")
     warn(
         f"simulate: {len(stopped)} of {asked.lanes.count} motions could not go on and are NaN from "
-        f"there, the first{at_sample(index)} after t = {last:.6g} s. {advice}",
+        f"there, the first{at_sample(index)} after t = {at:.6g} s. {advice}",
     )

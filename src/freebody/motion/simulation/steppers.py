@@ -85,17 +85,20 @@ class LaneKernel:
 
 @dataclass(frozen=True, eq=False)
 class KernelStepper:
-    """By a step kernel. holding: torques that push besides, and what is held (lanes, nv), arrays
-    that change between steps."""
+    """By a step kernel. added: forces besides the torque. holding: torques that push besides, and
+    what is held (lanes, nv), arrays that change between steps."""
 
     kernel: LaneKernel
     torque: LaneTorque
     rows: int
+    added: LaneTorque | None = None
     holding: tuple[Array, Array] | None = None
 
     def step(self, lanes: Some, state: State, start: Array | float, h: Array | float) -> State:
         """The states of some lanes a step h (s) after `start`, floats or one for each lane."""
         given = self.torque.inputs(lanes, start, start + h)
+        if self.added is not None:
+            given = (*given, *self.added.inputs(lanes, start, start + h))
         if self.holding is not None:
             given = (*given, *(x[lanes] for x in self.holding))
         return self.kernel(lanes, state, h, start, given)
@@ -103,6 +106,8 @@ class KernelStepper:
     def in_turn(self, lanes: slice, places: Sequence[Placed], start: Array, h: Array) -> None:
         """See `LaneKernel`; nothing is held."""
         given = self.torque.in_turn(lanes, start, start + h)
+        if self.added is not None:
+            given = (*given, *self.added.in_turn(lanes, start, start + h))
         self.kernel.in_turn(lanes, places, start, h, given)
 
 
@@ -112,13 +117,15 @@ class KernelRates:
 
     kernel: LaneKernel
     torque: LaneTorque
+    added: LaneTorque | None = None
 
     def __call__(
         self, lanes: Some, state: State, t: Array | float, push: Array, held: Array
     ) -> tuple[Array, Array, Array]:
         """(q̈, reaction, M) of some lanes, where some torques push besides and some coordinates are
         held."""
-        given = (*self.torque.inputs(lanes, t, t), push, held)
+        more = () if self.added is None else self.added.inputs(lanes, t, t)
+        given = (*self.torque.inputs(lanes, t, t), *more, push, held)
         return self.kernel(lanes, state, 0.0, t, given)
 
 

@@ -8,7 +8,7 @@ from functools import cache
 from typing import Any
 
 from freebody.errors import FreebodyError
-from freebody.targets.llvm.llvm_lock import exclusive
+from freebody.targets.llvm.llvm_lock import library, to_compile
 from freebody.targets.llvm.machine import CompileError
 
 PROCESSOR = "sm_70"
@@ -27,9 +27,8 @@ def ptx(text: str) -> str:
         raise FreebodyError(
             "PTX is made by LLVM, and llvmlite is not installed; pip install llvmlite."
         )
-    import llvmlite.binding as llvm
-
-    with exclusive(), _machine() as machine, llvm.create_context() as context:
+    llvm = library()
+    with to_compile(text), _machine() as machine, llvm.create_context() as context:
         try:
             module = llvm.parse_assembly(text, context)
         except RuntimeError as problem:
@@ -52,8 +51,7 @@ def _machine() -> Any:
 
 @cache
 def _target() -> Any:
-    import llvmlite.binding as llvm
-
+    llvm = library()
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     try:

@@ -49,9 +49,8 @@ def load(
     Raises:
         CompileError: no object, or one that lacks an export.
     """
-    import llvmlite.binding as llvm
-
-    with llvm_lock.exclusive():
+    llvm = llvm_lock.library()
+    with llvm_lock.to_load(sum(map(len, objects))):
         for name, address in {**_externals(), **imports}.items():
             if llvm.address_of_symbol(name) is None:
                 llvm.add_symbol(name, address)
@@ -90,9 +89,7 @@ def _give_back(code: LoadedCode) -> None:
 
 @cache
 def _context() -> Any:
-    import llvmlite.binding as llvm
-
-    return llvm.create_context()
+    return llvm_lock.library().create_context()
 
 
 @cache

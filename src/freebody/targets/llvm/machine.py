@@ -9,7 +9,7 @@ from typing import Any
 
 from freebody.errors import FreebodyError, listed
 from freebody.targets.llvm.lanes import DOUBLE, Lanes, Real
-from freebody.targets.llvm.llvm_lock import exclusive
+from freebody.targets.llvm.llvm_lock import library, to_compile
 
 WIDTHS = (2, 4, 8, 16)
 LONGEST_VECTOR = 512
@@ -112,8 +112,7 @@ def at_level(level: str | None) -> Host:
 @cache
 def host() -> Host:
     """The host, asked once."""
-    import llvmlite.binding as llvm
-
+    llvm = library()
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     return Host(
@@ -126,10 +125,12 @@ def host() -> Host:
 
 def object_code(text: str, opt: int = 2, here: Host | None = None) -> bytes:
     """A relocatable object for the host, or a level of it."""
-    import llvmlite.binding as llvm
-
-    here = here or host()
-    with exclusive(), code_generator(opt, here=here) as machine, llvm.create_context() as context:
+    llvm, here = library(), here or host()
+    with (
+        to_compile(text),
+        code_generator(opt, here=here) as machine,
+        llvm.create_context() as context,
+    ):
         # a context keeps all constants that were ever read in it: one for each text
         try:
             module = llvm.parse_assembly(text, context)
@@ -144,9 +145,7 @@ def object_code(text: str, opt: int = 2, here: Host | None = None) -> bytes:
 
 def code_generator(opt: int = 2, jit: bool = False, here: Host | None = None) -> Any:
     """LLVM's for the host, or a level of it."""
-    import llvmlite.binding as llvm
-
-    here = here or host()
+    llvm, here = library(), here or host()
     return llvm.Target.from_triple(here.triple).create_target_machine(
         cpu=here.cpu, features=here.features, opt=opt, reloc="pic", codemodel="small", jit=jit
     )

@@ -125,6 +125,10 @@ def _self_test(unit: Unit, vectors: SelfTestSamples) -> str:
         for k, (rows, argument) in enumerate(zip(vectors.outputs, program.outputs, strict=True)):
             largest = number(largest_entries(vectors)[k])
             text.append(
+                f"worst({k + 1}) = max([worst({k + 1}); 1e300 * "
+                f"~isequal(size({found[k]}), size(zeros({_sizes(argument)})))]);"
+            )
+            text.append(
                 f"worst({k + 1}) = max([worst({k + 1}); abs({found[k]}(:) - "
                 f"{_array(rows[i], argument)}(:)) / {largest}; any(isnan({found[k]}(:))) * 1e300]);"
             )

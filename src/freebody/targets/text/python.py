@@ -41,10 +41,14 @@ _CASADI = {op: f"ca.{op}({{a}})" for op in (*_IMPORTED, "exp", "log", "tanh", "a
     "epsilon": number(2.0**-52),
 }
 _CASADI_HELPERS = {
-    op: f"def {name}(a, b):\n    return ca.if_else(ca.logic_or({test}, a != a), a, b)\n\n\n"
-    for op, name, test in (("minimum", "min_of", "a <= b"), ("maximum", "max_of", "b <= a"))
+    op: f"def {name}(a, b):\n"
+    f"    return ca.if_else({first}, a, ca.if_else({second}, b, a + b))\n\n\n"
+    for op, name, first, second in (
+        ("minimum", "min_of", "a <= b", "b < a"),
+        ("maximum", "max_of", "b <= a", "a < b"),
+    )
 }
-"""NaN that arises on the way stays."""
+"""NaN that arises on the way stays; CasADi takes `a != a` for false whatever a is."""
 _TEST = "python {name}_test.py"
 _OWN = frozenset(
     ("np", "sys", "jax", "numpy", "casadi", "xp", "ca", "batch", "min_of", "max_of", *_IMPORTED)
@@ -71,12 +75,26 @@ _ARRAYS = Spelling(
 _SCALARS = Spelling(
     _CASADI,
     number,
-    lambda word, argument, k: f"{word}[{k}]",
+    lambda word, argument, k: f"{word}[{k // _columns(argument)}, {k % _columns(argument)}]",
     flat,
     "{word} = {text}",
     "{word} = {text}",
     "# {text}",
 )
+
+
+def _columns(argument: Argument) -> int:
+    """Of an argument in CasADi, which has two dimensions: of three the last two become one."""
+    return int(np.prod(argument.shape[1:]))
+
+
+def _in_casadi(argument: Argument) -> tuple[int, int]:
+    """Its shape there: vectors are columns."""
+    return (*argument.shape, 1)[0], _columns(argument)
+
+
+def _in_arrays(argument: Argument) -> tuple[int, ...]:
+    return argument.shape
 
 
 def _computed(
@@ -138,7 +156,7 @@ def _emit_casadi(unit: Unit) -> str:
     words, program = words_of(unit, _OWN), unit.program
     body, results = _computed(unit, words, _SCALARS)
     symbols = [
-        f'    {word} = ca.SX.sym("{word}", {a.size})'
+        f'    {word} = ca.SX.sym("{word}", {", ".join(map(str, _in_casadi(a)))})'
         for word, a in zip(words.inputs, program.inputs, strict=True)
     ]
     outs = [_matrix(a, scalars) for a, scalars in zip(program.outputs, results, strict=True)]
@@ -160,13 +178,11 @@ def _emit_casadi(unit: Unit) -> str:
 
 
 def _matrix(argument: Argument, scalars: Sequence[str]) -> str:
-    """Of three dimensions the last two become one; CasADi has two."""
-    if len(argument.shape) < 2:
-        return f"ca.vertcat({', '.join(scalars)})" if scalars else "ca.SX(0, 1)"
-    rows = argument.shape[0]
-    width = argument.size // rows if rows else 0
-    if not width:
+    rows, width = _in_casadi(argument)
+    if not scalars:
         return f"ca.SX({rows}, {width})"
+    if width == 1:
+        return f"ca.vertcat({', '.join(scalars)})"
     listed = (", ".join(scalars[k * width : (k + 1) * width]) for k in range(rows))
     return f"ca.vertcat({', '.join(f'ca.horzcat({row})' for row in listed)})"
 
@@ -175,13 +191,14 @@ def _package(
     emit: Callable[[Unit], str],
     prelude: Sequence[str],
     function: str,
+    shaped: Callable[[Argument], tuple[int, ...]],
     unit: Unit,
     vectors: SelfTestSamples,
 ) -> dict[str, str]:
     """Module and self-test; function: what is called with one sample, {name} being the word of the
-    module's own."""
+    module's own; shaped: the shape of one sample of an argument there."""
     words = words_of(unit, _OWN)
-    shapes = [a.shape for a in (*unit.program.inputs, *unit.program.outputs)]
+    shapes = [shaped(a) for a in (*unit.program.inputs, *unit.program.outputs)]
     tables = [repr(rows.tolist()) for rows in (*vectors.inputs, *vectors.outputs)]
     arrays = [
         f"    np.array({table}).reshape({(vectors.count, *shape)!r}),"
@@ -205,7 +222,11 @@ def _package(
         *(["found = [(x,) for x in found]"] if len(words.outputs) == 1 else []),
         f"names, allowed = {list(words.outputs)!r}, {list(vectors.tolerances)!r}",
         "for k, expected in enumerate(EXPECTED):",
-        "    got = np.array([x[k] for x in found]).reshape(expected.shape)",
+        "    got = np.array([x[k] for x in found])",
+        "    if got.shape != expected.shape:",
+        '        print(f"{names[k]}: of shape {got.shape[1:]}; expected {expected.shape[1:]}")',
+        "        bad = True",
+        "        continue",
         "    off = np.abs(got - expected).max(initial=0.0) / (np.abs(expected).max(initial=0.0) or "
         "1.0)",
         '    print(f"{names[k]}: off by at most {off:.2g} of its largest entry; '
@@ -219,7 +240,7 @@ def _package(
 
 NUMPY = Language(
     partial(_emit_arrays, "numpy"),
-    partial(_package, partial(_emit_arrays, "numpy"), (), "{name}"),
+    partial(_package, partial(_emit_arrays, "numpy"), (), "{name}", _in_arrays),
     _TEST,
 )
 JAX = Language(
@@ -229,7 +250,8 @@ JAX = Language(
         partial(_emit_arrays, "jax.numpy"),
         ("import jax", 'jax.config.update("jax_enable_x64", True)'),
         "{name}",
+        _in_arrays,
     ),
     _TEST,
 )
-CASADI = Language(_emit_casadi, partial(_package, _emit_casadi, (), "{name}()"), _TEST)
+CASADI = Language(_emit_casadi, partial(_package, _emit_casadi, (), "{name}()", _in_casadi), _TEST)

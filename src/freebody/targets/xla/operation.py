@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
-from functools import cache
+from functools import cache, partial
 from importlib.util import find_spec
 from typing import Any, NamedTuple
 
@@ -20,6 +20,7 @@ from freebody.program.program import Program
 from freebody.targets.kernel import Kernel, compile_program
 from freebody.targets.xla import layout
 from freebody.targets.xla.batch_axes import arranged
+from freebody.targets.xla.partition import partitioned
 
 Arrays = tuple[Any, ...]
 
@@ -89,7 +90,7 @@ def operation(program: Program, way: Way) -> Callable[..., Arrays]:
         found = kernel(dtype.name)
         if any(x.uniform and many for x, many in zip(program.inputs, varies, strict=True)):
             found = found.per_sample
-        results = _applied(found, placed, size)
+        results = partitioned(found.program, partial(_applied, found), size)(*placed)
         return tuple(y.reshape(x.shape) for x, y in zip(outputs, results, strict=True))
 
     mapped = jax.custom_batching.custom_vmap(evaluate)

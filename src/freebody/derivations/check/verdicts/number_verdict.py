@@ -212,10 +212,18 @@ class _NumberVerdict:
     def _right(self) -> str:
         """The right number in the unit of the answer, with a digit more than this has."""
         number = self.number
-        unit = number.unit if number.fits else None
+        unit = number.unit if number.fits and not self._is_of_another_kind() else None
         value = shortest(number.right / (unit.factor if unit else 1.0), max(4, number.digits + 1))
         text = unit.text if unit else "" if number.needed in (None, (0, 0, 0)) else self._unit()
         return value + " " * (text not in ("", "°")) + text
+
+    def _is_of_another_kind(self) -> bool:
+        """Whether a moment is given in joules, or an energy in newton metres: a unit of the same
+        dimension that says something else."""
+        unit = self.number.unit
+        if unit is None or unit.dimension != _ENERGY:
+            return False
+        return ("J" in unit.text) != (self._unit() == "J")
 
     def _unit(self) -> str:
         """The unit that the quantity has."""
@@ -248,6 +256,10 @@ class _NumberVerdict:
         text = f"The units do not fit: {unit}, where {self._unit()} is needed."
         other = self.number.better_unit()
         return f"{text} In {other} the number is right." if other else text
+
+
+_ENERGY = (1, 2, -2)
+"""Powers of kg, m and s in the unit of an energy, and of a moment."""
 
 
 def _names(x: Trig) -> set[str]:

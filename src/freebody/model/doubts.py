@@ -1,0 +1,515 @@
+"""What is doubtful about a robot: one table of kinds, and which doubts a model has.
+
+A kind says what it touches and what weight it has: it bars the verdict, or stands beside it. What
+follows from the model's numbers is found anew for each model, so that a changed copy has its own
+doubts; what only its file could tell (placeholders, estimates) is a `Doubt` among `Model.notices`,
+and stands for as long as the model has the numbers that it is about. A result asks for the doubts
+on what it depends on (`doubts_on`) and says them in one line (`told`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.errors import listed
+from freebody.model.bodies import Body
+from freebody.model.description import Limits, Notice
+from freebody.model.inertia import Inertia, combined
+from freebody.model.placement import Placement
+from freebody.model.quantity_reader import VALUES
+from freebody.model.tree import Attached
+from freebody.model.usable_limits import usable_limits
+from freebody.spatial import Vector, add, of_dimension, times
+
+if TYPE_CHECKING:
+    from freebody.model.model import Model
+
+MASSES, LOADS, ROTORS, FRICTION = "masses", "loads", "rotors", "friction"
+EFFORTS, SPEEDS, RANGES = "effort limits", "speed limits", "position limits"
+INERTIAL = (MASSES, LOADS)
+DYNAMIC = (*INERTIAL, ROTORS, FRICTION)
+"""What forces and motions under forces depend on."""
+LIMITS = (EFFORTS, SPEEDS, RANGES)
+ALL = (*DYNAMIC, *LIMITS)
+"""All that a doubt may be about."""
+
+NO_MASSES, IMPLAUSIBLE = "no masses", "implausible inertias"
+ESTIMATED, ESTIMATED_LIMITS = "estimated inertias", "estimated limits"
+MISSING = "missing limits"
+
+_NAMES = 4
+"""How many joints a sentence names before it counts the others."""
+_MEMBERS = 64
+"""How many members of a family are looked at."""
+_MEASURED = 0.15
+"""Of its largest principal moment: by how much a body's may break the triangle inequality because
+they are measured, or printed with few digits."""
+_SEVERAL = 3
+"""Joints with the same limits that tell a placeholder, and the masses that they move."""
+_APART = 1.01
+"""Ratio of masses that are not the same."""
+_STRONGEST = {"N m": 200.0, "N": 10_000.0}
+"""For each kilogram of the whole robot, its drives included: the effort limit of no joint."""
+_FASTEST = 340.0
+"""m/s: the speed of no robot's end, which is that of sound."""
+_ON_AXIS = 1e-6
+"""m."""
+
+
+@dataclass(frozen=True)
+class Doubt(Notice):
+    """One doubt on a model: its kind (a name of `DOUBT_KINDS`) and a sentence.
+
+    joints: the coordinates whose limits are meant; () all. about: names of links, with the inertia
+    that is doubted (None: that there is none), or of joints with their limits; () of a doubt that
+    the model itself shows.
+    """
+
+    joints: tuple[str, ...] = ()
+    about: tuple[tuple[str, Any], ...] = field(default=(), repr=False)
+
+    @property
+    def of(self) -> DoubtKind:
+        """Its kind, which says what it touches and what it weighs."""
+        return DOUBT_KINDS[self.kind]
+
+    @property
+    def clause(self) -> str:
+        """The sentence, to go on after."""
+        return self.text.rstrip(".")
+
+
+@dataclass(frozen=True)
+class DoubtKind:
+    """A kind of doubt.
+
+    touches: what it is about. bars: whether nothing is called feasible; else it stands beside the
+    verdict. mend: whether the file has to be corrected, which a command's exit status 1 says.
+    find: what finds it in a model's own numbers, if these show it, among what is asked for. key:
+    what files in TOML call a list of such sentences, of a kind that only a file can tell.
+    """
+
+    name: str
+    touches: tuple[str, ...]
+    bars: bool
+    mend: bool = False
+    find: Callable[[Model, Sequence[str]], Iterator[str | Doubt]] | None = None
+    key: str = ""
+
+
+# ------------------------------------------------------------ what results ask
+def doubts_on(model: Model, *aspects: str) -> tuple[Doubt, ...]:
+    """The doubts on these aspects of a model, in the order of the table.
+
+    Of a family those of each kind that its first member with such doubts has; of one with very many
+    members, `_MEMBERS` of them from the first to the last are looked at. Of a model with parameters
+    without value what its file told.
+    """
+    key = f"doubts on {', '.join(aspects)}"
+    if key not in model.facts:
+        model.facts[key] = _doubts_on(model, aspects)
+    return model.facts[key]
+
+
+def told(doubts: Iterable[Doubt]) -> str:
+    """Doubts in one line: what bars a verdict after "Not judged:", then what stands beside it; ""
+    for none."""
+    every = list(doubts)
+    barring = "; ".join(x.clause for x in every if x.of.bars)
+    beside = (capital(x.text) for x in every if not x.of.bars)
+    return " ".join([*([f"Not judged: {barring}."] if barring else []), *beside])
+
+
+def attribute(doubts: Iterable[Doubt]) -> dict[str, str]:
+    """Doubts as an attribute of a dataset or an entry of a manifest, which those without lack."""
+    line = told(doubts)
+    return {"doubts": line} if line else {}
+
+
+def named(doubts: Iterable[Doubt]) -> str:
+    """Doubts by the names of their kinds, to go on after a title; "" for none."""
+    every = list(doubts)
+    barring = ", ".join(dict.fromkeys(x.kind for x in every if x.of.bars))
+    beside = dict.fromkeys(x.kind for x in every if not x.of.bars)
+    parts = [f"not judged: {barring}"] if barring else []
+    return "".join(f"; {part}" for part in (*parts, *beside))
+
+
+def capital(text: str) -> str:
+    """With a capital at its start, unless a name stands there."""
+    first = text.split(" ", 1)[0].rstrip(",")
+    return text[:1].upper() + text[1:] if first.isalpha() and first.islower() else text
+
+
+def doubts_used(model: Model, *aspects: str) -> tuple[Doubt, ...]:
+    """The doubts on what is used of these aspects, where nothing is judged by them: without those
+    on what is not given."""
+    return tuple(doubt for doubt in doubts_on(model, *aspects) if doubt.kind != MISSING)
+
+
+def barring(doubts: Iterable[Doubt]) -> tuple[Doubt, ...]:
+    """Those that bar a verdict."""
+    return tuple(doubt for doubt in doubts if doubt.of.bars)
+
+
+# ------------------------------------------------------------ which there are
+def _doubts_on(model: Model, aspects: tuple[str, ...]) -> tuple[Doubt, ...]:
+    if model.family:
+        count = math.prod(model.family)
+        looked_at = np.unique(np.linspace(0, count - 1, min(count, _MEMBERS)).round().astype(int))
+        members = (model[np.unravel_index(k, model.family)] for k in looked_at)
+        every: list[Doubt] = []
+        for member in members:
+            known = {doubt.kind for doubt in every}
+            every += [x for x in doubts_on(member, *aspects) if x.kind not in known]
+        return tuple(every)
+    read = read_doubts(model)
+    found: list[Doubt] = []
+    for kind in DOUBT_KINDS.values():
+        if set(kind.touches) & set(aspects):
+            own = [doubt for doubt in read if doubt.kind == kind.name]
+            found += own or _found(kind, model, aspects)
+    return tuple(found)
+
+
+def _found(kind: DoubtKind, model: Model, aspects: Sequence[str]) -> list[Doubt]:
+    if kind.find is None or model.missing:
+        return []
+    return [x if isinstance(x, Doubt) else Doubt(kind.name, x) for x in kind.find(model, aspects)]
+
+
+def read_doubts(model: Model) -> list[Doubt]:
+    """Those that its file told, and that the model's numbers have not refuted since."""
+    read = [notice for notice in model.notices if isinstance(notice, Doubt)]
+    if not read or model.missing or model.family:
+        return read
+    links = {part.link: part.inertia for part in _parts(model) if not part.load}
+    bare = {body.name for body in model.bodies if is_bare(body)}
+    limits = {body.joint.name: body.joint.limits for body in model.bodies}
+
+    def stands(name: str, was: Inertia | Limits | None) -> bool:
+        if was is None:
+            return name in bare
+        if isinstance(was, Limits):
+            return limits.get(name) == was
+        now = links.get(name)
+        alike = now is not None and any(was.tensor) and now.tensor == was.tensor
+        return now is not None and (alike or now.mass == was.mass)
+
+    return [
+        doubt for doubt in read if not doubt.about or any(stands(*entry) for entry in doubt.about)
+    ]
+
+
+def settled(model: Model) -> Model:
+    """The model as it was read, its file's doubts tied to the numbers that they are about: all of
+    their sort, where the file tells no links."""
+    if all(x.about for x in model.notices if isinstance(x, Doubt)) or model.missing:
+        return model
+    about = {
+        NO_MASSES: tuple((body.name, None) for body in model.bodies if is_bare(body)),
+        ESTIMATED_LIMITS: tuple((body.joint.name, body.joint.limits) for body in model.bodies),
+    }
+    inertias = tuple((part.link, part.inertia) for part in _parts(model) if not part.load)
+    notices = tuple(
+        replace(x, about=about.get(x.kind, inertias)) if isinstance(x, Doubt) and not x.about else x
+        for x in model.notices
+    )
+    return replace(model, notices=notices)
+
+
+def is_bare(body: Body) -> bool:
+    """Whether a body has neither mass nor inertia."""
+    return not any(weighs(part) for part in body.inertias)
+
+
+def weighs(part: Attached) -> bool:
+    """Whether a link has mass or inertia."""
+    return any(VALUES.quantity(x) != 0.0 for x in (part.inertia.mass, *part.inertia.tensor))
+
+
+def _parts(model: Model) -> list[Attached]:
+    """All links and loads that move."""
+    return [part for body in model.bodies for part in body.inertias]
+
+
+# ------------------------------------------------------------ masses
+def _massless(model: Model, _: Sequence[str]) -> Iterator[str]:
+    if model.bodies and all(map(is_bare, model.bodies)):
+        yield "no body has any mass."
+
+
+def _impossible(model: Model, _: Sequence[str]) -> Iterator[str]:
+    if _is_flat(model):
+        return
+    wrong = [fault for body in model.bodies for fault in _faults(body, _breach(body) > _MEASURED)]
+    if len(wrong) == 1:
+        yield f"an inertia is one that no rigid body has: {wrong[0][1]}."
+    elif wrong:
+        names = listed([name for name, _ in wrong], _NAMES)
+        yield f"{len(wrong)} inertias are such that no rigid body has, of {names}: {wrong[0][1]}."
+
+
+def _inexact(model: Model, _: Sequence[str]) -> Iterator[str]:
+    if _is_flat(model):
+        return
+    off = [fault for body in model.bodies for fault in _faults(body, _breach(body) <= _MEASURED)]
+    if off:
+        what = "an inertia" if len(off) == 1 else f"{len(off)} inertias"
+        yield (
+            f"{what} that no rigid body has {'is' if len(off) == 1 else 'are'} used as given, of "
+            f"{listed([name for name, _ in off], _NAMES)}."
+        )
+
+
+def _is_flat(model: Model) -> bool:
+    """Whether each link has inertia about one axis alone, as those of a plane's robot in space, of
+    which no other is felt."""
+    tensors = (part.inertia.numbers()[2] for part in _parts(model) if not part.load)
+    return model.dim == 3 and all(
+        np.count_nonzero(np.diag(tensor)) <= 1 and not (tensor - np.diag(np.diag(tensor))).any()
+        for tensor in tensors
+    )
+
+
+def _faults(body: Body, wanted: bool) -> list[tuple[str, str]]:
+    """Names of the links of a body whose inertias no rigid body has, and why."""
+    if not wanted:
+        return []
+    faults = ((part.link, part.inertia.fault()) for part in body.inertias)
+    return [(link, f"link {link!r}: {fault}") for link, fault in faults if fault]
+
+
+def _breach(body: Body) -> float:
+    """By how much of its largest principal moment those of a whole body break the triangle
+    inequality; infinite for masses and moments below 0, 0 for one that a rigid body has."""
+    if all(part.inertia.fault() is None for part in body.inertias):
+        return 0.0
+    if any(VALUES.quantity(part.inertia.mass) < 0.0 for part in body.inertias):
+        return math.inf
+    mass, tensor = _whole(body)
+    if tensor.shape == (1, 1):
+        return math.inf if tensor[0, 0] < 0.0 else 0.0
+    if mass == 0.0 and body.parent < 0 and body.kind.turns:
+        u = np.array(body.joint.axis)
+        if np.allclose(tensor, (u @ tensor @ u) * np.outer(u, u)):
+            return 0.0  # all that is ever felt of it, and all that was measured
+    a, b, c = np.linalg.eigvalsh(tensor)
+    return float((c - a - b) / c) if c > 0.0 else math.inf
+
+
+def _whole(body: Body) -> tuple[float, Array]:
+    """Mass, and inertia about the centre of mass, of all that is fixed together."""
+    dim = body.inertias[0].inertia.dim
+    placed = [
+        part.inertia.placed(*part.placement.lower(of_dimension(dim), VALUES))
+        for part in body.inertias
+    ]
+    mass, _, tensor = combined(placed).numbers()
+    return mass, tensor
+
+
+# ------------------------------------------------------------ drives and loads
+def _no_drive(model: Model, _: Sequence[str]) -> Iterator[str]:
+    wrong = [
+        f"joint {body.joint.name!r}: {fault}"
+        for body in model.bodies
+        if (fault := body.joint.drive.fault())
+    ]
+    if wrong:
+        more = f" ({len(wrong) - 1} more)" if len(wrong) > 1 else ""
+        yield f"no motor has such a drive: {wrong[0]}{more}."
+
+
+def _no_rotor(model: Model, _: Sequence[str]) -> Iterator[str]:
+    """Of joints whose drive is described otherwise; a textbook's have none."""
+    told, without = 0, []
+    for body in model.bodies:
+        limits, drive = body.joint.limits.meant, body.joint.drive
+        described = math.isfinite(limits.effort) or math.isfinite(limits.velocity)
+        if body.joint.passive or body.joint.mimic or body.kind.nv != 1 or not described:
+            continue
+        told += 1
+        if VALUES.quantity(drive.rotor) == 0.0:
+            without.append(body.joint.name)
+    if without:
+        of = "" if len(without) == told else f" of {listed(without, _NAMES)}"
+        yield f"rotor inertia{of} is not given; its torque is left out."
+
+
+def _point(model: Model, _: Sequence[str]) -> Iterator[str]:
+    space = of_dimension(model.dim)
+    for body in model.bodies:
+        for part in body.inertias:
+            inertia = part.inertia
+            mass = VALUES.quantity(inertia.mass)
+            if not part.load or not mass or any(VALUES.quantity(x) for x in inertia.tensor):
+                continue
+            R, p = part.placement.lower(space, VALUES)
+            com = [VALUES.quantity(x) for x in inertia.com]
+            at = np.array(p) + np.array(R, dtype=float) @ com
+            off = at
+            if model.dim == 3 and body.joint.axis:
+                off = np.cross(body.joint.axis, at)
+            free = body.kind.turns and float(np.linalg.norm(off)) <= _ON_AXIS
+            feels = f"; {body.joint.name}, on whose axis it is, does not feel it" if free else ""
+            yield f"load {part.link!r} ({mass:.4g} kg) is a point without inertia{feels}."
+
+
+# ------------------------------------------------------------ limits
+def _placeholders(model: Model, _: Sequence[str]) -> Iterator[Doubt]:
+    """The same round numbers on joints that move different masses, or such as no robot has."""
+    given, moved = usable_limits(model).given, _moved(model)
+    alike: dict[tuple[str, str], list[tuple[str, float]]] = {}
+    absurd: dict[str, list[tuple[str, str]]] = {}
+    for body, at, (mass, reach) in zip(model.bodies, model.coordinates, moved, strict=True):
+        if body.joint.mimic is not None or body.kind.nv != 1 or body.joint.passive:
+            continue
+        speed, effort = (float(x) for x in given[2:, at.v[0]])
+        slides, name = body.kind.slides, body.joint.name
+        most, fastest = (
+            f"{effort:g} {'N' if slides else 'N m'}",
+            f"{speed:g} {'m' if slides else 'rad'}/s",
+        )
+        if _is_round(speed) and _is_round(effort):
+            alike.setdefault((most, fastest), []).append((name, mass))
+        strength = _STRONGEST["N" if slides else "N m"] * abs(model.mass)
+        if math.isfinite(effort) and effort > strength > 0.0:
+            absurd.setdefault("effort", []).append((name, most))
+        if math.isfinite(speed) and speed * (1.0 if slides else reach) > _FASTEST:
+            absurd.setdefault("speed", []).append((name, fastest))
+    said: set[str] = set()
+    for (most, fastest), group in alike.items():
+        if _different(mass for _, mass in group) >= _SEVERAL:
+            names = tuple(name for name, _ in group)
+            said |= {*names}
+            text = (
+                f"the limits of {listed(names, _NAMES)} are placeholders, {most} and {fastest} of "
+                f"each."
+            )
+            yield Doubt(_PLACEHOLDERS, text, joints=names)
+    for what, found in absurd.items():
+        names = tuple(name for name, _ in found if name not in said)
+        if names:
+            several = len(names) > 1
+            text = (
+                f"no such robot has the {what} limit{'s' if several else ''} of "
+                f"{listed(names, _NAMES)}, {'such as ' if several else ''}{found[0][1]}."
+            )
+            yield Doubt(_PLACEHOLDERS, text, joints=names)
+
+
+def _is_round(x: float) -> bool:
+    """Whether one digit is all that it has."""
+    return math.isfinite(x) and x > 0.0 and float(f"{x:.0e}") == x
+
+
+def _different(masses: Iterable[float]) -> int:
+    """How many there are that are not the same."""
+    count, last = 0, 0.0
+    for mass in sorted(masses):
+        if mass > _APART * last:
+            count, last = count + 1, mass
+    return count
+
+
+def _moved(model: Model) -> list[tuple[float, float]]:
+    """Of each joint the mass that it moves, and how far that reaches from it at most (m)."""
+    space = of_dimension(model.dim)
+
+    def far(placement: Placement, beyond: Vector = ()) -> float:
+        R, p = placement.lower(space, VALUES)
+        return math.hypot(*(add(p, times(R, beyond)) if beyond else p))
+
+    count = len(model.bodies)
+    masses, reaches = [0.0] * count, [0.0] * count
+    for frame in model.frames:
+        if frame.body >= 0:
+            reaches[frame.body] = max(reaches[frame.body], far(frame.placement))
+    for i, body in enumerate(model.bodies):
+        for part in body.inertias:
+            mass, com, _ = part.inertia.lower(VALUES)
+            masses[i] += mass
+            reaches[i] = max(reaches[i], far(part.placement, com) if mass else 0.0)
+    for i in reversed(_outward(model)):
+        body = model.bodies[i]
+        if body.parent >= 0:
+            masses[body.parent] += masses[i]
+            beyond = far(body.joint.placement) + reaches[i]
+            reaches[body.parent] = max(reaches[body.parent], beyond)
+    return list(zip(masses, reaches, strict=True))
+
+
+def _outward(model: Model) -> list[int]:
+    """Bodies, parents first."""
+    carried: dict[int, list[int]] = {}
+    for i, body in enumerate(model.bodies):
+        carried.setdefault(body.parent, []).append(i)
+    found, waiting = [], list(carried.get(-1, ()))
+    while waiting:
+        i = waiting.pop()
+        found.append(i)
+        waiting += carried.get(i, ())
+    return found
+
+
+def _missing(model: Model, aspects: Sequence[str]) -> Iterator[str]:
+    """Limits that the description does not give, and joints of which nothing tells what moves
+    them."""
+    allowed = usable_limits(model)
+    single = [
+        (body, at.v[0])
+        for body, at in zip(model.bodies, model.coordinates, strict=True)
+        if body.joint.mimic is None and body.kind.nv == 1
+    ]
+    driven = [(body, k) for body, k in single if not body.joint.passive]
+    bounded = np.isfinite(allowed.lower) & np.isfinite(allowed.upper)
+    absent: dict[tuple[str, ...], list[str]] = {}
+    """All that is not given, by the names of joints."""
+    for aspect, what, given in (
+        (EFFORTS, "an effort limit", np.isfinite(allowed.effort)),
+        (SPEEDS, "a speed limit", np.isfinite(allowed.velocity)),
+        (RANGES, "a position range", bounded),
+    ):
+        if aspect not in aspects:
+            continue
+        asked = (pair for pair in driven if given is not bounded or pair[0].kind.ranged)
+        names = tuple(body.joint.name for body, k in asked if not given[k])
+        absent.setdefault(names, []).append(what)
+    found = [
+        f"{listed(parts)} of {listed(names, _NAMES)}" for names, parts in absent.items() if names
+    ]
+    if allowed.apart and RANGES in aspects:
+        found.append(f"a range that suits {listed(allowed.apart, _NAMES)}")
+    several = [b.joint.name for b in model.bodies if b.kind.nv > 1 and not b.joint.passive]
+    if several and not model.loops and EFFORTS in aspects:
+        have = "has no motor of its" if len(several) == 1 else "have no motors of their"
+        found.append(f"what moves {listed(several, _NAMES)}, which {have} own")
+    if found:
+        yield f"the description lacks {'; '.join(found)}."
+
+
+_PLACEHOLDERS = "placeholder limits"
+DOUBT_KINDS: dict[str, DoubtKind] = {
+    kind.name: kind
+    for kind in (
+        DoubtKind(NO_MASSES, (MASSES,), True, True, _massless, key="masses_missing"),
+        DoubtKind(IMPLAUSIBLE, (MASSES,), True, True, key="masses_doubtful"),
+        DoubtKind("impossible inertias", (MASSES,), True, True, _impossible),
+        DoubtKind("impossible drives", (ROTORS, FRICTION), True, True, _no_drive),
+        DoubtKind(_PLACEHOLDERS, (EFFORTS, SPEEDS), True, True, _placeholders),
+        DoubtKind(MISSING, LIMITS, True, find=_missing),
+        DoubtKind(ESTIMATED, (MASSES,), True, key="masses_estimated"),
+        DoubtKind(ESTIMATED_LIMITS, LIMITS, True, key="limits_estimated"),
+        DoubtKind("inexact inertias", (MASSES,), False, find=_inexact),
+        DoubtKind("no rotor inertia", (ROTORS,), False, find=_no_rotor),
+        DoubtKind("point load", (LOADS,), False, find=_point),
+    )
+}
+"""All kinds by name, those first that a verdict names first."""

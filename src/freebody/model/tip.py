@@ -1,0 +1,196 @@
+"""Which frame of a robot is its tip: what `frame=None` means, everywhere.
+
+The first of four rules that says one: (1) the frame that was asked for, or that the robot's
+description names; (2) the only frame that is called as `CONVENTIONS` has it, in their order; (3)
+grippers taken off, the end of the chain of most movable joints, where only one is so long; (4)
+none. What a gripper is, `_fingers` says.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from math import isclose
+
+from freebody.errors import listed
+from freebody.model.bodies import Body, Frame
+from freebody.model.description import TIP, Joint, Notice
+from freebody.model.named_parts import NamedParts
+from freebody.model.parameters import Quantity
+from freebody.outputs.display import counted
+
+CONVENTIONS = {
+    "tcp": "tcp|tool_cent(er|re)_point",
+    "tool0": "tool_?0",
+    "flange": "flange",
+    "ee…": "(ee|eef|end_?effector)(_.*)?",
+    "grasp… or gripper_frame": "grasp.*|gripper_frame",
+}
+"""Names of the frame that a tool or a load is mounted on or held in: whole words, with any words in
+front, and link or frame behind."""
+_ALIKE = 0.01
+"""Up to which share numbers of two fingers differ: those of files are rounded."""
+_SHOWN = 8
+"""Candidates that are named."""
+
+
+@dataclass(frozen=True)
+class ChosenTip:
+    """The frame, None where there is none; and which rule chose it, in a sentence."""
+
+    frame: str | None
+    reason: str
+
+    @property
+    def notice(self) -> Notice:
+        """The sentence, as models keep it."""
+        return Notice(TIP, self.reason)
+
+
+def with_notice(notices: Iterable[Notice], tip: ChosenTip) -> tuple[Notice, ...]:
+    """Notices in which that of the tip is another."""
+    return (*(notice for notice in notices if notice.kind != TIP), tip.notice)
+
+
+def asked_for(frame: str) -> ChosenTip:
+    """The tip that a caller names."""
+    return ChosenTip(frame, f"The tip is {frame!r}, as asked.")
+
+
+def chosen(parts: NamedParts, described: str | None, joints: Iterable[Joint]) -> ChosenTip:
+    """The tip where no caller names one. described: that of the robot's description; joints: as
+    described, which tell of mimics that a model may have set free."""
+    if described is not None:
+        return ChosenTip(described, f"The tip is {described!r}, as the robot's description says.")
+    return _by_name(parts) or _by_chain(parts, joints)
+
+
+# ---------------------------------------------------------------- by names
+def _by_name(parts: NamedParts) -> ChosenTip | None:
+    moving = [(frame.name, _words(frame.name)) for frame in parts.frames if frame.body >= 0]
+    for called, words in CONVENTIONS.items():
+        pattern = re.compile(f"(.*_)?({words})(_(link|frame))?")
+        found = [name for name, spelled in moving if pattern.fullmatch(spelled)]
+        if len(found) == 1:
+            return ChosenTip(found[0], f"The tip is {found[0]!r}, the only frame called {called}.")
+    return None
+
+
+def _words(name: str) -> str:
+    """The words of a name in small letters, apart by underscores: rightEndEffector is
+    right_end_effector."""
+    apart = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name)
+    return re.sub(r"[^a-z0-9]+", "_", apart.lower()).strip("_")
+
+
+# ---------------------------------------------------------------- by the tree
+def _by_chain(parts: NamedParts, joints: Iterable[Joint]) -> ChosenTip:
+    tree = _TreeBranches(parts, joints)
+    fingers = {k for at in (-1, *range(len(parts.bodies))) for k in tree.fingers(at)}
+    lengths = {-1: 0}
+    for k in tree.order:
+        above = parts.bodies[k].parent
+        if above in lengths and k not in fingers:
+            lengths[k] = lengths[above] + 1
+    most = max(lengths.values())
+    ends = sorted(k for k, length in lengths.items() if length == most)
+    length = counted(most, "movable joint")
+    if not parts.bodies:
+        return _none("nothing moves", ())
+    if most == 0:
+        return _none("nothing moves but equal branches of one joint", parts.leaves)
+    frames = [_end(parts, k, fingers) for k in ends]
+    if len(frames) > 1:
+        return _none(f"{len(frames)} chains have {length} each, the most", frames)
+    off = [parts.bodies[k].joint.name for k in sorted(fingers) if parts.bodies[k].parent == ends[0]]
+    gripper = f"; the gripper behind it ({listed(off, _SHOWN)}) does not count" if off else ""
+    (frame,) = frames
+    return ChosenTip(
+        frame, f"The tip is {frame!r}, the end of the longest chain of joints ({most}){gripper}."
+    )
+
+
+def _none(why: str, candidates: Sequence[str]) -> ChosenTip:
+    names = f" Candidates: {listed(candidates, _SHOWN)}." if candidates else ""
+    return ChosenTip(None, f"No tip is chosen: {why}.{names}")
+
+
+class _TreeBranches:
+    """The bodies that each body carries, and of the branches that begin with them how long they are
+    and whether all their joints are coupled."""
+
+    def __init__(self, parts: NamedParts, joints: Iterable[Joint]):
+        self.bodies = parts.bodies
+        self.carried: dict[int, list[int]] = {}
+        for k, body in enumerate(self.bodies):
+            self.carried.setdefault(body.parent, []).append(k)
+        self.order: list[int] = []
+        """Each body behind the one that carries it."""
+        waiting = list(self.carried.get(-1, []))
+        while waiting:
+            self.order.append(k := waiting.pop())
+            waiting += self.carried.get(k, [])
+        followers = {joint.name: joint.mimic.joint for joint in joints if joint.mimic is not None}
+        in_step = {*followers, *followers.values()}
+        self.length = dict.fromkeys(self.order, 1)
+        self.coupled = {k: self.bodies[k].joint.name in in_step for k in self.order}
+        for k in reversed(self.order):
+            if (above := self.bodies[k].parent) >= 0:
+                self.length[above] = max(self.length[above], 1 + self.length[k])
+                self.coupled[above] = self.coupled[above] and self.coupled[k]
+
+    def fingers(self, palm: int) -> list[int]:
+        """The bodies with which the fingers of a gripper on a body begin.
+
+        Fingers are branches whose joints all follow one another (mimics and their leaders), of
+        which two are the longest, with what else there is no longer than they, such as a gear; or
+        two or more equal branches of one joint. So a parallelogram along an arm is none, whose bars
+        are shorter than what the arm carries, nor is a telescope.
+        """
+        branches = self.carried.get(palm, [])
+        lengths = sorted(self.length[k] for k in branches if self.coupled[k])
+        if len(lengths) > 1 and lengths[-1] == lengths[-2]:
+            return [k for k in branches if self.length[k] <= lengths[-1]]
+        single = [k for k in branches if self.length[k] == 1]
+        return [
+            k
+            for k in single
+            if any(k != j and _alike(self.bodies[k], self.bodies[j]) for j in single)
+        ]
+
+
+def _alike(one: Body, other: Body) -> bool:
+    """Whether two bodies are equal fingers: the same kind of joint with the same range, perhaps the
+    other way round, and the same masses."""
+    own, its = one.joint.limits, other.joint.limits
+    ranges = (its.lower, its.upper), (-its.upper, -its.lower)
+    return (
+        one.joint.kind == other.joint.kind
+        and any(_close(own.lower, low) and _close(own.upper, high) for low, high in ranges)
+        and len(one.inertias) == len(other.inertias)
+        and all(
+            _close(a.inertia.mass, b.inertia.mass)
+            for a, b in zip(one.inertias, other.inertias, strict=True)
+        )
+    )
+
+
+def _close(a: Quantity, b: Quantity) -> bool:
+    if isinstance(a, float) and isinstance(b, float):
+        return isclose(a, b, rel_tol=_ALIKE)
+    return a == b
+
+
+def _end(parts: NamedParts, at: int, fingers: set[int]) -> str:
+    """The frame at the end of a body: outward from the link that carries its gripper, else from its
+    own frame, as far as what is fixed there does not fork."""
+    fixed: dict[str, list[Frame]] = {}
+    for frame in parts.frames:
+        if frame.body == at:
+            fixed.setdefault(frame.parent, []).append(frame)
+    palms = {parts.bodies[k].joint.parent for k in fingers if parts.bodies[k].parent == at}
+    name = palms.pop() if len(palms) == 1 else fixed[""][0].name
+    while len(fixed.get(name, ())) == 1:
+        name = fixed[name][0].name
+    return name

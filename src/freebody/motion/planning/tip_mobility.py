@@ -1,0 +1,156 @@
+"""What the joints can do with a frame: the rank of its motions, and how far a position is from one
+that has fewer.
+
+The motions that the joints can give a frame are the columns of its Jacobian, of a closed chain over
+what its loops allow; lengths count over the robot's. Their number is that at almost every position:
+4 of a SCARA's 6, 5 of an arm with five axes. A position with fewer is singular.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.inverse.numerical_solver import NumericalSolver
+from freebody.lazy import cached_property
+from freebody.loops.equations import closing, scaled_jacobian
+from freebody.loops.rank_deficient import RANK
+from freebody.loops.scaled_equations import null_space
+from freebody.trees.states import generic_state
+
+_POSITIONS = 8
+_ASIDE = 0.1  # rad, or of the mechanism's length: how far closed positions are looked for
+_CLOSED = 1e-11
+
+
+@dataclass(frozen=True, eq=False)
+class TipMobility:
+    """columns: coordinates (of an open chain those that move the frame). freedom: their motions at
+    almost every position of a branch. rank: the frame's among them, in the rows of the solver's
+    task; placing: in its linear rows alone."""
+
+    solver: NumericalSolver
+    columns: list[int]
+    freedom: int
+    rank: int
+    placing: int
+
+    @staticmethod
+    def of(solver: NumericalSolver, q0: Array) -> TipMobility:
+        """Of the branch of q0 (nq,)."""
+        model = solver.model
+        columns = list(range(model.nv)) if model.loops else np.flatnonzero(solver.moving).tolist()
+        found = [_ranks(solver, q, columns) for q in _positions(solver, q0)]
+        freedom = min(moves for moves, _, _ in found)
+        usual = [ranks for moves, *ranks in found if moves == freedom]
+        return TipMobility(solver, columns, freedom, *(max(x) for x in zip(*usual, strict=True)))
+
+    @property
+    def held(self) -> int:
+        """How many motions the loops hold."""
+        return len(self.columns) - self.freedom
+
+    def posture(self, q: Array) -> TipPosture:
+        """At q (nq,)."""
+        T, _ = self.solver.pose_and_jacobian(q)
+        return TipPosture(self, q, self.solver.equations(q, T)[1][:, self.columns])
+
+
+@dataclass(frozen=True, eq=False)
+class TipPosture:
+    """A position q (nq,); slopes: (r + m, n) of the task's rows and the loops, as angles, over the
+    mobility's columns."""
+
+    mobility: TipMobility
+    q: Array
+    slopes: Array
+
+    @cached_property
+    def _allowed(self) -> Array:
+        """(n, k): the motions that the loops allow."""
+        return null_space(self.slopes[len(self.mobility.solver.task.rows) :], RANK)[0]
+
+    @cached_property
+    def _tip(self) -> tuple[Array, Array]:
+        """(U, s) of the tip's motions (r, k)."""
+        rows = self.slopes[: len(self.mobility.solver.task.rows)]
+        U, s, _ = np.linalg.svd(rows @ self._allowed)
+        return U, s
+
+    @property
+    def ratio(self) -> float:
+        """Of the smallest to the largest singular value of the tip's motions; 0 where it has lost
+        one, or the loops give way to one more."""
+        s, k = self._tip[1], self.mobility.rank
+        if self._allowed.shape[1] != self.mobility.freedom:
+            return 0.0
+        if not k:
+            return 1.0
+        return float(s[k - 1] / s[0]) if s[0] else 0.0
+
+    @property
+    def lost(self) -> Array | None:
+        """(r,): factors of the tip's velocity whose sum is 0, or least, whatever the joints do;
+        None where some sum is 0 at every position, or the loops give way."""
+        U, solver = self._tip[0], self.mobility.solver
+        if self.mobility.rank < len(U) or self._allowed.shape[1] != self.mobility.freedom:
+            return None
+        found = U[:, -1] * solver.scale
+        return found / found[np.argmax(np.abs(found))]
+
+    @property
+    def hold(self) -> float:
+        """How clearly the drives of a closed chain tell where its joints are: 0 where they do not,
+        1 at best."""
+        if not self.mobility.solver.model.loops:
+            return 1.0
+        own = self._allowed[list(self.mobility.solver.model.driven)]
+        return float(np.linalg.svd(own, compute_uv=False).min(initial=1.0))
+
+    def holds_like(self, other: TipPosture) -> bool:
+        """Whether no position between, a small step, is one at which drives do not hold the tip."""
+        return not self.mobility.solver.model.loops or _alike(self._driven, other._driven)
+
+    def moves_like(self, other: TipPosture) -> bool:
+        """Whether both are on one branch of the inverse kinematics, a small step apart; of a
+        redundant arm they are."""
+        return self.mobility.rank < self.mobility.freedom or _alike(self.slopes, other.slopes)
+
+    @property
+    def _driven(self) -> Array:
+        """(m + d, n): slopes of the loops and of the drives of a closed chain."""
+        solver = self.mobility.solver
+        own = np.eye(solver.model.nv)[list(solver.model.driven)]
+        return np.concatenate([self.slopes[len(solver.task.rows) :], own])
+
+
+def _alike(a: Array, b: Array) -> bool:
+    """Whether maps (m, n) of rank n, m >= n, are of one orientation: of square ones the
+    determinants have one sign."""
+    return bool(np.linalg.slogdet(a.T @ b)[0] > 0.0)
+
+
+def _positions(solver: NumericalSolver, q0: Array) -> Iterator[Array]:
+    """Positions (nq,) that are not special, as far as chance tells; of a closed chain near q0."""
+    model = solver.model
+    q, aside, _ = generic_state(model, 0, _POSITIONS)
+    if model.loops:
+        near = solver.moved(np.tile(q0, (_POSITIONS, 1)), _ASIDE * aside * solver.rates)
+        q, left = closing(model, near, range(model.nv))
+        q = np.concatenate([q0[None], q[left <= _CLOSED]])
+    yield from q
+
+
+def _ranks(solver: NumericalSolver, q: Array, columns: list[int]) -> tuple[int, int, int]:
+    """(motions of the joints, of the tip, of the tip's position) at q (nq,)."""
+    J = (solver.scale[:, None] * solver.pose_and_jacobian(q)[1] * solver.rates)[:, columns]
+    if solver.model.loops:
+        J = J @ null_space(scaled_jacobian(solver.model, q), RANK)[0]
+    return J.shape[1], _rank(J), _rank(J[: len(solver.task.linear)])
+
+
+def _rank(J: Array) -> int:
+    return int(np.linalg.matrix_rank(J, rtol=RANK)) if J.size else 0
