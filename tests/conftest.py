@@ -22,6 +22,10 @@ from support.extras import extra
 settings.register_profile("freebody", deadline=None, derandomize=True, database=None)
 settings.load_profile("freebody")
 
+for threads in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
+    # workers inherit it: threads of theirs that wait for each other on the same cores cost minutes
+    os.environ.setdefault(threads, "1")
+
 if "FREEBODY_CACHE" not in os.environ:
     # one folder for all workers of a run, which inherit it: the user's own cache is neither trusted
     # nor filled

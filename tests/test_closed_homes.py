@@ -17,8 +17,7 @@ import freebody as fb
 from freebody.errors import SingularError
 from freebody.model.model import Model
 from support.helpers import close
-from test_closed_linkages import linkage
-from test_closed_rounded import four_bar_text, loaded
+from support.linkages import four_bar_text, linkage, loaded
 
 GRAVITY = 9.81
 

@@ -15,6 +15,7 @@ import freebody as fb
 from freebody.errors import LoopError
 from freebody.model.model import Model
 from support.helpers import close
+from support.linkages import four_bar_text, loaded
 
 DIGITS = (9, 6, 4)
 TURN = {
@@ -65,15 +66,6 @@ def three_cranks(digits: int | None) -> Model:
         ]
     text += ["[home]\nO1 = 1.1\nA1 = -0.7\nO2 = 1.1\nO3 = 1.1"]
     return loaded("\n".join(text))
-
-
-def loaded(text: str, **options) -> Model:
-    import tempfile
-
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "machine.toml"
-        path.write_text(text, encoding="utf-8")
-        return fb.load(path, **options)
 
 
 def exact_cranks(angle: float, rate: float) -> tuple[np.ndarray, np.ndarray]:
@@ -161,38 +153,6 @@ def test_bricards_loop_with_rounded_lengths_and_twists(digits):
 
 
 # ---------------------------------------------------------------- a four-bar linkage in space
-def four_bar_text(turn: str, **top) -> str:
-    """A planar four-bar linkage in a vertical plane of space, its axes turned by right angles as
-    files print them."""
-    rpy = f"[{turn}, 0.0, 0.0]"
-    bars = {"crank": 0.3, "coupler": 0.9, "rocker": 0.7}
-    text = ['name = "four_bar"', "dim = 3", *(f"{key} = {value}" for key, value in top.items())]
-    text += ['[[link]]\nname = "ground"']
-    for name, l in bars.items():
-        text.append(
-            f'[[link]]\nname = "{name}"\nmass = {2 * l}\ncom = [{l / 2}, 0, 0]\n'
-            f"inertia = [0, 0, 0, {l**3 / 6}, 0, {l**3 / 6}]"
-        )
-    for name, parent, child, at, place, axis in (
-        ("j1", "ground", "crank", 0.0, "", "[0, -1, 0]"),
-        ("j2", "crank", "coupler", 0.3, f"\nrpy = {rpy}", "[0, 0, 1]"),
-        ("j3", "coupler", "rocker", 0.9, "", "[0, 0, 1]"),
-    ):
-        text.append(
-            f'[[joint]]\nname = "{name}"\nkind = "revolute"\nparent = "{parent}"\n'
-            f'child = "{child}"\n'
-            f"origin = [{at}, 0, 0]{place}\naxis = {axis}"
-            + ("\npassive = true" if name != "j1" else "")
-        )
-    text += [
-        f'[[frame]]\nname = "pin"\nparent = "ground"\norigin = [1.0, 0, 0]\nrpy = {rpy}',
-        '[[frame]]\nname = "end"\nparent = "rocker"\norigin = [0.7, 0, 0]',
-        '[[loop]]\nname = "closing"\nkind = "revolute"\nframes = ["pin", "end"]\naxis = [0, 0, 1]',
-        "[home]\nj1 = 1.0\nj2 = -0.6\nj3 = -1.6",
-    ]
-    return "\n".join(text)
-
-
 @lru_cache(maxsize=8)
 def four_bar(turn: str) -> Model:
     return loaded(four_bar_text(TURN[turn]))
