@@ -22,7 +22,6 @@ from freebody.model.doubts import (
     FRICTION,
     LOADS,
     MASSES,
-    MISSING,
     RANGES,
     ROTORS,
     SPEEDS,
@@ -184,7 +183,7 @@ def test_every_result_says_once_what_is_doubtful_of_what_it_depends_on(result: s
         # an open question on efforts is none for what needs no drive
         text = " ".join(said(model).split())
         (doubt,) = model.doubts
-        counts = set(record.touches) & set(depends) and (judged or kind != MISSING)
+        counts = set(record.touches) & set(depends) and (judged or not record.absent)
         words = kind if by_name else doubt.clause[1:]
         assert text.count(words) == bool(counts), f"{kind}: {text[:600]}"
         if counts and not by_name:
@@ -264,6 +263,28 @@ def test_formulas_name_all_that_they_depend_on():
     assert tried > 40
 
 
+# ------------------------------------------------------------ masses
+def _dh_arm(*alphas: float) -> fb.Model:
+    """Links along x of which only the inertia about their own z axis is given."""
+    rows = [
+        {"a": 0.3, "alpha": alpha, "m": 2.0, "com": [-0.15, 0, 0], "I": [0, 0, 0, 0, 0, 0.02]}
+        for alpha in alphas
+    ]
+    return fb.dh(rows, convention="standard", physical="warn")
+
+
+@pytest.mark.parametrize(
+    ("alphas", "named"),
+    [((0.0, 0.0, 0.0), ()), ((np.pi / 2, 0.0, 0.0), (1, 2, 3)), ((0.0, np.pi / 2, 0.0), (2, 3))],
+)
+def test_inertia_about_one_axis_is_enough_where_a_link_turns_about_no_other(alphas, named):
+    """An arm of three axes with Ixx = Iyy = 0 was "Feasible", though its torques depend on them."""
+    doubts = [x for x in _dh_arm(*alphas).doubts if x.kind == "impossible inertias"]
+    links = {int(k) for doubt in doubts for k in re.findall(r"link'? ?(\d)", doubt.text)}
+    assert links == set(named)
+    assert len(doubts) == bool(named)
+
+
 # ------------------------------------------------------------ limits
 CHAIN = """<robot name="chain"><link name="base"/>{links}</robot>"""
 LINK = """<link name="link{k}"><inertial><origin xyz="0 0 0.15"/><mass value="{mass}"/>
@@ -307,6 +328,10 @@ PI = 3.14159
         ([(80, 1.74), (80, 1.328), (40, 1.957), (40, 1.957), (9, 3.485), (9, 3.485)], 0),
         ([(40, 0.6283), (80, 0.6283), (40, 0.6283), (40, 0.6283), (20, 0.8378)], 0),
         ([(300, 10)] * 2, 0),  # two alike may be two modules
+        # more than such motors weigh; the first stands on the ground
+        ([(100, PI)] * 5 + [(28, PI)], 0),
+        ([(400, PI)] * 4 + [(28, PI)], 3),
+        ([(400, PI)] + [(35, PI)] * 5, 0),
     ],
 )  # fmt: skip
 def test_placeholders_are_told_from_what_makers_say(tmp_path: Path, limits, placeholders: int):

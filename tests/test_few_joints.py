@@ -344,9 +344,9 @@ def test_the_command_plans_paths_of_the_tip(tmp_path: Path, monkeypatch: pytest.
     target[1, 3] -= 0.1
     target[:3, :3] = Rotation.from_rotvec([0, 0, np.radians(20)]).as_matrix() @ START[:3, :3]
     np.testing.assert_allclose(fb.forward_kinematics(SCARA, turned.q[-1]), target, atol=1e-9)
-    Path("start.csv").write_text("theta1,theta2\n1.9,1.0\n")
+    Path("start.txt").write_text("theta1,theta2\n1.9,1.0\n")
     arc = ["--arc", "-0.05, 0.75; -0.05, 0.7", "--acceleration", "3", "--duration", "3"]
-    motion, model = planned("five_bar", "start.csv", *arc), fb.load("five_bar")
+    motion, model = planned("five_bar", "start.txt", *arc), fb.load("five_bar")
     place = fb.forward_kinematics(model, motion.q)[:, :2, 2]
     np.testing.assert_allclose(place[-1], [-0.05, 0.7], atol=1e-9)
     assert np.linalg.norm(place - [-0.05, 0.75], axis=1).min() < 1e-3
@@ -371,6 +371,10 @@ def test_the_command_plans_paths_of_the_tip(tmp_path: Path, monkeypatch: pytest.
         (["--line", "0.3, 0.6, 0.6", "--by", "quintic"], "--by is for motions through waypoints"),
         (["--line", "0.3, 0.6, 0.6", "--jerk", "9"], "--jerk has no meaning for a path of the tip"),
         (["--line", "0.3, 0.6, 0.6", "--pose", "168 deg, 0, 0"], "cannot turn about"),
+        (
+            ["--line", "0.3, 0.6, 0.6", "--pose", "keep", "--task", "position"],
+            "--pose gives an orientation, and --task position counts none",
+        ),
     ],
 )
 def test_the_command_says_what_is_wrong(

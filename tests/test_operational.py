@@ -114,6 +114,8 @@ def test_rows_that_cannot_be_are_refused():
         fb.FreebodyError, match=r"has 2 joint coordinates and cannot move a frame along 3 rows"
     ):
         fb.operational_space_inertia(model, [0.1, 0.2])
+    with pytest.raises(fb.FreebodyError, match="2 joint coordinates and cannot move a frame"):
+        fb.kernel(model, "operational_space_bias")  # its numbers were 1e15
     with pytest.raises(fb.FreebodyError, match=r"no row 'vz' in rows=.*Rows: vx, vy, w"):
         fb.operational_space_inertia(model, [0.1, 0.2], rows=["vz"])
     with pytest.raises(fb.FreebodyError, match=r"frame 'tip' of 'RR' is at a singularity"):

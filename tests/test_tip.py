@@ -236,7 +236,7 @@ def test_who_needs_a_tip_says_which_there_may_be():
 def test_a_study_without_a_tip_leaves_out_what_is_of_a_tip(tmp_path: Path):
     model = robot(*TWINS)
     study = fb.study(model)
-    assert (study.tip, study.singularity, study.tip_reason) == (None, None, model.tip_reason)
+    assert (study.tip, study.singularity, study.model.tip_reason) == (None, None, model.tip_reason)
     assert not [name for name in study.data.data_vars if "tip" in name or "singular" in name]
     study.save(tmp_path, report=True)
     page = (tmp_path / "report.html").read_text("utf-8")

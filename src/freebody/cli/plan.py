@@ -136,16 +136,15 @@ def plan(
         names = ["a column t of times" if x == "times" else f"--{x}" for x in problem.names]
         raise FreebodyError(problem.worded(names)) from None
     file = write_motion(model, motion, out, "knots" if step is None else "samples")
-    _print(model, motion, file, options.again(context))
+    _print(model, motion, file, options.again(context), of_tip=path.given)
 
 
 def _read(model: Model, text: str, one: bool) -> tuple[Any, Any]:
     """Positions, and times where there are some; `one`: of the position where a path begins."""
-    found = _of_text(model, text) if ";" in text or (one and not text.endswith(".csv")) else None
-    if found is None:
-        from freebody.motion.files.waypoint_files import read_waypoints
+    from freebody.motion.files.waypoint_files import read_waypoints
 
-        found = read_waypoints(model, text)
+    of_file = text.lower().endswith(".csv") or (";" not in text and Path(text).is_file())
+    found = read_waypoints(model, text) if of_file else _of_text(model, text)
     if one and len(found[0]) != 1:
         raise FreebodyError(
             f"--line and --arc begin at one position; {text!r} has {len(found[0])}."
@@ -174,7 +173,7 @@ def _cleared(position: float) -> float:
     return position if abs(position) > _ROUNDING else 0.0
 
 
-def _print(model: Model, motion: Motion, path: Path, again: str) -> None:
+def _print(model: Model, motion: Motion, path: Path, again: str, of_tip: bool) -> None:
     from freebody.model.doubts import told
     from freebody.motion.planning.planning_limits import planning_limits
     from freebody.report.load_case import in_a_line
@@ -185,7 +184,7 @@ def _print(model: Model, motion: Motion, path: Path, again: str) -> None:
     if motion.doubts:
         terminal.warn(told(motion.doubts))
     out.print(f"{model.name}: {motion.source}, {motion.duration:.4g} s.", markup=False)
-    out.print(in_a_line(model), markup=False)
+    out.print(f"{model.tip_reason} " * of_tip + in_a_line(model), markup=False)
     rows = []
     found, limits = motion.peaks, planning_limits("plan", model)
     names = model.driven_names if model.loops else model.velocity_names

@@ -119,7 +119,7 @@ def _print(found: Study, directory: Path, failure: FreebodyError | None) -> None
     above = (
         f"{found.model.name}: {counted(found.model.nv, 'coordinate')}. Motion: "
         f"{found.motion.source}.",
-        found.tip_reason,
+        found.model.tip_reason,
         in_a_line(found.model),
     )
     out.print(*above, sep="\n", markup=False)

@@ -46,6 +46,7 @@ class TipPathOptions:
         """The motion from q0; limits: of the joints, and a step."""
         from freebody.motion.planning import tip_motions
 
+        self._refuse_idle_pose(model)
         every: dict[str, Any] = {
             **limits,
             "task": self._task,
@@ -70,6 +71,20 @@ class TipPathOptions:
                 f"a corner at which its rounding begins, and one has no corner."
             )
         return tip_motions.blend(model, q0, targets, self.radius, **every)
+
+    def _refuse_idle_pose(self, model: Model) -> None:
+        """Refuse an orientation of which the task counts nothing."""
+        from freebody.inverse.task import rows_of
+        from freebody.motion.planning.tip_motions import REACHABLE
+
+        if self.pose is None or self._task in (None, REACHABLE):
+            return
+        angular = rows_of("--task", model, "orientation")
+        if not {*angular} & {*rows_of("--task", model, self._task)}:
+            raise FreebodyError(
+                f"--pose gives an orientation, and --task {self.task} counts none: leave one of "
+                f"them out, or ask for --task pose or reachable."
+            )
 
     @property
     def _task(self) -> str | Sequence[str] | None:

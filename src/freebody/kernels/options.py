@@ -6,11 +6,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from freebody.errors import FreebodyError, KindError, UnknownNameError
+from freebody.errors import FreebodyError, KindError, SingularError, UnknownNameError
 from freebody.kernels.closed_chains import closed_chain_function
 from freebody.kernels.formulas import FORMULAS, Option
 from freebody.kernels.formulas.inverse import known_branches
 from freebody.model.model import Model
+from freebody.outputs.display import counted
 
 
 def several(function: str, argument: str, given: Any) -> tuple[Any, ...]:
@@ -55,11 +56,14 @@ def chosen_option(
         function, listed, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows
     )
     _require_axes(listed, reference)
+    chosen = motion_rows(model, rows)
+    if any(FORMULAS[name].free_rows for name in listed):
+        require_few_rows(function, model, chosen)
     option = Option(
         model.frame(frame).name if any(FORMULAS[name].of_frame for name in listed) else None,
         reference,
         tuple(model.frame(f).name for f in wrench_frames),
-        rows=motion_rows(model, rows),
+        rows=chosen,
     )
     if any("redundancy" in FORMULAS[name].inputs for name in listed):
         option = option._replace(redundant=known_branches(model.tree, option).held is not None)
@@ -123,3 +127,13 @@ def motion_rows(model: Model, rows: Sequence[str] | None) -> tuple[int, ...]:
         if row not in names:
             raise UnknownNameError("row", row, "rows=", names)
     return tuple(names.index(row) for row in (names if rows is None else rows))
+
+
+def require_few_rows(function: str, model: Model, rows: Sequence[int]) -> None:
+    """Raise SingularError where there are more rows of a frame's motion than joint coordinates."""
+    if len(rows) > model.nv:
+        raise SingularError(
+            f"{function}: {model.name!r} has {counted(model.nv, 'joint coordinate')} and cannot "
+            f"move a frame along {len(rows)} rows; choose as many at most, such as "
+            f'rows=("vx", "vy").'
+        )

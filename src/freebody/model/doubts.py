@@ -12,18 +12,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from math import isfinite
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import listed
 from freebody.model.bodies import Body
-from freebody.model.description import Limits, Notice
+from freebody.model.description import TIP, Limits, Notice
 from freebody.model.inertia import Inertia, combined
 from freebody.model.placement import Placement
 from freebody.model.quantity_reader import VALUES
-from freebody.model.tree import Attached
+from freebody.model.tree import Attached, parents_first
 from freebody.model.usable_limits import usable_limits
 from freebody.spatial import Vector, add, of_dimension, times
 
@@ -41,7 +42,6 @@ ALL = (*DYNAMIC, *LIMITS)
 
 NO_MASSES, IMPLAUSIBLE = "no masses", "implausible inertias"
 ESTIMATED, ESTIMATED_LIMITS = "estimated inertias", "estimated limits"
-MISSING = "missing limits"
 
 _NAMES = 4
 """How many joints a sentence names before it counts the others."""
@@ -56,10 +56,20 @@ _APART = 1.01
 """Ratio of masses that are not the same."""
 _STRONGEST = {"N m": 200.0, "N": 10_000.0}
 """For each kilogram of the whole robot, its drives included: the effort limit of no joint."""
+_DENSEST = 75.0
+"""N m for each kilogram of the whole robot: all motors together that it carries have no more. Arms
+of makers have 15 to 45, legged robots 20 to 60; motors on the ground are no part of its mass."""
+_DENSEST = 75.0
+"""N m for each kilogram of the whole robot: all motors together that it carries have no more. Arms
+of makers have 15 to 45, legged robots 20 to 30; motors on the ground are not part of its mass."""
 _FASTEST = 340.0
 """m/s: the speed of no robot's end, which is that of sound."""
 _ON_AXIS = 1e-6
 """m."""
+
+
+About = tuple[tuple[str, Inertia | Limits | None], ...]
+"""Names of links or joints, with what is doubted."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +82,7 @@ class Doubt(Notice):
     """
 
     joints: tuple[str, ...] = ()
-    about: tuple[tuple[str, Any], ...] = field(default=(), repr=False)
+    about: About = field(default=(), repr=False)
 
     @property
     def of(self) -> DoubtKind:
@@ -91,16 +101,20 @@ class DoubtKind:
 
     touches: what it is about. bars: whether nothing is called feasible; else it stands beside the
     verdict. mend: whether the file has to be corrected, which a command's exit status 1 says.
-    find: what finds it in a model's own numbers, if these show it, among what is asked for. key:
-    what files in TOML call a list of such sentences, of a kind that only a file can tell.
+    absent: whether something is not given, so that all that is given can be judged. find: what
+    finds it in a model's own numbers, if these show it, among what is asked for. key: what files in
+    TOML call a list of such sentences, of a kind that only a file can tell; tied: the numbers of a
+    model that such sentences are about, where the file names none (`Doubt.about`).
     """
 
     name: str
     touches: tuple[str, ...]
     bars: bool
     mend: bool = False
+    absent: bool = False
     find: Callable[[Model, Sequence[str]], Iterator[str | Doubt]] | None = None
     key: str = ""
+    tied: Callable[[Model], About] | None = None
 
 
 # ------------------------------------------------------------ what results ask
@@ -150,7 +164,12 @@ def capital(text: str) -> str:
 def doubts_used(model: Model, *aspects: str) -> tuple[Doubt, ...]:
     """The doubts on what is used of these aspects, where nothing is judged by them: without those
     on what is not given."""
-    return tuple(doubt for doubt in doubts_on(model, *aspects) if doubt.kind != MISSING)
+    return tuple(doubt for doubt in doubts_on(model, *aspects) if not doubt.of.absent)
+
+
+def readings(model: Model) -> tuple[Notice, ...]:
+    """How the model's file was read, besides what is doubtful and which frame is the tip."""
+    return tuple(x for x in model.notices if not isinstance(x, Doubt) and x.kind != TIP)
 
 
 def barring(doubts: Iterable[Doubt]) -> tuple[Doubt, ...]:
@@ -189,9 +208,8 @@ def read_doubts(model: Model) -> list[Doubt]:
     read = [notice for notice in model.notices if isinstance(notice, Doubt)]
     if not read or model.missing or model.family:
         return read
-    links = {part.link: part.inertia for part in _parts(model) if not part.load}
-    bare = {body.name for body in model.bodies if is_bare(body)}
-    limits = {body.joint.name: body.joint.limits for body in model.bodies}
+    links, limits = dict(_all_inertias(model)), dict(_all_limits(model))
+    bare = dict(_bare_bodies(model))
 
     def stands(name: str, was: Inertia | Limits | None) -> bool:
         if was is None:
@@ -212,16 +230,25 @@ def settled(model: Model) -> Model:
     their sort, where the file tells no links."""
     if all(x.about for x in model.notices if isinstance(x, Doubt)) or model.missing:
         return model
-    about = {
-        NO_MASSES: tuple((body.name, None) for body in model.bodies if is_bare(body)),
-        ESTIMATED_LIMITS: tuple((body.joint.name, body.joint.limits) for body in model.bodies),
-    }
-    inertias = tuple((part.link, part.inertia) for part in _parts(model) if not part.load)
     notices = tuple(
-        replace(x, about=about.get(x.kind, inertias)) if isinstance(x, Doubt) and not x.about else x
+        replace(x, about=x.of.tied(model))
+        if isinstance(x, Doubt) and not x.about and x.of.tied
+        else x
         for x in model.notices
     )
     return replace(model, notices=notices)
+
+
+def _bare_bodies(model: Model) -> About:
+    return tuple((body.name, None) for body in model.bodies if is_bare(body))
+
+
+def _all_limits(model: Model) -> About:
+    return tuple((body.joint.name, body.joint.limits) for body in model.bodies)
+
+
+def _all_inertias(model: Model) -> About:
+    return tuple((part.link, part.inertia) for part in _parts(model) if not part.load)
 
 
 def is_bare(body: Body) -> bool:
@@ -246,9 +273,7 @@ def _massless(model: Model, _: Sequence[str]) -> Iterator[str]:
 
 
 def _impossible(model: Model, _: Sequence[str]) -> Iterator[str]:
-    if _is_flat(model):
-        return
-    wrong = [fault for body in model.bodies for fault in _faults(body, _breach(body) > _MEASURED)]
+    wrong = _faults(model, lambda breach: breach > _MEASURED)
     if len(wrong) == 1:
         yield f"an inertia is one that no rigid body has: {wrong[0][1]}."
     elif wrong:
@@ -257,9 +282,7 @@ def _impossible(model: Model, _: Sequence[str]) -> Iterator[str]:
 
 
 def _inexact(model: Model, _: Sequence[str]) -> Iterator[str]:
-    if _is_flat(model):
-        return
-    off = [fault for body in model.bodies for fault in _faults(body, _breach(body) <= _MEASURED)]
+    off = _faults(model, lambda breach: 0.0 < breach <= _MEASURED)
     if off:
         what = "an inertia" if len(off) == 1 else f"{len(off)} inertias"
         yield (
@@ -268,51 +291,67 @@ def _inexact(model: Model, _: Sequence[str]) -> Iterator[str]:
         )
 
 
-def _is_flat(model: Model) -> bool:
-    """Whether each link has inertia about one axis alone, as those of a plane's robot in space, of
-    which no other is felt."""
-    tensors = (part.inertia.numbers()[2] for part in _parts(model) if not part.load)
-    return model.dim == 3 and all(
-        np.count_nonzero(np.diag(tensor)) <= 1 and not (tensor - np.diag(np.diag(tensor))).any()
-        for tensor in tensors
-    )
+def _faults(model: Model, wanted: Callable[[float], bool]) -> list[tuple[str, str]]:
+    """Names of the links whose inertias no rigid body has, and why, of bodies that break the
+    triangle inequality by so much."""
+    found = []
+    for body, axis in zip(model.bodies, _turned_about(model), strict=True):
+        faults = [(part.link, part.inertia.fault()) for part in body.inertias]
+        if any(fault for _, fault in faults) and wanted(_breach(body, axis)):
+            found += [(link, f"link {link!r}: {fault}") for link, fault in faults if fault]
+    return found
 
 
-def _faults(body: Body, wanted: bool) -> list[tuple[str, str]]:
-    """Names of the links of a body whose inertias no rigid body has, and why."""
-    if not wanted:
-        return []
-    faults = ((part.link, part.inertia.fault()) for part in body.inertias)
-    return [(link, f"link {link!r}: {fault}") for link, fault in faults if fault]
-
-
-def _breach(body: Body) -> float:
+def _breach(body: Body, axis: Array | None) -> float:
     """By how much of its largest principal moment those of a whole body break the triangle
-    inequality; infinite for masses and moments below 0, 0 for one that a rigid body has."""
-    if all(part.inertia.fault() is None for part in body.inertias):
-        return 0.0
+    inequality; infinite for masses and moments below 0. axis: the only one that it turns about, as
+    of `_turned_about`."""
     if any(VALUES.quantity(part.inertia.mass) < 0.0 for part in body.inertias):
         return math.inf
-    mass, tensor = _whole(body)
+    tensor = _whole(body)
     if tensor.shape == (1, 1):
         return math.inf if tensor[0, 0] < 0.0 else 0.0
-    if mass == 0.0 and body.parent < 0 and body.kind.turns:
-        u = np.array(body.joint.axis)
-        if np.allclose(tensor, (u @ tensor @ u) * np.outer(u, u)):
-            return 0.0  # all that is ever felt of it, and all that was measured
+    if axis is not None and np.allclose(tensor, (axis @ tensor @ axis) * np.outer(axis, axis)):
+        return 0.0 if axis @ tensor @ axis >= 0.0 else math.inf
     a, b, c = np.linalg.eigvalsh(tensor)
     return float((c - a - b) / c) if c > 0.0 else math.inf
 
 
-def _whole(body: Body) -> tuple[float, Array]:
-    """Mass, and inertia about the centre of mass, of all that is fixed together."""
+def _turned_about(model: Model) -> list[Array | None]:
+    """For each body the one axis about which it ever turns, in its own axes: its inertia about this
+    one is all that is felt, and no more may be given. None where there are several, or none."""
+    if model.dim == 2:
+        return [None] * len(model.bodies)
+    space = of_dimension(3)
+    turned: dict[int, tuple[Array, list[Array]]] = {-1: (np.eye(3), [])}
+    """Of each body its orientation where all coordinates are 0, and the axes, seen from there."""
+    axes: list[Array | None] = [None] * len(model.bodies)
+    for i in parents_first(model):
+        body = model.bodies[i]
+        R, above = turned[body.parent]
+        R = R @ np.array(body.joint.placement.lower(space, VALUES)[0], dtype=float)
+        numbers = tuple(map(VALUES.quantity, body.joint.numbers))
+        own = [
+            R @ np.array(angular, dtype=float)
+            for primitive, axis in body.kind.primitives(space, body.joint.axis, numbers)
+            for angular, _ in primitive.columns(space, axis)
+            if any(angular)
+        ]
+        every = [*above, *own]
+        turned[i] = R, every
+        if every and all(np.allclose(np.cross(every[0], u), 0.0, atol=1e-9) for u in every):
+            axes[i] = R.T @ every[0]
+    return axes
+
+
+def _whole(body: Body) -> Array:
+    """Inertia about the centre of mass of all that is fixed together."""
     dim = body.inertias[0].inertia.dim
     placed = [
         part.inertia.placed(*part.placement.lower(of_dimension(dim), VALUES))
         for part in body.inertias
     ]
-    mass, _, tensor = combined(placed).numbers()
-    return mass, tensor
+    return combined(placed).numbers()[2]
 
 
 # ------------------------------------------------------------ drives and loads
@@ -332,7 +371,7 @@ def _no_rotor(model: Model, _: Sequence[str]) -> Iterator[str]:
     told, without = 0, []
     for body in model.bodies:
         limits, drive = body.joint.limits.meant, body.joint.drive
-        described = math.isfinite(limits.effort) or math.isfinite(limits.velocity)
+        described = isfinite(limits.effort) or isfinite(limits.velocity)
         if body.joint.passive or body.joint.mimic or body.kind.nv != 1 or not described:
             continue
         told += 1
@@ -363,51 +402,87 @@ def _point(model: Model, _: Sequence[str]) -> Iterator[str]:
 
 
 # ------------------------------------------------------------ limits
+class _Drive(NamedTuple):
+    """Limits of one coordinate, and what its motor moves: mass, and how far that reaches (m)."""
+
+    name: str
+    slides: bool
+    carried: bool
+    """Whether the robot carries the motor; else it stands on the ground."""
+    speed: float
+    effort: float
+    mass: float
+    reach: float
+
+    @property
+    def most(self) -> str:
+        """Its effort limit, in words."""
+        return f"{self.effort:g} {'N' if self.slides else 'N m'}"
+
+    @property
+    def fastest(self) -> str:
+        """Its speed limit, in words."""
+        return f"{self.speed:g} {'m' if self.slides else 'rad'}/s"
+
+
 def _placeholders(model: Model, _: Sequence[str]) -> Iterator[Doubt]:
     """The same round numbers on joints that move different masses, or such as no robot has."""
     given, moved = usable_limits(model).given, _moved(model)
-    alike: dict[tuple[str, str], list[tuple[str, float]]] = {}
-    absurd: dict[str, list[tuple[str, str]]] = {}
-    for body, at, (mass, reach) in zip(model.bodies, model.coordinates, moved, strict=True):
-        if body.joint.mimic is not None or body.kind.nv != 1 or body.joint.passive:
-            continue
-        speed, effort = (float(x) for x in given[2:, at.v[0]])
-        slides, name = body.kind.slides, body.joint.name
-        most, fastest = (
-            f"{effort:g} {'N' if slides else 'N m'}",
-            f"{speed:g} {'m' if slides else 'rad'}/s",
-        )
-        if _is_round(speed) and _is_round(effort):
-            alike.setdefault((most, fastest), []).append((name, mass))
-        strength = _STRONGEST["N" if slides else "N m"] * abs(model.mass)
-        if math.isfinite(effort) and effort > strength > 0.0:
-            absurd.setdefault("effort", []).append((name, most))
-        if math.isfinite(speed) and speed * (1.0 if slides else reach) > _FASTEST:
-            absurd.setdefault("speed", []).append((name, fastest))
+    drives = [
+        _Drive(body.joint.name, body.kind.slides, body.parent >= 0, *given[2:, at.v[0]], *moves)
+        for body, at, moves in zip(model.bodies, model.coordinates, moved, strict=True)
+        if body.joint.mimic is None and body.kind.nv == 1 and not body.joint.passive
+    ]
+    alike: dict[tuple[str, str], list[_Drive]] = {}
+    for drive in drives:
+        if _is_round(drive.speed) and _is_round(drive.effort):
+            alike.setdefault((drive.most, drive.fastest), []).append(drive)
     said: set[str] = set()
     for (most, fastest), group in alike.items():
-        if _different(mass for _, mass in group) >= _SEVERAL:
-            names = tuple(name for name, _ in group)
+        if _different(drive.mass for drive in group) >= _SEVERAL:
+            names = tuple(drive.name for drive in group)
             said |= {*names}
             text = (
                 f"the limits of {listed(names, _NAMES)} are placeholders, {most} and {fastest} of "
                 f"each."
             )
             yield Doubt(_PLACEHOLDERS, text, joints=names)
-    for what, found in absurd.items():
-        names = tuple(name for name, _ in found if name not in said)
-        if names:
-            several = len(names) > 1
+    mass = abs(model.mass)
+    strong = [d for d in drives if _is_strong(d, mass)] or [*_overloading(drives, mass)]
+    fast = [d for d in drives if isfinite(d.speed) and d.speed * (d.slides or d.reach) > _FASTEST]
+    for what, found, words in (("effort", strong, "most"), ("speed", fast, "fastest")):
+        wrong = [drive for drive in found if drive.name not in said]
+        if wrong:
+            names, several = tuple(drive.name for drive in wrong), len(wrong) > 1
             text = (
                 f"no such robot has the {what} limit{'s' if several else ''} of "
-                f"{listed(names, _NAMES)}, {'such as ' if several else ''}{found[0][1]}."
+                f"{listed(names, _NAMES)}, {'such as ' if several else ''}"
+                f"{getattr(wrong[0], words)}."
             )
             yield Doubt(_PLACEHOLDERS, text, joints=names)
 
 
+def _is_strong(drive: _Drive, mass: float) -> bool:
+    """Whether no joint of a robot of this mass (kg) has such an effort."""
+    strongest = _STRONGEST["N" if drive.slides else "N m"] * mass
+    return isfinite(drive.effort) and drive.effort > strongest > 0.0
+
+
+def _overloading(drives: Sequence[_Drive], mass: float) -> Iterator[_Drive]:
+    """Of motors that a robot of this mass (kg) carries those that are too strong for it: the
+    strongest, and all that are as strong, until the others are not too strong together."""
+    carried = [d for d in drives if d.carried and not d.slides and isfinite(d.effort)]
+    total, least = sum(drive.effort for drive in carried), math.inf
+    for drive in sorted(carried, key=lambda drive: -drive.effort):
+        if total <= _DENSEST * mass or mass == 0.0:
+            break
+        total, least = total - drive.effort, drive.effort
+    return (drive for drive in carried if drive.effort >= least)
+
+
 def _is_round(x: float) -> bool:
     """Whether one digit is all that it has."""
-    return math.isfinite(x) and x > 0.0 and float(f"{x:.0e}") == x
+    return isfinite(x) and x > 0.0 and float(f"{x:.0e}") == x
 
 
 def _different(masses: Iterable[float]) -> int:
@@ -437,26 +512,13 @@ def _moved(model: Model) -> list[tuple[float, float]]:
             mass, com, _ = part.inertia.lower(VALUES)
             masses[i] += mass
             reaches[i] = max(reaches[i], far(part.placement, com) if mass else 0.0)
-    for i in reversed(_outward(model)):
+    for i in reversed(parents_first(model)):
         body = model.bodies[i]
         if body.parent >= 0:
             masses[body.parent] += masses[i]
             beyond = far(body.joint.placement) + reaches[i]
             reaches[body.parent] = max(reaches[body.parent], beyond)
     return list(zip(masses, reaches, strict=True))
-
-
-def _outward(model: Model) -> list[int]:
-    """Bodies, parents first."""
-    carried: dict[int, list[int]] = {}
-    for i, body in enumerate(model.bodies):
-        carried.setdefault(body.parent, []).append(i)
-    found, waiting = [], list(carried.get(-1, ()))
-    while waiting:
-        i = waiting.pop()
-        found.append(i)
-        waiting += carried.get(i, ())
-    return found
 
 
 def _missing(model: Model, aspects: Sequence[str]) -> Iterator[str]:
@@ -472,14 +534,14 @@ def _missing(model: Model, aspects: Sequence[str]) -> Iterator[str]:
     bounded = np.isfinite(allowed.lower) & np.isfinite(allowed.upper)
     absent: dict[tuple[str, ...], list[str]] = {}
     """All that is not given, by the names of joints."""
-    for aspect, what, given in (
-        (EFFORTS, "an effort limit", np.isfinite(allowed.effort)),
-        (SPEEDS, "a speed limit", np.isfinite(allowed.velocity)),
-        (RANGES, "a position range", bounded),
+    ranged = [(body, k) for body, k in driven if body.kind.ranged]
+    for aspect, what, asked, given in (
+        (EFFORTS, "an effort limit", driven, np.isfinite(allowed.effort)),
+        (SPEEDS, "a speed limit", driven, np.isfinite(allowed.velocity)),
+        (RANGES, "a position range", ranged, bounded),
     ):
         if aspect not in aspects:
             continue
-        asked = (pair for pair in driven if given is not bounded or pair[0].kind.ranged)
         names = tuple(body.joint.name for body, k in asked if not given[k])
         absent.setdefault(names, []).append(what)
     found = [
@@ -499,17 +561,20 @@ _PLACEHOLDERS = "placeholder limits"
 DOUBT_KINDS: dict[str, DoubtKind] = {
     kind.name: kind
     for kind in (
-        DoubtKind(NO_MASSES, (MASSES,), True, True, _massless, key="masses_missing"),
-        DoubtKind(IMPLAUSIBLE, (MASSES,), True, True, key="masses_doubtful"),
-        DoubtKind("impossible inertias", (MASSES,), True, True, _impossible),
-        DoubtKind("impossible drives", (ROTORS, FRICTION), True, True, _no_drive),
-        DoubtKind(_PLACEHOLDERS, (EFFORTS, SPEEDS), True, True, _placeholders),
-        DoubtKind(MISSING, LIMITS, True, find=_missing),
-        DoubtKind(ESTIMATED, (MASSES,), True, key="masses_estimated"),
-        DoubtKind(ESTIMATED_LIMITS, LIMITS, True, key="limits_estimated"),
+        DoubtKind(
+            NO_MASSES, (MASSES,), True, True, find=_massless, key="masses_missing",
+            tied=_bare_bodies,
+        ),
+        DoubtKind(IMPLAUSIBLE, (MASSES,), True, True, key="masses_doubtful", tied=_all_inertias),
+        DoubtKind("impossible inertias", (MASSES,), True, True, find=_impossible),
+        DoubtKind("impossible drives", (ROTORS, FRICTION), True, True, find=_no_drive),
+        DoubtKind(_PLACEHOLDERS, (EFFORTS, SPEEDS), True, True, find=_placeholders),
+        DoubtKind("missing limits", LIMITS, True, absent=True, find=_missing),
+        DoubtKind(ESTIMATED, (MASSES,), True, key="masses_estimated", tied=_all_inertias),
+        DoubtKind(ESTIMATED_LIMITS, LIMITS, True, key="limits_estimated", tied=_all_limits),
         DoubtKind("inexact inertias", (MASSES,), False, find=_inexact),
         DoubtKind("no rotor inertia", (ROTORS,), False, find=_no_rotor),
         DoubtKind("point load", (LOADS,), False, find=_point),
     )
-}
+}  # fmt: skip
 """All kinds by name, those first that a verdict names first."""

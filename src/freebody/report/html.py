@@ -18,8 +18,7 @@ import freebody
 from freebody.figures import colours
 from freebody.formats.loading import SUFFIXES
 from freebody.loops.mobility import mobility
-from freebody.model.description import TIP
-from freebody.model.doubts import Doubt
+from freebody.model.doubts import readings
 from freebody.motion.ranges import ranges
 from freebody.outputs import files
 from freebody.outputs.numbers import significant
@@ -111,16 +110,10 @@ def _facts(study: Study) -> dict[str, Any]:
 
 
 def _notices(study: Study) -> dict[str, list[str]]:
-    """Findings about the motion, what is doubtful but not said by the verdict, and how the file was
-    read, without the file's folder."""
-    read = [n for n in study.model.notices if not isinstance(n, Doubt) and n.kind != TIP]
+    """Findings about the motion, and how the file was read, without the file's folder."""
+    read = readings(study.model)
     short = [str(replace(n, file=Path(n.file).name if n.file else None)) for n in read]
-    strong = [n.kind in ("physical", "drive") for n in read]
-    return {
-        "findings": list(study.warnings),
-        "doubtful": [text for text, first in zip(short, strong, strict=True) if first],
-        "reading": [text for text, first in zip(short, strong, strict=True) if not first],
-    }
+    return {"findings": list(study.warnings), "reading": short}
 
 
 def _source(study: Study) -> tuple[str, str]:

@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from freebody.errors import FreebodyError, KindError, SingularError, listed
-from freebody.model.description import TIP
-from freebody.model.doubts import Doubt
+from freebody.model.doubts import readings
 from freebody.model.model import Model
 from freebody.motion.default_motion import default_motion
 from freebody.motion.files.read_motion import read_motion
@@ -59,7 +58,6 @@ class Study(Tabled, ByValue):
     tip: str | None
     """Frame whose position, velocity and Jacobian are studied; without a single tip None, and
     nothing is said of these."""
-    tip_reason: str
     """One sentence: which frame is the tip and why, or why none is, and which may be."""
     motion: Motion
     data: xr.Dataset
@@ -186,7 +184,6 @@ def study(
     return Study(
         model=model,
         tip=model.tip,
-        tip_reason=model.tip_reason,
         motion=followed,
         data=data,
         summary=found,
@@ -197,15 +194,10 @@ def study(
         verdict=judged,
         replay=replay,
         replay_skipped=skipped,
-        notices=(*_read(model), *map(str, model.doubts), *warned),
+        notices=(*map(str, readings(model)), *map(str, model.doubts), *warned),
         warnings=warned,
         seconds=clock.seconds,
     )
-
-
-def _read(model: Model) -> list[str]:
-    """How its file was read, besides the doubts."""
-    return [str(x) for x in model.notices if not isinstance(x, Doubt) and x.kind != TIP]
 
 
 def _driven(model: Model) -> tuple[str, ...]:

@@ -18,7 +18,6 @@ from freebody.errors import listed
 from freebody.model.doubts import (
     EFFORTS,
     MASSES,
-    MISSING,
     RANGES,
     ROTORS,
     SPEEDS,
@@ -67,7 +66,7 @@ def verdict(
     if loose:
         sentences.append(_no_other_pace(loose, slower=bool(over or (undriven and sound))))
     elif not wrong and told:
-        partly = any(doubt.kind == MISSING for doubt in unknown)
+        partly = any(doubt.of.absent for doubt in unknown)
         beyond = [use for use in told if use.exceeded]
         sentences += _paces(model, run, told, beyond, bool(undriven and sound), partly)
     if noisy and torques:
@@ -86,7 +85,7 @@ def _rests(use: LimitUse, doubts: Sequence[Doubt]) -> bool:
     return any(
         set(aspects) & set(doubt.of.touches)
         for doubt in doubts
-        if doubt.kind != MISSING and (not doubt.joints or use.coordinate in doubt.joints)
+        if not doubt.of.absent and (not doubt.joints or use.coordinate in doubt.joints)
     )
 
 
@@ -209,10 +208,10 @@ def _reasons(
         first = False
     if outcome == "not judged" and uses and not any(doubt.of.mend for doubt in doubts):
         beyond = [use for use in uses if use.exceeded]
-        estimated = "" if all(doubt.kind == MISSING for doubt in doubts) else " by the estimates"
+        estimated = "" if all(doubt.of.absent for doubt in doubts) else " by the estimates"
         if beyond:
             yield f"It would not be feasible{estimated}: {beyond[0].text}."
-        elif any(doubt.kind == MISSING for doubt in doubts):
+        elif any(doubt.of.absent for doubt in doubts):
             yield f"The limits that are given are kept{estimated}; nearest: {uses[0].text}."
         else:
             yield f"Every limit is kept{estimated}; nearest: {uses[0].text}."

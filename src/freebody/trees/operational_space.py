@@ -13,7 +13,7 @@ from freebody.algorithms.regressor import parameter_values
 from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
-from freebody.kernels.options import motion_rows
+from freebody.kernels.options import motion_rows, require_few_rows
 from freebody.model.derived_facts import fact
 from freebody.model.inertial_parameters import parameter_names
 from freebody.model.model import Model
@@ -71,12 +71,7 @@ def operational_option(
     """Frame and rows, which must be at most as many as there are joint coordinates."""
     refuse_massless(model, function)
     option = Option(model.frame(frame).name, rows=motion_rows(model, rows))
-    if len(option.rows) > model.nv:
-        raise SingularError(
-            f"{function}: {model.name!r} has {model.nv} joint coordinates and cannot move a frame "
-            f"along {len(option.rows)} rows; "
-            'choose as many at most, such as rows=("vx", "vy").'
-        )
+    require_few_rows(function, model, option.rows)
     return option
 
 

@@ -18,6 +18,7 @@ FORMULAS = {
         lambda t, o, q: operational_space(t, q, None, frame_of(o), o.rows)[:1],
         of_frame=True,
         of_rows=True,
+        free_rows=True,
         chains="open",
     ),
     "operational_space_bias": Formula(
@@ -26,6 +27,7 @@ FORMULAS = {
         lambda t, o, q, qd: operational_space(t, q, qd, frame_of(o), o.rows)[1:],
         of_frame=True,
         of_rows=True,
+        free_rows=True,
         chains="open",
     ),
     "centroidal_momentum_matrix": Formula(

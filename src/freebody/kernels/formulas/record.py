@@ -70,7 +70,8 @@ class Formula:
     shorter program is compiled. by_motion: whether of the inertial numbers M and the bias alone
     count, so that they may be regrouped. of_frame: whether it is of one frame, by default the tip.
     axes: those that it may be asked for in, besides the world's. of_rows: whether rows of the
-    frame's motion can be chosen.
+    frame's motion can be chosen. free_rows: whether the arm must be able to move the frame along
+    each of them.
     chains: which it says something of; "open": it leaves loops out, so that a closed chain must not
     be given to it; "arm": of open chains those with a closed form alone. settled: what of a closed
     chain is chosen near home, once for all positions of a kernel: the "equations" that tell all,
@@ -91,6 +92,7 @@ class Formula:
     of_frame: bool = False
     axes: tuple[str, ...] = ()
     of_rows: bool = False
+    free_rows: bool = False
     chains: Literal["all", "open", "closed", "arm"] = "all"
     settled: Literal["equations", "partition", "loops"] | None = None
     by_columns: ByColumns | None = None

@@ -14,7 +14,7 @@ from scipy.interpolate import PPoly
 from freebody.arrays import Array, as_floats, is_count, refuse_not_finite
 from freebody.errors import FreebodyError, listed, shown
 from freebody.labels import is_labelled
-from freebody.model.doubts import DYNAMIC, EFFORTS, MISSING, Doubt, doubts_on, doubts_used
+from freebody.model.doubts import DYNAMIC, EFFORTS, SPEEDS, Doubt, doubts_on, doubts_used
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.optimal.geometric_path import (
@@ -193,12 +193,18 @@ def _motions(
 
 
 def _doubts(model: Model, limits: PlanningLimits) -> tuple[Doubt, ...]:
-    """On what the motion rests: drives whose torque nothing limits count where no acceleration does
-    either."""
-    free = np.isinf(limits.torque) & np.isinf(limits.acceleration)
-    lacking = doubts_on(model, EFFORTS) if free[list(model.driven)].any() else ()
+    """On what the motion rests: drives whose speed nothing limits count, and those whose torque
+    nothing does where no acceleration is limited either."""
+    unlimited = {
+        EFFORTS: np.isinf(limits.torque) & np.isinf(limits.acceleration),
+        SPEEDS: np.isinf(limits.velocity),
+    }
+    driven = list(model.driven)
+    lacking = doubts_on(
+        model, *(aspect for aspect, free in unlimited.items() if free[driven].any())
+    )
     used = doubts_used(model, *DYNAMIC, *limits.rests)
-    return (*(doubt for doubt in lacking if doubt.kind == MISSING), *used)
+    return (*(doubt for doubt in lacking if doubt.of.absent), *used)
 
 
 class _Quickest(NamedTuple):
