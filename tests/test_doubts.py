@@ -381,7 +381,9 @@ def test_doubts_follow_the_numbers_of_a_changed_copy():
     assert kinds(rotors) == set()
     box = Inertia.box(0.7, (0.1, 0.2))
     assert kinds(arm().with_payload(box)) == set()
-    twice = having("placeholder limits").bind({"joint1.limits.effort": 170.0})
+    twice = having("placeholder limits").bind(
+        {"joint1.limits.effort": 170.0, "joint2.limits.effort": 70.0}
+    )
     assert kinds(twice) == set()
     for masses in ([0.0, 0.5, 1.0], [0.0, 0.5, 0.0]):
         assert kinds(arm().with_payload(mass=np.array(masses))) == {"point load"}

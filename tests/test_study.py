@@ -44,7 +44,7 @@ def test_all_checks_pass_on_every_bundled_model(name: str):
         assert variable.attrs["units"]
         assert variable.attrs["long_name"]
         assert variable.dtype == np.float64
-    assert study.tip in study.tip_reason
+    assert study.tip in study.model.tip_reason
     if study.model.loops:
         assert {"loops", "simulation", "forces on each body", "forward dynamics"} <= {
             c.name for c in study.checks
