@@ -326,7 +326,7 @@ def _turned_about(model: Model) -> list[Array | None]:
     turned: dict[int, tuple[Array, list[Array]]] = {-1: (np.eye(3), [])}
     """Of each body its orientation where all coordinates are 0, and the axes, seen from there."""
     axes: list[Array | None] = [None] * len(model.bodies)
-    for i in parents_first(model):
+    for i in parents_first(model.bodies):
         body = model.bodies[i]
         R, above = turned[body.parent]
         R = R @ np.array(body.joint.placement.lower(space, VALUES)[0], dtype=float)
@@ -512,7 +512,7 @@ def _moved(model: Model) -> list[tuple[float, float]]:
             mass, com, _ = part.inertia.lower(VALUES)
             masses[i] += mass
             reaches[i] = max(reaches[i], far(part.placement, com) if mass else 0.0)
-    for i in reversed(parents_first(model)):
+    for i in reversed(parents_first(model.bodies)):
         body = model.bodies[i]
         if body.parent >= 0:
             masses[body.parent] += masses[i]

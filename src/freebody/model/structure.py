@@ -83,7 +83,7 @@ class Structure:
         """Whether the numbers of drives are among the numbers."""
         self.followers: bool = bool(key[3])
         """Whether a joint follows another."""
-        self.order = tuple(parents_first(model))
+        self.order = tuple(parents_first(model.bodies))
         self.quaternions = tuple(
             at.q[body.kind.quaternion]
             for body, at in zip(model.bodies, model.coordinates, strict=True)

@@ -18,6 +18,7 @@ from freebody.model.bodies import Body, Frame
 from freebody.model.description import TIP, Joint, Notice
 from freebody.model.named_parts import NamedParts
 from freebody.model.parameters import Quantity
+from freebody.model.tree import parents_first
 from freebody.outputs.display import counted
 
 CONVENTIONS = {
@@ -125,12 +126,7 @@ class _TreeBranches:
         self.carried: dict[int, list[int]] = {}
         for k, body in enumerate(self.bodies):
             self.carried.setdefault(body.parent, []).append(k)
-        self.order: list[int] = []
-        """Each body behind the one that carries it."""
-        waiting = list(self.carried.get(-1, []))
-        while waiting:
-            self.order.append(k := waiting.pop())
-            waiting += self.carried.get(k, [])
+        self.order = parents_first(self.bodies)
         followers = {joint.name: joint.mimic.joint for joint in joints if joint.mimic is not None}
         in_step = {*followers, *followers.values()}
         self.length = dict.fromkeys(self.order, 1)

@@ -204,7 +204,7 @@ def tree_of(model: Model, pieces: Pieces) -> Tree:
     space = pieces.space
     bodies: list[TreeBody] = []
     body_of: dict[int, int] = {-1: -1}
-    for i in parents_first(model):
+    for i in parents_first(model.bodies):
         body = model.bodies[i]
         at = model.coordinates[i]
         R, p = pieces.pose(body.joint.placement)
@@ -263,10 +263,10 @@ def tree_of(model: Model, pieces: Pieces) -> Tree:
     )
 
 
-def parents_first(model: Model) -> list[int]:
-    """Indices of the model's bodies, each after its parent, otherwise in the file's order."""
+def parents_first(bodies: Sequence[Body]) -> list[int]:
+    """Indices of a model's bodies, each after its parent, otherwise in the file's order."""
     carried: dict[int, list[int]] = {}
-    for i, body in enumerate(model.bodies):
+    for i, body in enumerate(bodies):
         carried.setdefault(body.parent, []).append(i)
     order: list[int] = []
     level = carried.get(-1, [])

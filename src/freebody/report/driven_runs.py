@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -15,6 +14,7 @@ from freebody.arrays import Array
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges
 from freebody.motion.simulation.first_order_system import System
+from freebody.report.stepped_runs import PARTS, Reference, TooLong, edges, steps
 from freebody.trees.states import difference
 
 TOLERANCE = {"DOP853": 1e-12, "BDF": 1e-11, "Radau": 1e-8}
@@ -33,29 +33,18 @@ _BESIDE = 1e-6  # of a stretch between jumps
 Slope = Callable[[float, Array], Any]
 
 
-@dataclass(frozen=True)
-class Reference:
-    """The torque that the motion needs at any time, and the system under it."""
-
-    system: System
-    motion: Motion
-
-    def torque(self, t: Array, around: Array | None = None) -> Array:
-        """The torque at times t; `around`: times on the side of a jump on which t is meant."""
-        return self.system.torque(t, *self.motion.at(t, around))
-
-    def state(self, t: Array) -> Array:
-        """(q, q̇) at times t."""
-        q, qd, _ = self.motion.at(t)
-        return np.concatenate([q, qd], axis=-1)
-
-
 def land(
     whole: System, motion: Motion, start: Array, end: Array, allowed: Ranges, method: str
 ) -> Array:
     """(pieces,) distance from the reference at each piece's end over the joint range; all run side
     by side; infinite where the run was broken off."""
     reference = Reference(whole, motion)
+    for parts in PARTS if method == "DOP853" else ():
+        try:
+            *_, y = steps(reference, edges(motion, start, end, parts))
+        except TooLong:
+            continue
+        return _missed(whole, motion, end, y, allowed)
     length = end - start
     count, n = len(length), whole.size
     cuts = _cuts(motion.jumps, start, length)
@@ -84,8 +73,13 @@ def land(
         if not found.success:
             return np.full(count, np.inf)
         y = found.y[:, -1]
-    reached = whole.normalised(y.reshape(count, n))
-    off = difference(whole.model, motion.at(end)[0], whole.split(reached)[0])
+    return _missed(whole, motion, end, whole.normalised(y.reshape(count, n)), allowed)
+
+
+def _missed(whole: System, motion: Motion, end: Array, y: Array, allowed: Ranges) -> Array:
+    """(pieces,) how far states (pieces, n) are from the motion at times (pieces,), over the joint
+    range."""
+    off = difference(whole.model, motion.at(end)[0], whole.split(y)[0])
     return np.abs(off / allowed.width).max(axis=-1)
 
 
@@ -98,6 +92,11 @@ def open_loop(
     It ends where a joint has gone astray by its whole range, or when its evaluations are spent.
     """
     reference, model = Reference(whole, motion), whole.model
+    for parts in PARTS if method == "DOP853" else ():
+        try:
+            return _in_steps(reference, allowed, parts)
+        except TooLong:
+            continue
     inside = 0.0, 0.0  # of the stretch that is run
 
     def torque_at(t: float) -> Array:
@@ -135,6 +134,23 @@ def open_loop(
     t = np.array(times)
     q = whole.split(whole.normalised(np.stack(states)))[0]
     return t, np.abs(difference(model, motion.at(t)[0], q)), ended
+
+
+def _in_steps(reference: Reference, allowed: Ranges, parts: int) -> tuple[Array, Array, str]:
+    """What `open_loop` tells, with each smooth stretch of the motion in so many steps. Raises
+    TooLong."""
+    motion, whole = reference.motion, reference.system
+    times = edges(motion, motion.t[:1], motion.t[-1:], parts)
+    at, due = motion.at(times[:, 0])[0], np.isin(times[:, 0], motion.t)
+    found, ended = [np.zeros(whole.model.nv)], ""
+    for k, y in enumerate(steps(reference, times), start=1):
+        off = np.abs(difference(whole.model, at[k], whole.split(y)[0][0]))
+        if (off > allowed.width).any():
+            ended = ASTRAY
+            break
+        if due[k]:
+            found.append(off)
+    return times[due, 0][: len(found)], np.stack(found), ended
 
 
 def _run(

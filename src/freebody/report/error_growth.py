@@ -9,7 +9,7 @@ from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns
 from freebody.motion.simulation.first_order_system import System
-from freebody.report.driven_runs import Reference
+from freebody.report.stepped_runs import Reference
 
 BOUND = 1e4
 """Amplification that a piece may have at most."""
