@@ -48,9 +48,9 @@ def driver(tmp_path_factory):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_derivations_are_drawn_and_fit(driver, tmp_path: Path, method):
-    for model in MODELS:
+    for k, model in enumerate(MODELS):
         derivation = fb.derive(model, method)
-        page = tmp_path / "derivation.html"
+        page = tmp_path / f"derivation{k}.html"  # under one name the page before may still be there
         page.write_text(text := derivation.html())
         assert not lacking(text)
         assert "<mtd><mo>=" not in text  # it would have no space beside it

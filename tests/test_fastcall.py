@@ -20,6 +20,7 @@ from freebody.elementary import sin
 from freebody.errors import ShapeError
 from freebody.program import Argument, trace
 from freebody.targets import Kernel, KernelError, compile_program, settings
+from freebody.targets.call_errors import BatchError
 from freebody.targets.llvm import fastcall
 
 
@@ -189,7 +190,7 @@ def test_numbers_of_python_go_the_quick_way(monkeypatch):
     assert sys.getrefcount(b) <= before + 1  # of the tuples above
     assert np.isnan(scaled(q, float("nan"), b)).all()
     assert general == []
-    for other in (2, True, np.float64(2.0), np.float32(2.0), np.array([2.0])):
+    for other in (2, True, np.float64(2.0), np.float32(2.0), np.array([[2.0]])):
         np.testing.assert_array_equal(scaled(q, other, b), scaled.ufunc(q, np.float64(other), b))
     assert len(general) == 5
     single = compile_program(program, target="cpu", dtype="float32")
@@ -258,6 +259,8 @@ def test_errors_are_those_of_the_kernel(kernel):
         kernel(Q)
     with pytest.raises(KernelError, match="holds complex128 values"):
         kernel(Q.astype(complex), A)
+    with pytest.raises(BatchError):
+        kernel(np.ones((3, 2)), np.ones((4, 2, 3)))
 
 
 def test_nothing_leaks(kernel):
@@ -370,6 +373,99 @@ def test_a_checked_call_sees_what_is_not_of_unit_length(dtype):
         assert checked(q, r) is not None
     q[0] = r[4] = 100.0
     assert checked(q, r) is not None
+
+
+# ---------------------------------------------------------------- short batches
+def _several(count: int, dtype: str) -> Kernel:
+    """One of its own, of no other test that counts."""
+    return of(
+        lambda q, a, A: (
+            [q[0] * A[0][1] + a, sin(q[1])],
+            q[0] * q[1] * a,
+            [[x * q[0] for x in row] for row in A],
+            sin(q[0]) + float(count),
+        ),
+        {"q": (2,), "a": (), "A": (2, 3)},
+        {"y": (2,), "E": (), "B": (2, 3), "s": ()},
+        dtype,
+    )
+
+
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+@pytest.mark.parametrize("count", [1, 2, 7, 16, 33])
+def test_a_short_batch_goes_the_quick_way_whatever_is_common_to_it(monkeypatch, count, dtype):
+    """(1, n), the shape of every control loop, took eight times as long as (n,)."""
+    general = []
+    monkeypatch.setattr(Kernel, "__call__", lambda *given, **named: general.append(given))
+    kernel, rng = _several(count, dtype), np.random.default_rng(count)
+    shapes = (2,), (), (2, 3)
+    for mask in range(1, 8):
+        batched = [bool(mask & 1 << k) for k in range(3)]
+        given = [
+            np.asarray(rng.normal(size=(count, *shape) if rows else shape)).astype(dtype)
+            for rows, shape in zip(batched, shapes, strict=True)
+        ]
+        before = [sys.getrefcount(x) for x in given]
+        found, expected = kernel(*given), kernel.ufunc(*given)
+        for one, other in zip(found, expected, strict=True):
+            assert type(one) is np.ndarray
+            assert one.flags.owndata
+            assert one.shape == other.shape
+            assert one.tobytes() == other.tobytes()
+            assert sys.getrefcount(one) == sys.getrefcount(other)
+        out = tuple(np.empty_like(x) for x in expected)
+        assert kernel(*given, out=out) is out
+        assert [x.tobytes() for x in out] == [x.tobytes() for x in expected]
+        assert [sys.getrefcount(x) for x in given] == before
+    assert general == []
+    q, a, A = (np.ones((count, *shape), dtype) for shape in shapes)
+    other = np.ones((count + 1, 2), dtype)
+    for given in (
+        (other, a, A), (q[None], a, A), (q[:0], a[:0], A[:0]),
+        (q, a, np.ones((count, 3, 2), dtype)),
+        (np.asfortranarray(q) if count > 1 else q[None], a, A),
+    ):  # fmt: skip
+        kernel(*given)
+    kernel(q, a, A, out=tuple(x[:1] for x in out) if count > 1 else tuple(x[0] for x in out))
+    kernel(q[0], a[0], A[0], out=out)
+    assert len(general) == 7
+
+
+def test_what_lies_where_a_result_is_written_goes_the_general_way(monkeypatch):
+    general = []
+    monkeypatch.setattr(Kernel, "__call__", lambda *given, **named: general.append(given))
+    kernel = of(lambda q: ([3.0 * q[0]],), {"q": (1,)}, {"y": (1,)})
+    room = np.arange(8.0).reshape(8, 1)
+    assert kernel(room[:4], out=room[4:])[3, 0] == 9.0
+    assert general == []
+    kernel(room[:4], out=room[3:7])
+    assert len(general) == 1
+
+
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_a_checked_batch_is_seen_to_its_last_entry(dtype):
+    kernel = of(
+        lambda q: ([q[0] * q[0], q[1]], q[2] * q[2]), {"q": (7,)}, {"y": (2,), "E": ()}, dtype
+    )
+    checked = kernel.quick_checked(lambda q: None, units=[(0, 3)])
+    q = np.zeros((5, 7), dtype)
+    q[:, 4] = 1.0
+    assert checked(q)[0].shape == (5, 2)
+    for row in range(5):
+        for entry, value in ((0, np.sqrt(np.finfo(dtype).max) * 2), (2, np.inf), (4, 1.01)):
+            wrong = q.copy()
+            wrong[row, entry] = value
+            assert checked(wrong) is None, (row, entry)
+
+
+def test_a_long_batch_is_shared_among_threads_as_before(monkeypatch):
+    general = []
+    monkeypatch.setattr(Kernel, "__call__", lambda *given, **named: general.append(given))
+    kernel = of(lambda q: ([q[0] + q[0]],), {"q": (1,)}, {"y": (1,)})
+    kernel(np.ones((kernel.few, 1)))
+    assert general == []
+    kernel(np.ones((kernel.few + 1, 1)))
+    assert len(general) == 1
 
 
 def test_a_kernel_is_still_a_kernel(kernel):

@@ -102,7 +102,7 @@ def test_code_of_kernels_that_are_dropped_is_freed():
     before = mappings()
     assert in_threads(0, 100) == []
     forget()
-    assert mappings() < before + 20  # each kernel that is there takes three
+    assert mappings() < before + 100  # each kernel that is there takes three, and threads a few
 
 
 @ON_LINUX

@@ -402,7 +402,7 @@ def _point(model: Model, _: Sequence[str]) -> Iterator[str]:
 
 
 # ------------------------------------------------------------ limits
-class _Drive(NamedTuple):
+class _MotorLimits(NamedTuple):
     """Limits of one coordinate, and what its motor moves: mass, and how far that reaches (m)."""
 
     name: str
@@ -429,11 +429,13 @@ def _placeholders(model: Model, _: Sequence[str]) -> Iterator[Doubt]:
     """The same round numbers on joints that move different masses, or such as no robot has."""
     given, moved = usable_limits(model).given, _moved(model)
     drives = [
-        _Drive(body.joint.name, body.kind.slides, body.parent >= 0, *given[2:, at.v[0]], *moves)
+        _MotorLimits(
+            body.joint.name, body.kind.slides, body.parent >= 0, *given[2:, at.v[0]], *moves
+        )
         for body, at, moves in zip(model.bodies, model.coordinates, moved, strict=True)
         if body.joint.mimic is None and body.kind.nv == 1 and not body.joint.passive
     ]
-    alike: dict[tuple[str, str], list[_Drive]] = {}
+    alike: dict[tuple[str, str], list[_MotorLimits]] = {}
     for drive in drives:
         if _is_round(drive.speed) and _is_round(drive.effort):
             alike.setdefault((drive.most, drive.fastest), []).append(drive)
@@ -462,13 +464,13 @@ def _placeholders(model: Model, _: Sequence[str]) -> Iterator[Doubt]:
             yield Doubt(_PLACEHOLDERS, text, joints=names)
 
 
-def _is_strong(drive: _Drive, mass: float) -> bool:
+def _is_strong(drive: _MotorLimits, mass: float) -> bool:
     """Whether no joint of a robot of this mass (kg) has such an effort."""
     strongest = _STRONGEST["N" if drive.slides else "N m"] * mass
     return isfinite(drive.effort) and drive.effort > strongest > 0.0
 
 
-def _overloading(drives: Sequence[_Drive], mass: float) -> Iterator[_Drive]:
+def _overloading(drives: Sequence[_MotorLimits], mass: float) -> Iterator[_MotorLimits]:
     """Of motors that a robot of this mass (kg) carries those that are too strong for it: the
     strongest, and all that are as strong, until the others are not too strong together."""
     carried = [d for d in drives if d.carried and not d.slides and isfinite(d.effort)]

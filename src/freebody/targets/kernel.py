@@ -63,6 +63,7 @@ class Kernel:
         dtype: NumPy's type of the numbers that it computes with and returns.
         ufunc: what runs, without the checks: a np.ufunc, or a function called like one with NumPy.
         signature: core sizes as NumPy writes them.
+        few: samples that are answered at once, by one thread into new memory.
         loop: the machine code of the batch, for other libraries; None where the target has none.
     """
 
@@ -98,7 +99,7 @@ class Kernel:
         # from the store
         largest = max((argument.size for argument in program.outputs), default=1) or 1
         self._few = min(int(2 * _WORTH / self._cost), self._longest)
-        self._small = min(self._few, result_memory.SMALLEST // (self.dtype.itemsize * largest))
+        self.few = min(self._few, result_memory.SMALLEST // (self.dtype.itemsize * largest))
 
     def __call__(self, *arrays: ArrayLike, out: Any = None, threads: int | None = None) -> Any:
         """The output, or the tuple of outputs.
@@ -120,7 +121,7 @@ class Kernel:
                 return self.per_sample(*arrays, out=out, threads=threads)
             if threads is None or threads == 1:
                 if out is None:
-                    if self._at_most(self._small, arrays):
+                    if self._at_most(self.few, arrays):
                         return self.ufunc(*arrays)
                 elif self._at_most(self._longest if threads else self._few, arrays):
                     return self.ufunc(*arrays, out=out)

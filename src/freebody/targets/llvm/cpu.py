@@ -54,15 +54,16 @@ class _QuickKernel(Kernel):
             for symbol in fastcode.EXPORTS
         )
         # what is not plain goes to the kernel without them
-        self.__call__ = self._plain.function(kernel.__call__)
+        self.__call__ = self._plain.function(kernel.__call__, self.few)
 
     def quick(self, general: Callable[..., Any], held: Any = None) -> Callable[..., Any]:
-        return self._plain.function(general, held)
+        return self._plain.function(general, self.few, held)
 
     def quick_checked(
         self, general: Callable[..., Any], held: Any = None, units: Sequence[tuple[int, int]] = ()
     ) -> Callable[..., Any]:
-        return self._checked.function(general, held, fastcall.unit_entries(units) if units else b"")
+        entries = fastcall.unit_entries(units) if units else b""
+        return self._checked.function(general, self.few, held, entries)
 
 
 def _build(level: str | None, program: Program, width: int | None, dtype: str) -> Kernel:

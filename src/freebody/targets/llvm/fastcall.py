@@ -1,11 +1,11 @@
-"""One sample, called from Python: a C function for the interpreter in front of the gufunc loop.
+"""A few samples, called from Python: a C function for the interpreter in front of the gufunc loop.
 
 NumPy's ufunc machinery takes longer than the arithmetic of one robot. So each kernel also has a
 function of CPython's fast calling convention that looks at its arguments itself: exact arrays of
-its number type and the core shapes, contiguous and aligned. It makes the outputs, or takes those
-given as `out=` if they are such arrays too and overlap nothing, runs the loop once and returns;
-anything else goes to the general way, unchanged. A function may hold the last argument, a robot's
-numbers, which then need not be given.
+its number type and the core shapes, or of a short batch of them, contiguous and aligned. It makes
+the outputs, or takes those given as `out=` if they are such arrays too and overlap nothing, runs
+the loop and returns; anything else goes to the general way, unchanged. A function may hold the last
+argument, a robot's numbers, which then need not be given.
 
 It knows where CPython and NumPy keep the fields of an object and an array: both layouts are part of
 their stable binary interfaces on 64-bit builds with the GIL, and `available` is false elsewhere, or
@@ -85,14 +85,16 @@ class Definition:
         self._held = title, keep
 
     def function(
-        self, general: Callable[..., Any], held: Any = None, units: bytes = b""
+        self, general: Callable[..., Any], most: int, held: Any = None, units: bytes = b""
     ) -> Callable[..., Any]:
         """The function, which goes to `general` with what is not plain, and holds what it points
         to.
 
-        held: the last argument of calls that do not give it. units: see `unit_entries`.
+        most: samples of a batch that it takes. held: the last argument of calls that do not give
+        it. units: see `unit_entries`.
         """
-        return _new_function()(self._method, (general, held, units, self._method, self._held), None)
+        seen = general, held, units, struct.pack("q", most), self._method, self._held
+        return _new_function()(self._method, seen, None)
 
 
 def unit_entries(places: Sequence[tuple[int, int]]) -> bytes:

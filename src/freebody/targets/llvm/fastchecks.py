@@ -9,7 +9,9 @@ from freebody.program.program import Argument
 from freebody.targets.finite_check import UNIT
 from freebody.targets.llvm.lanes import DOUBLE, Real
 
-_COUNT, _BYTES = 16, 32  # offsets in PyBytesObject of its length and of what is in it
+_COUNT = 16  # offset in PyBytesObject of its length
+BYTES = 32
+"""Offset in PyBytesObject of what is in it."""
 
 PAIR = "qq"
 """One of the units as bytes: an input, and the entry of it where four numbers begin that are to be
@@ -18,18 +20,18 @@ of unit length."""
 
 def are_unit(real: Real) -> str:
     """Whether four entries are of unit length, NaN being not, for each pair in `units` (argument,
-    first entry)."""
+    first entry) in each of `count` samples."""
     widened = "" if real is DOUBLE else "w"
     lines = [
-        "define internal i1 @fast.unit(ptr %units, ptr %data) {",
+        "define internal i1 @fast.unit(ptr %units, ptr %data, ptr %steps, i64 %count) {",
         "entry:",
         f"  %bytes.at = getelementptr i8, ptr %units, i64 {_COUNT}",
         "  %bytes = load i64, ptr %bytes.at, align 8",
-        f"  %first = getelementptr i8, ptr %units, i64 {_BYTES}",
+        f"  %first = getelementptr i8, ptr %units, i64 {BYTES}",
         "  %end = getelementptr i8, ptr %first, i64 %bytes",
         "  br label %more",
         "more:",
-        "  %pair = phi ptr [%first, %entry], [%next, %one]",
+        "  %pair = phi ptr [%first, %entry], [%next, %sample]",
         "  %is.end = icmp eq ptr %pair, %end",
         "  br i1 %is.end, label %good, label %one",
         "one:",
@@ -38,7 +40,18 @@ def are_unit(real: Real) -> str:
         "  %offset.at = getelementptr i64, ptr %pair, i64 1",
         "  %offset = load i64, ptr %offset.at, align 8",
         "  %array.at = getelementptr ptr, ptr %data, i64 %argument",
-        "  %array = load ptr, ptr %array.at, align 8",
+        "  %array.first = load ptr, ptr %array.at, align 8",
+        "  %step.at = getelementptr i64, ptr %steps, i64 %argument",
+        "  %step = load i64, ptr %step.at, align 8",
+        "  br label %sample",
+        "sample:",
+        "  %array = phi ptr [%array.first, %one], [%array.next, %another]",
+        "  %left = phi i64 [%count, %one], [%fewer, %another]",
+        "  %is.over = icmp eq i64 %left, 0",
+        "  br i1 %is.over, label %more, label %another",
+        "another:",
+        "  %array.next = getelementptr i8, ptr %array, i64 %step",
+        "  %fewer = sub i64 %left, 1",
     ]
     for k in range(4):
         lines += [
@@ -56,7 +69,7 @@ def are_unit(real: Real) -> str:
             f"  %below = fcmp olt double %off, {DOUBLE.constant(UNIT)}",
             f"  %above = fcmp ogt double %off, {DOUBLE.constant(-UNIT)}",
             "  %close = and i1 %below, %above",
-            "  br i1 %close, label %more, label %bad",
+            "  br i1 %close, label %sample, label %bad",
             "good:",
             "  ret i1 true",
             "bad:",
@@ -124,7 +137,8 @@ def checked(outputs: tuple[Argument, ...]) -> list[str]:
     fine = "true"
     for k, argument in enumerate(outputs):
         lines += [
-            f"  %finite{k} = call i1 @fast.finite(ptr %out.data{k}, i64 {argument.size})",
+            f"  %entries{k} = mul i64 %count, {argument.size}",
+            f"  %finite{k} = call i1 @fast.finite(ptr %out.data{k}, i64 %entries{k})",
             f"  %fine{k} = and i1 {fine}, %finite{k}",
         ]
         fine = f"%fine{k}"
@@ -133,9 +147,16 @@ def checked(outputs: tuple[Argument, ...]) -> list[str]:
         f"  br i1 {fine}, label %good, label %bad",
         "bad:",
         *(
-            f"  call void @Py_DecRef(ptr %out{k})"
+            line
             for k, argument in enumerate(outputs)
-            if argument.shape
+            for line in (
+                [f"  call void @Py_DecRef(ptr %out{k})"]
+                if argument.shape
+                else [
+                    f"  %gone{k} = load ptr, ptr %row{k}, align 8",
+                    f"  call void @Py_DecRef(ptr %gone{k})",
+                ]
+            )
         ),
         "  br label %general",
         "good:",

@@ -12,8 +12,8 @@ _WRITEABLE = 0x0400
 _TYPE, _DATA, _ND, _DIMS, _DESCR, _FLAGS = 8, 16, 24, 32, 56, 64
 """Offsets in PyObject and PyArrayObject."""
 _COUNT, _ITEMS = 16, 24  # offsets in PyTupleObject
-_GENERAL, _HELD, _UNITS = (
-    _ITEMS + 8 * k for k in range(3)
+_GENERAL, _HELD, _UNITS, _MOST = (
+    _ITEMS + 8 * k for k in range(4)
 )  # offsets in the tuple that a function has as its self
 _VALUE = 16  # offset in PyFloatObject
 
@@ -63,20 +63,37 @@ _EXTERNALS = (
     "declare i32 @PyTuple_SetItem(ptr, i64, ptr)",
     "declare void @Py_IncRef(ptr)",
     "declare void @Py_DecRef(ptr)",
+    "declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)",
 )
-_RUN = "  call void @kernel(ptr %data, ptr @fast.dims, ptr @fast.steps, ptr null)"
+_RUN = "  call void @kernel(ptr %data, ptr %dims, ptr %steps, ptr null)"
 _Arguments = tuple[Argument, ...]
 
 
 def _tables(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[str]:
-    """What the loop is told of one sample, and the shapes of outputs."""
-    arguments = (*inputs, *outputs)
-    steps = [real.size * a.size for a in arguments]
-    strides = [s for a in arguments for s in _strides(a, real.size)]
+    """What the loop is told of one sample, an input's step to the next being 0, and the shapes of
+    outputs behind the size of a batch."""
     return [
-        _numbers("fast.dims", [1, *(n for a in arguments for n in a.shape)]),
-        _numbers("fast.steps", steps + strides),
-        *(_numbers(f"fast.shape{k}", list(a.shape)) for k, a in enumerate(outputs) if a.shape),
+        _numbers("fast.dims", _dims(inputs, outputs)),
+        _numbers("fast.steps", _steps(inputs, outputs, real)),
+        *(_numbers(f"fast.shape{k}", [1, *a.shape]) for k, a in enumerate(outputs)),
+    ]
+
+
+def _dims(inputs: _Arguments, outputs: _Arguments) -> list[int]:
+    return [1, *(n for a in (*inputs, *outputs) for n in a.shape)]
+
+
+def _steps(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[int]:
+    strides = [s for a in (*inputs, *outputs) for s in _strides(a, real.size)]
+    return [*(0 for _ in inputs), *(real.size * a.size for a in outputs), *strides]
+
+
+def _copied(name: str, source: str, count: int) -> list[str]:
+    """Room for numbers that begin as those of a table."""
+    return [
+        f"  %{name} = alloca [{count} x i64], align 16",
+        f"  call void @llvm.memcpy.p0.p0.i64(ptr %{name}, ptr @{source}, i64 {8 * count}, "
+        "i1 false)",
     ]
 
 
@@ -88,6 +105,21 @@ def _counted(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[str]:
         "entry:",
         f"  %data = alloca [{len(inputs) + len(outputs)} x ptr], align 16",
         *(f"  %cell{k} = alloca {real.name}, align 8" for k in cells),
+        *(f"  %row{k} = alloca ptr, align 8" for k in cells),
+        *(f"  store ptr null, ptr %row{k}, align 8" for k in cells),
+        *_copied("dims", "fast.dims", len(_dims(inputs, outputs))),
+        *_copied("steps", "fast.steps", len(_steps(inputs, outputs, real))),
+        *(
+            line
+            for k, a in enumerate(outputs)
+            for line in _copied(f"shape.of{k}", f"fast.shape{k}", 1 + len(a.shape))
+        ),
+        "  %batch = alloca i64, align 8",
+        "  store i64 0, ptr %batch, align 8",
+        f"  %most.at = getelementptr i8, ptr %self, i64 {_MOST}",
+        "  %most.bytes = load ptr, ptr %most.at, align 8",
+        f"  %most.value = getelementptr i8, ptr %most.bytes, i64 {fastchecks.BYTES}",
+        "  %most = load i64, ptr %most.value, align 8",
         f"  %all = icmp eq i64 %nargs, {len(inputs)}",
         f"  %but.last = icmp eq i64 %nargs, {len(inputs) - 1}",
         "  %right.count = or i1 %all, %but.last",
@@ -106,16 +138,21 @@ def _inputs_seen(inputs: _Arguments, real: Real) -> list[str]:
         otherwise = f"float{k}" if is_number else "general"
         last = k == len(inputs) - 1
         place = f"%args, i64 {k}"
-        lines += _look(k, argument, real, place, _CONTIGUOUS_ALIGNED, 0, otherwise, last)
+        rows = "general" if argument.uniform else _counts(k, argument, real)
+        lines += _look(k, argument, real, place, _CONTIGUOUS_ALIGNED, rows, 0, otherwise, last)
         lines += _float(k) if is_number else []
     return [
         *lines,
         f"look{len(inputs)}:",
+        "  %given.count = load i64, ptr %batch, align 8",
+        "  %is.batch = icmp ne i64 %given.count, 0",
+        "  %count = select i1 %is.batch, i64 %given.count, i64 1",
+        "  store i64 %count, ptr %dims, align 8",
         "  br i1 %checked, label %lengths, label %looked",
         "lengths:",
         f"  %units.at = getelementptr i8, ptr %self, i64 {_UNITS}",
         "  %units = load ptr, ptr %units.at, align 8",
-        "  %are.unit = call i1 @fast.unit(ptr %units, ptr %data)",
+        "  %are.unit = call i1 @fast.unit(ptr %units, ptr %data, ptr %steps, i64 %count)",
         "  br i1 %are.unit, label %looked, label %general",
         "looked:",
         "  br i1 %no.names, label %make, label %taken",
@@ -127,7 +164,8 @@ def _outputs_given(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[
     lines = [*_taken(len(outputs)), f"  br label %look{len(inputs) + 1}"]
     flags = _CONTIGUOUS_ALIGNED | _WRITEABLE
     for k, argument in enumerate(outputs):
-        lines += _look(len(inputs) + 1 + k, argument, real, f"%outs, i64 {k}", flags, -1)
+        at = len(inputs) + 1 + k
+        lines += _look(at, argument, real, f"%outs, i64 {k}", flags, _agrees(at), -1)
     return [
         *lines,
         f"look{len(inputs) + len(outputs) + 1}:",
@@ -222,12 +260,16 @@ def _taken(outputs: int) -> list[str]:
 
 def _apart(arguments: tuple[Argument, ...], inputs: int, size: int) -> list[str]:
     """On to `run` if no output lies where another argument does, else the general way."""
-    lines, apart = [], "true"
+    lines, apart = ["  %others = sub i64 %count, 1"], "true"
     for k, argument in enumerate(arguments):
         lines += [
             f"  %start.at{k} = getelementptr ptr, ptr %data, i64 {k}",
             f"  %start{k} = load ptr, ptr %start.at{k}, align 8",
-            f"  %stop{k} = getelementptr i8, ptr %start{k}, i64 {size * argument.size}",
+            f"  %way.at{k} = getelementptr i64, ptr %steps, i64 {k}",
+            f"  %way{k} = load i64, ptr %way.at{k}, align 8",
+            f"  %to.last{k} = mul i64 %way{k}, %others",
+            f"  %last{k} = getelementptr i8, ptr %start{k}, i64 %to.last{k}",
+            f"  %stop{k} = getelementptr i8, ptr %last{k}, i64 {size * argument.size}",
         ]
     for k in range(inputs, len(arguments)):
         for other in range(k):
@@ -248,15 +290,17 @@ def _look(
     real: Real,
     place: str,
     flags: int,
+    rows: str | list[str],
     shift: int = 0,
     otherwise: str = "general",
     last: bool = False,
 ) -> list[str]:
-    """Argument k, found at `place`: on to the next if it is a plain array of its core shape, else
-    the general way.
+    """Argument k, found at `place`: on to the next if it is a plain array of its core shape, or of
+    a batch of them, else the general way.
 
-    Its data become entry k + shift of those that the loop takes. otherwise: where what is no array
-    goes. last: whether it is the input that a function may hold.
+    Its data become entry k + shift of those that the loop takes. rows: what is done about whether
+    it is a batch, up to `core{k}`, or "general" where it must be none. otherwise: where what is no
+    array goes. last: whether it is the input that a function may hold.
     """
     nd = len(argument.shape)
     lines = [
@@ -272,7 +316,9 @@ def _look(
         *_field(k, "descr", _DESCR, "ptr"),
         *_field(k, "flags", _FLAGS, "i32"),
         f"  %masked{k} = and i32 %flags{k}, {flags}",
-        f"  %a{k} = icmp eq i32 %nd{k}, {nd}",
+        f"  %is.one{k} = icmp eq i32 %nd{k}, {nd}",
+        f"  %is.rows{k} = icmp eq i32 %nd{k}, {nd + 1}",
+        f"  %a{k} = or i1 %is.one{k}, %is.rows{k}",
         f"  %b{k} = icmp eq ptr %descr{k}, @{_descr(real)}",
         f"  %c{k} = icmp eq i32 %masked{k}, {flags}",
         f"  %ab{k} = and i1 %a{k}, %b{k}",
@@ -280,11 +326,15 @@ def _look(
         f"  br i1 %abc{k}, label %shape{k}, label %general",
         f"shape{k}:",
         *_field(k, "dims", _DIMS, "ptr"),
+        f"  %axes{k} = zext i1 %is.rows{k} to i64",
+        f"  %core.dims{k} = getelementptr i64, ptr %dims{k}, i64 %axes{k}",
+        *([f"  br i1 %is.one{k}, label %core{k}, label %general"] if rows == "general" else rows),
+        f"core{k}:",
     ]
     fits = "true"
     for axis, size in enumerate(argument.shape):
         lines += [
-            f"  %at{k}.{axis} = getelementptr i64, ptr %dims{k}, i64 {axis}",
+            f"  %at{k}.{axis} = getelementptr i64, ptr %core.dims{k}, i64 {axis}",
             f"  %size{k}.{axis} = load i64, ptr %at{k}.{axis}, align 8",
             f"  %same{k}.{axis} = icmp eq i64 %size{k}.{axis}, {size}",
             f"  %fits{k}.{axis} = and i1 {fits}, %same{k}.{axis}",
@@ -296,6 +346,42 @@ def _look(
         f"  %entry{k} = getelementptr ptr, ptr %data, i64 {k + shift}",
         f"  store ptr %buffer{k}, ptr %entry{k}, align 8",
         f"  br i1 {fits}, label %look{k + 1}, label %general",
+    ]
+
+
+def _counts(k: int, argument: Argument, real: Real) -> list[str]:
+    """Input k, if it is a batch: as many samples as those before it, few enough, and the loop steps
+    from one to the next."""
+    return [
+        f"  br i1 %is.rows{k}, label %rows{k}, label %core{k}",
+        f"rows{k}:",
+        f"  %n{k} = load i64, ptr %dims{k}, align 8",
+        f"  %before{k} = load i64, ptr %batch, align 8",
+        f"  %is.first{k} = icmp eq i64 %before{k}, 0",
+        f"  %is.alike{k} = icmp eq i64 %before{k}, %n{k}",
+        f"  %agrees{k} = or i1 %is.first{k}, %is.alike{k}",
+        f"  %is.any{k} = icmp sgt i64 %n{k}, 0",
+        f"  %is.few{k} = icmp sle i64 %n{k}, %most",
+        f"  %is.some{k} = and i1 %is.any{k}, %is.few{k}",
+        f"  %good{k} = and i1 %agrees{k}, %is.some{k}",
+        f"  store i64 %n{k}, ptr %batch, align 8",
+        f"  %step.at{k} = getelementptr i64, ptr %steps, i64 {k}",
+        f"  store i64 {real.size * argument.size}, ptr %step.at{k}, align 8",
+        f"  br i1 %good{k}, label %core{k}, label %general",
+    ]
+
+
+def _agrees(k: int) -> list[str]:
+    """Argument k, an output that is given: of as many samples as there are."""
+    return [
+        f"  %is.due{k} = icmp eq i1 %is.rows{k}, %is.batch",
+        f"  br i1 %is.due{k}, label %due{k}, label %general",
+        f"due{k}:",
+        f"  br i1 %is.batch, label %rows{k}, label %core{k}",
+        f"rows{k}:",
+        f"  %n{k} = load i64, ptr %dims{k}, align 8",
+        f"  %good{k} = icmp eq i64 %n{k}, %count",
+        f"  br i1 %good{k}, label %core{k}, label %general",
     ]
 
 
@@ -321,16 +407,28 @@ def _field(k: int, name: str, offset: int, kind: str) -> list[str]:
     ]
 
 
+def _new(k: int, axes: str, shape: str, real: Real) -> list[str]:
+    """A new array for output k."""
+    return [
+        f"  %new{k} = call ptr @freebody.PyArray_New(ptr @freebody.PyArray_Type, i32 {axes}, "
+        f"ptr {shape}, i32 {real.number}, ptr null, ptr null, i32 0, i32 0, ptr null)",
+        f"  %is.new{k} = icmp ne ptr %new{k}, null",
+        f"  br i1 %is.new{k}, label %new.{k}, label %failed",
+        f"new.{k}:",
+        f"  %out.at{k} = getelementptr i8, ptr %new{k}, i64 {_DATA}",
+    ]
+
+
 def _make(k: int, position: int, argument: Argument, real: Real) -> list[str]:
     """Output k: a new array; `position` among all arguments."""
+    nd = len(argument.shape)
     return [
-        f"  %out{k} = call ptr @freebody.PyArray_New(ptr @freebody.PyArray_Type, i32 "
-        f"{len(argument.shape)}, "
-        f"ptr @fast.shape{k}, i32 {real.number}, ptr null, ptr null, i32 0, i32 0, ptr null)",
-        f"  %made{k} = icmp ne ptr %out{k}, null",
-        f"  br i1 %made{k}, label %made.{k}, label %failed",
-        f"made.{k}:",
-        f"  %out.at{k} = getelementptr i8, ptr %out{k}, i64 {_DATA}",
+        f"  store i64 %count, ptr %shape.of{k}, align 8",
+        f"  %shape.core{k} = getelementptr i64, ptr %shape.of{k}, i64 1",
+        f"  %shape{k}.made = select i1 %is.batch, ptr %shape.of{k}, ptr %shape.core{k}",
+        f"  %nd{k}.made = select i1 %is.batch, i32 {nd + 1}, i32 {nd}",
+        *_new(k, f"%nd{k}.made", f"%shape{k}.made", real),
+        f"  %out{k} = getelementptr i8, ptr %new{k}, i64 0",
         f"  %out.data{k} = load ptr, ptr %out.at{k}, align 8",
         f"  %out.entry{k} = getelementptr ptr, ptr %data, i64 {position}",
         f"  store ptr %out.data{k}, ptr %out.entry{k}, align 8",
@@ -338,19 +436,36 @@ def _make(k: int, position: int, argument: Argument, real: Real) -> list[str]:
 
 
 def _cell(k: int, position: int, argument: Argument, real: Real) -> list[str]:
-    """Output k, one number: a place for it until it is an object."""
+    """Output k, one number a sample: a place for it until it is an object, or an array of a
+    batch."""
     return [
-        f"  %out.data{k} = getelementptr {real.name}, ptr %cell{k}, i64 0",
+        f"  br i1 %is.batch, label %many{k}, label %single{k}",
+        f"many{k}:",
+        f"  store i64 %count, ptr %shape.of{k}, align 8",
+        *_new(k, "1", f"%shape.of{k}", real),
+        f"  store ptr %new{k}, ptr %row{k}, align 8",
+        f"  %row.data{k} = load ptr, ptr %out.at{k}, align 8",
+        f"  br label %placed{k}",
+        f"single{k}:",
+        f"  br label %placed{k}",
+        f"placed{k}:",
+        f"  %out.data{k} = phi ptr [%row.data{k}, %new.{k}], [%cell{k}, %single{k}]",
         f"  %out.entry{k} = getelementptr ptr, ptr %data, i64 {position}",
-        f"  store ptr %cell{k}, ptr %out.entry{k}, align 8",
+        f"  store ptr %out.data{k}, ptr %out.entry{k}, align 8",
     ]
 
 
 def _scalar(k: int, real: Real) -> list[str]:
-    """Output k, one number, as NumPy's object of its type."""
+    """Output k, one number a sample: that of a single one as NumPy's object of its type."""
     return [
-        f"  %out{k} = call ptr @freebody.PyArray_Scalar(ptr %cell{k}, ptr @{_descr(real)}, ptr "
+        f"  br i1 %is.batch, label %whole{k}, label %object.{k}",
+        f"object.{k}:",
+        f"  %number.{k} = call ptr @freebody.PyArray_Scalar(ptr %cell{k}, ptr @{_descr(real)}, ptr "
         f"null)",
+        f"  store ptr %number.{k}, ptr %row{k}, align 8",
+        f"  br label %whole{k}",
+        f"whole{k}:",
+        f"  %out{k} = load ptr, ptr %row{k}, align 8",
         f"  %made{k} = icmp ne ptr %out{k}, null",
         f"  br i1 %made{k}, label %made.{k}, label %failed",
         f"made.{k}:",
