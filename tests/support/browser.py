@@ -11,6 +11,7 @@ from contextlib import contextmanager
 def browser(profile):
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.support.ui import WebDriverWait
 
     options = webdriver.ChromeOptions()
     quiet = ("background-networking", "component-update", "sync", "default-apps", "gpu")
@@ -27,6 +28,17 @@ def browser(profile):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # selenium's own
         driver = webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver")))
+    get = driver.get
+
+    def whole(url: str) -> None:
+        """Chromedriver may come back while a page is still read."""
+        get(url)
+        there = "return document.readyState === 'complete' && location.href.split('#')[0]"
+        WebDriverWait(driver, 30, poll_frequency=0.02).until(
+            lambda opened: opened.execute_script(there) == url.split("#")[0]
+        )
+
+    driver.get = whole
     try:
         yield driver
     finally:
