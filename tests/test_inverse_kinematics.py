@@ -285,7 +285,7 @@ def test_general_geometry(kind, seed, monkeypatch):
     found = checked(model, T, task=task)
     assert found.method.startswith("closed form")
     assert holds(model, found.q, q)
-    monkeypatch.setattr(module, "closed_form_for", lambda *_: None)
+    monkeypatch.setattr(module, "_form", lambda _: None)
     searched = checked(model, T, task=task, starts=100)
     assert all(holds(model, found.q, other, 1e-5) for other in searched.q)
 
@@ -645,3 +645,37 @@ def test_limits_of_a_quick_answer_are_those_of_a_careful_one():
         assert not quick.q.flags.writeable
     ignored = fb.inverse_kinematics(puma, T, limits="ignore")
     assert (fb.inverse_kinematics(puma, T, limits="ignore").within_limits == ignored.valid).all()
+
+
+def test_few_doubtful_targets_are_looked_at_without_the_others(monkeypatch: pytest.MonkeyPatch):
+    """One of a hundred sent them all the careful way; what is said is the same."""
+    model = fb.load("ur5e")
+    q, _, _ = fb.random_state(model, 7, 60)
+    T = fb.forward_kinematics(model, q)
+    aligned = q[:3].copy()
+    aligned[:, 4] = 0.0, 1e-7, -1e-4  # two axes of the wrist in line, or nearly
+    T[[4, 17, 59]] = fb.forward_kinematics(model, aligned)
+    T[[8, 30], :3, 3] *= 50.0  # out of reach
+    fresh = fb.inverse_kinematics(fb.load("ur5e"), T)  # all of them the careful way
+    fb.inverse_kinematics(model, T[:2])
+    seen, closer = [], by_closed_form.by_closed_form
+    monkeypatch.setattr(
+        "freebody.inverse.quick_answer.by_closed_form",
+        lambda problem, form: seen.append(len(problem.target)) or closer(problem, form),
+    )
+    found = fb.inverse_kinematics(model, T.reshape(6, 10, 4, 4))
+    assert seen == [4]  # 1e-4 is clear
+    assert found.q.shape == (6, 10, *fresh.q.shape[1:])
+    for name in ("q", "residual", "within_limits", "distance", "valid", "branches", "count"):
+        one, other = getattr(found, name), getattr(fresh, name)
+        np.testing.assert_array_equal(one.reshape(other.shape), other, err_msg=name)
+    assert found.notes == fresh.notes
+    assert any(note.startswith("Target 8: ") for note in found.notes)
+    assert (found.distance.ravel()[[8, 30]] > 1.0).all()
+    bad = T.copy()
+    bad[5, 0, 0] = np.nan
+    with pytest.raises(fb.FreebodyError, match=r"target is nan at sample \(5, 0\)"):
+        fb.inverse_kinematics(model, bad)
+    bad[5] = 2.0 * T[5]
+    with pytest.raises(fb.FreebodyError, match="target is not a pose"):
+        fb.inverse_kinematics(model, bad)

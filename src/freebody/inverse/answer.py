@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,19 +14,37 @@ from freebody.inverse.solutions import Solutions, within
 from freebody.inverse.workspace import Away, distances
 
 
+class Numbered(NamedTuple):
+    """Which of `count` targets some are (N,)."""
+
+    rows: np.ndarray
+    count: int
+
+    def sentences(self, sentence: Callable[[int], str], of: np.ndarray) -> list[str]:
+        """One on each of these, with its number where there are several targets; three of them at
+        most."""
+        if self.count == 1:
+            return [sentence(k) for k in range(len(of))]
+        shown = [f"Target {row}: {sentence(k)}" for k, row in enumerate(self.rows[of[:3]])]
+        return [*shown, f"… and {len(of) - 3} more targets."] if len(of) > 3 else shown
+
+
 def gathered(
     problem: Problem,
     form: ClosedFormArm | None,
     found: Found,
     batch: tuple[int, ...],
     away: Callable[[Array], Away] | None = None,
+    numbered: Numbered | None = None,
 ) -> Solutions:
     """The solutions of all targets in arrays of the batch, those out of reach with their distance
     and a sentence.
 
-    away: how far targets are out of reach; by default as of an open chain.
+    away: how far targets are out of reach; by default as of an open chain. numbered: as which the
+    targets are spoken of, where they are some of more.
     """
     solver, N = problem.solver, len(problem.target)
+    numbered = Numbered(np.arange(N), N) if numbered is None else numbered
     there = np.isfinite(found.miss)
     fine = there & within(solver, found.q)
     chosen = fine if problem.limits == "drop" else there
@@ -42,8 +60,8 @@ def gathered(
     if len(lost):
         part = problem.part(lost)
         distance[lost], sentence = away(part.target) if away else distances(part, form)
-        notes += _each_once(sentence, lost, N)
-    notes += _each_once(*_dropped(problem, found, there, chosen), N)
+        notes += numbered.sentences(sentence, lost)
+    notes += numbered.sentences(*_dropped(problem, found, there, chosen))
     fields: dict[str, Any] = {
         "q": q.reshape(*batch, k, solver.model.nq),
         "residual": residual.reshape(*batch, k),
@@ -80,11 +98,3 @@ def _dropped(
         )
 
     return sentence, rows
-
-
-def _each_once(sentence: Callable[[int], str], rows: np.ndarray, N: int) -> list[str]:
-    """Sentences, with their samples where there are several targets; three of them at most."""
-    if N == 1:
-        return [sentence(k) for k in range(len(rows))]
-    shown = [f"Target {row}: {sentence(k)}" for k, row in enumerate(rows[:3])]
-    return [*shown, f"… and {len(rows) - 3} more targets."] if len(rows) > 3 else shown

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from freebody.algorithms.closed_form_inverse.choose_recipe import recipe_for
-from freebody.algorithms.closed_form_inverse.near_reference import CLEAR
 from freebody.algorithms.closed_form_inverse.solve import Branches
 from freebody.arrays import Array
 from freebody.inverse.branch_kernel import branch_kernel, counted
@@ -16,6 +15,9 @@ from freebody.inverse.closed_form import ClosedFormArm, over_arrays
 from freebody.inverse.many_starts import by_search
 from freebody.inverse.problem import Found, Problem, found_in_turn
 from freebody.inverse.solutions import verified
+
+_NEARLY = 1e-6
+"""How near (relative) a joint may be to standing anywhere, for a search of its other positions."""
 
 
 def by_closed_form(problem: Problem, form: ClosedFormArm) -> Found:
@@ -56,7 +58,7 @@ def _by_steps(problem: Problem, form: ClosedFormArm) -> tuple[Found, np.ndarray]
     # with fewer joints than rows a joint that could stand anywhere, or nearly so, gives one member
     # of a family, of which another may have the rows that are left over
     if len(solver.task.rows) > len(chain.screws):
-        rows = found.lost[(np.abs(clear[found.lost]) < CLEAR).any(axis=1)]
+        rows = found.lost[(np.abs(clear[found.lost]) < _NEARLY).any(axis=1)]
         if len(rows):
             found = found.with_rows(rows, by_search(problem.part(rows)))
     return found, loose

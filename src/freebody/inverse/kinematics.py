@@ -158,7 +158,10 @@ def _form(problem: Problem) -> ClosedFormArm | None:
     solver = problem.solver
     if solver.model.loops:
         return None
-    form = closed_form_for(solver.model, solver.frame, solver.task)
+    facts, name = solver.model.facts, f"closed form for {solver.task.rows} of {solver.frame!r}"
+    if name not in facts:
+        facts.setdefault(name, closed_form_for(solver.model, solver.frame, solver.task))
+    form: ClosedFormArm | None = facts[name]
     return form if form is not None and form.serves(problem.target) else None
 
 

@@ -8,11 +8,15 @@ from typing import Any
 
 import numpy as np
 
+from freebody.arrays import Array
+from freebody.errors import FreebodyError
+from freebody.inverse.answer import Numbered, gathered
 from freebody.inverse.branch_kernel import branch_kernel
-from freebody.inverse.by_closed_form import notes
+from freebody.inverse.by_closed_form import by_closed_form, notes
 from freebody.inverse.closed_form import ClosedFormArm
 from freebody.inverse.problem import Problem
 from freebody.inverse.solutions import Solutions
+from freebody.inverse.task import read_target
 from freebody.targets import Kernel
 
 _NONE = np.zeros(())
@@ -22,6 +26,9 @@ Answer = Callable[[Any, Any, Any], Solutions | None]
 """(target, q0, redundancy) -> the solutions; None where something has to be looked at: the
 arguments, or a target without solution or next to a singular one."""
 
+
+_PART = 0.5
+"""Of the targets: so many at most are looked at closer by themselves."""
 
 UNCLEAR = (KeyError, TypeError, ValueError, IndexError, AttributeError)
 """What looking for an answer, or asking it, raises where an argument is not plain: whoever looks
@@ -73,11 +80,7 @@ def _answering(kernel: Kernel, form: ClosedFormArm, own: Problem) -> Answer:
         else:
             return None
         if type(count) is array:
-            if not count.size or not count.min() >= 1.0:
-                return None
-            k = int(count.max())
-            others = alike | {"distance": np.zeros(count.shape)}
-            return Solutions.of_kernel(names, q[..., :k, :], residual[..., :k], within, others)
+            return _of_batch(own, form, alike, (target, q0, held), (q, residual, within, count))
         if not count >= 1.0:
             return None
         if count < every:
@@ -86,3 +89,64 @@ def _answering(kernel: Kernel, form: ClosedFormArm, own: Problem) -> Answer:
         return Solutions.of_kernel(names, q, residual, within, alike)
 
     return answer
+
+
+def _of_batch(
+    own: Problem,
+    form: ClosedFormArm,
+    alike: dict[str, Any],
+    given: tuple[Array, Array | None, Any],
+    arrays: tuple[Array, ...],
+) -> Solutions | None:
+    """The answer from what the kernel found (q, residual, within, count) of the targets, q0 and
+    held positions that were given; those that are not clear to it looked at closer."""
+    q, residual, within, count = arrays
+    if not count.size:
+        return None
+    others = alike | {"distance": np.zeros(count.shape)}
+    if not count.min() >= 1.0:
+        looked = _closer(own, form, given, arrays)
+        if looked is None:
+            return None
+        others |= looked
+    k = int(count.max())
+    return Solutions.of_kernel(form.names, q[..., :k, :], residual[..., :k], within, others)
+
+
+def _closer(
+    own: Problem,
+    form: ClosedFormArm,
+    given: tuple[Array, Array | None, Any],
+    arrays: tuple[Array, ...],
+) -> dict[str, Any] | None:
+    """Look closer at those targets of a batch that are not clear to the kernel, and put what is
+    found into its arrays (q, residual, within, count); the distances and notes then. None where
+    they are many, or one of them is no target: that is said of all together."""
+    (target, q0, held), (q, residual, within, counted) = given, arrays
+    batch, rows = counted.shape, np.flatnonzero(~(counted.ravel() >= 1.0))
+    if len(rows) > _PART * counted.size:
+        return None
+    core = target.shape[target.ndim - (2 if form.branches.kind == "pose" else 1) :]
+    some = np.broadcast_to(target, (*batch, *core)).reshape(-1, *core)[rows]
+    place = None if held is None else np.broadcast_to(held, batch).reshape(-1)[rows]
+    if place is not None and not np.isfinite(place).all():
+        return None
+    try:
+        _, poses = read_target("inverse_kinematics", own.solver.model, some, form.branches.kind)
+    except FreebodyError:
+        return None
+    problem = replace(own, q0=q0, target=form.complete(poses), held=place)
+    numbered = Numbered(rows, counted.size)
+    found = gathered(problem, form, by_closed_form(problem, form), (len(rows),), numbered=numbered)
+    k, every = len(found), residual.shape[-1]
+    if k > every:
+        return None
+    values = found.q, found.residual, found.within_limits
+    for array, value in zip((q, residual, within), values, strict=True):
+        flat = array.reshape(-1, *array.shape[len(batch) :])
+        flat[rows] = np.nan
+        flat[rows, :k] = value
+    counted.flat[rows] = found.count
+    distance = np.zeros(batch)
+    distance.flat[rows] = found.distance
+    return {"distance": distance, "notes": found.notes}

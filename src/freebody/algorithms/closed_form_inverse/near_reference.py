@@ -24,7 +24,7 @@ from freebody.elementary import (
 )
 from freebody.spatial import Matrix, Vector, dot, identity, plus, product, scale, space, transposed
 
-CLEAR = 1e-6
+CLEAR = 1e-9
 """By how much (relative) a branch must clear its bounds, to be one for sure or none."""
 
 ORTHOGONAL = 1e-6
