@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody.errors import SingularError
 from freebody.model.description import Drive
 from support.branched import MODELS
 
@@ -116,6 +117,8 @@ def test_rows_that_cannot_be_are_refused():
         fb.operational_space_inertia(model, [0.1, 0.2])
     with pytest.raises(fb.FreebodyError, match="2 joint coordinates and cannot move a frame"):
         fb.kernel(model, "operational_space_bias")  # its numbers were 1e15
+    with pytest.raises(SingularError, match="no joint of 'RR' ever moves frame 'tip' along vz"):
+        fb.operational_space_inertia(model.to_space(), [0.1, 0.2], rows=["vx", "vz"])
     with pytest.raises(fb.FreebodyError, match=r"no row 'vz' in rows=.*Rows: vx, vy, w"):
         fb.operational_space_inertia(model, [0.1, 0.2], rows=["vz"])
     with pytest.raises(fb.FreebodyError, match=r"frame 'tip' of 'RR' is at a singularity"):
@@ -184,3 +187,36 @@ def test_numpy_kernels_do_not_cut_numbers_off():
     n = MODELS["planar"]().nv
     with pytest.raises(TypeError, match=r"^bias: out holds int64 values, expected float64"):
         kernel(np.zeros(n), np.zeros(n), out=np.zeros(n, dtype=int))
+
+
+def test_a_few_samples_next_to_a_singularity_are_looked_at_alone():
+    """All were put through a singular value decomposition: 3 µs a sample instead of 0.1."""
+    model = fb.load("ur5e")
+    q, qd, _ = fb.random_state(model, 4, 64)
+    q[[5, 40], 4] = 1e-2, -1e-8  # the axes of the wrist in line, but for these angles
+    J, M = fb.jacobian(model, q), fb.mass_matrix(model, q)
+    drift = fb.jacobian_dot(model, q, qd) @ qd[..., None]
+    inverse = np.linalg.inv(J @ np.linalg.solve(M, np.swapaxes(J, -1, -2)))
+    rest = J @ np.linalg.solve(M, fb.bias(model, q, qd)[..., None]) - drift
+    for found, expected in (
+        (fb.operational_space_inertia(model, q), inverse),
+        (fb.operational_space_bias(model, q, qd)[..., None], inverse @ rest),
+    ):
+        size = np.abs(expected).max(axis=(1, 2))
+        off = np.abs(found - expected).max(axis=(1, 2)) / size
+        assert off[40] < 1e-2  # of 1e14 times the largest
+        assert np.delete(off, 40).max() < 1e-6
+        assert np.isfinite(found).all()
+    alone = [fb.operational_space_inertia(model, x) for x in q]
+    np.testing.assert_array_equal(fb.operational_space_inertia(model, q), alone)
+    kernel = fb.kernel(model, "operational_space_inertia")(q)
+    assert np.isnan(kernel[40]).all()
+    assert np.isfinite(kernel[:40]).all()
+    q[40, 4] = 0.0
+    for again in (q, q.reshape(8, 8, 6)):
+        at = r"40" if again is q else r"\(5, 0\)"
+        with pytest.raises(SingularError, match=f"is at a singularity at sample {at}: "):
+            fb.operational_space_inertia(model, again)
+    q[40, 4] = np.nan
+    with pytest.raises(fb.FreebodyError, match="q is nan"):
+        fb.operational_space_inertia(model, q)

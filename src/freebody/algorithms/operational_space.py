@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import operator
 from functools import reduce
+from typing import Any
 
 from freebody.algorithms.crba import bias, composites, crba, factor, momentum_of, substitute
 from freebody.algorithms.kinematics import (
@@ -15,7 +16,7 @@ from freebody.algorithms.kinematics import (
     outward,
     world_poses,
 )
-from freebody.elementary import Scalar
+from freebody.elementary import Scalar, less, sqrt, where
 from freebody.model.tree import Tree
 from freebody.spatial import (
     Matrix,
@@ -62,8 +63,41 @@ def operational_space(
     return inertia, times(inertia, rest)
 
 
-def inverse_of_symmetric(A: Matrix) -> Matrix:
-    """A⁻¹ of a positive definite matrix, by LDLᵀ without pivoting."""
+def where_sure(
+    tree: Tree, q: Vector, frame: str, rows: tuple[int, ...], values: Vector | Matrix
+) -> Any:
+    """Values that ask for independent rows of a frame's Jacobian; NaN where these are not surely
+    independent."""
+    J = tuple(jacobian(tree, q, frame)[r] for r in rows)
+    none = sqrt(surely_independent(J) - 0.5)  # NaN, which is no constant of a program
+
+    def shown(x: Any) -> Any:
+        return tuple(map(shown, x)) if isinstance(x, tuple) else where(less(0.0, none), x, none)
+
+    return shown(tuple(values))
+
+
+INDEPENDENT = 1e-6
+"""Smallest singular value, relative to the largest, of rows that are surely independent."""
+
+
+def surely_independent(J: Matrix) -> Scalar:
+    """1 where the ratio of the smallest to the largest singular value of J is surely above
+    `INDEPENDENT`, else 0.
+
+    By the means of the eigenvalues of J Jᵀ, smallest / largest is at least (n - 1)ⁿ⁻¹ det / traceⁿ.
+    """
+    n = len(J)
+    gram = symmetric(n, lambda i, j: dot(J[i], J[j]))
+    each = 1.0 / reduce(operator.add, (gram[k][k] for k in range(n)))
+    bound: Scalar = float(max(n - 1, 1) ** (n - 1))
+    for pivot in _factors(gram)[1]:
+        bound = bound * (pivot * each)
+    return less(INDEPENDENT**2, bound)
+
+
+def _factors(A: Matrix) -> tuple[list[list[Scalar]], list[Scalar], list[Scalar]]:
+    """(L, D, D⁻¹) of a symmetric matrix, without pivoting."""
     n = len(A)
     L: list[list[Scalar]] = [[0.0] * n for _ in range(n)]
     pivots: list[Scalar] = []
@@ -77,6 +111,12 @@ def inverse_of_symmetric(A: Matrix) -> Matrix:
         inverse.append(1.0 / column[j])
         for i in range(j, n):
             L[i][j] = 1.0 if i == j else column[i] * inverse[j]
+    return L, pivots, inverse
+
+
+def inverse_of_symmetric(A: Matrix) -> Matrix:
+    """A⁻¹ of a positive definite matrix, by LDLᵀ without pivoting."""
+    n, (L, _, inverse) = len(A), _factors(A)
     # L⁻¹ by columns, then A⁻¹ = L⁻ᵀ D⁻¹ L⁻¹
     rows: list[list[Scalar]] = [[1.0 if i == j else 0.0 for j in range(n)] for i in range(n)]
     for i in range(n):

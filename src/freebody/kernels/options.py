@@ -116,9 +116,14 @@ def _require_axes(listed: Sequence[str], reference: str) -> None:
         raise UnknownNameError("reference", reference, "reference=", common)
 
 
+def motion_row_names(model: Model) -> tuple[str, ...]:
+    """Names of the rows of a frame's motion."""
+    return ("vx", "vy", "vz", "wx", "wy", "wz") if model.dim == 3 else ("vx", "vy", "w")
+
+
 def motion_rows(model: Model, rows: Sequence[str] | None) -> tuple[int, ...]:
     """Indices of rows of a frame's motion by name; None is all of them."""
-    names = ("vx", "vy", "vz", "wx", "wy", "wz") if model.dim == 3 else ("vx", "vy", "w")
+    names = motion_row_names(model)
     if rows is not None and (isinstance(rows, str) or not len(rows) or len(set(rows)) < len(rows)):
         raise FreebodyError(
             f"rows is {rows!r}, expected one or several of {', '.join(names)}, each once."

@@ -4,6 +4,7 @@ parameters."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,18 +14,20 @@ from freebody.algorithms.regressor import parameter_values
 from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
-from freebody.kernels.options import motion_rows, require_few_rows
+from freebody.kernels.options import motion_row_names, motion_rows, require_few_rows
 from freebody.model.derived_facts import fact
 from freebody.model.inertial_parameters import parameter_names
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.model.tree import about_origin
 from freebody.spatial import of_dimension
-from freebody.trees.dynamics import where_all_move_mass
-from freebody.trees.kinematics import jacobian
+from freebody.trees.closer_looks import looking_closer
+from freebody.trees.dynamics import bias, mass_matrix, where_all_move_mass
+from freebody.trees.kinematics import jacobian, jacobian_dot
 from freebody.trees.massless_joints import refuse_massless
 from freebody.trees.passive_joints import refuse_passive
 from freebody.trees.public_calls import Vector, careful, evaluate
+from freebody.trees.states import random_state
 
 
 def mass_matrix_inverse(model: Model, q: Vector) -> Array:
@@ -45,9 +48,8 @@ def operational_space_inertia(
     """
     require_model("operational_space_inertia", model)
     option = operational_option(model, frame, rows, "operational_space_inertia")
-    result = evaluate(("operational_space_inertia", option), model, (q,), as_it_is)
-    refuse_dependent_rows("operational_space_inertia", model, q, option)
-    return result
+    key = "operational_space_inertia", option
+    return evaluate(key, model, (q,), as_it_is, None, _INERTIA)
 
 
 def operational_space_bias(
@@ -60,9 +62,8 @@ def operational_space_bias(
     """
     require_model("operational_space_bias", model)
     option = operational_option(model, frame, rows, "operational_space_bias")
-    result = evaluate(("operational_space_bias", option), model, (q, qd), as_it_is)
-    refuse_dependent_rows("operational_space_bias", model, q, option)
-    return result
+    key = "operational_space_bias", option
+    return evaluate(key, model, (q, qd), as_it_is, None, _BIAS)
 
 
 def operational_option(
@@ -72,6 +73,17 @@ def operational_option(
     refuse_massless(model, function)
     option = Option(model.frame(frame).name, rows=motion_rows(model, rows))
     require_few_rows(function, model, option.rows)
+    facts, place = model.facts, f"rows in which {option.frame!r} moves"
+    if place not in facts:
+        q, _, _ = random_state(model, 0, 4)
+        J = jacobian(model, q, option.frame)
+        facts.setdefault(place, np.abs(J).max(axis=tuple({*range(J.ndim)} - {J.ndim - 2})) > 0.0)
+    for row in option.rows:
+        if not facts[place][row]:
+            raise SingularError(
+                f"{function}: no joint of {model.name!r} ever moves frame {option.frame!r} along "
+                f"{motion_row_names(model)[row]}; leave that row out (rows=)."
+            )
     return option
 
 
@@ -82,15 +94,41 @@ def as_it_is(model: Model, option: Option) -> Option:
 
 def refuse_dependent_rows(function: str, model: Model, q: Vector, option: Option) -> None:
     """Raise SingularError where the arm cannot move the frame along all rows."""
+    option = Option(option.frame, rows=option.rows)
+    answer = looking_closer(partial(_inertia, function))
+    evaluate(("operational_space_inertia", option), model, (q,), as_it_is, None, answer)
+
+
+def _inertia(function: str, model: Model, option: Option, at: Array, q: Array) -> Array:
+    """Λ (k, …, r, r), where the arm can move the frame along all rows; at: of the samples."""
     J = jacobian(model, q, option.frame)[..., option.rows, :]
     values = np.linalg.svd(J, compute_uv=False)
-    singular = np.argwhere(values[..., -1] <= 1e-10 * values[..., 0])
+    singular = np.argwhere(values[..., -1] <= _DEPENDENT * values[..., 0])
     if len(singular):
+        first, *member = singular[0]
         raise SingularError(
             f"{function}: frame {option.frame!r} of {model.name!r} is at a "
-            f"singularity{at_sample(singular[0])}: "
+            f"singularity{at_sample((*at[first], *member))}: "
             "the rows of its Jacobian are linearly dependent. Choose fewer rows, or another q."
         )
+    return np.linalg.inv(J @ np.linalg.solve(mass_matrix(model, q), np.swapaxes(J, -1, -2)))
+
+
+def _bias(model: Model, option: Option, at: Array, q: Array, qd: Array) -> Array:
+    inertia = _inertia("operational_space_bias", model, option, at, q)
+    J, drift = (
+        x[..., option.rows, :]
+        for x in (jacobian(model, q, option.frame), jacobian_dot(model, q, qd, option.frame))
+    )
+    torque = bias(model, q, qd)
+    rest = J @ np.linalg.solve(mass_matrix(model, q), torque[..., None]) - drift @ qd[..., None]
+    return (inertia @ rest)[..., 0]
+
+
+_INERTIA = looking_closer(partial(_inertia, "operational_space_inertia"))
+_BIAS = looking_closer(_bias)
+_DEPENDENT = 1e-10
+"""Smallest singular value, relative to the largest, of rows that depend on one another."""
 
 
 def centroidal_momentum_matrix(model: Model, q: Vector) -> Array:

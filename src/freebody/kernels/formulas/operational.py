@@ -2,20 +2,34 @@
 
 from __future__ import annotations
 
-from freebody.algorithms.operational_space import centroidal_momentum_matrix, operational_space
+from typing import Any
+
+from freebody.algorithms.operational_space import (
+    centroidal_momentum_matrix,
+    operational_space,
+    where_sure,
+)
 from freebody.kernels.formulas.choices import frame_of
-from freebody.kernels.formulas.record import Formula, Output
+from freebody.kernels.formulas.record import Formula, Option, Output
 from freebody.model.doubts import INERTIAL
+from freebody.model.tree import Tree
+from freebody.spatial import Matrix, Vector
+
+
+def _sure(t: Tree, o: Option, q: Vector, values: Vector | Matrix) -> tuple[Any]:
+    return (where_sure(t, q, frame_of(o), o.rows, values),)
+
 
 FORMULAS = {
     "operational_space_inertia": Formula(
         ("q",),
         {
             "Lambda": Output(
-                ("rows", "rows"), "inertia of the motion of the frame (kg, kg m, kg m^2)"
+                ("rows", "rows"),
+                "inertia of the motion of the frame; NaN next to a singularity (kg, kg m, kg m^2)",
             )
         },
-        lambda t, o, q: operational_space(t, q, None, frame_of(o), o.rows)[:1],
+        lambda t, o, q: _sure(t, o, q, operational_space(t, q, None, frame_of(o), o.rows)[0]),
         of_frame=True,
         of_rows=True,
         free_rows=True,
@@ -23,8 +37,13 @@ FORMULAS = {
     ),
     "operational_space_bias": Formula(
         ("q", "qd"),
-        {"mu": Output(("rows",), "bias of the motion of the frame: force, then moment (N, N m)")},
-        lambda t, o, q, qd: operational_space(t, q, qd, frame_of(o), o.rows)[1:],
+        {
+            "mu": Output(
+                ("rows",),
+                "bias of the motion of the frame: force, then moment; NaN as Lambda (N, N m)",
+            )
+        },
+        lambda t, o, q, qd: _sure(t, o, q, operational_space(t, q, qd, frame_of(o), o.rows)[1]),
         of_frame=True,
         of_rows=True,
         free_rows=True,

@@ -1,0 +1,44 @@
+"""Samples that are not clear to a kernel: it says NaN there, and these alone are looked at closer,
+in one further batch; the others are never looked at again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.kernels import structural
+from freebody.kernels.formulas import FORMULAS, Option
+from freebody.model.model import Model
+from freebody.trees.public_calls import checked_inputs
+
+
+class Look(Protocol):
+    """What a quantity is, found with care: at samples (k,) of its inputs, of a family (k, *family);
+    at: the index of each in the whole batch, for errors."""
+
+    def __call__(self, model: Model, option: Option, at: Array, *inputs: Array) -> Array: ...
+
+
+def looking_closer(look: Look) -> Callable[..., Any]:
+    """What answers instead of `public_calls.careful` for a quantity of one output whose kernel says
+    NaN where it is not sure."""
+
+    def answer(key: Any, model: Model, inputs: tuple[Any, ...], *_: Any) -> Any:
+        function, option = key
+        given = dict(zip(FORMULAS[function].inputs, inputs, strict=True))
+        _, arrays = checked_inputs(function, model, given, None)
+        bound = structural.fetch(model, (function,), option)
+        model.compiled[key] = bound.checked(every=True)
+        result = bound(*arrays)
+        batch = arrays[0].shape[:-1]
+        lead = batch[: len(batch) - len(model.family)]
+        clear = np.isfinite(result).reshape(*lead, -1).all(axis=-1)
+        if not clear.all():
+            at = np.argwhere(~clear)
+            result[~clear] = look(model, option, at, *(x[~clear] for x in arrays))
+        return result
+
+    return answer
