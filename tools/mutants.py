@@ -238,12 +238,16 @@ def _other_constant(node: ast.Constant, span: Span, raw: bytes) -> Change:
     return None
 
 
+_ONE_WAY = ("isinstance", "map", "getattr", "cast", "add", "dot", "maximum", "minimum")
+"""Functions that do not run with their arguments the other way round, or do the same."""
+
+
 def _swapped_arguments(node: ast.Call, span: Span, raw: bytes) -> Change:
     """The first two arguments, in the other order."""
     if len(node.args) < 2 or any(isinstance(x, ast.Starred) for x in node.args[:2]):
         return None
-    if isinstance(node.func, ast.Name) and node.func.id in ("isinstance", "map", "getattr", "cast"):
-        return None  # nothing runs with these the other way round
+    if isinstance(node.func, ast.Name) and node.func.id in _ONE_WAY:
+        return None
     (start, end), (begin, stop) = map(span, node.args[:2])
     one, between, other = raw[start:end], raw[end:begin], raw[begin:stop]
     if one == other:
@@ -280,9 +284,11 @@ def drawn(seed: int, count: int, only: str | None) -> list[tuple[Area, Mutant]]:
     return found
 
 
-def survives(area: Area, mutant: Mutant, first: int | None = None) -> tuple[bool, str]:
-    """Whether all tests of the area, or of its first files, pass with the mutant, and the first
-    that does not."""
+def survives(
+    area: Area, mutant: Mutant, first: int | None = None, named: str | None = None
+) -> tuple[bool, str]:
+    """Whether all tests of the area, of its first files, or of those that are named, pass with the
+    mutant, and the first that does not."""
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
         for part in ("src", "tests"):
@@ -292,7 +298,10 @@ def survives(area: Area, mutant: Mutant, first: int | None = None) -> tuple[bool
         target = work / mutant.path.relative_to(ROOT)
         raw = target.read_bytes()
         target.write_bytes(raw[: mutant.start] + mutant.text.encode() + raw[mutant.stop :])
-        tests = list(map(str, _tests(area, mutant.path, work / "tests")))[:first]
+        if named is None:
+            tests = list(map(str, _tests(area, mutant.path, work / "tests")))[:first]
+        else:
+            tests = [str(work / f"tests/test_{name}.py") for name in named.split(",")]
         environment = {
             **os.environ,
             "PYTHONPATH": str(work / "src"),
@@ -370,6 +379,7 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--list", action="store_true", help="say what would be run")
     parser.add_argument("--first", type=int, help="of each mutant's test files only so many")
+    parser.add_argument("--tests", help="test files instead of the area's: closed_dynamics,laws")
     options = parser.parse_args()
     if left_out := outside():
         parser.error(f"in no area: {', '.join(map(str, left_out))}")
@@ -388,7 +398,7 @@ def main() -> int:
     alive = 0
     with ThreadPoolExecutor(options.jobs) as pool:
         for (area, mutant), (lives, why) in zip(
-            chosen, pool.map(lambda x: survives(*x, options.first), chosen), strict=True
+            chosen, pool.map(lambda x: survives(*x, options.first, options.tests), chosen), strict=True
         ):
             alive += lives
             print(
