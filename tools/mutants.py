@@ -398,7 +398,9 @@ def main() -> int:
     alive = 0
     with ThreadPoolExecutor(options.jobs) as pool:
         for (area, mutant), (lives, why) in zip(
-            chosen, pool.map(lambda x: survives(*x, options.first, options.tests), chosen), strict=True
+            chosen,
+            pool.map(lambda x: survives(*x, options.first, options.tests), chosen),
+            strict=True,
         ):
             alive += lives
             print(

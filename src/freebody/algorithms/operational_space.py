@@ -34,8 +34,8 @@ from freebody.spatial import (
 
 def mass_matrix_inverse(tree: Tree, q: Vector) -> Matrix:
     """M⁻¹, nv × nv."""
-    factors = factor(tree, crba(tree, q))
-    columns = [substitute(tree, factors, unit) for unit in identity(tree.nv)]
+    factored = factor(tree, crba(tree, q))
+    columns = [substitute(tree, factored, unit) for unit in identity(tree.nv)]
     return symmetric(tree.nv, lambda i, j: columns[j][i])
 
 
@@ -49,8 +49,8 @@ def operational_space(
     independent.
     """
     J = tuple(jacobian(tree, q, frame)[r] for r in rows)
-    factors = factor(tree, crba(tree, q))
-    solved = [substitute(tree, factors, row) for row in J]
+    factored = factor(tree, crba(tree, q))
+    solved = [substitute(tree, factored, row) for row in J]
     mobility = symmetric(len(rows), lambda i, j: dot(J[i], solved[j]))
     inertia = inverse_of_symmetric(mobility)
     if qd is None:
@@ -81,9 +81,8 @@ INDEPENDENT = 1e-6
 """Smallest singular value, relative to the largest, of rows that are surely independent."""
 
 
-def surely_independent(J: Matrix) -> Scalar:
-    """1 where the ratio of the smallest to the largest singular value of J is surely above
-    `INDEPENDENT`, else 0.
+def surely_independent(J: Matrix, ratio: float = INDEPENDENT) -> Scalar:
+    """1 where the smallest singular value of J is surely above a ratio of the largest, else 0.
 
     By the means of the eigenvalues of J Jᵀ, smallest / largest is at least (n - 1)ⁿ⁻¹ det / traceⁿ.
     """
@@ -91,12 +90,12 @@ def surely_independent(J: Matrix) -> Scalar:
     gram = symmetric(n, lambda i, j: dot(J[i], J[j]))
     each = 1.0 / reduce(operator.add, (gram[k][k] for k in range(n)))
     bound: Scalar = float(max(n - 1, 1) ** (n - 1))
-    for pivot in _factors(gram)[1]:
+    for pivot in factors(gram)[1]:
         bound = bound * (pivot * each)
-    return less(INDEPENDENT**2, bound)
+    return less(ratio**2, bound)
 
 
-def _factors(A: Matrix) -> tuple[list[list[Scalar]], list[Scalar], list[Scalar]]:
+def factors(A: Matrix) -> tuple[list[list[Scalar]], list[Scalar], list[Scalar]]:
     """(L, D, D⁻¹) of a symmetric matrix, without pivoting."""
     n = len(A)
     L: list[list[Scalar]] = [[0.0] * n for _ in range(n)]
@@ -116,7 +115,7 @@ def _factors(A: Matrix) -> tuple[list[list[Scalar]], list[Scalar], list[Scalar]]
 
 def inverse_of_symmetric(A: Matrix) -> Matrix:
     """A⁻¹ of a positive definite matrix, by LDLᵀ without pivoting."""
-    n, (L, _, inverse) = len(A), _factors(A)
+    n, (L, _, inverse) = len(A), factors(A)
     # L⁻¹ by columns, then A⁻¹ = L⁻ᵀ D⁻¹ L⁻¹
     rows: list[list[Scalar]] = [[1.0 if i == j else 0.0 for j in range(n)] for i in range(n)]
     for i in range(n):

@@ -4,20 +4,24 @@ wanted."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.algorithms.screws import arm_length
-from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
+from freebody.arrays import Array, as_floats, at_sample, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, SingularError, warn
 from freebody.inverse.task import combined_rates, row_names, rows_of
+from freebody.kernels.formulas import Option
 from freebody.labels import aligned, labels_of
 from freebody.model.model import Model
 from freebody.model.model_argument import require_one
+from freebody.trees.closer_looks import looking_closer
 from freebody.trees.kinematics import jacobian, jacobian_dot
-from freebody.trees.public_calls import Vector, common_batch, finite_vector
+from freebody.trees.operational_space import as_it_is
+from freebody.trees.public_calls import Vector, common_batch, evaluate, finite_vector
 
 SINGULAR = 1e-10
 """A ratio of smallest to largest singular value (lengths over the arm's) below which the Jacobian
@@ -87,6 +91,11 @@ def _solved(
         )
     name = model.frame(frame).name
     rows, wanted = _wanted(function, model, letter, given, task)
+    if damping is None and len(rows) <= model.nv:
+        option = Option(name, rows=tuple(rows))
+        inputs = (q, wanted) if qd is None else (q, qd, wanted)
+        answer = looking_closer(partial(_closer, function, letter), {f"{letter}_ref": letter})
+        return evaluate((function, option), model, inputs, as_it_is, None, answer)
     J = jacobian(model, finite_vector(function, model, "q", q), name)[..., rows, :]
     if qd is not None:
         rates = finite_vector(function, model, "qd", qd)
@@ -101,6 +110,19 @@ def _solved(
         np.broadcast_to(wanted, (*batch, len(rows))),
         damping,
     )
+
+
+def _closer(
+    function: str, letter: str, model: Model, option: Option, at: Array, q: Array, *others: Array
+) -> Array:
+    """The same of samples that are not clear to a kernel; at: of each, for errors."""
+    name, rows = str(option.frame), list(option.rows)
+    J, (*rates, wanted) = jacobian(model, q, name)[..., rows, :], others
+    for qd in rates:
+        drift = jacobian_dot(model, q, qd, name)[..., rows, :] @ qd[..., None]
+        wanted = wanted - drift[..., 0]
+    _refuse_too_few(function, model, name, J, rows)
+    return _inverted(_JacobianRows(function, model, name, rows, letter), J, wanted, None, at)
 
 
 def _wanted(
@@ -171,15 +193,17 @@ def _refuse_too_few(function: str, model: Model, frame: str, J: Array, rows: lis
     )
 
 
-def _inverted(problem: _JacobianRows, J: Array, wanted: Array, damping: float | None) -> Array:
-    """Σ σ / (σ² + λ²) v uᵀ wanted, λ = 0 but near a singularity."""
+def _inverted(
+    problem: _JacobianRows, J: Array, wanted: Array, damping: float | None, at: Array | None = None
+) -> Array:
+    """Σ σ / (σ² + λ²) v uᵀ wanted, λ = 0 but near a singularity; at: of the samples among more."""
     U, sigma, Vt = np.linalg.svd(problem.scale[:, None] * J, full_matrices=False)
     if sigma.shape[-1] == 0 or not wanted.size:
         return np.zeros((*wanted.shape[:-1], J.shape[-1]))
     singular = sigma[..., -1] <= SINGULAR * np.maximum(sigma[..., 0], 1e-300)
     if damping is None:
         if np.any(singular):
-            _refuse_singular(problem, U, np.asarray(singular))
+            _refuse_singular(problem, U, np.asarray(singular), at)
         gain = 1.0 / sigma
     else:
         short = np.maximum(1.0 - (sigma / damping) ** 2, 0.0)
@@ -191,14 +215,16 @@ def _inverted(problem: _JacobianRows, J: Array, wanted: Array, damping: float | 
     return rates
 
 
-def _refuse_singular(problem: _JacobianRows, U: Array, singular: np.ndarray) -> None:
+def _refuse_singular(
+    problem: _JacobianRows, U: Array, singular: np.ndarray, places: Array | None
+) -> None:
     at = tuple(int(i) for i in np.argwhere(singular)[0]) if np.ndim(singular) else ()
-    where = f" at sample {at[0] if len(at) == 1 else at}" if at else ""
+    place = at if places is None else tuple(places[at[0]])
     lost = U[(*at, slice(None), -1)] * problem.scale  # lost · J = 0
     lost = lost / lost[np.argmax(np.abs(lost))]
     raise SingularError(
-        f"{problem.function}: the Jacobian is singular{where}: {problem.frame} has lost a degree "
-        f"of freedom: every motion that the joints can give it satisfies "
+        f"{problem.function}: the Jacobian is singular{at_sample(place)}: {problem.frame} has lost "
+        f"a degree of freedom: every motion that the joints can give it satisfies "
         f"{combined_rates(lost, problem.names)} = 0. Leave out a row (task=), or give damping=0.05 "
         f"for the nearest possible motion."
     )

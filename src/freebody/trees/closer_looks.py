@@ -3,7 +3,8 @@ in one further batch; the others are never looked at again."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any, Protocol
 
 import numpy as np
@@ -22,14 +23,16 @@ class Look(Protocol):
     def __call__(self, model: Model, option: Option, at: Array, *inputs: Array) -> Array: ...
 
 
-def looking_closer(look: Look) -> Callable[..., Any]:
+def looking_closer(
+    look: Look, called: Mapping[str, str] = MappingProxyType({})
+) -> Callable[..., Any]:
     """What answers instead of `public_calls.careful` for a quantity of one output whose kernel says
-    NaN where it is not sure."""
+    NaN where it is not sure. called: see `public_calls.checked_inputs`."""
 
     def answer(key: Any, model: Model, inputs: tuple[Any, ...], *_: Any) -> Any:
         function, option = key
         given = dict(zip(FORMULAS[function].inputs, inputs, strict=True))
-        _, arrays = checked_inputs(function, model, given, None)
+        _, arrays = checked_inputs(function, model, given, None, option, called)
         bound = structural.fetch(model, (function,), option)
         model.compiled[key] = bound.checked(every=True)
         result = bound(*arrays)

@@ -16,6 +16,7 @@ from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
 from freebody.kernels.options import motion_row_names, motion_rows, require_few_rows
 from freebody.model.derived_facts import fact
+from freebody.model.geometry import first_member
 from freebody.model.inertial_parameters import parameter_names
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
@@ -75,9 +76,9 @@ def operational_option(
     require_few_rows(function, model, option.rows)
     facts, place = model.facts, f"rows in which {option.frame!r} moves"
     if place not in facts:
-        q, _, _ = random_state(model, 0, 4)
-        J = jacobian(model, q, option.frame)
-        facts.setdefault(place, np.abs(J).max(axis=tuple({*range(J.ndim)} - {J.ndim - 2})) > 0.0)
+        one = first_member(model)
+        J = jacobian(one, random_state(one, 0, 4)[0], option.frame)
+        facts.setdefault(place, np.abs(J).max(axis=(0, 2)) > 0.0)
     for row in option.rows:
         if not facts[place][row]:
             raise SingularError(

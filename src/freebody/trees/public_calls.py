@@ -4,6 +4,7 @@ what is not finite."""
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -170,12 +171,21 @@ def _given(wrenches: Wrenches) -> tuple[tuple[str | None, ...], tuple[ArrayLike,
 
 
 def checked_inputs(
-    function: str, model: Model, given: Mapping[str, Any], wrenches: Wrenches
+    function: str,
+    model: Model,
+    given: Mapping[str, Any],
+    wrenches: Wrenches,
+    option: Option | None = None,
+    called: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[tuple[str, ...], list[Array]]:
     """(frames with wrenches, arrays of the inputs and then the wrenches), all finite and of one
-    batch shape, which ends in that of a family."""
+    batch shape, which ends in that of a family. called: arguments by other names than the formula's
+    inputs."""
     refuse_other_times(function, given)
-    arrays = {name: vector(function, model, name, value) for name, value in given.items()}
+    arrays = {
+        called.get(name, name): vector(function, model, name, value, option)
+        for name, value in given.items()
+    }
     loads = wrenches_by_frame(function, model, wrenches)
     named = arrays | {f"wrenches[{frame!r}]": load for frame, load in loads.items()}
     for name, array in named.items():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from freebody.algorithms import kinematics
+from freebody.algorithms import inverse_rates, kinematics
 from freebody.kernels.formulas.choices import along_every_direction, frame_of, still
 from freebody.kernels.formulas.record import Formula, Option, Output
 from freebody.model.doubts import MASSES
@@ -102,6 +102,40 @@ FORMULAS = {
         _jacobian_by_position,
         of_frame=True,
         axes=_AXES,
+        touches=(),
+    ),
+    "inverse_velocity": Formula(
+        ("q", "V_ref"),
+        {
+            "qd": Output(
+                ("nv",),
+                "rates of least norm that move the frame so; NaN next to a singularity (rad/s, "
+                "m/s)",
+            )
+        },
+        lambda t, o, q, V_ref: (inverse_rates.inverse_velocity(t, q, frame_of(o), o.rows, V_ref),),
+        of_frame=True,
+        of_rows=True,
+        free_rows=True,
+        chains="open",
+        touches=(),
+    ),
+    "inverse_acceleration": Formula(
+        ("q", "qd", "A_ref"),
+        {
+            "qdd": Output(
+                ("nv",),
+                "accelerations of least norm that move the frame so; NaN next to a singularity "
+                "(rad/s^2, m/s^2)",
+            )
+        },
+        lambda t, o, q, qd, A_ref: (
+            inverse_rates.inverse_acceleration(t, q, qd, frame_of(o), o.rows, A_ref),
+        ),
+        of_frame=True,
+        of_rows=True,
+        free_rows=True,
+        chains="open",
         touches=(),
     ),
     "center_of_mass": Formula(

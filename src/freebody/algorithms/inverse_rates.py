@@ -1,0 +1,64 @@
+"""The rates of least norm that move a frame as wanted (2.25), and their accelerations (2.26)."""
+
+from __future__ import annotations
+
+from functools import reduce
+from operator import add as plus
+
+from freebody.algorithms.kinematics import frame_motion, jacobian, outward
+from freebody.algorithms.operational_space import factors, surely_independent
+from freebody.algorithms.screws import ancestors
+from freebody.elementary import Scalar, less, sqrt, where
+from freebody.model.tree import Tree
+from freebody.spatial import Matrix, Vector, add, dot, scale, sub, symmetric, times, transposed
+
+_SURE = 1e-5
+"""Ratio of singular values above which one step of refinement leaves rounding alone."""
+
+
+def inverse_velocity(tree: Tree, q: Vector, frame: str, rows: tuple[int, ...], V: Vector) -> Vector:
+    """q̇ of least norm with J q̇ = V; NaN where the rows of J are not surely independent."""
+    each = 1.0 / _reach(tree, frame)
+    units = [each if row < tree.space.dim else 1.0 for row in rows]
+    whole = jacobian(tree, q, frame)
+    J = tuple(scale(unit, whole[row]) for unit, row in zip(units, rows, strict=True))
+    wanted = tuple(unit * x for unit, x in zip(units, V, strict=True))
+    L, _, inverse = factors(symmetric(len(rows), lambda i, j: dot(J[i], J[j])))
+    back = transposed(J, tree.nv)
+    found = times(back, _solved(L, inverse, wanted))
+    left = sub(wanted, times(J, found))
+    found = add(found, times(back, _solved(L, inverse, left)))
+    none = sqrt(surely_independent(J, _SURE) - 0.5)  # NaN, which is no constant of a program
+    return tuple(where(less(0.0, none), x, none) for x in found)
+
+
+def inverse_acceleration(
+    tree: Tree, q: Vector, qd: Vector, frame: str, rows: tuple[int, ...], A: Vector
+) -> Vector:
+    """q̈ of least norm with J q̈ + J̇ q̇ = A; NaN as of `inverse_velocity`."""
+    _, (wd, vd) = frame_motion(tree, outward(tree, q, qd, (0.0,) * tree.nv), frame)
+    drift = vd + wd
+    wanted = tuple(x - drift[row] for x, row in zip(A, rows, strict=True))
+    return inverse_velocity(tree, q, frame, rows, wanted)
+
+
+def _reach(tree: Tree, frame: str) -> Scalar:
+    """Distances from joint to joint on the way to a frame, added up (m); 1 where they are all
+    zero."""
+    body, _, p = tree.frames[frame]
+    ways = [p, *(tree.bodies[i].p for i in ancestors(tree, body)[:-1])]
+    long = [way for way in ways if any(not isinstance(x, float) or x for x in way)]
+    return reduce(plus, (sqrt(dot(way, way)) for way in long)) if long else 1.0
+
+
+def _solved(L: Matrix | list[list[Scalar]], inverse: list[Scalar], b: Vector) -> Vector:
+    """x of L D Lᵀ x = b, the pivots' inverses given."""
+    n, x = len(b), list(b)
+    for i in range(n):
+        for k in range(i):
+            x[i] = x[i] - L[i][k] * x[k]
+    x = [value * one for value, one in zip(x, inverse, strict=True)]
+    for i in reversed(range(n)):
+        for k in range(i + 1, n):
+            x[i] = x[i] - L[k][i] * x[k]
+    return tuple(x)
