@@ -113,7 +113,13 @@ def _solved(
 
 
 def _closer(
-    function: str, letter: str, model: Model, option: Option, at: Array, q: Array, *others: Array
+    function: str,
+    letter: str,
+    model: Model,
+    option: Option,
+    at: np.ndarray,
+    q: Array,
+    *others: Array,
 ) -> Array:
     """The same of samples that are not clear to a kernel; at: of each, for errors."""
     name, rows = str(option.frame), list(option.rows)
@@ -194,7 +200,11 @@ def _refuse_too_few(function: str, model: Model, frame: str, J: Array, rows: lis
 
 
 def _inverted(
-    problem: _JacobianRows, J: Array, wanted: Array, damping: float | None, at: Array | None = None
+    problem: _JacobianRows,
+    J: Array,
+    wanted: Array,
+    damping: float | None,
+    at: np.ndarray | None = None,
 ) -> Array:
     """Σ σ / (σ² + λ²) v uᵀ wanted, λ = 0 but near a singularity; at: of the samples among more."""
     U, sigma, Vt = np.linalg.svd(problem.scale[:, None] * J, full_matrices=False)
@@ -216,10 +226,10 @@ def _inverted(
 
 
 def _refuse_singular(
-    problem: _JacobianRows, U: Array, singular: np.ndarray, places: Array | None
+    problem: _JacobianRows, U: Array, singular: np.ndarray, places: np.ndarray | None
 ) -> None:
-    at = tuple(int(i) for i in np.argwhere(singular)[0]) if np.ndim(singular) else ()
-    place = at if places is None else tuple(places[at[0]])
+    at = tuple(map(int, np.argwhere(singular)[0]))
+    place = at if places is None else tuple(map(int, places[at[0]]))
     lost = U[(*at, slice(None), -1)] * problem.scale  # lost · J = 0
     lost = lost / lost[np.argmax(np.abs(lost))]
     raise SingularError(

@@ -217,6 +217,7 @@ def read_doubts(model: Model) -> list[Doubt]:
         if isinstance(was, Limits):
             return limits.get(name) == was
         now = links.get(name)
+        assert not isinstance(now, Limits)
         alike = now is not None and any(was.tensor) and now.tensor == was.tensor
         return now is not None and (alike or now.mass == was.mass)
 
@@ -430,7 +431,12 @@ def _placeholders(model: Model, _: Sequence[str]) -> Iterator[Doubt]:
     given, moved = usable_limits(model).given, _moved(model)
     drives = [
         _MotorLimits(
-            body.joint.name, body.kind.slides, body.parent >= 0, *given[2:, at.v[0]], *moves
+            body.joint.name,
+            body.kind.slides,
+            body.parent >= 0,
+            float(given[2, at.v[0]]),
+            float(given[3, at.v[0]]),
+            *moves,
         )
         for body, at, moves in zip(model.bodies, model.coordinates, moved, strict=True)
         if body.joint.mimic is None and body.kind.nv == 1 and not body.joint.passive

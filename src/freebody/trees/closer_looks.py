@@ -20,7 +20,7 @@ class Look(Protocol):
     """What a quantity is, found with care: at samples (k,) of its inputs, of a family (k, *family);
     at: the index of each in the whole batch, for errors."""
 
-    def __call__(self, model: Model, option: Option, at: Array, *inputs: Array) -> Array: ...
+    def __call__(self, model: Model, option: Option, at: np.ndarray, *inputs: Array) -> Array: ...
 
 
 def looking_closer(

@@ -100,7 +100,7 @@ def refuse_dependent_rows(function: str, model: Model, q: Vector, option: Option
     evaluate(("operational_space_inertia", option), model, (q,), as_it_is, None, answer)
 
 
-def _inertia(function: str, model: Model, option: Option, at: Array, q: Array) -> Array:
+def _inertia(function: str, model: Model, option: Option, at: np.ndarray, q: Array) -> Array:
     """Λ (k, …, r, r), where the arm can move the frame along all rows; at: of the samples."""
     J = jacobian(model, q, option.frame)[..., option.rows, :]
     values = np.linalg.svd(J, compute_uv=False)
@@ -112,10 +112,12 @@ def _inertia(function: str, model: Model, option: Option, at: Array, q: Array) -
             f"singularity{at_sample((*at[first], *member))}: "
             "the rows of its Jacobian are linearly dependent. Choose fewer rows, or another q."
         )
-    return np.linalg.inv(J @ np.linalg.solve(mass_matrix(model, q), np.swapaxes(J, -1, -2)))
+    mobility = J @ np.linalg.solve(mass_matrix(model, q), np.swapaxes(J, -1, -2))
+    return np.asarray(np.linalg.inv(mobility), dtype=float)
 
 
-def _bias(model: Model, option: Option, at: Array, q: Array, qd: Array) -> Array:
+def _bias(model: Model, option: Option, at: np.ndarray, *state: Array) -> Array:
+    q, qd = state
     inertia = _inertia("operational_space_bias", model, option, at, q)
     J, drift = (
         x[..., option.rows, :]
