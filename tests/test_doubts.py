@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tempfile
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -284,6 +285,61 @@ def test_inertia_about_one_axis_is_enough_where_a_link_turns_about_no_other(alph
     links = {int(k) for doubt in doubts for k in re.findall(r"link'? ?(\d)", doubt.text)}
     assert links == set(named)
     assert len(doubts) == bool(named)
+
+
+def _one_link(axes: list[str], inertia: list[float], mass: float = 1.0) -> fb.Model:
+    """A chain along x whose last link has this inertia; joints "rz", "px"."""
+    text = ['name = "r"', "dim = 3", '[[link]]\nname = "ground"']
+    for k, axis in enumerate(axes):
+        kind = {"r": "revolute", "p": "prismatic"}[axis[0]]
+        last = k == len(axes) - 1
+        given = inertia if last else [0.02, 0, 0, 0.03, 0, 0.03]
+        text.append(
+            f'[[link]]\nname = "l{k}"\nmass = {mass if last else 1.0}\ncom = [0.1, 0, 0]\n'
+            f'inertia = {given}\n[[joint]]\nname = "j{k}"\nkind = "{kind}"\n'
+            f'parent = "{f"l{k - 1}" if k else "ground"}"\nchild = "l{k}"\n'
+            f'origin = [{0.2 * bool(k)}, 0, 0]\naxis = "{axis[1]}"'
+        )
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "r.toml"
+        file.write_text("\n".join(text))
+        return fb.load(file)
+
+
+ABOUT_Z = [0.0, 0.0, 0.0, 0.0, 0.0, 0.02]
+
+
+@pytest.mark.parametrize(
+    ("axes", "inertia", "kinds"),
+    [
+        (["rz", "rz"], ABOUT_Z, set()),
+        (["px", "rz"], ABOUT_Z, set()),
+        (["rz", "ry"], ABOUT_Z, {"impossible inertias"}),
+        (["ry", "rz"], ABOUT_Z, {"impossible inertias"}),
+        (["px", "py"], ABOUT_Z, set()),  # which never turns
+        (["rz"], [9e-9, 0, 0, 1e-9, 0, 1e-9], {"impossible inertias"}),  # however small
+        (["rz"], [-5e-9, 0, 0, 5e-9, 0, 5e-9], {"impossible inertias"}),
+        (["rz"], [0, 0, 0, 0, 0, -1e-9], {"impossible inertias"}),
+        (["ry", "rz"], [0.01, 0, 0, 0.012, 0, 0.0225], {"inexact inertias"}),
+    ],
+)
+def test_what_is_felt_of_an_inertia_decides(axes, inertia, kinds):
+    model = _one_link(axes, inertia, 1e-3 if max(map(abs, inertia)) < 1e-6 else 1.0)
+    found = {doubt.kind for doubt in model.doubts if "inertias" in doubt.kind}
+    assert found == kinds
+    if not kinds:  # nor with a load
+        loaded = model.with_payload(mass=0.5).doubts
+        assert not [doubt for doubt in loaded if "inertias" in doubt.kind]
+
+
+def test_a_part_that_no_body_is_stands_beside_where_the_whole_is_one():
+    model = _one_link(["rz", "ry"], [0.2, 0, 0, 0.2, 0, 0.2], 5.0)
+    for tensor in ([0.01, 0, 0, 0.01, 0, 0.05], [-0.05, 0, 0, -0.05, 0, -0.05]):
+        load = Inertia(1.0, (0.0, 0.0, 0.0), tuple(map(float, tensor)))
+        (part,) = model.bodies[-1].inertias
+        body = replace(model.bodies[-1], inertias=(part, replace(part, link="tool", inertia=load)))
+        both = replace(model, bodies=(*model.bodies[:-1], body))
+        assert "inexact inertias" in {doubt.kind for doubt in both.doubts}
 
 
 # ------------------------------------------------------------ limits

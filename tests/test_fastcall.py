@@ -259,6 +259,8 @@ def test_errors_are_those_of_the_kernel(kernel):
         kernel(Q)
     with pytest.raises(KernelError, match="holds complex128 values"):
         kernel(Q.astype(complex), A)
+    with pytest.raises(KernelError, match="3 arguments given, expected 2"):
+        kernel(Q, A, np.empty(2))  # NumPy would write to it
     with pytest.raises(BatchError):
         kernel(np.ones((3, 2)), np.ones((4, 2, 3)))
 

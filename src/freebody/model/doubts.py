@@ -56,9 +56,8 @@ _APART = 1.01
 """Ratio of masses that are not the same."""
 _STRONGEST = {"N m": 200.0, "N": 10_000.0}
 """For each kilogram of the whole robot, its drives included: the effort limit of no joint."""
-_DENSEST = 75.0
-"""N m for each kilogram of the whole robot: all motors together that it carries have no more. Arms
-of makers have 15 to 45, legged robots 20 to 60; motors on the ground are no part of its mass."""
+_ON_THE_GROUND = 10.0
+"""How much more where the motor stands on the ground and is no part of the robot's mass."""
 _DENSEST = 75.0
 """N m for each kilogram of the whole robot: all motors together that it carries have no more. Arms
 of makers have 15 to 45, legged robots 20 to 30; motors on the ground are not part of its mass."""
@@ -66,6 +65,8 @@ _FASTEST = 340.0
 """m/s: the speed of no robot's end, which is that of sound."""
 _ON_AXIS = 1e-6
 """m."""
+_ROUNDED = 1e-9
+"""Relative, or rad: what rounding leaves of 0."""
 
 
 About = tuple[tuple[str, Inertia | Limits | None], ...]
@@ -283,7 +284,7 @@ def _impossible(model: Model, _: Sequence[str]) -> Iterator[str]:
 
 
 def _inexact(model: Model, _: Sequence[str]) -> Iterator[str]:
-    off = _faults(model, lambda breach: 0.0 < breach <= _MEASURED)
+    off = _faults(model, lambda breach: breach <= _MEASURED)
     if off:
         what = "an inertia" if len(off) == 1 else f"{len(off)} inertias"
         yield (
@@ -294,33 +295,50 @@ def _inexact(model: Model, _: Sequence[str]) -> Iterator[str]:
 
 def _faults(model: Model, wanted: Callable[[float], bool]) -> list[tuple[str, str]]:
     """Names of the links whose inertias no rigid body has, and why, of bodies that break the
-    triangle inequality by so much."""
+    triangle inequality by so much; without what is never felt."""
     found = []
-    for body, axis in zip(model.bodies, _turned_about(model), strict=True):
-        faults = [(part.link, part.inertia.fault()) for part in body.inertias]
-        if any(fault for _, fault in faults) and wanted(_breach(body, axis)):
-            found += [(link, f"link {link!r}: {fault}") for link, fault in faults if fault]
+    for body, axes in zip(model.bodies, _turned_about(model), strict=True):
+        faults = [
+            (part.link, fault)
+            for part in body.inertias
+            if (fault := part.inertia.fault()) and not _unfelt(part, axes)
+        ]
+        if faults and wanted(_breach(body)):
+            found += [(link, f"link {link!r}: {fault}") for link, fault in faults]
     return found
 
 
-def _breach(body: Body, axis: Array | None) -> float:
+def _breach(body: Body) -> float:
     """By how much of its largest principal moment those of a whole body break the triangle
-    inequality; infinite for masses and moments below 0. axis: the only one that it turns about, as
-    of `_turned_about`."""
+    inequality; infinite for masses and moments below 0."""
     if any(VALUES.quantity(part.inertia.mass) < 0.0 for part in body.inertias):
         return math.inf
     tensor = _whole(body)
     if tensor.shape == (1, 1):
         return math.inf if tensor[0, 0] < 0.0 else 0.0
-    if axis is not None and np.allclose(tensor, (axis @ tensor @ axis) * np.outer(axis, axis)):
-        return 0.0 if axis @ tensor @ axis >= 0.0 else math.inf
     a, b, c = np.linalg.eigvalsh(tensor)
     return float((c - a - b) / c) if c > 0.0 else math.inf
 
 
+def _unfelt(part: Attached, axes: Array | None) -> bool:
+    """Whether nothing is felt of what is wrong with a link's inertia: its body never turns, or only
+    about the axis of which alone an inertia is given. axes: see `_turned_about`."""
+    mass, _, tensor = part.inertia.numbers()
+    if axes is None or mass < 0.0:
+        return False
+    if not len(axes):
+        return True
+    R = np.array(part.placement.lower(of_dimension(3), VALUES)[0], dtype=float)
+    axis = R.T @ axes[0]
+    about = float(axis @ tensor @ axis)
+    rest = tensor - about * np.outer(axis, axis)
+    return about >= 0.0 and float(np.abs(rest).max()) <= _ROUNDED * float(np.abs(tensor).max())
+
+
 def _turned_about(model: Model) -> list[Array | None]:
-    """For each body the one axis about which it ever turns, in its own axes: its inertia about this
-    one is all that is felt, and no more may be given. None where there are several, or none."""
+    """For each body in space the axes about which it ever turns, in its own: none (0, 3), or one
+    (1, 3), about which alone its inertia is felt; None where there are several, and in the
+    plane."""
     if model.dim == 2:
         return [None] * len(model.bodies)
     space = of_dimension(3)
@@ -340,8 +358,8 @@ def _turned_about(model: Model) -> list[Array | None]:
         ]
         every = [*above, *own]
         turned[i] = R, every
-        if every and all(np.allclose(np.cross(every[0], u), 0.0, atol=1e-9) for u in every):
-            axes[i] = R.T @ every[0]
+        if all(np.allclose(np.cross(every[0], u), 0.0, atol=_ROUNDED) for u in every):
+            axes[i] = np.reshape([R.T @ u for u in every[:1]], (-1, 3))
     return axes
 
 
@@ -473,6 +491,7 @@ def _placeholders(model: Model, _: Sequence[str]) -> Iterator[Doubt]:
 def _is_strong(drive: _MotorLimits, mass: float) -> bool:
     """Whether no joint of a robot of this mass (kg) has such an effort."""
     strongest = _STRONGEST["N" if drive.slides else "N m"] * mass
+    strongest *= 1.0 if drive.carried else _ON_THE_GROUND
     return isfinite(drive.effort) and drive.effort > strongest > 0.0
 
 

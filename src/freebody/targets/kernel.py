@@ -114,6 +114,8 @@ class Kernel:
             BatchError: batch shapes that do not broadcast.
             KernelError: wrong number or type of arguments, or an `out` that cannot be written to.
         """
+        if len(arrays) > len(self.program.inputs):  # NumPy would write to the last
+            raise explained(self.program, self.dtype, arrays, out, TypeError())
         try:
             if self._uniform and any(
                 np.ndim(arrays[k]) > core for k, core in self._uniform if k < len(arrays)
