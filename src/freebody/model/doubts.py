@@ -427,7 +427,8 @@ class _MotorLimits(NamedTuple):
     name: str
     slides: bool
     carried: bool
-    """Whether the robot carries the motor; else it stands on the ground."""
+    """Whether the motor is part of the robot's mass, which that of its base is too; else it stands
+    on the ground."""
     speed: float
     effort: float
     mass: float
@@ -447,11 +448,12 @@ class _MotorLimits(NamedTuple):
 def _placeholders(model: Model, _: Sequence[str]) -> Iterator[Doubt]:
     """The same round numbers on joints that move different masses, or such as no robot has."""
     given, moved = usable_limits(model).given, _moved(model)
+    based = any(VALUES.quantity(part.inertia.mass) for part in model.base_inertias)
     drives = [
         _MotorLimits(
             body.joint.name,
             body.kind.slides,
-            body.parent >= 0,
+            based or body.parent >= 0,
             float(given[2, at.v[0]]),
             float(given[3, at.v[0]]),
             *moves,
