@@ -5,14 +5,17 @@ from __future__ import annotations
 
 import copy
 import pickle
+import tempfile
 import weakref
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from pathlib import Path
 from threading import Barrier
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import freebody as fb
 from freebody.errors import FreebodyError, MissingValueError
@@ -318,3 +321,26 @@ def test_a_frame_and_the_inertia_in_it_keep_one_placement_when_a_length_changes(
     (part,) = arm.bodies[2].inertias
     assert [frame.placement is part.placement for frame in arm.frames].count(True) == 1
     assert part.placement.steps[1] is arm.bodies[3].joint.placement.steps[1]
+
+
+@pytest.mark.parametrize("pitch", [np.pi / 2, -np.pi / 2])
+@pytest.mark.parametrize("roll", [0.4, -2.5])
+def test_angles_of_an_upright_placement_are_its_own(pitch: float, roll: float):
+    """Where pitch is a right angle, roll and yaw turn about one line: the roll has it all."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "r.toml"
+        file.write_text(
+            'name = "r"\ndim = 3\n[[link]]\nname = "ground"\n[[link]]\nname = "arm"\nmass = 1\n'
+            'com = [0.1, 0, 0]\ninertia = [0.02, 0, 0, 0.03, 0, 0.03]\n[[joint]]\nname = "j"\n'
+            'kind = "revolute"\nparent = "ground"\nchild = "arm"\naxis = "z"\n'
+            f"origin = [0.1, 0.2, 0.3]\nrpy = [{roll}, {pitch!r}, 0.3]\n"
+        )
+        model = fb.load(file)
+    numbers = {row.name: row.value for row in fb.parameters(model)}
+    angles = {name: float(numbers[f"j.placement.{name}"]) for name in ("roll", "pitch", "yaw")}
+    again = model.bind({f"j.placement.{name}": x + 0.0 for name, x in angles.items()})
+    x, y, z = (angles[name] for name in ("roll", "pitch", "yaw"))
+    R = Rotation.from_euler("xyz", [x, y, z]).as_matrix()
+    for robot in (model, again):
+        T = fb.forward_kinematics(robot, [0.0], frame="arm")
+        np.testing.assert_allclose(T[:3, :3], R, atol=1e-9)

@@ -121,6 +121,17 @@ def test_operational_space_control_gives_the_frame_the_wanted_acceleration(rows)
     assert np.abs(free - still).max() > 0.1, "tau_null moves the joints"
 
 
+def test_at_its_reference_a_frame_is_asked_for_nothing():
+    """There the axis of the error's rotation is any."""
+    model = fb.load("ur5e")
+    q, still = np.array([0.3, -0.4, 0.5, 0.6, 0.7, 0.8]), np.zeros(6)
+    for at in (q, np.zeros(6)):
+        pose = fb.forward_kinematics(model, at)
+        weight = fb.gravity_torque(model, at)
+        found = fb.impedance(model, at, still, pose, still, 100.0, 10.0)
+        np.testing.assert_allclose(found, weight, atol=1e-9)
+
+
 def test_impedance_balances_a_wrench_by_its_stiffness():
     model, (q, qd, qdd) = in_space()
     stiffness = np.array([500.0, 400.0, 300.0, 30.0, 20.0, 10.0])

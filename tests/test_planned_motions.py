@@ -641,3 +641,28 @@ def test_a_motion_has_no_states_outside_its_times():
         motion.at(-0.5)
     with pytest.raises(fb.FreebodyError, match="nan"):
         motion.at(np.nan)
+
+
+def test_the_range_of_a_follower_is_its_leaders_for_every_function(tmp_path):
+    """Random states and inverse kinematics took the leader's own, which planners refuse."""
+    text = ['name = "coupled"', "dim = 2", '[[link]]\nname = "ground"']
+    for k, (parent, upper, more) in enumerate(
+        (("ground", 2.0, ""), ("l1", 1.0, 'mimic = { joint = "j1", ratio = 1.0 }\n')), start=1
+    ):
+        text.append(
+            f'[[link]]\nname = "l{k}"\nmass = 1.0\ncom = [0.2, 0]\ninertia = 0.02\n[[joint]]\n'
+            f'name = "j{k}"\nkind = "revolute"\nparent = "{parent}"\nchild = "l{k}"\n'
+            f"origin = [{0.4 * (k - 1)}, 0]\n{more}"
+            f"limits = {{ lower = 0.0, upper = {upper}, velocity = 1.0 }}"
+        )
+    file = tmp_path / "coupled.toml"
+    file.write_text("\n".join(text))
+    model = fb.load(file, tip="l2")
+    q, _, _ = fb.random_state(model, 0, 500)
+    assert 0.9 < q.max() <= 1.0
+    point = fb.forward_kinematics(model, [1.8])[:2, 2]
+    beyond = fb.inverse_kinematics(model, point, task="position")
+    assert not beyond.within_limits.any()
+    assert len(fb.inverse_kinematics(model, point, task="position", limits="drop")) == 0
+    with pytest.raises(fb.FreebodyError, match=r"outside its range from 0 to 1"):
+        fb.quintic(model, [[0.2], [1.8]], acceleration=1.0)

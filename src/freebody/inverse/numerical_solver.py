@@ -22,6 +22,7 @@ from freebody.lazy import cached_property
 from freebody.loops.equations import scaled_jacobian, scaled_residual
 from freebody.loops.scaled_equations import length as mechanism_length
 from freebody.model.model import Model
+from freebody.model.usable_limits import usable_limits
 from freebody.trees.states import generic_state, integrate
 
 EXACT = 1e-10
@@ -58,12 +59,13 @@ class NumericalSolver:
 
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
-        """Lower and upper limits (nq,); infinite where there are none."""
+        """Lower and upper limits (nq,), those of followers included; infinite where there are
+        none."""
         low, high = np.full(self.model.nq, -np.inf), np.full(self.model.nq, np.inf)
+        allowed = usable_limits(self.model)
         for body, at in zip(self.model.bodies, self.model.coordinates, strict=True):
             if body.joint.mimic is None and body.kind.nq == 1:
-                limits = body.joint.limits.meant
-                low[at.q[0]], high[at.q[0]] = limits.lower, limits.upper
+                low[at.q[0]], high[at.q[0]] = allowed.lower[at.v[0]], allowed.upper[at.v[0]]
         return low, high
 
     @cached_property

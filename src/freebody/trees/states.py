@@ -4,6 +4,7 @@ between two."""
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,11 @@ from freebody.errors import MissingValueError
 from freebody.labels import refuse_other_times
 from freebody.model.description import Limits
 from freebody.model.families import FamilyError, arrays_in
+from freebody.model.geometry import first_member
 from freebody.model.joints import Primitive
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
+from freebody.model.usable_limits import usable_limits
 from freebody.spatial import of_dimension
 from freebody.trees.public_calls import careful, common_batch, evaluate, finite_vector
 
@@ -58,16 +61,28 @@ def random_state(
 ) -> tuple[Array, Array, Array]:
     """(q, qd, qdd) of shapes (*batch, nq), (*batch, nv), (*batch, nv), reproducible with a seed.
 
-    q lies within the limits, or within ±π (rad) and ±1 (m) where there are none (a range of no
-    width is none); quaternions are uniform; rates and accelerations are normal with deviation 1.
+    q lies within the limits, those of followers included, or within ±π (rad) and ±1 (m) where there
+    are none (a range of no width is none); quaternions are uniform; rates and accelerations are
+    normal with deviation 1.
     """
     require_model("random_state", model)
     if arrays_in(tuple(body.joint.limits for body in model.bodies)):
         raise FamilyError("random_state", model.name, model.family)
     try:
-        return _states(model, seed, batch, [body.joint.limits.meant for body in model.bodies])
+        return _states(model, seed, batch, _usable(model))
     except (MemoryError, ValueError) as problem:
         raise too_large("random_state", {"batch": batch}, problem) from None
+
+
+def _usable(model: Model) -> list[Limits]:
+    """The limits of each body's joint, those of followers brought to their leaders."""
+    allowed = usable_limits(first_member(model))
+    return [
+        replace(body.joint.limits.meant, lower=allowed.lower[at.v[0]], upper=allowed.upper[at.v[0]])
+        if body.joint.mimic is None and body.kind.nv == 1
+        else body.joint.limits.meant
+        for body, at in zip(model.bodies, model.coordinates, strict=True)
+    ]
 
 
 def generic_state(
