@@ -217,7 +217,7 @@ def test_an_interrupt_stops_a_long_call_after_the_part_that_is_being_computed(
         signal.SIGINT, signal.default_int_handler
     )  # a shell's job in the background ignores it
     monkeypatch.setattr(long, "_longest", 16)
-    monkeypatch.setattr(long, "_small", 8)
+    monkeypatch.setattr(long, "few", 8)
     computed = long.ufunc
 
     def stopped(*arrays, out):
@@ -255,7 +255,7 @@ def test_parts_give_the_bits_of_the_whole(monkeypatch, threads, shape):
     whole = fb.kernel(arm, ["inverse_dynamics", "mass_matrix"])
     parts = Kernel(whole.program, whole.target, whole.width, whole.ufunc)
     monkeypatch.setattr(parts, "_longest", 50)
-    monkeypatch.setattr(parts, "_small", 8)
+    monkeypatch.setattr(parts, "few", 8)
     q, qd, qdd = fb.random_state(arm, 1, shape)
     one = qd[(0,) * len(shape)]
     for given in (
@@ -275,7 +275,7 @@ def test_output_over_input_part_by_part(monkeypatch):
     """A part that is written must not be what a later part reads."""
     parts = double()
     monkeypatch.setattr(parts, "_longest", 16)
-    monkeypatch.setattr(parts, "_small", 8)
+    monkeypatch.setattr(parts, "few", 8)
     buffer = np.arange(1100.0)[:, None]
     expected = 2.0 * buffer[:1000]
     parts(buffer[:1000], out=buffer[37:1037])

@@ -16,7 +16,7 @@ from freebody.model.inertia import Inertia
 from freebody.model.model import Model
 from freebody.model.placement import shift
 
-TURN = Limits(-2.0, 2.0, 3.1, 137.0)
+TURN = Limits(-2.0, 2.0, 3.1, 57.0)
 
 
 def robot(*rows: str, mimics: dict[str, str] | None = None, **how: Any) -> Model:
