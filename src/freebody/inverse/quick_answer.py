@@ -27,6 +27,8 @@ Answer = Callable[[Any, Any, Any], Solutions | None]
 arguments, or a target without solution or next to a singular one."""
 
 
+_FEW = 16
+"""Targets that are sooner counted in plain Python."""
 _PART = 0.5
 """Of the targets: so many at most are looked at closer by themselves."""
 
@@ -104,12 +106,14 @@ def _of_batch(
     if not count.size:
         return None
     others = alike | {"distance": np.zeros(count.shape)}
-    if not count.min() >= 1.0:
+    few = count.tolist() if count.ndim == 1 and len(count) <= _FEW else None
+    clear = count.min() >= 1.0 if few is None else all(x >= 1.0 for x in few)
+    if not clear:
         looked = _closer(own, form, given, arrays)
         if looked is None:
             return None
         others |= looked
-    k = int(count.max())
+    k = int(max(few) if clear and few is not None else count.max())
     return Solutions.of_kernel(form.names, q[..., :k, :], residual[..., :k], within, others)
 
 
