@@ -5,10 +5,9 @@ from __future__ import annotations
 from functools import reduce
 from operator import add as plus
 
-from freebody.algorithms.kinematics import frame_motion, jacobian, outward
-from freebody.algorithms.operational_space import factors, surely_independent
-from freebody.algorithms.screws import ancestors
-from freebody.elementary import Scalar, less, sqrt, where
+from freebody.algorithms.kinematics import ancestors, frame_motion, jacobian, outward
+from freebody.algorithms.operational_space import factors, nan_unless, surely_independent
+from freebody.elementary import Scalar, sqrt
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, add, dot, scale, sub, symmetric, times, transposed
 
@@ -28,8 +27,7 @@ def inverse_velocity(tree: Tree, q: Vector, frame: str, rows: tuple[int, ...], V
     found = times(back, _solved(L, inverse, wanted))
     left = sub(wanted, times(J, found))
     found = add(found, times(back, _solved(L, inverse, left)))
-    none = sqrt(surely_independent(J, _SURE) - 0.5)  # NaN, which is no constant of a program
-    return tuple(where(less(0.0, none), x, none) for x in found)
+    return nan_unless(surely_independent(J, _SURE), q, found)
 
 
 def inverse_acceleration(

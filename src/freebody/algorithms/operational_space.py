@@ -16,7 +16,7 @@ from freebody.algorithms.kinematics import (
     outward,
     world_poses,
 )
-from freebody.elementary import Scalar, less, sqrt, where
+from freebody.elementary import Scalar, less, maximum, minimum, sqrt, where
 from freebody.model.tree import Tree
 from freebody.spatial import (
     Matrix,
@@ -69,14 +69,22 @@ def where_sure(
     """Values that ask for independent rows of a frame's Jacobian; NaN where these are not surely
     independent."""
     J = tuple(jacobian(tree, q, frame)[r] for r in rows)
-    none = sqrt(surely_independent(J) - 0.5)  # NaN, which is no constant of a program
+    return nan_unless(surely_independent(J), q, tuple(values))
+
+
+def nan_unless(sure: Scalar, q: Vector, values: Vector | Matrix) -> Any:
+    """Values where `sure` is 1, else NaN, which is no constant of a program: q is in it, where the
+    rest may be the same for all positions."""
+    none = sqrt(sure - 0.5 + minimum(q[0] * q[0], 0.0))
 
     def shown(x: Any) -> Any:
         return tuple(map(shown, x)) if isinstance(x, tuple) else where(less(0.0, none), x, none)
 
-    return shown(tuple(values))
+    return shown(values)
 
 
+_NO_PIVOT = 1e-300
+"""In the place of a pivot that is 0, perhaps for all positions."""
 INDEPENDENT = 1e-6
 """Smallest singular value, relative to the largest, of rows that are surely independent."""
 
@@ -88,7 +96,7 @@ def surely_independent(J: Matrix, ratio: float = INDEPENDENT) -> Scalar:
     """
     n = len(J)
     gram = symmetric(n, lambda i, j: dot(J[i], J[j]))
-    each = 1.0 / reduce(operator.add, (gram[k][k] for k in range(n)))
+    each = 1.0 / maximum(reduce(operator.add, (gram[k][k] for k in range(n))), _NO_PIVOT)
     bound: Scalar = float(max(n - 1, 1) ** (n - 1))
     for pivot in factors(gram)[1]:
         bound = bound * (pivot * each)
@@ -107,7 +115,7 @@ def factors(A: Matrix) -> tuple[list[list[Scalar]], list[Scalar], list[Scalar]]:
             for i in range(j, n):
                 column[i] = column[i] - L[i][k] * (L[j][k] * pivots[k])
         pivots.append(column[j])
-        inverse.append(1.0 / column[j])
+        inverse.append(1.0 / maximum(column[j], _NO_PIVOT))
         for i in range(j, n):
             L[i][j] = 1.0 if i == j else column[i] * inverse[j]
     return L, pivots, inverse

@@ -13,7 +13,7 @@ from freebody.arrays import Array
 from freebody.kernels import structural
 from freebody.kernels.formulas import FORMULAS, Option
 from freebody.model.model import Model
-from freebody.trees.public_calls import checked_inputs
+from freebody.trees.public_calls import checked_inputs, refuse_overflow
 
 
 class Look(Protocol):
@@ -42,6 +42,8 @@ def looking_closer(
         if not clear.all():
             at = np.argwhere(~clear)
             result[~clear] = look(model, option, at, *(x[~clear] for x in arrays))
+            if not np.isfinite(result).all():
+                refuse_overflow(function, dict(zip(given, arrays, strict=True)))
         return result
 
     return answer

@@ -14,9 +14,8 @@ from freebody.algorithms.regressor import parameter_values
 from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
-from freebody.kernels.options import motion_row_names, motion_rows, require_few_rows
+from freebody.kernels.options import motion_rows, require_few_rows
 from freebody.model.derived_facts import fact
-from freebody.model.geometry import first_member
 from freebody.model.inertial_parameters import parameter_names
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
@@ -28,7 +27,6 @@ from freebody.trees.kinematics import jacobian, jacobian_dot
 from freebody.trees.massless_joints import refuse_massless
 from freebody.trees.passive_joints import refuse_passive
 from freebody.trees.public_calls import Vector, careful, evaluate
-from freebody.trees.states import random_state
 
 
 def mass_matrix_inverse(model: Model, q: Vector) -> Array:
@@ -74,17 +72,6 @@ def operational_option(
     refuse_massless(model, function)
     option = Option(model.frame(frame).name, rows=motion_rows(model, rows))
     require_few_rows(function, model, option.rows)
-    facts, place = model.facts, f"rows in which {option.frame!r} moves"
-    if place not in facts:
-        one = first_member(model)
-        J = jacobian(one, random_state(one, 0, 4)[0], option.frame)
-        facts.setdefault(place, np.abs(J).max(axis=(0, 2)) > 0.0)
-    for row in option.rows:
-        if not facts[place][row]:
-            raise SingularError(
-                f"{function}: no joint of {model.name!r} ever moves frame {option.frame!r} along "
-                f"{motion_row_names(model)[row]}; leave that row out (rows=)."
-            )
     return option
 
 

@@ -131,7 +131,7 @@ def careful(
     if not all(np.isfinite(x).all() for x in (result if isinstance(result, tuple) else (result,))):
         for name, array in named.items():
             _refuse_not_finite(function, model, name, array)
-        _refuse_overflow(function, named)
+        refuse_overflow(function, named)
     model.compiled[place] = bound.checked()
     return result
 
@@ -202,7 +202,7 @@ def _of_family(model: Model) -> dict[str, Array]:
     return {"model.family": np.empty((*model.family, 0))} if model.family else {}
 
 
-def _refuse_overflow(function: str, named: Mapping[str, Array]) -> None:
+def refuse_overflow(function: str, named: Mapping[str, Array]) -> None:
     """Finite inputs whose result is not finite: name the one that is too large to be meant."""
     sizes = {name: float(np.abs(array).max(initial=0.0)) for name, array in named.items()}
     name = max(sizes, key=lambda n: sizes[n])
