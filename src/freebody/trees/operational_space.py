@@ -87,8 +87,9 @@ def refuse_dependent_rows(function: str, model: Model, q: Vector, option: Option
     evaluate(("operational_space_inertia", option), model, (q,), as_it_is, None, answer)
 
 
-def _inertia(function: str, model: Model, option: Option, at: np.ndarray, q: Array) -> Array:
+def _inertia(function: str, model: Model, option: Option, at: np.ndarray, *state: Array) -> Array:
     """Λ (k, …, r, r), where the arm can move the frame along all rows; at: of the samples."""
+    q = state[0]
     J = jacobian(model, q, option.frame)[..., option.rows, :]
     values = np.linalg.svd(J, compute_uv=False)
     singular = np.argwhere(values[..., -1] <= _DEPENDENT * values[..., 0])
