@@ -8,12 +8,14 @@ Manipulation, 1994, ch. 3). A planar arm lies in the plane z = 0.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from freebody.algorithms.kinematics import ancestors
 from freebody.arrays import Array
+from freebody.elementary import Scalar
 from freebody.model.tree import Tree
 from freebody.spatial import compose, identity
 
@@ -29,7 +31,7 @@ class Screw:
     turning: bool
     w: Array
     p: Array
-    rest: float = 0.0
+    rest: Scalar = 0.0
     """Where it stands (rad) if a target leaves that open."""
 
     def undone(self) -> Screw:
@@ -79,9 +81,9 @@ class ScrewChain:
     length: float
     """Distances from joint to joint and to the frame, added up (m); 1 where they are all zero."""
 
-    def resting(self, x: Array) -> ScrewChain:
+    def resting(self, x: Sequence[Scalar]) -> ScrewChain:
         """The chain whose joints stand at x (n,) if a target leaves that open."""
-        at = zip(self.screws, map(float, x), strict=True)
+        at = zip(self.screws, x, strict=True)
         return replace(self, screws=tuple(replace(s, rest=value) for s, value in at))
 
     def coordinates(self, x: Array, rest: Array) -> Array:

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from freebody.algorithms.closed_form_inverse.near_reference import LOOSE
 from freebody.arrays import Array
 from freebody.inverse.closed_form import ClosedFormArm
 from freebody.inverse.problem import Found, Problem
@@ -90,7 +91,7 @@ def _dropped(
         bad = [
             names[k]
             for k in range(len(names))
-            if ((q[:, k] < low[k] - 1e-9) | (q[:, k] > high[k] + 1e-9)).any()
+            if ((q[:, k] < low[k] - LOOSE) | (q[:, k] > high[k] + LOOSE)).any()
         ]
         return (
             f"Within reach, but each of the {len(q)} solutions leaves a joint's limits "

@@ -12,7 +12,6 @@ from freebody.algorithms.closed_form_inverse.near_reference import (
     JointRanges,
     solutions,
 )
-from freebody.arrays import Array
 from freebody.elementary import absolute, less, where
 from freebody.inverse.closed_form import ClosedFormArm
 from freebody.inverse.numerical_solver import NumericalSolver
@@ -30,10 +29,10 @@ def branch_kernel(
     within limits (branches,), count), compiled on first use; None for a form that gives
     candidates alone, or a coordinate that moves its joint by a multiple.
 
-    target: the part that counts, see `counted`. reference: next to it angles are wrapped; rest: of
-    joints that do not move the frame. in_front: whether solutions stand before the branches there
-    are none of, which are NaN; else each branch has its place. count: -1 where it is not clear
-    which branches exist, or the target is no pose.
+    target: the part that counts, see `ClosedFormArm.counted`. reference: next to it angles are
+    wrapped; rest: of joints that do not move the frame. in_front: whether solutions stand before
+    the branches there are none of, which are NaN; else each branch has its place. count: -1 where
+    it is not clear which branches exist, or the target is no pose.
     """
     arm, model = form.branches, solver.model
     if not form.decides or (np.abs(arm.chain.ratio) != 1.0).any():
@@ -45,41 +44,21 @@ def branch_kernel(
     return found
 
 
-def counted(form: ClosedFormArm, target: Array) -> Array:
-    """What counts of targets (…, dim + 1, dim + 1): all, the point (…, dim) or the rotation."""
-    d = form.branches.dim
-    kind = form.branches.kind
-    if kind == "pose":
-        return target
-    return target[..., :d, d] if kind == "position" else target[..., :d, :d]
-
-
-def of_counted(form: ClosedFormArm, target: Any) -> tuple[Any, Any]:
-    """Rotation and position in space, of scalars, from what counts of a target."""
-    arm = form.branches
-    if arm.kind == "pose":
-        return arm.in_space(target)
-    if arm.kind == "position":
-        return identity(3), (*target, 0.0)[:3]
-    return target, (0.0, 0.0, 0.0)
-
-
 def _compiled(model: Model, solver: NumericalSolver, form: ClosedFormArm, in_front: bool) -> Kernel:
     arm, d, n = form.branches, form.branches.dim, model.nq
     low, high = (tuple(map(float, bound)) for bound in solver.bounds)
     known = JointRanges(low, high, tuple(map(bool, turning_coordinates(model))))
 
     def evaluate(target: Any, reference: Any, rest: Any, *held: Any) -> tuple[Any, ...]:
-        R, p = of_counted(form, target)
+        R, p = form.of_counted(target)
         *found, count = solutions(arm, known, R, p, reference, rest, *held, in_front=in_front)
         if arm.kind == "pose":  # its last row too has to be a pose's
             for x, due in zip(target[d], identity(d + 1)[d], strict=True):
                 count = where(less(absolute(x - due), 0.5 * ORTHOGONAL), count, -1.0)
         return (*found, count)
 
-    shapes = {"pose": (d + 1, d + 1), "position": (d,), "orientation": (d, d)}
     inputs = [
-        Argument("target", shapes[arm.kind]),
+        Argument("target", form.counted(np.eye(d + 1)).shape),
         Argument("reference", (n,)),
         Argument("rest", (n,)),
     ]

@@ -7,10 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from freebody.algorithms.closed_form_inverse.choose_recipe import recipe_for
-from freebody.algorithms.closed_form_inverse.solve import Branches
 from freebody.arrays import Array
-from freebody.inverse.branch_kernel import branch_kernel, counted
+from freebody.inverse.branch_kernel import branch_kernel
 from freebody.inverse.closed_form import ClosedFormArm, over_arrays
 from freebody.inverse.many_starts import by_search
 from freebody.inverse.problem import Found, Problem, found_in_turn
@@ -29,9 +27,7 @@ def by_closed_form(problem: Problem, form: ClosedFormArm) -> Found:
         found, free = _by_steps(problem, form)
     else:
         held = [] if problem.held is None else [problem.held]
-        q, residual, _, count = kernel(
-            counted(form, target), problem.reference, problem.rest, *held
-        )
+        q, residual, _, count = kernel(form.counted(target), problem.reference, problem.rest, *held)
         found = Found(q, residual, form.names, form.method, [])
         rows = np.flatnonzero(count < 0)
         if len(rows):
@@ -70,14 +66,14 @@ def candidates(
     """The branches' joint positions x (N, k, n), none of them verified, NaN where there is none;
     which joints could stand anywhere (N, k, n) and are at rest; how clear the branches are (N,
     k)."""
-    arm, N = form.branches, len(problem.target)
-    chain = arm.chain.resting(at_rest)
-    recipe = recipe_for(chain, arm.kind, arm.dim == 2)
-    assert recipe is not None  # there is one for the same chain
-    resting = Branches(chain, arm.kind, recipe, arm.dim)
+    N, held = len(problem.target), problem.held
+    if not problem.alone:
+        given = [] if held is None else [held]
+        x, free, clear = form.candidates(form.counted(problem.target), at_rest, *given)
+        return x, free != 0.0, clear
     with np.errstate(all="ignore"):
-        R, p = resting.in_space(over_arrays(problem.target))
-        ways = resting.ways(R, p, problem.held)
+        R, p = form.branches.in_space(over_arrays(problem.target))
+        ways = form.resting(at_rest.tolist(), R, p, held)
         x = [[np.broadcast_to(place.value(), N) for place in places] for places, _ in ways]
     free = [[np.broadcast_to(place.free, N) != 0.0 for place in places] for places, _ in ways]
     clear = [np.broadcast_to(clear, N) for _, clear in ways]

@@ -3,19 +3,27 @@ joints turn about and slide along, never by a name."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from freebody.algorithms.closed_form_inverse.across import Across
 from freebody.algorithms.closed_form_inverse.choose_recipe import recipe_for, without_idle
+from freebody.algorithms.closed_form_inverse.joint_places import Way
 from freebody.algorithms.closed_form_inverse.solve import Branches, branches
 from freebody.algorithms.joint_lines import parallel
 from freebody.algorithms.screws import Screw, ScrewChain, chain_to
 from freebody.arrays import Array
+from freebody.elementary import Scalar
 from freebody.inverse import branch_names
 from freebody.inverse.task import Task
+from freebody.lazy import cached_property
 from freebody.model.model import Model
+from freebody.program import Argument, trace
+from freebody.spatial import Matrix, Vector, identity
+from freebody.targets import Kernel, compile_program
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +59,55 @@ class ClosedFormArm:
         """Names (...) of the branches of solutions q (..., nq)."""
         parts = branch_names.of_recipe(self.branches.recipe, self.chain.positions(q), self.words)
         return branch_names.joined(parts, q.shape[:-1])
+
+    def counted(self, target: Array) -> Array:
+        """What counts of targets (…, dim + 1, dim + 1): all, the point (…, dim) or the rotation."""
+        arm = self.branches
+        if arm.kind == "pose":
+            return target
+        d = arm.dim
+        return target[..., :d, d] if arm.kind == "position" else target[..., :d, :d]
+
+    def of_counted(self, target: Any) -> tuple[Matrix, Vector]:
+        """Rotation and position in space, of scalars, from what counts of a target."""
+        arm = self.branches
+        if arm.kind == "pose":
+            return arm.in_space(target)
+        if arm.kind == "position":
+            return identity(3), (*target, 0.0)[:3]
+        return target, (0.0, 0.0, 0.0)
+
+    def resting(
+        self, at_rest: Sequence[Scalar], R: Matrix, p: Vector, held: Scalar | None = None
+    ) -> list[Way]:
+        """The branches for a pose in space, none of them verified; joints that could stand anywhere
+        are at rest (n,)."""
+        arm = self.branches
+        chain = arm.chain.resting(at_rest)
+        recipe = recipe_for(chain, arm.kind, arm.dim == 2)
+        assert recipe is not None  # there is one for the same chain
+        return Branches(chain, arm.kind, recipe, arm.dim).ways(R, p, held)
+
+    @cached_property
+    def candidates(self) -> Kernel:
+        """(what counts of a target, at rest (n,), held?) -> (x (branches, n), 1 where a joint could
+        stand anywhere (branches, n), how clear a branch is (branches,)), none of them verified, NaN
+        where there is none."""
+        arm, n = self.branches, len(self.chain.screws)
+
+        def evaluate(target: Any, at_rest: Any, *held: Any) -> tuple[Any, ...]:
+            ways = self.resting(at_rest, *self.of_counted(target), *held)
+            x = [[place.value() for place in places] for places, _ in ways]
+            free = [[place.free for place in places] for places, _ in ways]
+            return x, free, [clear for _, clear in ways]
+
+        target = self.counted(np.eye(arm.dim + 1))
+        inputs = [Argument("target", target.shape), Argument("at_rest", (n,))]
+        if self.held is not None:
+            inputs.append(Argument("held", ()))
+        each = (arm.count, n)
+        outputs = [Argument("x", each), Argument("free", each), Argument("clear", each[:1])]
+        return compile_program(trace("candidates", evaluate, inputs, outputs))
 
     def complete(self, target: Array) -> Array:
         """Targets (N, …) with what the task leaves open as the arm has it."""

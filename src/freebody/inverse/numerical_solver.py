@@ -165,17 +165,24 @@ class NumericalSolver:
 
     def polished(self, q: Array, target: Array) -> tuple[Array, Array]:
         """(q, miss) after Newton steps, each kept where it helped; q (N, nq), target (N, …)."""
-        miss = self.miss(q, target)
+        error, J = self._error_and_jacobian(q, target)
+        miss = self.task.size(error)
         for _ in range(3):
-            T, J = self.pose_and_jacobian(q)
-            step = np.linalg.pinv(J, rcond=1e-7) @ self.task.error(T, target)[..., None]
+            step = np.linalg.pinv(J, rcond=1e-7) @ error[..., None]
             trial = self.moved(q, step[..., 0])
-            after = self.miss(trial, target)
+            errors, slopes = self._error_and_jacobian(trial, target)
+            after = self.task.size(errors)
             better = after < miss
             if not better.any():
                 break
             q, miss = np.where(better[:, None], trial, q), np.where(better, after, miss)
+            error = np.where(better[:, None], errors, error)
+            J = np.where(better[:, None, None], slopes, J)
         return q, miss
+
+    def _error_and_jacobian(self, q: Array, target: Array) -> tuple[Array, Array]:
+        T, J = self.pose_and_jacobian(q)
+        return self.task.error(T, target), J
 
     def settled(self, q: Array, target: Array, towards: Array, within: bool) -> Array:
         """q (N, nq) slid along the solutions of a redundant arm as near to `towards` (nq,) as can

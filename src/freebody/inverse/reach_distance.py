@@ -12,7 +12,6 @@ from freebody.algorithms.closed_form_inverse.joint_places import line
 from freebody.algorithms.closed_form_inverse.out_of_reach import closer
 from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
-from freebody.inverse.branch_kernel import counted, of_counted
 from freebody.inverse.closed_form import ClosedFormArm
 from freebody.inverse.problem import Problem
 from freebody.program import Argument, trace
@@ -53,7 +52,7 @@ def _some_distances(problem: Problem, form: ClosedFormArm) -> Array | None:
             return np.linalg.norm(points - c, axis=-1)
         return _Descents(problem, form, screws, c).distances(points)
     kernel = _gap_kernel(problem, form)
-    return None if kernel is None else _over_one_joint(kernel, counted(form, problem.target))
+    return None if kernel is None else _over_one_joint(kernel, form.counted(problem.target))
 
 
 # ---------------------------------------------------------------- by screws
@@ -145,9 +144,9 @@ def _target(problem: Problem) -> str | None:
 
 def _gaps_compiled(form: ClosedFormArm, ways: int, target: str | None) -> Kernel:
     def gaps(target: Any, x: Any) -> Any:
-        return (tuple(form.branches.gaps(*of_counted(form, target), x) or ()),)
+        return (tuple(form.branches.gaps(*form.of_counted(target), x) or ()),)
 
-    inputs = [Argument("target", counted(form, np.eye(form.branches.dim + 1)).shape)]
+    inputs = [Argument("target", form.counted(np.eye(form.branches.dim + 1)).shape)]
     return compile_program(
         trace("gaps", gaps, [*inputs, Argument("x", ())], [Argument("squares", (ways,))]),
         target=target,

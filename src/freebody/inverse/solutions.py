@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from freebody.algorithms.closed_form_inverse.near_reference import LOOSE
 from freebody.algorithms.loop_scales import repeating
 from freebody.arrays import Array, as_floats, check_core
 from freebody.inverse.numerical_solver import EXACT, NumericalSolver
@@ -31,6 +32,7 @@ def named(names: Names | np.ndarray, q: Array, there: np.ndarray) -> np.ndarray:
 
 
 _OUTSIDE = "  (outside the limits)"
+_TURN = 2 * np.pi
 APART = 1e-6
 """Joint positions nearer than this (rad, m) are one solution."""
 ALIKE = 1e-2
@@ -74,8 +76,8 @@ class Solutions(Tabled, ByValue):
         """The same from what a kernel gives, at once: within (..., branches), 1 where the limits
         are kept, is made into flags when it is asked for; others: what no kernel gives, arrays that
         cannot be written to, and `_ignored` where limits do not count."""
-        q.setflags(write=False)
-        residual.setflags(write=False)
+        q.setflags(False)
+        residual.setflags(False)
         made = object.__new__(cls)
         known = made.__dict__
         known.update(others)
@@ -217,42 +219,31 @@ def verified(
 def wrapped(solver: NumericalSolver, q: Array, reference: Array) -> Array:
     """Angles of q (N, nq) moved by whole turns: into their limits where that can be, and there next
     to `reference`."""
-    q = q.copy()
-    low, high = solver.bounds
-    turn = 2 * np.pi
-    for k in np.flatnonzero(turning_coordinates(solver.model)):
-        x = q[:, k] - turn * np.round((q[:, k] - reference[k]) / turn)
-        with np.errstate(invalid="ignore"):
-            up = (
-                turn * np.ceil(np.maximum(low[k] - x - 1e-9, 0.0) / turn)
-                if np.isfinite(low[k])
-                else 0.0
-            )
-            down = (
-                turn * np.ceil(np.maximum(x - high[k] - 1e-9, 0.0) / turn)
-                if np.isfinite(high[k])
-                else 0.0
-            )
+    turns = turning_coordinates(solver.model)
+    low, high = (bound[turns] for bound in solver.bounds)
+    x = q[:, turns]
+    with np.errstate(invalid="ignore"):
+        # half a turn away, to rounding, is above the reference
+        x = x - _TURN * np.ceil((x - reference[turns] - LOOSE) / _TURN - 0.5)
+        up = _TURN * np.ceil(np.maximum(low - x - LOOSE, 0.0) / _TURN)
+        down = _TURN * np.ceil(np.maximum(x - high - LOOSE, 0.0) / _TURN)
         moved = x + up - down
-        q[:, k] = np.where((moved >= low[k] - 1e-9) & (moved <= high[k] + 1e-9), moved, x)
+        fits = (moved >= low - LOOSE) & (moved <= high + LOOSE)
+    q = q.copy()
+    q[:, turns] = np.where(fits, moved, x)
     return q
 
 
 def distinct(model: Model, q: Array, there: np.ndarray, apart: float) -> np.ndarray:
     """Which of positions q (N, k, nq) that are there (N, k) are none before them, to `apart`."""
     kept, left = np.zeros(there.shape, dtype=bool), there.copy()
-    turning = turning_coordinates(model)
+    turn = _TURN * turning_coordinates(model)
     while len(rows := np.flatnonzero(left.any(axis=1))):
         first = np.argmax(left[rows], axis=1)
         kept[rows, first] = True
-        alike = left[rows]
-        for k, turns in enumerate(turning):
-            way = q[rows, :, k] - q[rows, first, k][:, None]
-            if turns:
-                way -= 2 * np.pi * np.round(way / (2 * np.pi))
-            with np.errstate(invalid="ignore"):
-                alike &= np.abs(way) <= apart
-        left[rows] &= ~alike
+        way = q[rows] - q[rows, first][:, None]
+        way -= turn * np.round(way / _TURN)
+        left[rows] &= ~(np.abs(way) <= apart).all(axis=-1)
         left[rows, first] = False
     return kept
 
@@ -269,4 +260,4 @@ def turning_coordinates(model: Model) -> np.ndarray:
 def within(solver: NumericalSolver, q: Array) -> np.ndarray:
     """Whether q (..., nq) lies within the limits, to rounding."""
     low, high = solver.bounds
-    return np.asarray(((q >= low - 1e-9) & (q <= high + 1e-9)).all(axis=-1))
+    return np.asarray(((q >= low - LOOSE) & (q <= high + LOOSE)).all(axis=-1))

@@ -61,7 +61,10 @@ class Task:
     def miss(self, T: Array, target: Array) -> Array:
         """(...): the larger of distance (m) and angle (rad) between a pose and a target, in the
         counted rows."""
-        error = self.error(T, target)
+        return self.size(self.error(T, target))
+
+    def size(self, error: Array) -> Array:
+        """(...): the larger of distance (m) and angle (rad) of an error (..., r)."""
         k = len(self.linear)
         parts = [np.linalg.norm(part, axis=-1) for part in (error[..., :k], error[..., k:])]
         return np.maximum(*parts)

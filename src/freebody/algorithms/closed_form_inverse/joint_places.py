@@ -24,7 +24,7 @@ class AxisLine:
     turning: bool
     w: tuple[float, ...]
     p: tuple[float, ...]
-    rest: float
+    rest: Scalar
     """The angle taken where any would do."""
     along: Matrix
     """w wᵀ."""
