@@ -171,6 +171,32 @@ def test_pins_on_one_another_are_left_to_the_search():
         fb.assembly_modes(model, np.zeros(5), free=["A1", "O2", "A2", "O3"])
 
 
+@pytest.mark.parametrize("distal", [0.4, 0.6])
+def test_a_target_on_a_pivot_leaves_the_others_in_closed_form(distal: float):
+    """The tip at a crank's own pivot: with links of equal length the crank may stand anywhere, and
+    that target is searched; with others the triangle cannot close, and nothing is."""
+    model = fb.load("five_bar").bind(l3=distal, l4=distal)
+    clear = np.array([0.0, 0.45]) + np.linspace(-0.04, 0.04, 14).reshape(7, 2)
+    alone = fb.inverse_kinematics(model, clear)
+    mixed = fb.inverse_kinematics(model, np.insert(clear, 3, [-0.25, 0.0], axis=0))
+    others = np.delete(np.arange(8), 3)
+    np.testing.assert_array_equal(mixed.q[others][:, :4], alone.q)
+    np.testing.assert_array_equal(mixed.branches[others][:, :4], alone.branches)
+    assert mixed.count[others].tolist() == [4] * 7
+    pivot = fb.inverse_kinematics(model, [-0.25, 0.0])
+    assert mixed.count[3] == len(pivot)
+    if distal == 0.4:
+        assert pivot.method.startswith("Levenberg")
+        np.testing.assert_array_equal(mixed.q[3, : len(pivot)], pivot.q)
+        assert len(np.unique(np.round(pivot.q[:, 0], 6))) == len(pivot) > 4  # the crank, anywhere
+        np.testing.assert_allclose(every_residual(model, pivot.q), 0, atol=1e-11)
+        assert mixed.notes[0].startswith("Where pins of a dyad lie on one another (targets 3): ")
+    else:
+        assert pivot.method == "dyads, in closed form"
+        assert pivot.distance == pytest.approx(distal - 0.4, rel=1e-6)
+        assert "theta1 and P would be 0 m apart" in pivot.notes[0]
+
+
 def test_what_is_no_row_of_dyads():
     assert decomposed(fb.load("3RRR"), [0, 1, 2, 4, 6, 8]) is None  # all legs at once
     assert decomposed(fb.load("bricard"), range(5)) is None

@@ -4,7 +4,7 @@ to close all of them is a working mode."""
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -14,7 +14,7 @@ from freebody.inverse.answer import gathered
 from freebody.inverse.levenberg_marquardt import descend
 from freebody.inverse.numerical_solver import EXACT, NumericalSolver
 from freebody.inverse.problem import Found, Problem, found_in_turn
-from freebody.inverse.solutions import ALIKE, APART, Solutions, Verified, wrapped
+from freebody.inverse.solutions import ALIKE, APART, Solutions, Verified, each_once, wrapped
 from freebody.inverse.workspace import Away, beyond_the_starts
 from freebody.lazy import cached_property
 from freebody.loops.dyad_decomposition import Decomposition, decomposed
@@ -31,6 +31,8 @@ from freebody.trees.states import integrate, random_state
 _SHOWN = 8
 """How many of infinitely many solutions are returned."""
 _CLOSED = 1e-11  # scaled loop equations of a solution
+_ROUNDING = 1e-14
+"""What is left of the scaled equations where Newton's steps have nothing to gain."""
 _SETTLING = (1.0, 30.0, 1e3, 1e4)
 """How much the loops count against the tip, one descent after the other, where the target is out of
 reach."""
@@ -41,16 +43,28 @@ def of_closed_chain(
 ) -> Solutions:
     """See `fb.inverse_kinematics`; away: how far targets are out of reach, by default sought."""
     work = _Held(problem)
-    away = away or work.away
-    if work.plan is not None:
-        candidates = work.plan.solve(np.tile(work.rest, (len(problem.target), 1)), problem.target)
-        if candidates is not None:
-            problem.refuse_search()
-            solutions = work.verified(candidates, problem.target)
-            nq = problem.solver.model.nq
-            found = found_in_turn(solutions, work.named(solutions), nq, "dyads, in closed form", [])
-            return gathered(problem, None, found, batch, away)
-    return gathered(problem, None, _searched(work), batch, away)
+    found = _searched(work) if work.plan is None else _by_dyads(work, work.plan)
+    return gathered(problem, None, found, batch, away or work.away)
+
+
+def _by_dyads(work: _Held, plan: Decomposition) -> Found:
+    """Solutions in closed form, and from many starts where pins of a dyad lie on one another."""
+    problem = work.problem
+    candidates, anywhere = plan.solve(np.tile(work.rest, (len(problem.target), 1)), problem.target)
+    rows = np.flatnonzero(anywhere)
+    if len(rows) < len(anywhere) or not len(anywhere):
+        problem.refuse_search()
+    solutions = work.verified(candidates, problem.target)
+    nq = problem.solver.model.nq
+    found = found_in_turn(solutions, work.named(solutions), nq, "dyads, in closed form", [])
+    if not len(rows):
+        return found
+    searched = _searched(_Held(problem.part(rows)))
+    if len(rows) == len(anywhere):
+        return searched
+    few = ", ".join(map(str, rows[:3])) + (", …" if len(rows) > 3 else "")
+    notes = [f"Where pins of a dyad lie on one another (targets {few}): {searched.notes[0]}"]
+    return replace(found.with_rows(rows, searched), notes=notes)
 
 
 def unmeasured(target: Array) -> Away:
@@ -71,7 +85,7 @@ def _searched(work: _Held) -> Found:
     for target in problem.target:
         goals = np.broadcast_to(target, (len(starts), *target.shape))
         q, _ = work.descend(goals, starts, 1.0, 80)
-        solutions += work.verified(q[None], target[None])
+        solutions += work.verified(q[None], target[None], nearest_first=True)
     redundant = any(work.freedom(s.q[0]) for s in solutions if len(s.q))
     if redundant:
         solutions = [work.thinned(s) for s in solutions]
@@ -141,32 +155,27 @@ class _Held:
         return closing(model, q, range(model.nv))[0]
 
     # ------------------------------------------------------------ solutions
-    def verified(self, q: Array, target: Array) -> list[Verified]:
+    def verified(self, q: Array, target: Array, *, nearest_first: bool = False) -> list[Verified]:
         """Of candidates (N, K, nq) those that reach their targets (N, …) with all loops closed,
-        polished, wrapped, each once."""
-        N, K, nq = q.shape
-        rows = np.flatnonzero(np.isfinite(q).all(axis=-1))
-        good, goals = q.reshape(-1, nq)[rows], target[rows // K]
-        good = wrapped(self.solver, self._polished(good, goals), self.rest)
-        miss = self.solver.miss(good, goals) if len(good) else np.zeros(0)
-        fine = (miss <= EXACT) & self._closed(good)
-        ends = np.searchsorted(rows, K * np.arange(N + 1))
+        polished, wrapped, each once; in their order, or the nearest to the reference first."""
+        model = self.solver.model
+        rows = np.isfinite(q).all(axis=-1)
+        q, miss, fine = q.copy(), np.full(rows.shape, np.inf), np.zeros(rows.shape, dtype=bool)
+        if rows.any():
+            goals = target[np.nonzero(rows)[0]]
+            good = wrapped(self.solver, self._polished(q[rows], goals), self.rest)
+            q[rows], miss[rows] = good, self.solver.miss(good, goals)
+            fine[rows] = (miss[rows] <= EXACT) & self._closed(good)
+        if nearest_first:
+            far = np.where(fine, np.linalg.norm(q - self.rest, axis=-1), np.inf)
+            order = np.argsort(far, axis=-1, kind="stable")
+            q = np.take_along_axis(q, order[..., None], axis=1)
+            miss, fine = (np.take_along_axis(x, order, axis=1) for x in (miss, fine))
+        kept = each_once(fine, lambda rows, k: _apart(model, q[rows], q[rows, k][:, None]) <= APART)
         return [
-            self._each_once(good, miss, first + np.flatnonzero(fine[first:last]))
-            for first, last in pairwise(ends)
+            Verified(q[i, some], miss[i, some], some)
+            for i, some in enumerate(map(np.flatnonzero, kept))
         ]
-
-    def _each_once(self, q: Array, miss: Array, rows: np.ndarray) -> Verified:
-        """Of the rows of q those that are none before them, in a plan's order, else the nearest
-        to the reference first."""
-        if self.plan is None:
-            way = np.linalg.norm(q[rows] - self.rest, axis=-1)
-            rows = rows[np.argsort(way, kind="stable")]
-        kept: list[int] = []
-        for row in rows:
-            if all(_apart(self.solver.model, q[row], q[other]) > APART for other in kept):
-                kept.append(int(row))
-        return Verified(q[kept], miss[kept], np.array(kept, dtype=int))
 
     def named(self, solutions: list[Verified]) -> list[list[str]]:
         """Names of the branches of the targets' solutions, by their dyads."""
@@ -190,13 +199,21 @@ class _Held:
     def _polished(self, q: Array, target: Array) -> Array:
         """q after Newton steps, each kept where it helped."""
         solver = self.solver
-        for _ in range(4 if len(q) else 0):
-            e, E = solver.equations(q, target)
-            step = (np.linalg.pinv(E, rcond=1e-9) @ e[..., None])[..., 0] * solver.rates
-            trial = solver.moved(q, step)
-            after, _ = solver.equations(trial, target)
-            better = np.linalg.norm(after, axis=-1) < np.linalg.norm(e, axis=-1)
-            q = np.where(better[:, None], trial, q)
+        q = q.copy()
+        e, E = solver.equations(q, target)
+        left = np.linalg.norm(e, axis=-1)
+        for _ in range(4):
+            rows = np.flatnonzero(left > _ROUNDING)
+            if not len(rows):
+                break
+            step = (np.linalg.pinv(E[rows], rcond=1e-9) @ e[rows, :, None])[..., 0] * solver.rates
+            trial = solver.moved(q[rows], step)
+            errors, slopes = solver.equations(trial, target[rows])
+            after = np.linalg.norm(errors, axis=-1)
+            better = after < left[rows]
+            kept = rows[better]
+            q[kept], e[kept], E[kept] = trial[better], errors[better], slopes[better]
+            left[kept] = after[better]
         return q
 
     def freedom(self, q: Array) -> int:
@@ -261,6 +278,7 @@ class _Held:
         )
 
 
-def _apart(model: Model, a: Array, b: Array) -> float:
-    """The largest difference of two positions, as rates, whole turns left out."""
-    return float(np.abs(rate_scale(model) * shortest_way(model, a, b)).max(initial=0.0))
+def _apart(model: Model, a: Array, b: Array) -> Array:
+    """The largest difference (...) of positions (..., nq), as rates, whole turns left out."""
+    way = np.abs(rate_scale(model) * shortest_way(model, a, b))
+    return np.asarray(way.max(axis=-1, initial=0.0))

@@ -236,14 +236,26 @@ def wrapped(solver: NumericalSolver, q: Array, reference: Array) -> Array:
 
 def distinct(model: Model, q: Array, there: np.ndarray, apart: float) -> np.ndarray:
     """Which of positions q (N, k, nq) that are there (N, k) are none before them, to `apart`."""
-    kept, left = np.zeros(there.shape, dtype=bool), there.copy()
     turn = _TURN * turning_coordinates(model)
+
+    def alike(rows: np.ndarray, first: np.ndarray) -> np.ndarray:
+        way = q[rows] - q[rows, first][:, None]
+        way -= turn * np.round(way / _TURN)
+        return np.asarray((np.abs(way) <= apart).all(axis=-1))
+
+    return each_once(there, alike)
+
+
+def each_once(
+    there: np.ndarray, alike: Callable[[np.ndarray, np.ndarray], np.ndarray]
+) -> np.ndarray:
+    """Which of those that are there (N, k) are none before them; alike: rows (M,), one of each (M,)
+    -> which others are as that one (M, k)."""
+    kept, left = np.zeros(there.shape, dtype=bool), there.copy()
     while len(rows := np.flatnonzero(left.any(axis=1))):
         first = np.argmax(left[rows], axis=1)
         kept[rows, first] = True
-        way = q[rows] - q[rows, first][:, None]
-        way -= turn * np.round(way / _TURN)
-        left[rows] &= ~(np.abs(way) <= apart).all(axis=-1)
+        left[rows] &= ~alike(rows, first)
         left[rows, first] = False
     return kept
 

@@ -182,8 +182,10 @@ def _by_dyads(model: Model, guess: Array, moving: Sequence[int]) -> Array | None
     """Closed positions (k, nq) in closed form, the nearest first; None where the mechanism is no
     row of dyads."""
     plan = decomposed(model, moving) if model.nq == model.nv else None
-    found = None if plan is None else plan.solve(guess[None])
-    if found is None:
+    if plan is None:
+        return None
+    found, anywhere = plan.solve(guess[None])
+    if anywhere.any():
         return None
     closed, left = closing(model, found[0][np.isfinite(found[0]).all(axis=-1)], moving)
     good = closed[is_closed(model, closed, left)]

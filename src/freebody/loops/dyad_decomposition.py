@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from freebody.algorithms.kinematics import ancestors
 from freebody.arrays import Array
@@ -15,7 +16,6 @@ from freebody.loops.dyads import (
     OF_ONE,
     OF_TWO,
     Chain,
-    Coincident,
     ConstructionStep,
     Crossing,
     Posture,
@@ -37,23 +37,19 @@ class Decomposition:
     model: Model
     steps: tuple[ConstructionStep, ...]
 
-    def solve(self, q: Array, target: Array | None = None) -> Array | None:
-        """All solutions (N, K, nq) with the known coordinates of q (N, nq), NaN where a branch has
-        none.
+    def solve(self, q: Array, target: Array | None = None) -> tuple[Array, NDArray[np.bool_]]:
+        """(all solutions (N, K, nq) with the known coordinates of q (N, nq), NaN where a branch has
+        none; samples (N,) where pins of a dyad coincide: no angle is singled out).
 
-        target: poses (N, 3, 3) of the frame that is held. None where pins of a dyad coincide: no
-        angle is singled out.
+        target: poses (N, 3, 3) of the frame that is held.
         """
         at = self._posture(q[:, None, :], target)
-        try:
-            with np.errstate(
-                invalid="ignore", divide="ignore"
-            ):  # branches without solution are NaN from there on
-                for step in self.steps:
-                    at = at.moved(np.concatenate(step.solve(at), axis=1))
-        except Coincident:
-            return None
-        return at.q
+        anywhere = np.zeros(len(q), dtype=bool)
+        with np.errstate(all="ignore"):  # branches without solution are NaN from there on
+            for step in self.steps:
+                anywhere |= step.anywhere(at).any(axis=1)
+                at = at.moved(np.concatenate(step.solve(at), axis=1))
+        return at.q, anywhere
 
     def branches(self, q: Array, target: Array | None = None) -> list[str]:
         """Names of solutions q (k, nq): on which side elbows lie, which way slides reach; target:
@@ -77,11 +73,10 @@ class Decomposition:
         for step in self.steps:
             if unsolved & self._carried_by(step):
                 continue
-            try:
-                with np.errstate(invalid="ignore", divide="ignore"):
-                    solutions = np.concatenate(step.solve(at), axis=1)
-            except Coincident:
+            if step.anywhere(at).any():
                 return found
+            with np.errstate(all="ignore"):
+                solutions = np.concatenate(step.solve(at), axis=1)
             good = np.isfinite(solutions[0]).all(axis=-1)
             if good.any():
                 at = at.moved(solutions[:, good])

@@ -9,7 +9,6 @@ here and a line in a table.
 """
 
 from freebody.loops.dyads.chain import Chain, Crossing, chain, coordinate, coordinates, is_turning
-from freebody.loops.dyads.geometry import Coincident
 from freebody.loops.dyads.heading import heading
 from freebody.loops.dyads.posture import Posture
 from freebody.loops.dyads.step import ConstructionStep, OfOne, OfTwo
@@ -24,7 +23,6 @@ __all__ = [
     "OF_ONE",
     "OF_TWO",
     "Chain",
-    "Coincident",
     "ConstructionStep",
     "Crossing",
     "Posture",

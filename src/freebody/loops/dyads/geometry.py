@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.loops.dyads.chain import Crossing
@@ -13,10 +14,6 @@ _COINCIDE = 1e-6
 """Sides of a triangle, relative to its perimeter, below which two of its pins are one."""
 _LOOSE = 1e-9
 """How far (relative) a square may be negative and still be taken as 0: a straight dyad."""
-
-
-class Coincident(Exception):
-    """Pins of a dyad lie on one another: any angle does."""
 
 
 def along(e: Complex, v: Complex) -> Array:
@@ -61,8 +58,12 @@ def shifted(at: Posture, first: Crossing, second: Crossing, way: Complex) -> Arr
     return at.moved(at.slid(first, x)).slid(second, y)
 
 
-def refuse_coincident(*sides: Array) -> None:
-    whole = np.add.reduce(sides)
-    for side in sides:
-        if np.any(side <= _COINCIDE * np.maximum(whole, 1e-300)):
-            raise Coincident
+def coincident(*sides: Array) -> NDArray[np.bool_]:
+    """Where two pins of a triangle with these three sides lie on one another while the other two
+    sides are as long as each other: any angle does."""
+    near = _COINCIDE * np.maximum(np.add.reduce(sides), 1e-300)
+    a, b, c = sides
+    found = np.zeros(np.shape(near), dtype=bool)
+    for short, one, two in ((a, b, c), (b, c, a), (c, a, b)):
+        found |= (short <= near) & (np.abs(one - two) <= 2.0 * near)
+    return found

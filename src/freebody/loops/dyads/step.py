@@ -7,6 +7,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from freebody.arrays import Array
 from freebody.loops.dyads.chain import Chain, Crossing
 from freebody.loops.dyads.posture import Posture
@@ -47,6 +50,11 @@ class ConstructionStep(ABC):
     @abstractmethod
     def solve(self, at: Posture) -> list[Array]:
         """q (N, K, nq) of each solution, NaN where there is none."""
+
+    def anywhere(self, at: Posture) -> NDArray[np.bool_]:
+        """Where pins lie on one another (N, K), so that any angle does and no solution is singled
+        out."""
+        return np.zeros(at.q.shape[:-1], dtype=bool)
 
     def label(self, at: Posture) -> Array | None:
         """Which solution a posture is: a positive or a negative number (N, K)."""

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.loops.dyads.chain import Chain, Crossing
-from freebody.loops.dyads.geometry import corner, refuse_coincident, side
-from freebody.loops.dyads.posture import Posture
+from freebody.loops.dyads.geometry import coincident, corner, side
+from freebody.loops.dyads.posture import Complex, Posture
 from freebody.loops.dyads.step import ConstructionStep, NameOf, OfOne, Reach
 
 
@@ -22,12 +23,14 @@ class Swing(ConstructionStep):
 
     def solve(self, at: Posture) -> list[Array]:
         (turn,) = self.crossings
-        o = at.pivot(turn[0])
-        near, far = (at.point(end) - o for end in self.chain.ends)
+        near, far = self._arms(at)
         a, b = np.abs(near), np.abs(far)
-        refuse_coincident(a, b)
         here, wanted = np.angle(far / near), corner(np.full(a.shape, self.chain.distance), a, b)
         return [at.turned((turn, s * wanted - here)) for s in (1.0, -1.0)]
+
+    def anywhere(self, at: Posture) -> NDArray[np.bool_]:
+        a, b = map(np.abs, self._arms(at))
+        return coincident(a, b, np.full(a.shape, self.chain.distance))
 
     def label(self, at: Posture) -> Array:
         ((body, sign),) = self.crossings
@@ -36,13 +39,18 @@ class Swing(ConstructionStep):
         return side(o, start, end) if sign > 0 else side(o, end, start)
 
     def reach(self, at: Posture) -> Reach:
-        ((body, sign),) = self.crossings
-        o = at.pivot(body)
-        near, far = (np.abs(at.point(end) - o) for end in self.chain.ends)
+        ((_, sign),) = self.crossings
+        near, far = map(np.abs, self._arms(at))
         base, leg = (near, far) if sign > 0 else (far, near)
         other = self.chain.ends[0 if sign > 0 else 1] or "the target"
         d = self.chain.distance
         return self.names[0], other, base, np.abs(leg - d), leg + d
+
+    def _arms(self, at: Posture) -> tuple[Complex, Complex]:
+        """From the pin to both ends."""
+        ((body, _),) = self.crossings
+        near, far = (at.point(end) - at.pivot(body) for end in self.chain.ends)
+        return near, far
 
 
 def _made(chain: Chain, free: Sequence[Crossing], name_of: NameOf) -> ConstructionStep:

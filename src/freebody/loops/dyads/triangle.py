@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.loops.dyads.chain import Chain, Crossing
-from freebody.loops.dyads.geometry import corner, refuse_coincident, side
+from freebody.loops.dyads.geometry import coincident, corner, side
 from freebody.loops.dyads.posture import Complex, Posture
 from freebody.loops.dyads.step import ConstructionStep, NameOf, OfOne, Reach
 
@@ -24,13 +25,15 @@ class Triangle(ConstructionStep):
         first, second = self.crossings
         start, p, r, end = self._pins(at)
         a, b, c = self._sides(at)
-        refuse_coincident(a, b, c)
         here = np.angle((r - p) / (start - p)), np.angle((end - r) / (p - r))
         wanted = corner(c, a, b), corner(a, b, c)
         return [
             at.turned((first, s * wanted[0] - here[0]), (second, s * wanted[1] - here[1]))
             for s in (1.0, -1.0)
         ]
+
+    def anywhere(self, at: Posture) -> NDArray[np.bool_]:
+        return coincident(*self._sides(at))
 
     def label(self, at: Posture) -> Array:
         start, p, r, _ = self._pins(at)

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.loops.dyads.chain import Chain, Crossing
-from freebody.loops.dyads.geometry import across, along, refuse_coincident, root
+from freebody.loops.dyads.geometry import across, along, coincident, root
 from freebody.loops.dyads.posture import Complex, Posture
 from freebody.loops.dyads.step import ConstructionStep, NameOf, OfOne
 
@@ -22,7 +23,6 @@ class TurnAndSlide(ConstructionStep):
         turn, slide = self.crossings
         rigid, sliding, e, behind = self._parts(at)
         ahead, aside = along(e, sliding), across(e, sliding)
-        refuse_coincident(np.abs(rigid))
         half = root(np.abs(rigid), aside)
         found = []
         for s in (1.0, -1.0):
@@ -32,6 +32,12 @@ class TurnAndSlide(ConstructionStep):
             slid = at.moved(at.slid(slide, way))
             found.append(slid.turned((turn, angle if behind else -angle)))
         return found
+
+    def anywhere(self, at: Posture) -> NDArray[np.bool_]:
+        rigid, sliding, e, _ = self._parts(at)
+        # what is rigid has no length, and what slides can reach the pin
+        far = np.abs(sliding)
+        return coincident(np.abs(rigid), far, np.sqrt(far**2 + across(e, sliding) ** 2))
 
     def label(self, at: Posture) -> Array:
         _, sliding, e, _ = self._parts(at)

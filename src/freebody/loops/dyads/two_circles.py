@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.loops.dyads.chain import Chain, Crossing, is_turning
-from freebody.loops.dyads.geometry import corner, refuse_coincident, shifted, side
+from freebody.loops.dyads.geometry import coincident, corner, shifted, side
 from freebody.loops.dyads.posture import Complex, Posture
 from freebody.loops.dyads.step import ConstructionStep, Reach
 from freebody.model.tree import Tree
@@ -26,12 +27,15 @@ class TwoCircles(ConstructionStep):
         between = one - two  # from the first centre to the second
         r, t = (np.full(one.shape, c.distance) for c in self.chains)
         d = np.abs(between)
-        refuse_coincident(d)
         angle, (first, second) = corner(t, r, d), self.crossings
         return [
             shifted(at, first, second, between / d * r * np.exp(1j * s * angle) - one)
             for s in (1.0, -1.0)
         ]
+
+    def anywhere(self, at: Posture) -> NDArray[np.bool_]:
+        one, two = self._gaps(at)
+        return coincident(np.abs(one - two), *(np.full(one.shape, c.distance) for c in self.chains))
 
     def label(self, at: Posture) -> Array:
         one, two = self._gaps(at)
