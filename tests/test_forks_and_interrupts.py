@@ -304,10 +304,10 @@ def test_threads_that_ask_for_memory_at_once_get_different_pieces():
 
     def is_its_own(value: float) -> bool:
         for _ in range(300):
-            piece = result_memory.empty((40_000,))
-            piece[::5000] = value
+            piece = result_memory.empty((3_000_000,))
+            piece[::500_000] = value
             time.sleep(0)
-            if (piece[::5000] != value).any():
+            if (piece[::500_000] != value).any():
                 return False
         return True
 

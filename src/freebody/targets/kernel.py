@@ -97,9 +97,9 @@ class Kernel:
         self._longest = max(1, int(_SLICE / (self._cost + moved)))
         # samples that are surely not worth threads, and of these those whose results need no memory
         # from the store
-        largest = max((argument.size for argument in program.outputs), default=1) or 1
         self._few = min(int(2 * _WORTH / self._cost), self._longest)
-        self.few = min(self._few, result_memory.SMALLEST // (self.dtype.itemsize * largest))
+        made = self.dtype.itemsize * max(1, program.output_size)
+        self.few = min(self._few, result_memory.SMALLEST // made)
 
     def __call__(self, *arrays: ArrayLike, out: Any = None, threads: int | None = None) -> Any:
         """The output, or the tuple of outputs.

@@ -1,13 +1,15 @@
 """Memory for long results: that of results which are gone is used again.
 
 The system hands out memory page by page, when a page is first written, and that takes up to five
-times as long as the arithmetic that fills it. So what a result leaves behind is kept for the next
-one of about its size.
+times as long as the arithmetic that fills it. The C library keeps short pieces itself, GNU's also
+long ones once a long one has come and gone. What a longer result leaves behind is kept here for the
+next one of about its size.
 """
 
 from __future__ import annotations
 
 import contextlib
+import os
 from collections import deque
 from math import prod
 
@@ -15,10 +17,25 @@ import numpy as np
 
 from freebody.arrays import Array
 
-SMALLEST = 2**17
-"""Bytes from which it is worth it: the C library keeps shorter pieces itself."""
 
-LARGEST = 2**25
+
+def _shortest() -> int:
+    """Bytes from which the C library gives memory back as soon as it is free.
+
+    GNU's asks the system for 128 kB and more, until such a piece is freed: then it keeps pieces of
+    that length from there on, up to 32 MB (mallopt(3), M_MMAP_THRESHOLD).
+    """
+    names = getattr(os, "confstr_names", {})
+    if "CS_GNU_LIBC_VERSION" not in names or not os.confstr("CS_GNU_LIBC_VERSION"):
+        return 2**17
+    np.empty(2**25 - 2**14, dtype=np.uint8)  # no page of it is written
+    return 2**24
+
+
+SMALLEST = _shortest()
+"""Bytes from which it is worth it."""
+
+LARGEST = 2**26
 """Bytes up to which a piece is kept."""
 
 LIMIT = 2**26
