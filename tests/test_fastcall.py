@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import freebody as fb
 from freebody.elementary import sin
 from freebody.errors import ShapeError
 from freebody.program import Argument, trace
@@ -458,6 +459,31 @@ def test_a_checked_batch_is_seen_to_its_last_entry(dtype):
             wrong = q.copy()
             wrong[row, entry] = value
             assert checked(wrong) is None, (row, entry)
+
+
+@pytest.mark.parametrize("batch", [(), (1,), (7,), (300,), (40_000,), (2, 3)])
+def test_other_numbers_answer_as_their_copies_in_float64(batch: tuple[int, ...]):
+    """Lists, whole numbers, float32 and arrays with gaps: bit for bit, in float64, whatever was
+    called before."""
+    model = fb.load("ur5e")
+    state = [x.reshape(*batch, 6) for x in fb.random_state(model, 3, int(np.prod(batch)))]
+    narrow = [np.round(64.0 * x).astype(np.float32) / 64 for x in state]
+    whole = [np.round(3.0 * x).astype(np.int64) for x in state]
+    gaps = [np.repeat(x, 2, axis=-1)[..., ::2] for x in state]
+    others = [narrow, whole, gaps] + ([[x.tolist() for x in state]] if len(batch) < 2 else [])
+    for given in others:
+        copies = [np.array(x, dtype=float) for x in given]
+        for function in (fb.inverse_dynamics, fb.forward_dynamics, fb.inverse_dynamics_derivatives):
+            expected = _outputs(function(model, *copies))
+            mixed = function(model, given[0], *copies[1:])
+            for found in (_outputs(function(model, *given)), _outputs(mixed)):
+                for x, y in zip(found, expected, strict=True):
+                    assert x.dtype == np.float64
+                    np.testing.assert_array_equal(x, y)
+
+
+def _outputs(found: np.ndarray | tuple[np.ndarray, ...]) -> tuple[np.ndarray, ...]:
+    return found if isinstance(found, tuple) else (found,)
 
 
 def test_a_long_batch_is_shared_among_threads_as_before(monkeypatch):

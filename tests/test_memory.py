@@ -153,3 +153,43 @@ def test_the_last_words_of_a_worker_are_in_the_report(tmp_path: Path):
     assert "these are the last words" in report
     assert "Fatal Python error: Aborted" in report
     assert "in test_that_ends_its_process" in report
+
+
+_FRESH = """
+import os, resource
+import numpy as np
+import freebody as fb
+model = fb.load("ur5e")
+for batch in (100, 300, 1000, 4096, 30_000, 700_000):
+    state = fb.random_state(model, 1, batch)
+    for function in (fb.inverse_dynamics, fb.inverse_dynamics_derivatives):
+        size = 8 * batch * (6 if function is fb.inverse_dynamics else 36)
+        if size > 2**26:
+            continue
+        for _ in range(3):
+            found = function(model, *state)
+        del found
+        before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+        for _ in range(10):
+            function(model, *state)
+        faults = (resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before) / 10
+        print(function.__name__, batch, faults, size // 4096)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="pages are counted as Linux does")
+def test_fresh_results_cost_no_pages():
+    """Results that are gone leave their memory to the next: of all the pages that results lie in,
+    next to none is asked of the system anew."""
+    run = subprocess.run(
+        [sys.executable, "-c", _FRESH],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=environment(),
+        timeout=120,
+    )
+    rows = [line.split() for line in run.stdout.splitlines()]
+    assert len(rows) == 11
+    for name, batch, faults, pages in rows:
+        assert float(faults) <= 2.0 + 0.02 * float(pages), (name, batch, faults, pages)

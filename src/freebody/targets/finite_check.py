@@ -14,6 +14,9 @@ HUGE = 1e100
 
 _FEW = 100  # entries that are looked at sooner in plain Python
 
+_SHORT = 2**16
+"""Entries that are copied sooner than looked at one by one where they stand."""
+
 UNIT = 1e-6
 """How far a quaternion may be off unit length."""
 
@@ -57,6 +60,23 @@ def _finite(outputs: tuple[Any, ...], arrays: tuple[Any, ...]) -> bool:
     if plain and sum(x.size for x in arrays) < entries:
         return all(x.min(initial=0.0) >= -HUGE and x.max(initial=0.0) <= HUGE for x in arrays)
     return all(np.isfinite(x).all() for x in outputs)
+
+
+def plainly(value: Any) -> Any:
+    """Lists of numbers, and arrays of other real numbers or with gaps, as an array of float64 as
+    the quickest calls take it; anything else, and what is long, as it is."""
+    if type(value) is np.ndarray:
+        kind = value.dtype
+        if (
+            kind.kind not in "fiu"
+            or value.size > _SHORT
+            or (kind == np.float64 and value.flags.c_contiguous and value.flags.aligned)
+            or kind.itemsize > np.float64().itemsize
+        ):
+            return value
+    elif type(value) not in (list, tuple) or not _plain(value):
+        return value
+    return np.array(value, dtype=np.float64, order="C")
 
 
 def _plain(value: Any) -> bool:

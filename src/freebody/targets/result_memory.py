@@ -18,7 +18,6 @@ import numpy as np
 from freebody.arrays import Array
 
 
-
 def _shortest() -> int:
     """Bytes from which the C library gives memory back as soon as it is free.
 

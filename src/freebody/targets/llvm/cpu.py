@@ -9,11 +9,13 @@ import importlib.util
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
+from operator import is_
 from pathlib import Path
 from typing import Any
 
 from freebody.program.passes import optimise
 from freebody.program.program import Program
+from freebody.targets.finite_check import plainly
 from freebody.targets.kernel import BatchLoop, Kernel
 from freebody.targets.llvm import cache as disk
 from freebody.targets.llvm import fastcall, fastcode
@@ -63,7 +65,13 @@ class _QuickKernel(Kernel):
         self, general: Callable[..., Any], held: Any = None, units: Sequence[tuple[int, int]] = ()
     ) -> Callable[..., Any]:
         entries = fastcall.unit_entries(units) if units else b""
-        return self._checked.function(general, self.few, held, entries)
+        plain = self._checked.function(general, self.few, held, entries)
+
+        def converted(*arrays: Any) -> Any:
+            some = tuple(map(plainly, arrays))
+            return (general if all(map(is_, some, arrays)) else plain)(*some)
+
+        return self._checked.function(converted, self.few, held, entries)
 
 
 def _build(level: str | None, program: Program, width: int | None, dtype: str) -> Kernel:
