@@ -166,9 +166,8 @@ for batch in (100, 300, 1000, 4096, 30_000, 700_000):
         size = 8 * batch * (6 if function is fb.inverse_dynamics else 36)
         if size > 2**26:
             continue
-        for _ in range(3):
-            found = function(model, *state)
-        del found
+        for _ in range(10):
+            function(model, *state)
         before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
         for _ in range(10):
             function(model, *state)
