@@ -6,8 +6,8 @@ different ones beside equal ones, two threads beside one, and dry friction besid
 
 The controllers are -kp (q - goal) - kd q̇ with a goal for each arm: a function that `fb.compile`
 compiled, in every stage of the Runge-Kutta steps; MuJoCo has position and velocity actuators of the
-same gains. The states of both are compared at the end. Times of one thread are CPU times of whole
-calls, interleaved.
+same gains. Both record every step's positions and rates; the states are compared at the end. Times
+of one thread are CPU times of whole calls, interleaved.
 """
 
 import argparse
@@ -77,7 +77,7 @@ class Held:
             self.model,
             self.q,
             self.qd,
-            [0.0, (steps or self.steps) * STEP],
+            STEP * np.arange((steps or self.steps) + 1),
             CONTROL,
             method="rk4",
             step=STEP,

@@ -72,7 +72,9 @@ def _answering(kernel: Kernel, form: ClosedFormArm, own: Problem) -> Answer:
                 return None
             near = beside = q0
         if seven:
-            if not (type(held) is float or (type(held) is array and held.dtype is double)):
+            if type(held) is double.type:
+                held = float(held)
+            elif not (type(held) is float or (type(held) is array and held.dtype is double)):
                 return None
             if np.ndim(held) > target.ndim - axes:
                 return None

@@ -35,6 +35,7 @@ from freebody.motion.simulation.torques import (
 )
 from freebody.motion.simulation.unending import MOST
 from freebody.motion.simulation.wrench_tables import all_wrenches, warn_of_tables
+from freebody.targets import result_memory
 from freebody.trees.massless_joints import refuse_massless
 from freebody.trees.public_calls import Vector, Wrenches, vector
 
@@ -178,10 +179,12 @@ def _nothing_yet(asked: Simulation, used: dict[str, Any]) -> Simulated:
     """Where the motions are put."""
     kept = asked.t[:: asked.every]
     q, qd = (
-        np.full((*asked.lanes.shape, len(kept), n), np.nan)
+        result_memory.empty((*asked.lanes.shape, len(kept), n))
         for n in (asked.model.nq, asked.model.nv)
     )
-    q[..., 0, :], qd[..., 0, :] = asked.q, asked.qd
+    for made, start in ((q, asked.q), (qd, asked.qd)):
+        made[...] = np.nan
+        made[..., 0, :] = start
     return Simulated(kept, q, qd, used)
 
 

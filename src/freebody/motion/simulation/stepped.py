@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import threading
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, warn
@@ -258,13 +260,12 @@ def _tell_stopped(
 ) -> None:
     """Refuse the one motion that could not go on, warn of some among many; alike: whether all take
     the same steps."""
-    finite = np.isfinite(result.q).all(axis=-1), np.isfinite(result.qd).all(axis=-1)
-    going = np.asarray(np.logical_and(*finite))
-    stopped = np.argwhere(~going[..., -1])
+    # what has stopped is NaN to the end
+    stopped = np.argwhere(~_going(result, (..., -1)))
     if not len(stopped):
         return
     index = tuple(map(int, stopped[0]))
-    at = result.t[max(0, int(np.argmin(going[index])) - 1)]
+    at = result.t[max(0, int(np.argmin(_going(result, index))) - 1)]
     advice = (
         "It may diverge, pass a state without finite acceleration, or, in a closed chain, come to "
         "a position where its equations do not tell; shorter steps or method 'implicit' may help."
@@ -281,3 +282,8 @@ def _tell_stopped(
         f"simulate: {len(stopped)} of {asked.lanes.count} motions could not go on and are NaN from "
         f"there, the first{at_sample(index)} after t = {at:.6g} s. {advice}",
     )
+
+
+def _going(result: Simulated, at: tuple[Any, ...]) -> NDArray[np.bool_]:
+    """Which positions and rates there are numbers."""
+    return np.logical_and(*(np.isfinite(x[at]).all(axis=-1) for x in (result.q, result.qd)))
