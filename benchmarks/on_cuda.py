@@ -4,8 +4,8 @@ sheet allows.
     python benchmarks/on_cuda.py [ROBOT …] [--samples 4000000] [--rounds 20] [--whole]
 
 Needs a GPU and the extra `cuda`. Rows are arrays (n, k), columns (k, n). The limit is the lower of
-the two of `ptx.py`, of arithmetic and of memory. --whole: programs are not divided among entries,
-and spill instead. Results are compared with the CPU's.
+the two of `ptx.py`, of arithmetic and of memory with nothing spilled. --whole: programs are not
+divided among entries, and spill instead. Results are compared with the CPU's.
 """
 
 from __future__ import annotations

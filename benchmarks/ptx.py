@@ -110,6 +110,7 @@ def figures(model: fb.Model, quantity: str, dtype: str) -> tuple[str, ...]:
     program = fb.kernel(model, quantity, target="numpy").program
     there = size * (program.input_size + program.output_size)
     limits = INSTRUCTIONS[dtype] / max(count, 1) / 1e9, BYTES / there / 1e9
+    spilling = f", {min(limits[0], BYTES / (there + moved) / 1e9):.2g} spilling" if moved else ""
     shown = (
         len(registers),
         max(registers),
@@ -121,7 +122,7 @@ def figures(model: fb.Model, quantity: str, dtype: str) -> tuple[str, ...]:
     )
     return (
         *map(str, shown),
-        f"{min(limits):.2g} ({'arithmetic' if limits[0] < limits[1] else 'memory'})",
+        f"{min(limits):.2g} ({'arithmetic' if limits[0] < limits[1] else 'memory'}){spilling}",
     )
 
 

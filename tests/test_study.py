@@ -91,6 +91,17 @@ def test_a_replay_of_one_piece_is_told_as_one():
     )
 
 
+@pytest.mark.parametrize("start", [0.0, 1_732_380_000.125])
+def test_a_log_with_a_computers_clock_is_studied_from_its_first_instant(start: float):
+    model = fb.load("2R")
+    planned = fb.quintic(model, [[0.1, -0.4], [0.9, 0.7], [0.3, 0.2]], [0.0, 0.5, 1.0], step=1 / 64)
+    study = fb.study(model, replace(planned, t=start + planned.t, pieces=None))
+    assert study.checked, [c for c in study.checks if not c.passed]
+    np.testing.assert_array_equal(study.motion.t[[0, -1]], [0.0, 1.0])
+    said = "Times are counted from the first, 1732380000.125 s, at which numbers of 64 bits are "
+    assert any(x.startswith(said) for x in study.notices) == (start > 0.0)
+
+
 def test_a_planted_fault_is_found(arm: fb.Study):
     def failing(**changes: np.ndarray) -> set[str]:
         data = arm.data.copy()

@@ -114,7 +114,8 @@ def read_target(
     at the identity."""
     d = model.dim
     given = as_floats(function, "target", target)
-    refuse_not_finite(function, "target", given, 1)
+    matrices = ((d + 1, d + 1), (d, d)) if task == "orientation" else ((d + 1, d + 1),)
+    refuse_not_finite(function, "target", given, 2 if given.shape[-2:] in matrices else 1)
     poses, kind = _poses(given, d)
     if poses is None:
         point, pose, turn = f"(..., {d})", f"(..., {d + 1}, {d + 1})", f"(..., {d}, {d})"

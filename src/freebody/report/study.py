@@ -11,6 +11,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from freebody.errors import FreebodyError, KindError, SingularError, listed
 from freebody.model.doubts import readings
 from freebody.model.model import Model
@@ -40,6 +42,8 @@ if TYPE_CHECKING:
 _SLOWEST = 0.05
 """Pace; a default motion that must be slower yet hardly moves, and is studied as it is."""
 _CLEARANCE = 0.95  # of the pace at which a limit is reached
+_COARSE = 1e-9
+"""Of the time between samples: how far apart numbers may be there."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -166,7 +170,7 @@ def study(
     if tip is not None:
         model = model.replace(tip=tip)
     with clock.part("motion", 0.0):
-        sampled, measured = filtered(model, _motion(model, motion), smooth)
+        sampled, measured = filtered(model, _from_zero(_motion(model, motion)), smooth)
         followed = with_peaks(model, sampled)
     with clock.part("torques, reactions, energies", 0.05):
         data = series(model, followed)
@@ -228,6 +232,25 @@ def _motion(model: Model, motion: Motion | Table | str | os.PathLike[str] | None
             "From arrays t (T,) and q (T, nq): fb.Motion.of(model, t, q).",
         )
     return motion_from_table(model, motion)
+
+
+def _from_zero(motion: Motion) -> Motion:
+    """The motion with its times counted from the first, where they are so large, as a computer's
+    clock says them, that numbers hardly tell two samples apart."""
+    start = motion.t[0]
+    if np.spacing(np.abs(motion.t).max()) <= _COARSE * np.diff(motion.t).min():
+        return motion
+    pieces = motion.pieces
+    said = (
+        f"Times are counted from the first, {float(start)!r} s, at which numbers of 64 bits are "
+        f"{np.spacing(start):.2g} s apart."
+    )
+    return replace(
+        motion,
+        t=motion.t - start,
+        pieces=None if pieces is None else replace(pieces, breaks=pieces.breaks - start),
+        notices=(*motion.notices, said),
+    )
 
 
 def _unhurried(model: Model, motion: Motion) -> Motion:
