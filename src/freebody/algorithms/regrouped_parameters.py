@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from freebody.algorithms.crba import Composite, own_inertia
+from freebody.algorithms.turned_frames import turned_frames
 from freebody.elementary import Scalar
 from freebody.model.inertial_parameters import body_parameters
 from freebody.model.tree import Mass, Tree, TreeBody
@@ -25,11 +26,12 @@ def regrouped(tree: Tree, named: bool = False) -> list[Composite]:
 
 
 def lightened(tree: Tree) -> Tree:
-    """The tree with its inertial numbers regrouped: other bodies, of fewer numbers, under which it
-    moves alike.
+    """The tree in other frames and with its inertial numbers regrouped: other bodies, of fewer
+    numbers, under which it moves alike.
 
     M and the bias are the same; joint forces, energies and momenta are not.
     """
+    tree = turned_frames(tree)
     bodies = tuple(
         replace(body, masses=(Mass(m, tree.space.zero, inertia, h),))
         for body, (m, h, inertia) in zip(tree.bodies, regrouped(tree), strict=True)

@@ -12,7 +12,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from freebody.algorithms.crba import Composite, momentum_of, own_inertia
-from freebody.algorithms.kinematics import Column, Pose, joint_poses, weighted
+from freebody.algorithms.kinematics import (
+    Column,
+    Pose,
+    columns_at_origin,
+    joint_poses,
+    observed,
+    weighted,
+)
 from freebody.elementary import Scalar
 from freebody.model.tree import Tree
 from freebody.spatial import (
@@ -20,10 +27,7 @@ from freebody.spatial import (
     Matrix,
     Vector,
     add,
-    compose,
     dot,
-    identity,
-    neg,
     plus,
     scale,
     sub,
@@ -55,18 +59,10 @@ class WorldTree:
     coriolis: list[tuple[Matrix, Vector]] = field(default_factory=list)
 
 
-def columns_at_origin(tree: Tree, poses: list[Pose]) -> list[tuple[Column, ...]]:
-    """Motion columns of each joint in world axes at the world's origin."""
-    return [
-        tuple(_at_origin(tree.space, R, p, column) for column in body.columns)
-        for body, (R, p) in zip(tree.bodies, poses, strict=True)
-    ]
-
-
 def world_tree(tree: Tree, q: Vector, qd: Vector) -> WorldTree:
     """Columns and velocities outward, inertias and Coriolis matrices inward."""
     space = tree.space
-    poses, turn = _observed(tree, joint_poses(tree, q))
+    poses, turn = observed(tree, joint_poses(tree, q))
     world = WorldTree(gravity=times(turn, tree.gravity))
     world.S = columns_at_origin(tree, poses)
     for body, columns, pose in zip(tree.bodies, world.S, poses, strict=True):
@@ -95,35 +91,6 @@ def world_tree(tree: Tree, q: Vector, qd: Vector) -> WorldTree:
             (b, p), (B, P) = world.coriolis[i], world.coriolis[k]
             world.coriolis[k] = (plus(B, b), add(P, p))
     return world
-
-
-def _observed(tree: Tree, joints: list[Pose]) -> tuple[list[Pose], Matrix]:
-    """Poses of the bodies in the observer's frame, and the rotation of world components into it."""
-    n = tree.space.dim
-    here = (identity(n), tree.space.zero)
-    if not joints:
-        return [], here[0]
-    body = observer(tree)
-    poses = {body: here}
-    while body >= 0:
-        R, p = joints[body]
-        E = transposed(R)
-        poses[tree.bodies[body].parent] = compose(poses[body], (E, neg(times(E, p))))
-        body = tree.bodies[body].parent
-    for i, joint in enumerate(joints):
-        if i not in poses:
-            poses[i] = compose(poses[tree.bodies[i].parent], joint)
-    return [poses[i] for i in range(len(joints))], poses[-1][0]
-
-
-def observer(tree: Tree) -> int:
-    """The body whose frame is used: the second of a chain, else the first.
-
-    Measured on arms and humanoids: from there the programs are shortest, a sixth shorter than about
-    the world's origin.
-    """
-    following = tree.children(0)
-    return following[0] if len(following) == 1 else 0
 
 
 # ---------------------------------------------------------------- motions and forces at one point
@@ -157,12 +124,6 @@ def coriolis_transposed_times(space: AnySpace, B: tuple[Matrix, Vector], column:
     """The angular part of Bᵀ s; its linear part is zero."""
     block, momentum = B
     return add(times(transposed(block), column[0]), space.moment(momentum, column[1]))
-
-
-def _at_origin(space: AnySpace, R: Matrix, p: Vector, column: Column) -> Column:
-    """A column of the body at pose (R, p), in world axes at the world's origin."""
-    w = space.turn(R, column[0])
-    return w, sub(times(R, column[1]), space.cross(w, p))
 
 
 def _moved(space: AnySpace, pose: Pose, inertia: Composite) -> Composite:

@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from freebody import __version__
+from freebody.algorithms.turned_frames import turned_frames
 from freebody.identifiers import identifiers
 from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
 from freebody.kernels.inputs import KernelInputs
@@ -91,10 +92,16 @@ class ProgramDescription:
         return [
             "",
             *_SECTIONS,
+            *(_TURNED if self._is_turned else ()),
             *(_COUNTED if letters & {"M", "c"} else ()),
             *(_REGROUPED if letters & {*"fnhI"} else ()),
             *told,
         ]
+
+    @property
+    def _is_turned(self) -> bool:
+        """Whether the bodies' frames may not be those of the robot."""
+        return not self.numbers and turned_frames(self.model.tree) is not self.model.tree
 
     @property
     def joints(self) -> Joints:
@@ -188,6 +195,11 @@ _SECTIONS = (
     "angular velocity of",
     "body 3, which joint 3 carries, and minus_w3_y its negative; t1, t2, ... are values without "
     "such a name.",
+)
+_TURNED = (
+    "Frames of bodies are turned about the axes of their joints, and moved along them, where this "
+    "saves operations:",
+    "their own axes and origins are then those.",
 )
 _COUNTED = ("Entries of M and c count from 0, as arrays do.",)
 _REGROUPED = (
