@@ -67,7 +67,7 @@ def crba(tree: Tree, q: Vector) -> Matrix:
 
     for i, body in enumerate(tree.bodies):
         at = body.coordinates
-        for momentum, k in zip(momenta[i], at.v, strict=True):
+        for momentum, k in zip(momenta(i), at.v, strict=True):
             n, f = momentum
             for other, l in zip(columns[i], at.v, strict=True):
                 if l <= k:
@@ -89,19 +89,22 @@ def crba(tree: Tree, q: Vector) -> Matrix:
     return tuple(tuple(row) for row in M)
 
 
-_Seen = tuple[Sequence[tuple[Column, ...]], list[list[Column]], Callable[[int, Column], Column]]
-"""Of each body the columns of its joint and their momenta, (moment, force) at an origin; and what a
-force of a body is to the next one inward."""
+_Seen = tuple[
+    Sequence[tuple[Column, ...]],
+    Callable[[int], list[Column]],
+    Callable[[int, Column], Column],
+]
+"""Of each body the columns of its joint; what gives their momenta, (moment, force) at an origin,
+when they are needed; and what a force of a body is to the next one inward."""
 
 
 def _from_frame_to_frame(tree: Tree, joints: list[Pose]) -> _Seen:
     """Each body in its own frame; what goes inward is turned and moved at each joint."""
     space, gathered = tree.space, composites(tree, joints)
     columns = [body.columns for body in tree.bodies]
-    momenta = [
-        [momentum_of(space, c, s) for s in those]
-        for c, those in zip(gathered, columns, strict=True)
-    ]
+
+    def momenta(i: int) -> list[Column]:
+        return [momentum_of(space, gathered[i], s) for s in columns[i]]
 
     def carried(i: int, force: Column) -> Column:
         (R, p), (n, f) = joints[i], force
@@ -124,14 +127,15 @@ def _in_one_frame(tree: Tree, joints: list[Pose]) -> _Seen:
         m, h, inertia = own_inertia(space, body)
         own.append((m, times(R, h), space.turned_inertia(R, inertia)))
         steps.append((identity(space.dim), p if body.parent < 0 else sub(p, poses[body.parent][1])))
-    momenta = []
-    for body, (R, p), composite in zip(
-        tree.bodies, poses, composites(tree, steps, own), strict=True
-    ):
-        moving = [
-            momentum_of(space, composite, (space.turn(R, w), times(R, v))) for w, v in body.columns
-        ]
-        momenta.append([(add(n, space.moment(p, f)), f) for n, f in moving])
+    gathered = composites(tree, steps, own)
+
+    def momenta(i: int) -> list[Column]:
+        (R, p), found = poses[i], []
+        for w, v in tree.bodies[i].columns:
+            n, f = momentum_of(space, gathered[i], (space.turn(R, w), times(R, v)))
+            found.append((add(n, space.moment(p, f)), f))
+        return found
+
     return columns_at_origin(tree, poses), momenta, lambda i, force: force
 
 
