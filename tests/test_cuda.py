@@ -67,11 +67,11 @@ def robot(name: str) -> fb.Model:
 def formulas(model: fb.Model) -> list[str]:
     """All quantities that there are of a robot."""
     loops = ("constraint", "constrained_dynamics", "closed_wrenches")
-    other = "open" if model.loops else "closed"
+    own = "closed" if model.loops else "open"
     return [
         x
         for x, formula in FORMULAS.items()
-        if formula.chains not in (other, "arm") and (model.loops or not x.startswith(loops))
+        if formula.chains in ("all", own) and (model.loops or not x.startswith(loops))
     ]
 
 

@@ -248,7 +248,7 @@ def test_formulas_name_all_that_they_depend_on():
     assert len(masses) == 2
     tried = 0
     for name, formula in FORMULAS.items():
-        if formula.chains == "closed" or name == "inverse_kinematics":
+        if formula.chains in ("closed", "arm", "square"):
             continue
         rows = {"rows": ("vx", "vy")} if formula.free_rows else {}
         kernel, rng = fb.kernel(base, name, **rows), np.random.default_rng(1)

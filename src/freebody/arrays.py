@@ -79,12 +79,12 @@ def refuse_not_finite(
     """Refuse NaN and infinity, naming the sample (leading index) and, with `labels`, the
     component."""
     try:
-        bad = np.argwhere(~np.isfinite(array))
+        finite = np.isfinite(array)
     except MemoryError as problem:
         raise too_large(function, {argument: array}, problem) from None
-    if not len(bad):
+    if finite.all():
         return
-    index = tuple(int(i) for i in bad[0])
+    index = tuple(int(i) for i in np.argwhere(~finite)[0])
     sample, component = index[: array.ndim - core], index[array.ndim - core :]
     where = at_sample(sample)
     if component:

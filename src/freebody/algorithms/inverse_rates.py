@@ -1,4 +1,5 @@
-"""The rates of least norm that move a frame as wanted (2.25), and their accelerations (2.26)."""
+"""The rates of least norm that move a frame as wanted (2.25), and their accelerations (2.26); the
+wrench that torques hold (2.51)."""
 
 from __future__ import annotations
 
@@ -11,22 +12,21 @@ from freebody.elementary import Scalar, sqrt
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, add, dot, scale, sub, symmetric, times, transposed
 
-_SURE = 1e-5
-"""Ratio of singular values above which one step of refinement leaves rounding alone."""
+_SURE = 1e-6
+"""Ratio of singular values above which as many steps of refinement leave rounding alone."""
+_STEPS = 2
 
 
 def inverse_velocity(tree: Tree, q: Vector, frame: str, rows: tuple[int, ...], V: Vector) -> Vector:
     """q̇ of least norm with J q̇ = V; NaN where the rows of J are not surely independent."""
-    each = 1.0 / _reach(tree, frame)
-    units = [each if row < tree.space.dim else 1.0 for row in rows]
-    whole = jacobian(tree, q, frame)
-    J = tuple(scale(unit, whole[row]) for unit, row in zip(units, rows, strict=True))
+    units, J = _comparable(tree, q, frame, rows)
     wanted = tuple(unit * x for unit, x in zip(units, V, strict=True))
-    L, _, inverse = factors(symmetric(len(rows), lambda i, j: dot(J[i], J[j])))
+    L, inverse = _factored(J)
     back = transposed(J, tree.nv)
     found = times(back, _solved(L, inverse, wanted))
-    left = sub(wanted, times(J, found))
-    found = add(found, times(back, _solved(L, inverse, left)))
+    for _ in range(_STEPS):
+        left = sub(wanted, times(J, found))
+        found = add(found, times(back, _solved(L, inverse, left)))
     return nan_unless(surely_independent(J, _SURE), q, found)
 
 
@@ -40,6 +40,38 @@ def inverse_acceleration(
     return inverse_velocity(tree, q, frame, rows, wanted)
 
 
+def tip_wrench(tree: Tree, q: Vector, frame: str, tau: Vector) -> Vector:
+    """The wrench f with Jᵀ f = tau of an arm of `wrench_rows` joints, 0 in further rows; NaN as of
+    `inverse_velocity`."""
+    six = tree.space.six
+    rows = tuple(range(wrench_rows(tree.nv, six, tree.space.dim)))
+    units, J = _comparable(tree, q, frame, rows)
+    L, inverse = _factored(J)
+    back = transposed(J, tree.nv)
+    found = _solved(L, inverse, times(J, tau))
+    for _ in range(_STEPS):
+        left = sub(tau, times(back, found))
+        found = add(found, _solved(L, inverse, times(J, left)))
+    wrench = tuple(unit * x for unit, x in zip(units, found, strict=True))
+    return nan_unless(surely_independent(J, _SURE), q, wrench) + (0.0,) * (six - len(rows))
+
+
+def wrench_rows(nv: int, six: int, dim: int) -> int:
+    """How many rows of a wrench are asked of nv torques: the force alone where they are too few for
+    all."""
+    return six if nv >= six else dim
+
+
+def _comparable(
+    tree: Tree, q: Vector, frame: str, rows: tuple[int, ...]
+) -> tuple[list[Scalar], Matrix]:
+    """(a factor for each row, rows of the Jacobian times these): lengths over the arm's."""
+    each = 1.0 / _reach(tree, frame)
+    units = [each if row < tree.space.dim else 1.0 for row in rows]
+    whole = jacobian(tree, q, frame)
+    return units, tuple(scale(unit, whole[row]) for unit, row in zip(units, rows, strict=True))
+
+
 def _reach(tree: Tree, frame: str) -> Scalar:
     """Distances from joint to joint on the way to a frame, added up (m); 1 where they are all
     zero."""
@@ -47,6 +79,12 @@ def _reach(tree: Tree, frame: str) -> Scalar:
     ways = [p, *(tree.bodies[i].p for i in ancestors(tree, body)[:-1])]
     long = [way for way in ways if any(not isinstance(x, float) or x for x in way)]
     return reduce(plus, (sqrt(dot(way, way)) for way in long)) if long else 1.0
+
+
+def _factored(J: Matrix) -> tuple[list[list[Scalar]], list[Scalar]]:
+    """L of J Jᵀ = L D Lᵀ, and the inverses of D."""
+    L, _, inverse = factors(symmetric(len(J), lambda i, j: dot(J[i], J[j])))
+    return L, inverse
 
 
 def _solved(L: Matrix | list[list[Scalar]], inverse: list[Scalar], b: Vector) -> Vector:

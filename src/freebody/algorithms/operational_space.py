@@ -85,6 +85,8 @@ def nan_unless(sure: Scalar, q: Vector, values: Vector | Matrix) -> Any:
 
 _NO_PIVOT = 1e-300
 """In the place of a pivot that is 0, perhaps for all positions."""
+_NO_ROWS = 1e-280
+"""Squares of the entries of rows that are all 0, added up."""
 INDEPENDENT = 1e-6
 """Smallest singular value, relative to the largest, of rows that are surely independent."""
 
@@ -92,15 +94,18 @@ INDEPENDENT = 1e-6
 def surely_independent(J: Matrix, ratio: float = INDEPENDENT) -> Scalar:
     """1 where the smallest singular value of J is surely above a ratio of the largest, else 0.
 
-    By the means of the eigenvalues of J Jᵀ, smallest / largest is at least (n - 1)ⁿ⁻¹ det / traceⁿ.
+    The traces of J Jᵀ and of its inverse are their largest eigenvalues at least, and n times these
+    at most.
     """
     n = len(J)
     gram = symmetric(n, lambda i, j: dot(J[i], J[j]))
-    each = 1.0 / maximum(reduce(operator.add, (gram[k][k] for k in range(n))), _NO_PIVOT)
-    bound: Scalar = float(max(n - 1, 1) ** (n - 1))
-    for pivot in factors(gram)[1]:
-        bound = bound * (pivot * each)
-    return less(ratio**2, bound)
+    L, _, inverse = factors(gram)
+    size = reduce(operator.add, (gram[k][k] for k in range(n)))
+    spread = reduce(
+        operator.add,
+        (each * dot(row, row) for each, row in zip(inverse, _inverse_of_lower(L), strict=True)),
+    )
+    return less(_NO_ROWS, size) * less(ratio**2 * (size * spread), 1.0)
 
 
 def factors(A: Matrix) -> tuple[list[list[Scalar]], list[Scalar], list[Scalar]]:
@@ -124,18 +129,24 @@ def factors(A: Matrix) -> tuple[list[list[Scalar]], list[Scalar], list[Scalar]]:
 def inverse_of_symmetric(A: Matrix) -> Matrix:
     """A⁻¹ of a positive definite matrix, by LDLᵀ without pivoting."""
     n, (L, _, inverse) = len(A), factors(A)
-    # L⁻¹ by columns, then A⁻¹ = L⁻ᵀ D⁻¹ L⁻¹
-    rows: list[list[Scalar]] = [[1.0 if i == j else 0.0 for j in range(n)] for i in range(n)]
-    for i in range(n):
-        for k in range(i):
-            for j in range(k + 1):
-                rows[i][j] = rows[i][j] - L[i][k] * rows[k][j]
+    rows = _inverse_of_lower(L)  # A⁻¹ = L⁻ᵀ D⁻¹ L⁻¹
     return symmetric(
         n,
         lambda i, j: reduce(
             operator.add, (rows[k][i] * inverse[k] * rows[k][j] for k in range(j, n))
         ),
     )
+
+
+def _inverse_of_lower(L: list[list[Scalar]]) -> list[list[Scalar]]:
+    """L⁻¹ of a lower triangle with ones on its diagonal."""
+    n = len(L)
+    rows: list[list[Scalar]] = [[1.0 if i == j else 0.0 for j in range(n)] for i in range(n)]
+    for i in range(n):
+        for k in range(i):
+            for j in range(k + 1):
+                rows[i][j] = rows[i][j] - L[i][k] * rows[k][j]
+    return rows
 
 
 def centroidal_momentum_matrix(tree: Tree, q: Vector) -> Matrix:

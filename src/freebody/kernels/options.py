@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from freebody.algorithms.inverse_rates import wrench_rows
 from freebody.errors import FreebodyError, KindError, SingularError, UnknownNameError
 from freebody.kernels.closed_chains import closed_chain_function
 from freebody.kernels.formulas import FORMULAS, Option
@@ -43,8 +44,10 @@ def chosen_option(
             raise UnknownNameError("quantity", name, function, FORMULAS)
         if listed.count(name) > 1:
             raise FreebodyError(f"{function}: the quantity {name!r} is asked for twice.")
-        if FORMULAS[name].chains in ("open", "arm"):
+        if FORMULAS[name].chains in ("open", "arm", "square"):
             model.require_tree(f"{function}: {name}")
+        if FORMULAS[name].chains == "square":
+            require_square(function, model)
         if FORMULAS[name].chains == "closed" and not model.loops:
             raise FreebodyError(
                 f"{function}: {name}: {model.name!r} has no loops; add one with "
@@ -141,4 +144,14 @@ def require_few_rows(function: str, model: Model, rows: Sequence[int]) -> None:
             f"{function}: {model.name!r} has {counted(model.nv, 'joint coordinate')} and cannot "
             f"move a frame along {len(rows)} rows; choose as many at most, such as "
             f'rows=("vx", "vy").'
+        )
+
+
+def require_square(function: str, model: Model) -> None:
+    """Raise SingularError where a wrench has not as many components as there are torques."""
+    rows = wrench_rows(model.nv, len(motion_row_names(model)), model.dim)
+    if rows != model.nv:
+        raise SingularError(
+            f"{function}: {model.name!r} has {counted(model.nv, 'joint')} but the wrench {rows} "
+            f"components; torques determine it only when these are equal."
         )

@@ -13,6 +13,7 @@ from freebody.arrays import Array
 from freebody.kernels import structural
 from freebody.kernels.formulas import FORMULAS, Option
 from freebody.model.model import Model
+from freebody.model.model_argument import require_model
 from freebody.trees.public_calls import checked_inputs, refuse_overflow
 
 
@@ -29,8 +30,12 @@ def looking_closer(
     """What answers instead of `public_calls.careful` for a quantity of one output whose kernel says
     NaN where it is not sure. called: see `public_calls.checked_inputs`."""
 
-    def answer(key: Any, model: Model, inputs: tuple[Any, ...], *_: Any) -> Any:
-        function, option = key
+    def answer(
+        key: Any, model: Model, inputs: tuple[Any, ...], chosen: Callable[..., Option], _: Any
+    ) -> Any:
+        function, *choice = key
+        require_model(function, model)
+        option = chosen(model, *choice)
         given = dict(zip(FORMULAS[function].inputs, inputs, strict=True))
         _, arrays = checked_inputs(function, model, given, None, option, called)
         bound = structural.fetch(model, (function,), option)
@@ -38,7 +43,7 @@ def looking_closer(
         result = bound(*arrays)
         batch = arrays[0].shape[:-1]
         lead = batch[: len(batch) - len(model.family)]
-        clear = np.isfinite(result).reshape(*lead, -1).all(axis=-1)
+        clear = np.isfinite(result).all(axis=tuple(range(len(lead), result.ndim)))
         if not clear.all():
             at = np.argwhere(~clear)
             result[~clear] = look(model, option, at, *(x[~clear] for x in arrays))

@@ -13,8 +13,10 @@ from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, SingularError
 from freebody.kernels.closed_chains import closed_chain_function
 from freebody.kernels.formulas import Option
+from freebody.kernels.options import require_square
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
+from freebody.trees.closer_looks import looking_closer
 from freebody.trees.kinematics import checked_reference, jacobian
 from freebody.trees.massless_joints import refuse_massless
 from freebody.trees.passive_joints import refuse_passive
@@ -24,7 +26,6 @@ from freebody.trees.public_calls import (
     Wrenches,
     careful,
     checked_inputs,
-    common_batch,
     evaluate,
     finite_vector,
 )
@@ -242,34 +243,45 @@ def tip_wrench(model: Model, q: Vector, tau: Vector, frame: str | None = None) -
     counted. Raises SingularError at a singular Jacobian, PassiveJointError for a torque at a
     passive joint.
     """
-    require_model("tip_wrench", model)
-    refuse_passive("tip_wrench", model, tau)
+    if isinstance(model, Model) and model.passive:
+        refuse_passive("tip_wrench", model, tau)
+    return evaluate(("tip_wrench", frame), model, (q, tau), _square, None, _TIP_WRENCH)
+
+
+def _square(model: Model, frame: str | None) -> Option:
+    """The frame, of an arm whose torques determine its wrench."""
     if model.loops:
         raise FreebodyError(
             f"tip_wrench: {model.name!r} is a closed chain; with J = fb.input_output(model, q).J "
             f"it is J⁻ᵀ tau."
         )
-    J = jacobian(model, q, frame)
-    rows = J.shape[-2] if model.nv >= J.shape[-2] else model.dim
-    if rows != model.nv:
-        raise SingularError(
-            f"tip_wrench: {model.name!r} has {model.nv} joints but the wrench {rows} components; "
-            "torques determine it only when these are equal."
-        )
-    square = J[..., :rows, :]
-    smallest = np.linalg.svd(square, compute_uv=False)
-    singular = np.argwhere(smallest[..., -1] <= 1e-12 * smallest[..., 0])
+    option = Option(model.frame(frame).name)
+    require_square("tip_wrench", model)
+    return option
+
+
+def _tip_wrench(model: Model, option: Option, at: np.ndarray, q: Array, tau: Array) -> Array:
+    """The same of samples (k, …) that are not clear to a kernel; at: of each, for errors."""
+    J = jacobian(model, q, option.frame)
+    square = J[..., : model.nv, :]
+    values = np.linalg.svd(square, compute_uv=False)
+    singular = np.argwhere(values[..., -1] <= _SINGULAR * values[..., 0])
     if len(singular):
+        first, *member = singular[0]
         raise SingularError(
-            f"tip_wrench: the Jacobian of {model.name!r} is singular{at_sample(singular[0])}: some "
-            f"wrench at its frame needs no torque, so the torques do not determine it. Choose "
-            f"another q."
+            f"tip_wrench: the Jacobian of {model.name!r} is "
+            f"singular{at_sample((*at[first], *member))}: some wrench at its frame needs no "
+            f"torque, so the torques do not determine it. Choose another q."
         )
-    torque = finite_vector("tip_wrench", model, "tau", tau)
-    batch = common_batch("tip_wrench", {"q": J[..., 0], "tau": torque})
-    wrench = np.zeros((*batch, J.shape[-2]))
-    wrench[..., :rows] = np.linalg.solve(np.swapaxes(square, -1, -2), torque[..., None])[..., 0]
+    wrench = np.zeros(J.shape[:-1])
+    solved = np.linalg.solve(np.swapaxes(square, -1, -2), tau[..., None])
+    wrench[..., : model.nv] = solved[..., 0]
     return wrench
+
+
+_TIP_WRENCH = looking_closer(_tip_wrench)
+_SINGULAR = 1e-12
+"""A ratio of smallest to largest singular value below which the Jacobian has no inverse."""
 
 
 def joint_wrenches(

@@ -138,6 +138,20 @@ FORMULAS = {
         chains="open",
         touches=(),
     ),
+    "tip_wrench": Formula(
+        ("q", "tau"),
+        {
+            "wrench": Output(
+                ("six",),
+                "force, then moment of the frame on its surroundings with torques tau alone; NaN "
+                "next to a singularity (N, N m)",
+            )
+        },
+        lambda t, o, q, tau: (inverse_rates.tip_wrench(t, q, frame_of(o), tau),),
+        of_frame=True,
+        chains="square",
+        touches=(),
+    ),
     "center_of_mass": Formula(
         ("q",),
         {"com": Output(("dim",), "centre of mass in the world (m)")},

@@ -73,7 +73,8 @@ class Formula:
     frame's motion can be chosen. free_rows: whether the arm must be able to move the frame along
     each of them.
     chains: which it says something of; "open": it leaves loops out, so that a closed chain must not
-    be given to it; "arm": of open chains those with a closed form alone. settled: what of a closed
+    be given to it; "arm": of open chains those with a closed form alone; "square": those whose
+    torques determine the wrench at a frame. settled: what of a closed
     chain is chosen near home, once for all positions of a kernel: the "equations" that tell all,
     those left out that depend on others, or the "partition" of equations and coordinates by its
     drives, or one for what the "loops" do, to which drives do not matter.
@@ -93,7 +94,7 @@ class Formula:
     axes: tuple[str, ...] = ()
     of_rows: bool = False
     free_rows: bool = False
-    chains: Literal["all", "open", "closed", "arm"] = "all"
+    chains: Literal["all", "open", "closed", "arm", "square"] = "all"
     settled: Literal["equations", "partition", "loops"] | None = None
     by_columns: ByColumns | None = None
     touches: tuple[str, ...] = DYNAMIC
