@@ -76,6 +76,8 @@ def test_a_robot_without_joints(block: Model, function: str):
 
 def test_a_robot_without_joints_knows_its_place(block: Model):
     none = np.zeros((3, 0))
+    assert fb.dexterity(block, none, "block").singular_values.shape == (3, 0)
+    assert not fb.ellipsoids(block, none, "block").singular_values.any()
     assert fb.jacobian(block, none, "block").shape == (3, 6, 0)
     assert fb.center_of_mass(block, none).tolist() == [[0.1, 0.2, 0.3]] * 3
     with pytest.raises(

@@ -138,7 +138,7 @@ def inverse_of_symmetric(A: Matrix) -> Matrix:
     )
 
 
-def _inverse_of_lower(L: list[list[Scalar]]) -> list[list[Scalar]]:
+def _inverse_of_lower(L: list[list[Scalar]]) -> Matrix:
     """L⁻¹ of a lower triangle with ones on its diagonal."""
     n = len(L)
     rows: list[list[Scalar]] = [[1.0 if i == j else 0.0 for j in range(n)] for i in range(n)]
@@ -146,7 +146,7 @@ def _inverse_of_lower(L: list[list[Scalar]]) -> list[list[Scalar]]:
         for k in range(i):
             for j in range(k + 1):
                 rows[i][j] = rows[i][j] - L[i][k] * rows[k][j]
-    return rows
+    return tuple(map(tuple, rows))
 
 
 def centroidal_momentum_matrix(tree: Tree, q: Vector) -> Matrix:

@@ -8,6 +8,7 @@ Manipulation, 1994, ch. 3). A planar arm lies in the plane z = 0.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -134,7 +135,7 @@ def arm_length(tree: Tree, frame: str) -> float:
     zero."""
     body, _, p = tree.frames[frame]
     offsets = [p, *(tree.bodies[i].p for i in ancestors(tree, body)[:-1])]
-    return float(sum(np.linalg.norm(np.array(x, dtype=float)) for x in offsets)) or 1.0
+    return sum(math.hypot(*x) for x in offsets) or 1.0
 
 
 def _screw(tree: Tree, i: int, R: tuple, p: tuple) -> Screw:

@@ -4,32 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from freebody.algorithms.screws import arm_length
-from freebody.algorithms.singular_values import sweep
+from freebody.algorithms.singular_values import singular_values
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.inverse.task import row_names, rows_of
-from freebody.kernels import structural
 from freebody.kernels.formulas import Option
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
-from freebody.program import Argument, trace
+from freebody.program import Argument
+from freebody.reach.jacobian_rows import OfRows
 from freebody.reach.labelled_maps import axes_of, labelled
-from freebody.targets import Kernel, compile_program
-from freebody.trees.public_calls import Vector, finite_vector
+from freebody.trees.public_calls import Vector
 from freebody.values import ByValue
 
 if TYPE_CHECKING:
     import xarray as xr
-
-_AT_ONCE = 8192
-"""Postures side by side, whose matrices stay in the processor's cache."""
-_SWEEPS = 16
-"""At most; six do for most matrices of six rows."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -128,7 +122,6 @@ def dexterity(
     model.require_tree(function)
     rows = rows_of(function, model, task)
     name = model.frame(frame).name
-    at = finite_vector(function, model, "q", q)
     both = any(r < model.dim for r in rows) and any(r >= model.dim for r in rows)
     if length is not None and not (np.isfinite(length) and length > 0):
         raise FreebodyError(f"{function}: length is {length}, expected a positive number (m).")
@@ -138,41 +131,16 @@ def dexterity(
             f"kind. Leave it out."
         )
     scale = (length or arm_length(model.tree, name)) if both else 1.0
-    flat = at.reshape(-1, at.shape[-1])
-    k = min(len(rows), model.nv)
-    values = np.zeros((len(flat), k))
-    jacobian = structural.fetch(model, ("jacobian",), Option(name))
-    kernel = _kernel(model, len(rows))
-    units = np.array([1.0 / scale if r < model.dim else 1.0 for r in rows])[:, None]
-    for start in range(0, len(flat), _AT_ONCE):
-        J = units * jacobian(flat[start : start + _AT_ONCE])[:, list(rows)]
-        values[start : start + _AT_ONCE] = _singular_values(kernel, J)[:, :k]
-    shape = (*at.shape[:-1], k)
-    return Dexterity(
-        values.reshape(shape), tuple(row_names(model.dim)[r] for r in rows), scale, name
-    )
+    values = _VALUES.at(model, Option(name, rows=rows), q, scale)
+    return Dexterity(values, tuple(row_names(model.dim)[r] for r in rows), scale, name)
 
 
-def _singular_values(kernel: Kernel, A: Array) -> Array:
-    """Of matrices (N, r, n), the largest first (N, r)."""
-    for _ in range(_SWEEPS):
-        A, left = kernel(A)
-        if not left.any():
-            break
-    return -np.sort(-np.sqrt(np.sum(A * A, axis=-1)), axis=-1)
+def _outputs(r: int, n: int) -> tuple[Argument, ...]:
+    return (Argument("singular_values", (min(r, n),)),)
 
 
-def _kernel(model: Model, rows: int) -> Kernel:
-    """One sweep over matrices (rows, nv), compiled on first use."""
-    key = ("sweep", rows)
-    found = model.compiled.get(key)
-    if found is None:
-        shape = (rows, model.nv)
+def _decomposed(J: Array) -> Array:
+    return np.asarray(np.linalg.svd(J, compute_uv=False), dtype=float)
 
-        def evaluate(A: Any) -> Any:
-            return sweep(A)
 
-        outputs = [Argument("swept", shape), Argument("left", ())]
-        program = trace("sweep", evaluate, [Argument("matrix", shape)], outputs)
-        found = model.compiled[key] = compile_program(program)
-    return found
+_VALUES = OfRows("dexterity", _outputs, singular_values, _decomposed)

@@ -7,28 +7,29 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from freebody.algorithms.singular_values import left_singular_vectors, told
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.inverse.task import row_names, rows_of
-from freebody.kernels import structural
 from freebody.kernels.formulas import Option
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
-from freebody.trees.public_calls import Vector, finite_vector
+from freebody.program import Argument
+from freebody.reach.jacobian_rows import OfRows
+from freebody.trees.public_calls import Vector
 from freebody.values import ByValue
-
-LOST = 1e-12
-"""Of the largest singular value: one that is smaller is none."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Ellipsoids(Tabled, ByValue):
     """The axes of the velocity and force ellipsoids of a frame at each posture (...).
 
-    directions: (..., r, r), unit vectors, one a row, world axes, the longest axis of the velocity
-    ellipsoid first. singular_values: (..., r), of the Jacobian, 0 along a direction that is lost.
-    rows: names of the r rows. frame: its name.
+    directions: (..., r, r), unit vectors at right angles, one a row, world axes, the longest axis
+    of the velocity ellipsoid first; of the two senses of an axis that in which the first entry of
+    more than half the largest one's size is positive. Axes of equal length are any that span the
+    same. singular_values: (..., r), of the Jacobian, 0 along a direction that is lost. rows: names
+    of the r rows. frame: its name.
     """
 
     directions: Array
@@ -91,12 +92,22 @@ def ellipsoids(
             f'"position" or "orientation".'
         )
     name = model.frame(frame).name
-    at = finite_vector(function, model, "q", q)
-    J = structural.fetch(model, ("jacobian",), Option(name))(at)[..., list(rows), :]
+    directions, sizes = _AXES.at(model, Option(name, rows=rows), q)
+    return Ellipsoids(directions, sizes, tuple(row_names(model.dim)[r] for r in rows), name)
+
+
+def _outputs(r: int, _: int) -> tuple[Argument, ...]:
+    return Argument("directions", (r, r)), Argument("singular_values", (r,))
+
+
+def _decomposed(J: Array) -> tuple[Array, Array]:
+    """Directions and singular values of matrices (..., r, nv)."""
     U, s, _ = np.linalg.svd(J)
     sizes = np.zeros(U.shape[:-1])
-    sizes[..., : s.shape[-1]] = np.where(s > LOST * s[..., :1], s, 0.0)
-    directions = np.swapaxes(U, -1, -2)
-    largest = np.argmax(np.abs(directions) > 0.5 * np.abs(directions).max(-1, keepdims=True), -1)
-    sign = np.sign(np.take_along_axis(directions, largest[..., None], axis=-1))
-    return Ellipsoids(directions * sign, sizes, tuple(row_names(model.dim)[r] for r in rows), name)
+    sizes[..., : s.shape[-1]] = s
+    vectors = (tuple(x) for x in np.moveaxis(U, (-1, -2), (0, 1)))
+    ways, values = told(tuple(vectors), tuple(np.moveaxis(sizes, -1, 0)))
+    return np.moveaxis(np.array(ways), (0, 1), (-2, -1)), np.stack(values, axis=-1)
+
+
+_AXES = OfRows("ellipsoids", _outputs, left_singular_vectors, _decomposed)

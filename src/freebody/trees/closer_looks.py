@@ -4,6 +4,7 @@ in one further batch; the others are never looked at again."""
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial, reduce
 from types import MappingProxyType
 from typing import Any, Protocol
 
@@ -12,6 +13,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.kernels import structural
 from freebody.kernels.formulas import FORMULAS, Option
+from freebody.kernels.structural import Bound
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.trees.public_calls import checked_inputs, refuse_overflow
@@ -22,6 +24,10 @@ class Look(Protocol):
     at: the index of each in the whole batch, for errors."""
 
     def __call__(self, model: Model, option: Option, at: np.ndarray, *inputs: Array) -> Array: ...
+
+
+Closer = Callable[..., Array | tuple[Array, ...]]
+"""(at, *inputs) -> the outputs of a kernel, as of `Look`."""
 
 
 def looking_closer(
@@ -40,15 +46,27 @@ def looking_closer(
         _, arrays = checked_inputs(function, model, given, None, option, called)
         bound = structural.fetch(model, (function,), option)
         model.compiled[key] = bound.checked(every=True)
-        result = bound(*arrays)
         batch = arrays[0].shape[:-1]
-        lead = batch[: len(batch) - len(model.family)]
-        clear = np.isfinite(result).all(axis=tuple(range(len(lead), result.ndim)))
-        if not clear.all():
-            at = np.argwhere(~clear)
-            result[~clear] = look(model, option, at, *(x[~clear] for x in arrays))
-            if not np.isfinite(result).all():
-                refuse_overflow(function, dict(zip(given, arrays, strict=True)))
-        return result
+        lead = len(batch) - len(model.family)
+        named = dict(zip(given, arrays, strict=True))
+        return closer_where_unclear(function, bound, named, lead, partial(look, model, option))
 
     return answer
+
+
+def closer_where_unclear(
+    function: str, bound: Bound, named: Mapping[str, Array], lead: int, look: Closer
+) -> Any:
+    """What a kernel gives; where an output is not finite, at samples of the first `lead` axes, what
+    a closer look gives. named: the kernel's inputs."""
+    result = bound(*named.values())
+    outputs = result if isinstance(result, tuple) else (result,)
+    finite = (np.isfinite(x).all(axis=tuple(range(lead, x.ndim))) for x in outputs)
+    unclear = ~np.asarray(reduce(np.logical_and, finite))
+    if unclear.any():
+        closer = look(np.argwhere(unclear), *(x[unclear] for x in named.values()))
+        for x, y in zip(outputs, closer if isinstance(closer, tuple) else (closer,), strict=True):
+            x[unclear] = y
+        if not all(np.isfinite(x).all() for x in outputs):
+            refuse_overflow(function, named)
+    return result

@@ -260,8 +260,9 @@ def _square(model: Model, frame: str | None) -> Option:
     return option
 
 
-def _tip_wrench(model: Model, option: Option, at: np.ndarray, q: Array, tau: Array) -> Array:
+def _tip_wrench(model: Model, option: Option, at: np.ndarray, *inputs: Array) -> Array:
     """The same of samples (k, …) that are not clear to a kernel; at: of each, for errors."""
+    q, tau = inputs
     J = jacobian(model, q, option.frame)
     square = J[..., : model.nv, :]
     values = np.linalg.svd(square, compute_uv=False)
