@@ -4,9 +4,10 @@
 
 Microseconds a posture or place and their ratio, in turns within one run, the quickest of some
 rounds (Pinocchio's on a part of them): the largest payload, from Pinocchio by torques of gravity
-and the Jacobian; the singular values of the Jacobian, by NumPy's; and whether a place is reached
-with the gripper downwards, for which Pinocchio's loop descends from a few starts (as its example of
-inverse kinematics does), so that it may miss some. Both must agree.
+and the Jacobian; the singular values of the Jacobian's rows of position, of all its rows, and with
+their directions, by NumPy's; the wrench at the tip of some torques, by NumPy's solver; and whether
+a place is reached with the gripper downwards, for which Pinocchio's loop descends from a few starts
+(as its example of inverse kinematics does), so that it may miss some. Both must agree.
 """
 
 import argparse
@@ -25,6 +26,8 @@ PART = 2000
 PLACES = 40
 STARTS, STEPS = 6, 100
 ROUNDS = 5
+LENGTH = 1.0
+"""What a radian is worth (m)."""
 EFFORT = np.array([150.0, 150.0, 150.0, 28.0, 28.0, 28.0])
 
 
@@ -41,23 +44,31 @@ class Loops:
         found = np.zeros(len(q))
         for k, x in enumerate(q):
             torque = pin.computeGeneralizedGravity(self.model, self.data, x)
-            J = pin.computeFrameJacobian(
-                self.model, self.data, x, self.frame, pin.LOCAL_WORLD_ALIGNED
-            )
-            slope = -J.T @ field
+            slope = -self._jacobian(x).T @ field
             with np.errstate(divide="ignore"):
                 holds = (EFFORT - np.sign(slope) * torque) / np.abs(slope)
             found[k] = 0.0 if (np.abs(torque) > EFFORT).any() else holds.min()
         return found
 
-    def singular_values(self, q: np.ndarray) -> np.ndarray:
-        found = np.zeros((len(q), 3))
-        for k, x in enumerate(q):
-            J = pin.computeFrameJacobian(
-                self.model, self.data, x, self.frame, pin.LOCAL_WORLD_ALIGNED
-            )
-            found[k] = np.linalg.svd(J[:3], compute_uv=False)
-        return found
+    def singular_values(self, q: np.ndarray, units: np.ndarray) -> np.ndarray:
+        """Of as many rows as there are units, which are divided by these."""
+        r = len(units)
+        rows = (self._jacobian(x)[:r] / units[:, None] for x in q)
+        return np.array([np.linalg.svd(J, compute_uv=False) for J in rows])
+
+    def axes(self, q: np.ndarray) -> np.ndarray:
+        """Those of the velocity ellipsoid times their lengths."""
+        found = (np.linalg.svd(self._jacobian(x)[:3]) for x in q)
+        return np.array([(U * sizes).T for U, sizes, _ in found])
+
+    def wrench(self, q: np.ndarray, tau: np.ndarray) -> np.ndarray:
+        return np.array(
+            [np.linalg.solve(self._jacobian(x).T, y) for x, y in zip(q, tau, strict=True)]
+        )
+
+    def _jacobian(self, x: np.ndarray) -> np.ndarray:
+        axes = pin.LOCAL_WORLD_ALIGNED
+        return pin.computeFrameJacobian(self.model, self.data, x, self.frame, axes)
 
     def reached(self, poses: np.ndarray) -> np.ndarray:
         starts = np.random.default_rng(0).uniform(-np.pi, np.pi, (STARTS, self.model.nq))
@@ -87,6 +98,7 @@ def main() -> None:
     path = str(robots_folder() / URDF)
     arm, loops = fb.load(path, tip=TIP), Loops(path)
     q, _, _ = fb.random_state(arm, 0, asked.postures)
+    tau = np.random.default_rng(2).normal(size=q.shape)
     places = np.random.default_rng(1).uniform(-1.0, 1.0, (asked.places, 3))
     down = np.diag([1.0, -1.0, -1.0])
     poses = np.tile(np.eye(4), (PLACES, 1, 1))
@@ -100,7 +112,25 @@ def main() -> None:
         ),
         "singular values": (
             partial(fb.dexterity, arm, q, task="position"),
-            partial(loops.singular_values, q[:PART]),
+            partial(loops.singular_values, q[:PART], np.ones(3)),
+            asked.postures,
+            PART,
+        ),
+        "of all rows": (
+            partial(fb.dexterity, arm, q, length=LENGTH),
+            partial(loops.singular_values, q[:PART], np.repeat([LENGTH, 1.0], 3)),
+            asked.postures,
+            PART,
+        ),
+        "ellipsoids": (
+            partial(fb.ellipsoids, arm, q),
+            partial(loops.axes, q[:PART]),
+            asked.postures,
+            PART,
+        ),
+        "wrench of torques": (
+            partial(fb.tip_wrench, arm, q, tau),
+            partial(loops.wrench, q[:PART], tau[:PART]),
             asked.postures,
             PART,
         ),
@@ -113,8 +143,14 @@ def main() -> None:
     }
     mass = tasks["largest payload"][0]().mass[:PART]
     assert np.allclose(mass, loops.payload(q[:PART]), rtol=1e-9), "not the same payload"
-    values = tasks["singular values"][0]().singular_values[:PART]
-    assert np.allclose(values, loops.singular_values(q[:PART]), atol=1e-9), "not the same values"
+    for name in ("singular values", "of all rows"):
+        own, other, *_ = tasks[name]
+        assert np.allclose(own().singular_values[:PART], other(), atol=1e-9), "not the same values"
+    own, other, *_ = tasks["ellipsoids"]
+    size = np.abs(own().velocity[:PART]) - np.abs(other())  # each side's axes have a sense
+    assert np.abs(size).max() < 1e-6, "not the same axes"
+    own, other, *_ = tasks["wrench of torques"]
+    assert np.allclose(own()[:PART], other(), rtol=1e-6), "not the same wrench"
     inverse = fb.inverse_kinematics(arm, poses).count > 0
     missed = int((inverse & ~loops.reached(poses)).sum())
     assert not (loops.reached(poses) & ~inverse).any(), "a place was lost"
