@@ -69,11 +69,12 @@ class Bound:
         """For arrays with an axis more in front of their core, along which robots do not differ."""
         return Bound(self.kernel, tuple(p[..., None, :] if p.ndim > 1 else p for p in self.numbers))
 
-    def checked(self, every: bool = False) -> Callable[..., Any]:
+    def checked(self, every: bool = False, kept: bool = False) -> Callable[..., Any]:
         """A function of what the kernel takes besides the numbers; it returns None where something
         is not surely `sound`, quaternions among it. every: whether all that comes out must be
-        finite, whatever went in."""
-        general = self._finite if every else self._sound
+        finite, whatever went in. kept: whether, of more than a few samples, what comes out is
+        raised then, lest a kernel runs twice."""
+        general = self._kept if kept else self._finite if every else self._sound
         if isinstance(self.kernel, Kernel):
             held = self.numbers[0] if self.numbers else None
             return self.kernel.quick_checked(general, held, self.quaternions) or general
@@ -84,6 +85,9 @@ class Bound:
 
     def _finite(self, *arrays: Any) -> Any:
         return sound(self, arrays, self.quaternions, every=True)
+
+    def _kept(self, *arrays: Any) -> Any:
+        return sound(self, arrays, self.quaternions, every=True, kept=True)
 
 
 def fetch(model: Model, names: tuple[str, ...], option: Option) -> Bound:

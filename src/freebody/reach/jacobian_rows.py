@@ -43,7 +43,9 @@ class OfRows:
         key = self.function, option
         return evaluate(key, model, (q, length), None, None, self._answer)
 
-    def _answer(self, key: Any, model: Model, inputs: tuple[Any, ...], *_: Any) -> Any:
+    def _answer(
+        self, key: Any, model: Model, inputs: tuple[Any, ...], *_: None, result: Any = None
+    ) -> Any:
         function, option = key
         q = finite_vector(function, model, "q", inputs[0])
         named = {"q": q, "length": np.broadcast_to(inputs[1], q.shape[:-1])}
@@ -51,8 +53,8 @@ class OfRows:
         if not model.nv:  # nothing moves, and no kernel is asked how
             return look(np.empty(0), *named.values())
         bound = self._kernel(model, option)
-        model.compiled[key] = bound.checked(every=True)
-        return closer_where_unclear(function, bound, named, q.ndim - 1, look)
+        model.compiled[key] = bound.checked(every=True, kept=True)
+        return closer_where_unclear(function, bound, named, q.ndim - 1, look, result)
 
     def _look(
         self, model: Model, option: Option, _: np.ndarray, q: Array, length: Array

@@ -21,11 +21,20 @@ UNIT = 1e-6
 """How far a quaternion may be off unit length."""
 
 
+class Unclear(Exception):
+    """Holds a kernel's results that are not all sound, for who looks closer at some of them."""
+
+    def __init__(self, result: Any):
+        super().__init__()
+        self.result = result
+
+
 def sound(
     kernel: Callable[..., Any],
     arrays: tuple[Any, ...],
     units: Sequence[tuple[int, int]] = (),
     every: bool = False,
+    kept: bool = False,
 ) -> Any:
     """What the kernel makes of the arrays; None where one is no plain array or list, or an entry
     may have overflowed.
@@ -33,7 +42,8 @@ def sound(
     Outputs are looked at, or inputs where those are fewer: of inputs below `HUGE` no output
     overflows, and one that is not finite all the same is the answer (at a singular position, say).
     units: (array, entry) where four entries begin that are to be of unit length; None also where
-    they are not. every: whether outputs are looked at in any case.
+    they are not. every: whether outputs are looked at in any case. kept: whether results that are
+    not sound are raised as `Unclear`.
     """
     if not all(map(_plain, arrays)):
         return None
@@ -42,6 +52,8 @@ def sound(
     fine = _finite(outputs, () if every else arrays) and all(
         _is_unit(arrays[i], start) for i, start in units
     )
+    if kept and not fine:
+        raise Unclear(result)
     return result if fine else None
 
 

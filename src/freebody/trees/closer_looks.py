@@ -37,7 +37,12 @@ def looking_closer(
     NaN where it is not sure. called: see `public_calls.checked_inputs`."""
 
     def answer(
-        key: Any, model: Model, inputs: tuple[Any, ...], chosen: Callable[..., Option], _: Any
+        key: Any,
+        model: Model,
+        inputs: tuple[Any, ...],
+        chosen: Callable[..., Option],
+        _: Any,
+        result: Any = None,
     ) -> Any:
         function, *choice = key
         require_model(function, model)
@@ -45,21 +50,28 @@ def looking_closer(
         given = dict(zip(FORMULAS[function].inputs, inputs, strict=True))
         _, arrays = checked_inputs(function, model, given, None, option, called)
         bound = structural.fetch(model, (function,), option)
-        model.compiled[key] = bound.checked(every=True)
+        model.compiled[key] = bound.checked(every=True, kept=True)
         batch = arrays[0].shape[:-1]
         lead = len(batch) - len(model.family)
         named = dict(zip(given, arrays, strict=True))
-        return closer_where_unclear(function, bound, named, lead, partial(look, model, option))
+        closer = partial(look, model, option)
+        return closer_where_unclear(function, bound, named, lead, closer, result)
 
     return answer
 
 
 def closer_where_unclear(
-    function: str, bound: Bound, named: Mapping[str, Array], lead: int, look: Closer
+    function: str,
+    bound: Bound,
+    named: Mapping[str, Array],
+    lead: int,
+    look: Closer,
+    result: Any = None,
 ) -> Any:
     """What a kernel gives; where an output is not finite, at samples of the first `lead` axes, what
-    a closer look gives. named: the kernel's inputs."""
-    result = bound(*named.values())
+    a closer look gives. named: the kernel's inputs; result: what it has given already."""
+    if result is None:
+        result = bound(*named.values())
     outputs = result if isinstance(result, tuple) else (result,)
     finite = (np.isfinite(x).all(axis=tuple(range(lead, x.ndim))) for x in outputs)
     unclear = ~np.asarray(reduce(np.logical_and, finite))

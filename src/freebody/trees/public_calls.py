@@ -19,7 +19,7 @@ from freebody.labels import aligned, refuse_other_times
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.outputs.numbers import compared
-from freebody.targets.finite_check import HUGE, UNIT
+from freebody.targets.finite_check import HUGE, UNIT, Unclear
 
 Vector = ArrayLike | Mapping[str, float]
 Wrenches = ArrayLike | Mapping[str, ArrayLike] | None
@@ -45,6 +45,7 @@ def evaluate(
     results that are not finite. There, and on the first call, `otherwise` answers, by default
     `careful`, with the same arguments: every call gives the same answer, or the same refusal.
     """
+    given = None
     try:
         if wrenches is None:
             found = model.compiled[key](*inputs)
@@ -56,8 +57,12 @@ def evaluate(
             found = model.compiled[key, *frames](*inputs, *loads)
         if found is not None:
             return found
+    except Unclear as problem:
+        given = problem.result
     except (KeyError, TypeError, ValueError, AttributeError):
         pass  # explained by who looks closer
+    if given is not None and otherwise is not None:  # who looks closer need not ask again
+        return otherwise(key, model, inputs, option, wrenches, result=given)
     return (otherwise or careful)(key, model, inputs, option, wrenches)
 
 
