@@ -10,9 +10,9 @@ from itertools import combinations
 from freebody.elementary import Scalar, absolute, less, maximum, minimum, sqrt, where
 from freebody.spatial import Matrix, Vector, dot, identity, scale, transposed
 
-_SWEEPS = (0, 0, 2, 4, 4, 5, 6)
-"""Rotations for each two rows, by the number of rows; hardly any of a robot's matrices takes more,
-where with one less several in a thousand do."""
+_SWEEPS = (0, 0, 2, 4, 4, 5, 5)
+"""Rotations for each two rows, by the number of rows. At most one in ten thousand of a robot's
+matrices takes more; with one less, several in a hundred do."""
 _EXACT = 1e-15
 """Error of singular values, relative to the largest: that of rounding."""
 _RIGHT = 1e-13
