@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 from math import atan2, pi
 
 from freebody.elementary import Scalar
-from freebody.model.joints.revolute import TURNING
 from freebody.model.tree import Mass, Pose, Tree, TreeBody
 from freebody.spatial import (
     Matrix,
@@ -82,7 +81,7 @@ def _turned(tree: Tree) -> Tree:
     bodies: list[TreeBody] = []
     for i, body in enumerate(tree.bodies):
         before = frames[body.parent]
-        if body.primitive is TURNING:
+        if _turns(body):
             upright = _upright(body.axis)
             R, p = before.seen(product(body.R, upright), body.p)
             angle = _angle(tree, i, upright)
@@ -92,7 +91,7 @@ def _turned(tree: Tree) -> Tree:
                 moved = add(p, scale(shift, tuple(row[2] for row in R)))
                 p = tuple(0.0 if abs(x) < _NOTHING * abs(shift) else x for x in moved)
             frames[i] = _Frame(product(upright, space.rotation(Z, angle)), shift)
-            body = _started(replace(body, axis=Z, columns=TURNING.columns(space, Z)), more)
+            body = _started(replace(body, axis=Z, columns=body.primitive.columns(space, Z)), more)
         else:
             R, p = before.seen(body.R, body.p)
             frames[i] = _Frame()
@@ -100,6 +99,11 @@ def _turned(tree: Tree) -> Tree:
         bodies.append(replace(body, R=R, p=p, masses=masses))
     seen = {name: (i, *frames[i].seen(R, p)) for name, (i, R, p) in tree.frames.items()}
     return replace(tree, bodies=tuple(bodies), frames=seen)
+
+
+def _turns(body: TreeBody) -> bool:
+    """Whether its joint does nothing but turn about its axis."""
+    return body.primitive.turns and not body.primitive.slides and len(body.columns) == 1
 
 
 def _upright(axis: Vector) -> Matrix:
@@ -116,7 +120,7 @@ def _angle(tree: Tree, i: int, upright: Matrix) -> float:
     across its x; 0 where one already is across x or y, or is no axis of a turn."""
     angles: list[float] = []
     for child in (tree.bodies[k] for k in tree.children(i)):
-        if child.primitive is not TURNING:
+        if not _turns(child):
             return 0.0
         x, y, _ = times(transposed(upright), times(child.R, child.axis))
         if min(abs(x), abs(y)) < _NOTHING:
