@@ -536,3 +536,42 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
 def test_what_cannot_be_is_refused_with_what_to_do(call: Callable[[], object], told: str):
     with pytest.raises(fb.FreebodyError, match=re.escape(told)):
         call()
+
+
+@pytest.mark.parametrize(
+    ("inertia", "viscous", "coulomb", "torque"),
+    [
+        (1e-3, 3.0, 10.0, 15.0),
+        (1e-2, 10.0, 1.0, 20.0),
+        (0.1, 3.0, 10.0, 15.0),
+        (0.1, 3.0, 0.0, 15.0),
+    ],
+)
+def test_strong_friction_holds_a_light_joint_at_the_speed_that_the_drive_keeps_up(
+    inertia: float, viscous: float, coulomb: float, torque: float
+):
+    """One joint without gravity: full torque forward, then backward, each an exponential. Friction
+    at the speed limit would be above the drive's torque."""
+    arm = fb.planar("R").bind(l1=0.04, lc1=0.02, m1=0.03, I1=inertia, g=0.0)
+    arm = arm.with_drive("joint1", viscous=viscous, coulomb=coulomb)
+    found = fb.time_optimal(arm, [[0.0], [1.0]], velocity=7.0, torque=torque)
+    time = (inertia + 0.03 * 0.02**2) / viscous
+    kept, against = (torque - coulomb) / viscous, (torque + coulomb) / viscous
+
+    def stop(speed: float) -> tuple[float, float]:
+        t = time * np.log1p(speed / against)
+        return t, time * speed - against * t
+
+    def start(speed: float) -> tuple[float, float]:
+        t = -time * np.log1p(-speed / kept)
+        return t, kept * t - time * speed
+
+    def left(speed: float) -> float:
+        return 1.0 - start(speed)[1] - stop(speed)[1]
+
+    # nearly the speed that is kept up: how nearly does not matter to the time
+    most = kept * (1.0 - 1e-14)
+    top = most if left(most) > 0.0 else brentq(left, 0.0, most)
+    way = left(top)
+    expected = start(top)[0] + stop(top)[0] + way / top
+    assert found.duration == pytest.approx(expected, rel=2e-3)

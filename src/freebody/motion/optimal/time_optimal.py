@@ -261,21 +261,25 @@ def _quickest(x: Array, reached: Reached) -> _Quickest:
 
 
 def _first_guess(problem: PathProblem, labels: list[str]) -> Array:
-    """x (N + 1, P) for the tangents of viscous friction, from a coarse grid; 0 without any."""
+    """x (N + 1, P) for the tangents of viscous friction, from a coarse grid; 0 without any.
+
+    A tangent lies above the friction, by more than the drives have where it is taken at twice the
+    speed that they hold: there the speed is halved. From below, x rises to where it stays.
+    """
     count = len(problem.rows.h)
     guess = np.zeros_like(problem.rows.most)
-    every = 1 if problem.viscous is None else next((k for k in _COARSE if count % k == 0), 1)
-    if every == 1:
+    if problem.viscous is None:
         return guess
+    every = next((k for k in _COARSE if count % k == 0), 1)
     coarse = problem.coarse(every)
     x = guess[::every]
     settled = np.zeros(x.shape[1], dtype=bool)
     for _ in range(_ROUNDS):
-        found = quickest_profile(coarse.with_friction(x)).x
-        lost = ~np.isfinite(found).all(axis=0)  # said of the fine grid, or found there
+        profile = quickest_profile(coarse.with_friction(x))
+        found, lost = profile.x, ~profile.moves
         close = coarse.tangent_error(found, x) <= _TANGENT
-        x = np.where(settled, x, np.where(lost, 0.0, found))
-        settled |= lost | close
+        x = np.where(settled, x, np.where(lost, 0.25 * x, found))
+        settled |= close | (lost & ~x.any(axis=0))  # said of the fine grid, or found there
         if settled.all():
             break
     place = np.arange(count + 1) / every
