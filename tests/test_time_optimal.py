@@ -22,6 +22,7 @@ from freebody.motion.optimal.path_samples import sampled
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.targets import in_turn
 from freebody.targets import recurrence as recurrences
+from support import real_files
 from support.extras import extra
 
 WAY = [[0.0, 0.0], [1.0, -0.5], [0.4, 1.0], [-0.8, 0.3]]
@@ -575,3 +576,17 @@ def test_strong_friction_holds_a_light_joint_at_the_speed_that_the_drive_keeps_u
     way = left(top)
     expected = start(top)[0] + stop(top)[0] + way / top
     assert found.duration == pytest.approx(expected, rel=2e-3)
+
+
+@pytest.mark.skipif(not real_files.FILES, reason="needs example-robot-data")
+@pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
+def test_a_hand_whose_motors_have_much_friction_keeps_its_limits():
+    (file,) = real_files.ROBOTS.glob("allegro*/**/allegro_right_hand.urdf")
+    hand = fb.load(file)
+    ends = fb.random_state(hand, 3, 16)[0].reshape(8, 2, hand.nq)
+    for path in ends:
+        motion = fb.time_optimal(hand, path)
+        used = np.abs(fb.inverse_dynamics(hand, *fine(motion))) / hand.limits.effort
+        assert used.max() < 1.0005
+        speed = np.abs(fine(motion)[1]) / hand.limits.velocity
+        assert max(used.max(), speed.max()) > 0.99

@@ -106,7 +106,8 @@ class PathProblem:
         q, first, second = (
             _taylor([order[interval, path] for order in at.orders[k:]], passed) for k in range(3)
         )
-        square = start[:, None] + 2.0 * half[:, None] * passed
+        # 0 at the end of a motion but for rounding
+        square = np.maximum(start[:, None] + 2.0 * half[:, None] * passed, 0.0)
         qd = first * np.sqrt(square)[..., None]
         qdd = second * square[..., None] + first * half[:, None, None]
         values = self.limits.row(self.limits.dynamics(q, qd, qdd), qdd)
