@@ -290,11 +290,8 @@ def survives(
     """Whether all tests of the area, of its first files, or of those that are named, pass with the
     mutant, and the first that does not."""
     with tempfile.TemporaryDirectory() as folder:
-        work = Path(folder)
-        for part in ("src", "tests"):
-            shutil.copytree(ROOT / part, work / part, ignore=shutil.ignore_patterns("__pycache__"))
-        for name in ("pyproject.toml", "README.md"):
-            shutil.copy(ROOT / name, work / name)
+        work = Path(folder) / "tree"
+        shutil.copytree(ROOT, work, ignore=_ignored())
         target = work / mutant.path.relative_to(ROOT)
         raw = target.read_bytes()
         target.write_bytes(raw[: mutant.start] + mutant.text.encode() + raw[mutant.stop :])
@@ -305,7 +302,7 @@ def survives(
         environment = {
             **os.environ,
             "PYTHONPATH": str(work / "src"),
-            "FREEBODY_CACHE": str(work / "cache"),
+            "FREEBODY_CACHE": str(Path(folder) / "cache"),
         }
         command = [
             sys.executable,
@@ -313,6 +310,7 @@ def survives(
             "pytest",
             "-x",
             "-q",
+            "-rfE",  # a line for each that fails, which says its name
             "-n0",
             "--no-header",
             "-p",
@@ -333,6 +331,14 @@ def survives(
             return False, "the tests hang"
         failed = [x for x in run.stdout.splitlines() if x.startswith(("FAILED", "ERROR"))]
         return run.returncode == 0, failed[0][:150] if failed else run.stdout[-150:].strip()
+
+
+def _ignored() -> Callable[..., set[str]]:
+    """What is not copied: the history, and what git ignores. Tests read documentation, tools and
+    benchmarks too: a mutant whose tests lack a file would count as killed."""
+    lines = (ROOT / ".gitignore").read_text(encoding="utf-8").splitlines()
+    patterns = [line.strip("/") for line in lines if line and not line.startswith("#")]
+    return shutil.ignore_patterns(".git", *patterns)
 
 
 def _tests(area: Area, path: Path, folder: Path) -> list[Path]:
