@@ -402,6 +402,7 @@ def test_a_law_with_the_dynamics_inside():
         ("ur5e", "jacobian", {"frame": "wrist_3_link", "reference": "body"}),
         ("ur5e", "inverse_dynamics", {"wrench_frames": ["wrist_3_link", "forearm_link"]}),
         ("2R", "forward_dynamics", {}),
+        ("2R", "kinetic_energy", {}),  # a number, no vector
         ("2R", "inverse_dynamics_derivatives", {}),
         ("five_bar", "forward_dynamics", {}),
     ],

@@ -119,6 +119,10 @@ def test_out_of_reach_says_how_far_and_why():
     slider = fb.inverse_kinematics(fb.load("slider_crank"), [0.55, 0.1])
     assert len(slider) == 0
     assert slider.distance == pytest.approx(0.1, rel=1e-6)
+    # crank 0.2 m, rod 0.6 m: the slider reaches from 0.4 to 0.8 m, on one side and on the other
+    for side in (-1.0, 1.0):
+        slider = fb.inverse_kinematics(fb.load("slider_crank"), [0.2 * side, 0.0])
+        assert slider.distance == pytest.approx(0.2, rel=1e-6)
     # half a turn stretches all three legs in the middle, and nowhere else is possible
     half = np.diag([-1.0, -1.0, 1.0])
     straight = fb.inverse_kinematics(fb.load("3RRR"), half)

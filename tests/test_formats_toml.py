@@ -345,6 +345,7 @@ def test_loops():
         ("[planar]\nword = 'R'\n" + LINKS,
          "arm.toml:1: [planar] describes the whole arm; remove the other links "
          "and joints."),
+        ("dim = 2\n[dh]\nrows = []\n", "arm.toml:1: a [dh] arm has dim = 3; remove dim."),
         ("[dh]\nrows = []\n", "arm.toml:1: [dh]: convention is missing; add convention = ..."),
         ("[dh]\nconvention = 'craig'\n",
          "arm.toml:2: no convention 'craig' in [dh]. Conventions: standard, modified."),

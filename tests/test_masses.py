@@ -167,6 +167,25 @@ def test_implausible_inertias_are_found(wrong: str, text: str):
     assert said(arm([good(0), wrong, good(2)]))[0].startswith(text)
 
 
+@pytest.mark.parametrize(
+    ("geometry", "size"),
+    [
+        ("<box size='0.3 0.1 0.1'/>", 0.15 + 0.5 * np.hypot(0.3, np.hypot(0.1, 0.1))),
+        ("<cylinder radius='0.2' length='0.3'/>", 0.15 + 0.25),
+        ("<sphere radius='0.3'/>", 0.15 + 0.3),
+    ],
+    ids=["box", "cylinder", "sphere"],
+)
+def test_a_link_is_as_large_as_the_farthest_point_of_its_shape(geometry: str, size: float):
+    shape = "<collision><origin xyz='0.15 0 0'/><geometry>" + geometry + "</geometry></collision>"
+    (text,) = (
+        x
+        for x in said(arm([good(0), inertial(1.3, 1.1, 1.2, 1.3), good(2)], shape))
+        if "large" in x
+    )
+    assert f"link1 (radius of gyration 1 m, its size {size:.2g} m)" in text
+
+
 def test_what_never_turns_a_bearing_is_not_held_against_the_first_link():
     """Of a link on the ground only the inertia about its joint is felt; identified models leave the
     rest open."""

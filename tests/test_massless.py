@@ -103,3 +103,38 @@ def test_a_payload_of_a_pointlike_last_link_is_seen():
         fb.forward_dynamics(still, [0.1, 0.2], [0.0, 0.0], [0.0, 0.0])
     loaded = still.with_payload(mass=1.0)
     assert np.isfinite(fb.forward_dynamics(loaded, [0.1, 0.2], [0.0, 0.0], [0.0, 0.0])).all()
+
+
+def refused(model: fb.Model) -> None:
+    """Its first joint moves no inertia."""
+    state = np.ones((3, model.nv))
+    with pytest.raises(SingularError, match="joint 'joint1' moves no inertia"):
+        fb.forward_dynamics(model, *state)
+
+
+def test_a_rod_along_the_axis_of_its_joint_is_seen(tmp_path):
+    """All three products of inertia count where the axis is none of the frame's own."""
+    file = tmp_path / "rod.toml"
+    file.write_text(
+        """
+        name = "rod"
+        link = [
+            { name = "base" },
+            { name = "rod", mass = 1, com = [0, 0, 0], inertia = [2, -1, -1, 2, -1, 2] },
+        ]
+        [[joint]]
+        name = "joint1"
+        kind = "revolute"
+        parent = "base"
+        child = "rod"
+        axis = [1, 1, 1]
+        """
+    )
+    refused(fb.load(file))
+
+
+def test_what_a_heavy_body_far_away_hides_is_seen():
+    """Two joints on one axis: what the first carries alone is lost in the rounding of the rest."""
+    refused(
+        fb.planar("RRR", l=[0.0, 1e2, 1.0], lc=[0.0] * 3, m=[1e-4, 1.0, 1e6], I=[1e-4, 1.0, 1.0])
+    )

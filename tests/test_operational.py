@@ -323,5 +323,8 @@ def test_a_row_that_no_joint_moves_is_singular_and_huge_rates_are_named():
         fb.inverse_velocity(model, q, [0.1, 0.1, 0.0])
     kernel = fb.kernel(model, "inverse_velocity", rows=("vx", "vz"))
     assert np.isnan(kernel(q, np.ones(2))).all()
+    arm, q = fb.load("ur5e"), np.full(6, 0.5)
     with pytest.raises(fb.FreebodyError, match=r"qd reaches 1e\+200; the result overflows"):
-        fb.operational_space_bias(fb.load("ur5e"), np.full(6, 0.5), np.full(6, 1e200))
+        fb.operational_space_bias(arm, q, np.full(6, 1e200))
+    with pytest.raises(fb.FreebodyError, match=r"^inverse_velocity: V_ref reaches 1e\+308"):
+        fb.inverse_velocity(arm, q, np.full(6, 1e308))

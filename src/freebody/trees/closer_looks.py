@@ -76,7 +76,8 @@ def closer_where_unclear(
     finite = (np.isfinite(x).all(axis=tuple(range(lead, x.ndim))) for x in outputs)
     unclear = ~np.asarray(reduce(np.logical_and, finite))
     if unclear.any():
-        closer = look(np.argwhere(unclear), *(x[unclear] for x in named.values()))
+        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is named below
+            closer = look(np.argwhere(unclear), *(x[unclear] for x in named.values()))
         for x, y in zip(outputs, closer if isinstance(closer, tuple) else (closer,), strict=True):
             x[unclear] = y
         if not all(np.isfinite(x).all() for x in outputs):
