@@ -258,6 +258,8 @@ def test_bad_requests_are_explained(arm):
         fb.kinematic_diagram(arm, show=[])
     with pytest.raises(ShapeError, match=r"q has shape \(3,\)"):
         fb.kinematic_diagram(arm, [0, 0, 0])
+    with pytest.raises(ShapeError, match=r"q has shape \(5, 4, 2\), expected \(2,\): one sample"):
+        fb.kinematic_diagram(arm, np.zeros((5, 4, 2)))
 
 
 def test_common_normal_meets_both_axes_at_right_angles():

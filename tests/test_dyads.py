@@ -51,6 +51,27 @@ def test_dyads_find_what_a_search_finds(name, free, steps):
     np.testing.assert_allclose(found[0], q, atol=1e-9)  # nearest first
 
 
+def test_two_slides_carry_the_block_of_a_scotch_yoke_to_its_crank_pin(tmp_path):
+    file = tmp_path / "yoke.toml"
+    file.write_text(
+        """
+        dim = 2
+        link = [{ name = "base" }, { name = "crank" }, { name = "yoke" }, { name = "block" }]
+        frame = [{ name = "pin", parent = "crank", origin = [0.3, 0] }]
+        joint = [
+            { name = "turn", kind = "revolute", parent = "base", child = "crank" },
+            { name = "x", kind = "prismatic", parent = "base", child = "yoke", axis = "x" },
+            { name = "y", kind = "prismatic", parent = "yoke", child = "block", axis = "y" },
+        ]
+        """
+    )
+    model = fb.load(file).with_loop("slot", "revolute", ("pin", "block"))
+    plan = decomposed(model, [1, 2])
+    assert plan is not None
+    found = plan.solve(np.array([[0.4, 0.1, -0.2]]))
+    np.testing.assert_allclose(found, [[[0.4, 0.3 * np.cos(0.4), 0.3 * np.sin(0.4)]]], atol=1e-15)
+
+
 def test_five_bar_has_four_working_and_two_assembly_modes():
     model = fb.load("five_bar")
     target = np.array([0.05, 0.6])

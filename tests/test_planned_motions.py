@@ -356,7 +356,10 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: fb.quintic(ARM, WAY, [0.0, 1.0, 1.0, 2.0]), "times must be finite and increase"),
     (lambda: fb.quintic(ARM, WAY, velocity=0.0), "is 0, expected a limit above 0"),
     (lambda: fb.quintic(ARM, WAY, velocity=np.ones(5)), "velocity has shape (5,)"),
-    (lambda: fb.quintic(ARM, WAY, step=9.0), "step is 9 s, expected at most a third of"),
+    (
+        lambda: fb.quintic(ARM, WAY, [0.0, 2.0, 4.0, 6.0], step=9.0),
+        "step is 9 s, expected at most a third of the motion, 2 s",
+    ),
     (lambda: fb.quintic(ARM, 9.0 * WAY), "waypoint 3 has elbow_joint at -12.735, outside"),
     (lambda: fb.quintic(ARM, WAY[[0, 0]]), "waypoints 0 and 1 are the same; leave one out"),
     (lambda: fb.quintic(fb.load("2R"), [[0, 0], [1, 1]]), "how fast '2R' may move is not known"),

@@ -456,6 +456,10 @@ def test_a_table_that_may_be_meant_as_one_torque_for_each_is_told():
         found = fb.simulate(ARM, q, q, T, q + 1.0, step=0.01, **WIDE)
     assert told[0].filename == __file__
     assert found.tau.shape == (6, 6, 2)
+    # one row for each, and a table, of such a shape that nothing else can be meant
+    for given in ((q + 1.0)[:, None], (q + 1.0)[None]):
+        same = fb.simulate(ARM, q, q, T, given, step=0.01, **WIDE)
+        np.testing.assert_array_equal(same.q, found.q)
 
 
 # ---------------------------------------------------------------- what is refused
