@@ -9,6 +9,7 @@ import pytest
 
 import freebody as fb
 from freebody.errors import FileError, ModelError, PassiveJointError
+from freebody.motion.simulation.interrupted import SimulationStopped
 from freebody.report.html import page
 from freebody.report.page_tables import drives, work
 from freebody.report.series import series
@@ -70,6 +71,12 @@ def test_a_torque_at_a_passive_joint_is_refused_by_name(call):
     ):
         call(model, [1.0, 0.5])
     call(model.replace(actuated=["joint1", "joint2"]), [1.0, 0.5])
+
+
+def test_a_law_that_gives_no_numbers_stops_like_that_of_any_robot():
+    for model in (cart_pole(), fb.planar("PR", **WORD)):
+        with pytest.raises(SimulationStopped, match="check torques"):
+            fb.simulate(model, [0, 0.3], [0, 0], [0, 0.1], lambda t, q, qd: [0.0, np.nan])
 
 
 def test_a_torque_at_a_passive_joint_of_a_closed_chain_is_refused():

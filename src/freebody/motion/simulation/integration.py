@@ -144,7 +144,10 @@ def _solver(
         extra["first_step"] = min(first, end - start, scheme.settings["max_step"])
     if method in IMPLICIT:
         extra["jac"] = lambda now, y: system.jacobian_under(np.asarray(now), y, drive)
-    return METHODS[method](scheme.rate(drive), start, y, end, **scheme.settings, **extra)
+    solver = METHODS[method](scheme.rate(drive), start, y, end, **scheme.settings, **extra)
+    if np.isnan(getattr(solver, "h_abs", 0.0)):  # a rate of NaN; scipy would step by it for ever
+        _refuse(scheme, method, start, None)
+    return solver
 
 
 def _refuse(scheme: Scheme, method: str, before: float, message: str | None) -> None:
