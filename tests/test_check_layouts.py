@@ -206,3 +206,9 @@ def test_v1_beside_torques_is_said_to_be_an_energy():
     assert (
         "‘V1’ on the right is read as a potential energy; write v1 for the velocity term." in text
     )
+
+
+def test_a_full_stop_may_stand_apart():
+    for answer in ("H22 = I2 + m2 lc2^2 .", r"\[ H_{22} = I_2 + m_2 l_{c2}^2 . \]"):
+        assert fb.check(fb.load("RR"), answer)
+        assert not fb.check(fb.load("RR"), answer.replace("+", "-"))

@@ -43,6 +43,12 @@ def test_the_force_of_either_sense_is_told():
     assert ON_THE_TIP in fb.check(ARM, "τ = M q̈ + c + g - Jᵀ F").text
 
 
+def test_the_force_in_a_joint_of_an_arm_at_rest_is_that_at_its_tip():
+    """Where an answer tells of nothing that moves."""
+    assert fb.check(ARM, "f_12x = -fx")
+    assert not fb.check(ARM, "f_12x = fx")
+
+
 def test_lines_of_one_answer_have_one_sense():
     verdict = fb.check(ARM, f"{FIRST}\ntau_2 = l2 s12 Fx - l2 c12 Fy")
     assert [x.equal for x in verdict.equations] == [True, False]
