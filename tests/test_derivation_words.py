@@ -61,7 +61,7 @@ def test_the_inertia_of_a_point_is_not_listed():
 @pytest.mark.parametrize("method", ["newton-euler", "recursive", "lagrange", "kane", "statics"])
 def test_a_joint_without_motor_is_spoken_of_in_every_method(method: str):
     said = " ".join(fb.derive(fb.load("acrobot"), method).text().split())
-    assert "passive" in said
+    assert re.findall("angle (θ.), passive", said) == ["θ₁"]
     assert "no motor" in said
     if method != "statics":
         assert "Joint 1 has no motor. An equation with 0 on the left is a condition" in said
@@ -181,3 +181,9 @@ def test_one_body_is_spoken_of_as_one():
     text = fb.derive(fb.load("pendulum"), "lagrange-first-kind", coordinates="absolute").text()
     assert "1 body has 3 coordinates; 2 constraints leave 1" in text
     assert re.search(r"φ̇₁, φ̈₁ +its velocity and acceleration", text)
+
+
+def test_each_force_that_is_handed_inward_is_that_of_the_body_before():
+    """f_01, not f_10, of whatever method gives it by itself."""
+    text = fb.derive(fb.planar("RR"), "recursive").text()
+    assert re.findall("f([₀-₉]{2}) = ", text) == ["₁₂", "₀₁"]

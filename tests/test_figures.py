@@ -616,3 +616,10 @@ def test_plot_marks_peak_and_limit():
     assert "joint_1" in svg
     rooted(plot(Plot("nothing", t, {"zero": 0 * t}, "J")).text())
     rooted(plot(Plot("tiny", t, {"noise": 1e-15 * t}, "J", log=True)).text())
+
+
+def test_a_curve_fills_its_plot_however_long_it_lasts():
+    t = np.linspace(0.0, 1.0, 21)
+    short, long = (plot(Plot("", x, {"a": t**2}, "m")).body for x in (t, 3.0 + 4.0 * t))
+    curve = re.compile('<path class="curve s0" d="([^"]*L[^"]*)"')
+    assert curve.findall(short) == curve.findall(long) != []
