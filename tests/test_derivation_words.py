@@ -187,3 +187,11 @@ def test_each_force_that_is_handed_inward_is_that_of_the_body_before():
     """f_01, not f_10, of whatever method gives it by itself."""
     text = fb.derive(fb.planar("RR"), "recursive").text()
     assert re.findall("f([₀-₉]{2}) = ", text) == ["₁₂", "₀₁"]
+    assert "accelerate body" in " ".join(text.split())
+    assert "has no mass" not in text
+
+
+def test_a_centre_of_mass_that_is_the_origin_needs_no_place():
+    said = " ".join(fb.derive(fb.load("quadrotor")).text().split())
+    assert "inertia about the centre of mass" in said
+    assert "from the body's origin" not in said

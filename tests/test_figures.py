@@ -1,6 +1,7 @@
 """Drawings as data: where things stand, which way forces point, what they add up to, and that the
 SVG is sound."""
 
+import itertools
 import math
 import re
 import xml.etree.ElementTree as ET
@@ -88,6 +89,10 @@ def test_every_kind_of_joint_names_its_symbol(kind):
     """Solids along an axis are those of kinds that have one."""
     assert kind.mark in {"", *MARKS}
     assert all(part.along == "axis" for part in kind.solids) == (kind.needs_axis or not kind.solids)
+    moving, still = ([x for x in kind.solids if x.moves is moves] for moves in (True, False))
+    for rod, sleeve in itertools.product(moving, still):  # through which it is seen
+        assert rod.half > sleeve.half or rod.along != sleeve.along
+        assert rod.radius < sleeve.radius or rod.along != sleeve.along
     if not kind.holds:
         assert not kind.mark, "no joint is drawn where nothing holds a body"
         assert not kind.solids
