@@ -462,6 +462,20 @@ def test_a_table_that_may_be_meant_as_one_torque_for_each_is_told():
         np.testing.assert_array_equal(same.q, found.q)
 
 
+def test_a_law_that_divides_is_as_stiff_as_one_that_multiplies():
+    stiff, soft = 3e4, 1.0 / 3e4
+    laws = (lambda q: [-stiff * q[0]], lambda q: [-q[0] / soft])
+    one, other = (
+        fb.simulate(
+            ROD, [0.3], [0.0], [0, 0.1],
+            fb.compile(law, {"q": (1,)}, {"tau": 1}), method="implicit", step=0.01,
+        ).q.values
+        for law in laws
+    )  # fmt: skip
+    assert abs(one[-1, 0]) < 0.3
+    np.testing.assert_allclose(other, one, rtol=1e-9)
+
+
 # ---------------------------------------------------------------- what is refused
 EQUAL = {"step": 1e-3}
 GIVEN = {"torque": LAW, "torque_inputs": {"goal": [1.0], "gain": 1.0}}
