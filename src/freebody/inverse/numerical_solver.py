@@ -168,7 +168,7 @@ class NumericalSolver:
         error, J = self._error_and_jacobian(q, target)
         miss = self.task.size(error)
         for _ in range(3):
-            step = np.linalg.pinv(J, rcond=1e-7) @ error[..., None]
+            step = np.asarray(np.linalg.pinv(J, rcond=1e-7) @ error[..., None], dtype=float)
             trial = self.moved(q, step[..., 0])
             errors, slopes = self._error_and_jacobian(trial, target)
             after = self.task.size(errors)

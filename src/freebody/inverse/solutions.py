@@ -76,8 +76,8 @@ class Solutions(Tabled, ByValue):
         """The same from what a kernel gives, at once: within (..., branches), 1 where the limits
         are kept, is made into flags when it is asked for; others: what no kernel gives, arrays that
         cannot be written to, and `_ignored` where limits do not count."""
-        q.setflags(False)
-        residual.setflags(False)
+        q.setflags(write=False)
+        residual.setflags(write=False)
         made = object.__new__(cls)
         known = made.__dict__
         known.update(others)

@@ -286,4 +286,5 @@ def _tell_stopped(
 
 def _going(result: Simulated, at: tuple[Any, ...]) -> NDArray[np.bool_]:
     """Which positions and rates there are numbers."""
-    return np.logical_and(*(np.isfinite(x[at]).all(axis=-1) for x in (result.q, result.qd)))
+    q, qd = (np.isfinite(x[at]).all(axis=-1) for x in (result.q, result.qd))
+    return np.asarray(np.logical_and(q, qd))
