@@ -19,6 +19,7 @@ from support.symbolic import METHODS
 
 SYMBOLIC = Inertia.of("m", ["a", 0, "c"], ["Ixx", 0, "Ixz", "Iyy", 0, "Izz"])
 PLAIN = Inertia.of("M", [0, 0, 0], ["J", 0, 0, "J", 0, "J"])
+HOOK = Inertia.of(0.7, [0.1, 0, 0], [0.02, 0, 0.01, 0.03, 0, 0.04])
 DOWN = (9.81, (0.0, 0.0, -1.0))
 NUMBERS = {"m": 1.3, "a": 0.2, "c": -0.4, "Ixx": 0.9, "Ixz": 0.1, "Iyy": 1.1, "Izz": 0.7} | {
     "M": 2.0,
@@ -88,18 +89,41 @@ class State:
         return known | NUMBERS
 
 
-@pytest.mark.parametrize("model", [fb.load("quadrotor"), bodies("free")], ids=["quadrotor", "own"])
+def with_numbers(model: Model) -> Model:
+    """With the values of those of the numbers that it has."""
+    return model.bind(**{name: NUMBERS[name] for name in model.missing})
+
+
+QUADROTOR = fb.load("quadrotor")
+LOADED = {
+    "point": QUADROTOR.with_payload(mass=0.1, com=(0.1, 0, 0)),
+    "box": QUADROTOR.with_payload(mass=2.0, com=(0.1, -0.2, 0.3), box=(0.3, 0.2, 0.1)),
+    "tool": QUADROTOR.with_tool("hook", (0, 0.1, -0.4), inertia=HOOK),
+    "two": QUADROTOR.with_payload(mass=1.0, com=(0.2, 0, 0)).with_payload(0.5, frame="rotor2"),
+    "letters": with_numbers(bodies("free")).with_payload(HOOK),
+    "none": QUADROTOR.with_payload(mass=0.0),
+}
+
+
+@pytest.mark.parametrize(
+    "model",
+    [QUADROTOR, bodies("free"), *LOADED.values()],
+    ids=["quadrotor", "own", *LOADED],
+)
 def test_the_printed_equations_are_inverse_dynamics_in_the_axes_of_the_body(model):
     """f and n as printed, against recursive Newton-Euler of the free joint itself."""
     derivation, state = fb.derive(model), State()
-    known = state.known(derivation.equations.symbols.coordinates)
+    symbols = derivation.equations.symbols
+    known = state.known(symbols.coordinates)
+    known |= {name: x for name, x in symbols.model.parameters.items() if x is not None}
     printed = lines(derivation, "The equations of motion")
     f, n = ([evaluate(printed[f"{x}_{a}"].rhs, known) for a in "xyz"] for x in "fn")
-    numbers = model.bind(**{name: NUMBERS[name] for name in model.missing})
+    numbers = with_numbers(model)
     x = (*state.p, *state.q), (*state.v, *state.w), (*state.vd, *state.wd)
     q, qd, qdd = map(np.array, x)
     wanted = fb.inverse_dynamics(numbers, q, qd, qdd)
-    at = (0.2, 0, -0.4) if model.missing else (0, 0, 0)
+    level = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+    at = fb.center_of_mass(numbers, level)
     np.testing.assert_allclose(f, wanted[:3], atol=1e-9)
     np.testing.assert_allclose(np.add(n, np.cross(at, f)), wanted[3:], atol=1e-9)
 
@@ -145,8 +169,18 @@ def test_thrusts_of_the_quadrotor():
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_every_method_makes_a_page_of_the_quadrotor(method):
-    assert "<svg" in fb.derive(fb.load("quadrotor"), method).html()
+@pytest.mark.parametrize(
+    "model", [QUADROTOR, LOADED["point"], LOADED["none"]], ids=["bare", "loaded", "none"]
+)
+def test_every_method_makes_a_page_of_the_quadrotor(model, method):
+    assert "<svg" in fb.derive(model, method).html()
+
+
+def test_a_free_body_with_its_load_is_one_body():
+    model, two = LOADED["point"], bodies("free", "free").with_payload(HOOK, frame="body2")
+    assert "The body is body and payload as one rigid body" in fb.derive(model).given
+    assert "Body 6 is body and payload as one" in fb.derive(model, "lagrange").given
+    assert "Body 2 is body2 and payload as one" in fb.derive(two).given
 
 
 def test_each_symbol_is_in_the_table():

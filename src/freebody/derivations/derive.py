@@ -72,7 +72,9 @@ def undrawn_derivation(
     setting = Setting(made, names, record.at_rest, lettering)
     worked = record(setting, **options)
     given, glossary = overview(setting, record, worked)
-    given = " ".join([given, *told(model, made), *told_formulas(made, setting.layout)])
+    given = " ".join(
+        [given, *told(model, made, not worked.robot), *told_formulas(made, setting.layout)]
+    )
     derivation = Derivation(
         record.name,
         worked.title or record.title,

@@ -10,7 +10,7 @@ from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.living.body_quantities import vector
 from freebody.derivations.living.kernel import PageProgram
 from freebody.derivations.methods.free_bodies import velocity_names
-from freebody.derivations.methods.free_body_steps import mass_symbol, thrusts_of
+from freebody.derivations.methods.free_body_steps import mass_symbol, part_with_mass, thrusts_of
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.notations.lettering import Lettering
 from freebody.derivations.polynomials.symbols import RATE
@@ -51,7 +51,7 @@ class FreeFlight:
     def start(self) -> dict[str, float]:
         """Tilted a little, with thrusts that would bear the weight of the level body."""
         given = self.s.symbols.given or self.s.symbols.model
-        mass = given.bodies[0].inertias[0].inertia.mass
+        mass = part_with_mass(given.bodies[0]).inertia.mass
         weight = 9.81 * (mass if isinstance(mass, float) else 1.0)
         tilted = dict(zip(self.s.symbols.coordinates[-3:], (0.4, 0.15, -0.2), strict=True))
         return tilted | dict.fromkeys(self._thrusts, weight / len(self._thrusts))

@@ -19,6 +19,7 @@ from freebody.derivations.methods.free_body_steps import (
     XYZ,
     FreeBody,
     mark_of,
+    part_with_mass,
     thrusts_of,
 )
 from freebody.derivations.methods.method import Worked
@@ -32,13 +33,16 @@ from freebody.model.placement import Placement
 
 
 def are_free(model: Model) -> bool:
-    """Whether nothing holds any of a model's bodies: each moves freely against the world's axes."""
+    """Whether nothing holds any of a model's bodies: each moves freely against the world's axes.
+
+    It is the same of a model with loads on its bodies and of that with each load part of its body.
+    """
     return model.dim == 3 and all(
         body.kind.frees(3)
         and body.kind.quaternion is not None
         and body.parent < 0
         and body.joint.placement == Placement()
-        and len(body.inertias) == 1
+        and len(body.inertias) > 0
         for body in model.bodies
     )
 
@@ -152,7 +156,7 @@ def _parameters(s: Setting, given: Model) -> Iterator[Meaning]:
 def _in_model(given: Model) -> Iterator[tuple[Parameter, str, str]]:
     for k, body in enumerate(given.bodies):
         own = f"body {k + 1}" if len(given.bodies) > 1 else "the body"
-        part = body.inertias[0]
+        part = part_with_mass(body)
         for quantities, words, unit in (
             (part.inertia.mass, f"mass of {own}", glossary.KILOGRAM),
             (part.inertia.com, f"distance from its origin to the centre of mass of {own}", "m"),

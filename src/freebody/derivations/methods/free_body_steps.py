@@ -18,9 +18,10 @@ from freebody.derivations.polynomials.symbols import RATE
 from freebody.derivations.render.literal import literal
 from freebody.errors import listed
 from freebody.lazy import cached_property
-from freebody.model.bodies import Frame
+from freebody.model.bodies import Body, Frame
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, Quantity
+from freebody.model.tree import Attached
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, add, scale, sub, times, transposed
 
@@ -35,9 +36,16 @@ def mark_of(model: Model, k: int) -> str:
     return str(k + 1) if len(model.bodies) > 1 else ""
 
 
+def part_with_mass(body: Body) -> Attached:
+    """The part that is all of a whole body: beside it there may be loads of no mass."""
+    masses = [(part, part.inertia.mass) for part in body.inertias]
+    weighing = (x for x, m in masses if (m.value if isinstance(m, Parameter) else m) != 0.0)
+    return next(weighing, body.inertias[0])
+
+
 def mass_symbol(model: Model, k: int) -> Symbol:
     """The model's name for the mass of body k, else m with its mark."""
-    mass = model.bodies[k].inertias[0].inertia.mass
+    mass = part_with_mass(model.bodies[k]).inertia.mass
     name = sym(mass.name if isinstance(mass, Parameter) else f"m{mark_of(model, k)}")
     assert isinstance(name, Symbol)
     return name
@@ -96,7 +104,7 @@ class FreeBody:
     @property
     def mass(self) -> Quantity:
         """The mass as the model gives it."""
-        return self.given.bodies[self.k].inertias[0].inertia.mass
+        return part_with_mass(self.given.bodies[self.k]).inertia.mass
 
     @property
     def inertia(self) -> Expression:

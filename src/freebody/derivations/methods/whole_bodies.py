@@ -57,17 +57,18 @@ def symbols_of_bodies(
     return symbols(replace(model, bodies=bodies), **how)
 
 
-def told(model: Model, made: Symbols) -> list[str]:
+def told(model: Model, made: Symbols, apart: bool = True) -> list[str]:
     """A sentence for each body of a model that is made of parts; made: what `symbols_of_bodies`
-    made of it."""
+    made of it; apart: whether a body is counted by its last joint of one coordinate."""
     assert made.given is not None
+    names = [x.name for x in (made.model if apart else model).bodies]
     sentences = []
     for body, one in zip(model.bodies, made.given.bodies, strict=True):
         if body is not one:
-            n = [x.name for x in made.model.bodies].index(body.name) + 1
+            own = f"Body {names.index(body.name) + 1}" if apart or len(names) > 1 else "The body"
             parts = listed([literal(part.link) for part in body.inertias])
             sentences.append(
-                f"Body {n} is {parts} as one rigid body: its mass, centre of mass and inertia are "
+                f"{own} is {parts} as one rigid body: its mass, centre of mass and inertia are "
                 f"those of the whole."
             )
     return sentences

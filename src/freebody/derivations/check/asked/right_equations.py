@@ -231,7 +231,8 @@ def equations_of(model: Model, loads: tuple[str, ...] = ()) -> Equations:
 
 
 def _is_free_body(model: Model) -> bool:
-    return len(model.bodies) == 1 and are_free(model)
+    """Whether it is one free body without a load: with one, answers are not read."""
+    return len(model.bodies) == 1 and are_free(model) and len(model.bodies[0].inertias) == 1
 
 
 def setting(
