@@ -66,3 +66,24 @@ def test_a_multiple_of_an_angle_is_not_the_angle(pose: str):
     assert fb.check(arm, "singular at θ₂ = π")
     with pytest.raises(fb.FreebodyError):
         fb.check(arm, f"singular at {pose}")
+
+
+@pytest.mark.parametrize(
+    ("robot", "determinant", "right", "wrong"),
+    [
+        ("slider_crank", "cos(θ1+θ2)", "θ1 + θ2 = ±π/2", "θ1 - θ2 = π/2"),
+        ("slider_crank", "cos(θ1+θ2)", "-θ1 - θ2 = π/2", "-θ1 + θ2 = π/2"),
+        ("slider_crank", "cos(θ1+θ2)", "θ2 + θ1 = 90°", "θ2 + θ1 = 0"),
+        ("four_bar", "-sin(θ1+θ2-θ3)", "-θ1 - θ2 + θ3 = 0, π", "-θ1 - θ2 - θ3 = 0, π"),
+        ("four_bar", "-sin(θ1+θ2-θ3)", "θ3 - θ2 - θ1 = 0, π", "θ3 - θ2 + θ1 = 0, π"),
+    ],
+)
+def test_a_sum_of_angles_is_a_pose_with_its_signs(
+    robot: str, determinant: str, right: str, wrong: str
+):
+    """A line below the determinant, which the one angle is told from."""
+    model, above = fb.load(robot), f"det J_a = {determinant}\n"
+    assert fb.check(model, above + right)
+    verdict = fb.check(model, above + wrong)
+    assert verdict.equations[0].equal
+    assert not any(x.equal for x in verdict.equations[1:])

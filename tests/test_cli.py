@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from contextlib import contextmanager
 from importlib.abc import MetaPathFinder
 from pathlib import Path
 
@@ -77,6 +78,24 @@ def test_study_writes_a_report_and_data(capsys: pytest.CaptureFixture[str]):
     )  # what it writes, it reads
     told = capsys.readouterr().out  # 401 samples, and where a load has its peak between two
     assert re.search(r"Motion: read from motion.csv, 40[1-9] rows; rates as given\.", told)
+
+
+def test_the_bar_of_a_study_only_grows_and_is_not_full_before_the_files_are_written(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    told: list[tuple[str, float]] = []
+
+    @contextmanager
+    def recorded(text: str):
+        yield lambda doing, done: told.append((doing, done))
+
+    monkeypatch.setattr(terminal, "progress", recorded)
+    assert run(["study", "2R"]) == 0
+    parts = [done for _, done in told]
+    assert parts[0] == 0.0
+    assert parts == sorted(parts)
+    assert told[-1][0] == "report and data files"
+    assert 0.5 < parts[-1] < 1.0
 
 
 def test_a_failed_check_gives_exit_code_1(

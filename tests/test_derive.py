@@ -518,3 +518,17 @@ def test_no_comma_begins_a_line_of_the_table():
     table = re.findall(r"<table.*?</table>", fb.derive(fb.load("3R")).html(), re.DOTALL)[0]
     assert ",</span> " in table
     assert "</math>, " not in table
+
+
+def test_entries_of_a_wide_matrix_are_named_by_row_and_column():
+    """Of the elbow arm's Jacobian: a turn about the vertical does not lift the tip, and bending the
+    elbow moves it towards the axis."""
+    told = fb.derive(fb.load("elbow_arm"), "kinematics").text()
+    for line in (
+        "J₁₃ = −l₃ cos θ₁ sin(θ₂+θ₃)",
+        "J₂₁ = l₂ cos θ₁ cos θ₂ + l₃ cos θ₁ cos(θ₂+θ₃)",
+        "J₃₁ = 0",
+        "J̇₃₁ = 0",
+        "J₃₂ = l₂ cos θ₂ + l₃ cos(θ₂+θ₃)",
+    ):
+        assert re.search(rf"{re.escape(line)}\s*[│\n]", told), line

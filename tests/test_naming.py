@@ -421,3 +421,9 @@ def test_a_body_without_mass_is_not_said_to_have_its_weight_elsewhere():
 def test_forces_that_are_not_drawn_are_said_to_be_zero(name, figure, missing):
     assert drawn(name, "newton-euler")[figure].notes == [f"Zero in the drawn state: {missing}"]
     assert not drawn("2R", "newton-euler")["free-body 1"].notes
+
+
+def test_the_page_of_a_closed_chain_can_be_tried_where_no_loop_slides():
+    """Rods and pins transmit forces at points, of which the page tells where they act."""
+    for name, tried in (("five_bar_rods", True), ("slider_crank", True), ("collar", False)):
+        assert ('class="slider"' in derived(name, "newton-euler").html()) is tried, name
