@@ -324,7 +324,7 @@ def test_a_row_that_no_joint_moves_is_singular_and_huge_rates_are_named():
     kernel = fb.kernel(model, "inverse_velocity", rows=("vx", "vz"))
     assert np.isnan(kernel(q, np.ones(2))).all()
     arm, q = fb.load("ur5e"), np.full(6, 0.5)
-    with pytest.raises(fb.FreebodyError, match=r"qd reaches 1e\+200; the result overflows"):
+    with pytest.raises(fb.FreebodyError, match=r"^operational_space_bias: qd reaches 1e\+200"):
         fb.operational_space_bias(arm, q, np.full(6, 1e200))
     with pytest.raises(fb.FreebodyError, match=r"^inverse_velocity: V_ref reaches 1e\+308"):
         fb.inverse_velocity(arm, q, np.full(6, 1e308))

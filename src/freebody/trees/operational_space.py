@@ -26,7 +26,7 @@ from freebody.trees.dynamics import bias, mass_matrix, where_all_move_mass
 from freebody.trees.kinematics import jacobian, jacobian_dot
 from freebody.trees.massless_joints import refuse_massless
 from freebody.trees.passive_joints import refuse_passive
-from freebody.trees.public_calls import Vector, careful, evaluate
+from freebody.trees.public_calls import Vector, careful, evaluate, refuse_overflow
 
 
 def mass_matrix_inverse(model: Model, q: Vector) -> Array:
@@ -107,6 +107,7 @@ def _inertia(function: str, model: Model, option: Option, at: np.ndarray, *state
 def _bias(model: Model, option: Option, at: np.ndarray, *state: Array) -> Array:
     q, qd = state
     inertia = _inertia("operational_space_bias", model, option, at, q)
+    refuse_overflow("operational_space_bias", {"qd": qd})  # else `bias` says it of itself
     J, drift = (
         x[..., option.rows, :]
         for x in (jacobian(model, q, option.frame), jacobian_dot(model, q, qd, option.frame))
