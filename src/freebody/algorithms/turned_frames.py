@@ -58,7 +58,7 @@ def _count(tree: Tree) -> int:
 
 
 @dataclass(frozen=True)
-class _Frame:
+class _TurnedFrame:
     """A body's new frame in its old one: its axes, and how far along its z its origin is moved."""
 
     A: Matrix = identity(3)
@@ -77,7 +77,7 @@ class _Frame:
 
 
 def _turned(tree: Tree) -> Tree:
-    frames: dict[int, _Frame] = {-1: _Frame()}
+    frames: dict[int, _TurnedFrame] = {-1: _TurnedFrame()}
     bodies: list[TreeBody] = []
     for i, body in enumerate(tree.bodies):
         before = frames[body.parent]
@@ -90,11 +90,11 @@ def _turned(tree: Tree) -> Tree:
             if shift:
                 moved = add(p, scale(shift, tuple(row[2] for row in R)))
                 p = tuple(0.0 if abs(x) < _NOTHING * abs(shift) else x for x in moved)
-            frames[i] = _Frame(product(upright, space.rotation(Z, angle)), shift)
+            frames[i] = _TurnedFrame(product(upright, space.rotation(Z, angle)), shift)
             body = _started(replace(body, axis=Z, columns=body.primitive.columns(space, Z)), more)
         else:
             R, p = before.seen(body.R, body.p)
-            frames[i] = _Frame()
+            frames[i] = _TurnedFrame()
         masses = tuple(map(frames[i].mass, body.masses))
         bodies.append(replace(body, R=R, p=p, masses=masses))
     seen = {name: (i, *frames[i].seen(R, p)) for name, (i, R, p) in tree.frames.items()}
