@@ -85,10 +85,10 @@ def _answering(kernel: Kernel, form: ClosedFormArm, own: Problem) -> Answer:
             return None
         if type(count) is array:
             return _of_batch(own, form, alike, (target, q0, held), (q, residual, within, count))
-        if not count >= 1.0:
+        k = int(count)
+        if k < 1:
             return None
-        if count < every:
-            k = int(count)
+        if k < every:
             q, residual = q[:k], residual[:k]
         return Solutions.of_kernel(names, q, residual, within, alike)
 

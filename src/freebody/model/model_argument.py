@@ -38,11 +38,13 @@ _OF_FAMILIES = (
 def takes_model(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
     """The function under its public name, which refuses a first argument that is no model, or a
     family where it is about one robot, and names the argument for which memory does not suffice."""
-    require = require_model if name in _OF_FAMILIES else require_one
+    plain = name in _OF_FAMILIES
+    require = require_model if plain else require_one
 
     @wraps(function)
     def checked(model: Model, *args: Any, **kwargs: Any) -> Any:
-        require(name, model)
+        if not plain or type(model) is not Model:
+            require(name, model)
         try:
             return function(model, *args, **kwargs)
         except (MemoryError, ValueError) as problem:
