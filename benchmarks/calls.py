@@ -196,11 +196,13 @@ def rows(r: Robot) -> Iterator[Row]:
         (pin.computeKineticEnergy, p, d, a, v),
         np.asarray,
     )
+    # links that do not move count in freebody
+    fixed = fb.potential_energy(m, q1) - pin.computePotentialEnergy(p, d, b)
     yield Row(
         "potential_energy",
         (fb.potential_energy, m, q),
         (pin.computePotentialEnergy, p, d, a),
-        np.asarray,
+        lambda x: x + fixed,
     )
     about_com = pin.computeCentroidalMomentum, p, d, a, v
     yield Row("momentum", (fb.momentum, m, q, qd), about_com)
