@@ -3,6 +3,7 @@ robots."""
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import freebody as fb
@@ -149,3 +150,75 @@ def test_equilibrium_tells_nothing_of_what_stands_at_an_acceleration(name: str):
     assert fb.check(model, "In equilibrium: f01 - f12 + m1 g = m1 v̇c1")
     for wrong in ("f01 - f12 + m1 g = 5 m1 v̇c1", "τ1 = s1 × f12 - sc1 × m1 g + 3 θ̈1"):
         assert not fb.check(model, f"In equilibrium: {wrong}")
+
+
+CRANK, TWO_BARS = fb.load("slider_crank"), fb.load("double_four_bar")
+ROCKER = (
+    "f = l1² + l3² + d² - l2² - 2 l1 d c1\na = 2 l3 (d - l1 c1)\nb = -2 l1 l3 s1\n"
+    "θ3 = atan2(b, a) {} arccos(-f/sqrt(a² + b²))"
+)
+BY_THE_LOOPS = [
+    (CRANK, "T3 = ½ m3 (l1 s1 θ̇1 + l2 s12 (θ̇1+θ̇2))²"),
+    (CRANK, "V = m1 g lc1 s1 + m2 g (l1 - lc2 l1/l2) s1"),
+    (CRANK, "V = m1 g lc1 s1 + m2 g (l1 - lc2 l1/l2) s1 + 5 m1 g lc1"),
+    (CRANK, "d/dt(T + V) = τ1 θ̇1"),
+    (CRANK, "P = τ1 θ̇1"),
+    (CRANK, "d3 = l1 cos θ1 + sqrt(l2² - l1² sin²θ1)"),
+    (CRANK, "x = l1 c1 + l2 sqrt(1 - (l1 s1/l2)²)"),
+    (CRANK, "ḋ3 = -l1 s1 θ̇1 - l1² s1 c1 θ̇1/sqrt(l2² - l1² s1²)"),
+    (CRANK, "θ2 = -θ1 - arcsin(l1 s1/l2)"),
+    (CRANK, "θ1 = arccos((d3² + l1² - l2²)/(2 l1 d3))"),
+    (CRANK, "ω2 = -l1 c1 θ̇1/(l2 c12)"),
+    (CRANK, "λ1 = m3 d̈3"),
+    (
+        CRANK,
+        "τ1 θ̇1 = (m1 lc1² + I1) θ̈1 θ̇1 + m1 g lc1 c1 θ̇1 + m2 (vc2x v̇c2x + vc2y v̇c2y)"
+        " + m2 g vc2y + I2 ω2 ω̇2 + m3 ḋ3 d̈3",
+    ),
+    (BAR, "V3 = m3 g (lc3/l3) (l1 s1 + l2 s12)"),
+    (BAR, "ω3 = l1 sin θ2 θ̇1/(l3 sin(θ1+θ2-θ3))"),
+    (BAR, "l2² = (d + l3 c3 - l1 c1)² + (l3 s3 - l1 s1)²"),
+    (BAR, "θ3 = atan2(l1 s1 + l2 s12, l1 c1 + l2 c12 - d)"),
+    (BAR, ROCKER.format("+")),
+    (
+        BAR,
+        "K1 = d/l1\nK2 = d/l3\nK3 = (l1² - l2² + l3² + d²)/(2 l1 l3)\n"
+        "K1 cos θ3 - K2 cos θ1 + K3 = cos(θ1 - θ3)",
+    ),
+    (BAR, "k = sqrt((d - l1 c1)² + (l1 s1)²)\ncos(θ1+θ2-θ3) = (l2² + l3² - k²)/(2 l2 l3)"),
+    (TWO_BARS, "θ̇1 = θ̇3"),
+    (TWO_BARS, "θ3 = θ1"),
+    (FIVE_BAR, "x = (l1 c1 + l2 c2 + l3 cos(θ1+θ3) + l4 cos(θ2+θ4))/2"),
+]
+
+
+@pytest.mark.parametrize(("model", "line"), BY_THE_LOOPS)
+def test_what_the_loops_make_right_is_right(model: fb.Model, line: str):
+    assert fb.check(model, line)
+
+
+@pytest.mark.parametrize(
+    ("model", "line", "words"),
+    [
+        (CRANK, "T3 = ½ m3 (l1 s1 θ̇1 + l2 s12 θ̇2)²", "is not right"),
+        (CRANK, "V = m1 g lc1 s1 + m2 g (l1 - lc2) s1", "is not right"),
+        (CRANK, "d3 = l1 cos θ1 + sqrt(l2² + l1² sin²θ1)", "‘l1² sin²θ1’ has the wrong sign"),
+        (CRANK, "d3 = l1 cos θ1 - sqrt(l2² - l1² sin²θ1)", "another assembly"),
+        (BAR, ROCKER.format("-"), "another assembly"),
+        (CRANK, "λ1 = -m3 d̈3", "has the wrong sign"),
+        (BAR, "ω3 = l1 sin θ2 θ̇1/(l3 sin(θ1+θ2+θ3))", "must be"),
+        (BAR, "V3 = m3 g (lc3/l2) (l1 s1 + l2 s12)", "is not right"),
+        (TWO_BARS, "θ̇1 = -θ̇3", "is not right"),
+    ],
+)
+def test_what_the_loops_do_not_make_right_is_wrong(model: fb.Model, line: str, words: str):
+    verdict = fb.check(model, line)
+    assert not verdict
+    assert words in verdict.text
+
+
+def test_an_example_is_a_state_that_closes_the_loops():
+    for line in (ROCKER.format("-"), "θ̇3 = l1 l2 sin θ2 θ̇1/(d l3 sin(θ1+θ3))"):
+        at = fb.check(BAR, line).equations[0].example.values
+        crank, rocker = (at[f"l{k}"] * np.exp(1j * at[f"theta{k}"]) for k in (1, 3))
+        assert abs(at["d"] + rocker - crank) == pytest.approx(at["l2"], abs=2e-3)

@@ -21,6 +21,7 @@ from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reading.reading import AnswerParser
 from freebody.derivations.check.reading.vocabulary import Vocabulary
 from freebody.derivations.check.spelling.answer_text import AnswerText
+from freebody.derivations.check.states.state_values import functions_of
 from freebody.derivations.expressions.evaluate import NoValue
 from freebody.derivations.expressions.nodes import Expression, Matrix
 from freebody.derivations.grammar.lexer import Token
@@ -200,6 +201,8 @@ class FormulaReader:
     def claim(self, label: str, target: AskedQuantity, node: Expression) -> Claim:
         """What a tree says of a quantity."""
         used = tuple(uses(node, self.targets.single, self.vocabulary))
+        if functions_of(node):  # compared in numbers
+            return Claim(label, target, node, target.compute(), self.source, used)
         value = self.quotient(node)
         asked = next((x for x in self.along_legs(target) if x.compute() == value), None)
         return Claim(label, asked or self.with_load(target), node, value, self.source, used)

@@ -14,6 +14,7 @@ from freebody.derivations.check.numbers.units import is_of_another_kind
 from freebody.derivations.check.reading.answer_lines import Line
 from freebody.derivations.check.reading.circular_answers import refuse_itself, uses
 from freebody.derivations.check.spelling.answer_text import AnswerError
+from freebody.derivations.check.states.state_values import functions_of
 from freebody.derivations.closed_chains.linear import Ratio
 from freebody.derivations.expressions.nodes import Matrix, Number
 from freebody.derivations.grammar.lexer import Token
@@ -91,6 +92,8 @@ class OwnDefinitions(SolvedQuantities):
             refuse_itself(self.source, self.source[first[0].span], node.span)
         if isinstance(node, Matrix):
             self.vocabulary.define_matrix(name, node, given)
+        elif functions_of(node):
+            self.vocabulary.define_tree(name, node, given)
         else:
             self.vocabulary.define(name, self.quotient(node), given)
         return [line]
@@ -181,9 +184,10 @@ class OwnDefinitions(SolvedQuantities):
         return is_of_another_kind(self.setting, given, target.polynomial())
 
     def _given(self, side: Sequence[Token]) -> Value | None:
-        """The value of a side that is no vector or matrix."""
+        """The value of a side that is no vector or matrix, and holds no root."""
         node = self.parse(side)
-        return None if isinstance(node, Matrix) else self.quotient(node)
+        by_number = isinstance(node, Matrix) or functions_of(node)
+        return None if by_number else self.quotient(node)
 
     def _is_own_scalar(self, name: str, line: Line) -> bool:
         """Whether a name of a body's vector is given to one number."""

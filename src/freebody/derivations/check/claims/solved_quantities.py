@@ -109,6 +109,5 @@ class SolvedQuantities(FormulaReader):
             if isinstance(part, Wave) and any(x == name for x, _ in part.angle):
                 self.source.fail(f"{label} stands on both sides: solve for it", part.span)
         target = AskedQuantity("position", (), lambda: value, words="given by the robot's position")
-        left = self.parse(line[0])
         used = tuple(uses(node, self.targets.single, self.vocabulary))
-        return Claim(label, target, node, value, self.source, used, whole=left)
+        return Claim(label, target, node, value, self.source, used)

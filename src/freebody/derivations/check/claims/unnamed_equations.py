@@ -23,6 +23,7 @@ from freebody.derivations.check.reading.circular_answers import uses
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reasons import undriven_joints
 from freebody.derivations.check.spelling.answer_text import AnswerError
+from freebody.derivations.check.states.state_values import functions_of
 from freebody.derivations.closed_chains.linear import Ratio
 from freebody.derivations.expressions.nodes import (
     Expression,
@@ -51,6 +52,8 @@ class UnnamedEquations(FormulaReader):
         if len(line) > 2:  # 0 = a = b
             pairs = ((line[0], side) for side in line[1:])
             return [claim for pair in pairs for claim in self.unnamed(pair, before)]
+        if any(functions_of(self.parse(side)) for side in line):
+            return self._identities(line)
         inside = {
             t.text
             for side in line
@@ -249,6 +252,9 @@ class UnnamedEquations(FormulaReader):
         if isinstance(right, Number) and not is_result:
             left, right = right, left
         whole = Sum((left, Negative(right, span=right.span)), span=around(left, right))
+        if functions_of(whole):
+            zero = self.setting.zero
+            return Claim(label, AskedQuantity(LONG, (), lambda: zero), whole, zero, self.source)
         try:
             value, other = self.quotient(left), self.quotient(right)
         except AnswerError:  # too long to be multiplied out

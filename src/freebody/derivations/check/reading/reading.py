@@ -116,6 +116,8 @@ class AnswerParser(DerivativeParser):
             self.at += behind
             return replace(turned, span=self.since(token.start))
         span = self.since(token.start)
+        if name in vocabulary.trees:
+            return replace(vocabulary.trees[name], span=span)
         table = self.tables(name, span)
         if name in vocabulary.symbols:
             return self._also(Named(name, vocabulary.symbols[name], span=span), table)

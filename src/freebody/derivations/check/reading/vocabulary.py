@@ -15,7 +15,7 @@ from freebody.derivations.check.algebra.quotients import Value
 from freebody.derivations.check.asked import free_body_names, load_names
 from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.right_equations import FAMILIES, RightEquations
-from freebody.derivations.expressions.nodes import Matrix
+from freebody.derivations.expressions.nodes import Expression, Matrix
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.source import Source, Span
 from freebody.derivations.grammar.words import spell
@@ -69,6 +69,8 @@ class Vocabulary:
     """Names of the user's own for vectors and matrices, and what these are called here."""
     matrices: dict[str, Matrix] = field(default_factory=dict)
     """Vectors and matrices of the user's own."""
+    trees: dict[str, Expression] = field(default_factory=dict)
+    """Names of the user's own for what holds roots or inverse functions."""
     _known: frozenset[str] | None = None
 
     def __post_init__(self) -> None:
@@ -82,7 +84,7 @@ class Vocabulary:
     def known(self) -> frozenset[str]:
         """All names but functions."""
         if self._known is None:
-            own = (*self.aliases, *self.matrices)
+            own = (*self.aliases, *self.matrices, *self.trees)
             self._known = frozenset([*self.symbols, *self.waves, *self.quantities, *own, "t", "pi"])
         return self._known
 
@@ -92,6 +94,7 @@ class Vocabulary:
         kept.symbols, kept.waves = dict(self.symbols), dict(self.waves)
         kept.functions, kept.uses = dict(self.functions), dict(self.uses)
         kept.aliases, kept.matrices = dict(self.aliases), dict(self.matrices)
+        kept.trees = dict(self.trees)
         return kept
 
     def define(self, plain: str, value: Value, uses: tuple[AskedQuantity, ...] = ()) -> None:
@@ -107,6 +110,14 @@ class Vocabulary:
     ) -> None:
         """A vector or matrix of the user's own."""
         self.matrices[plain], self.uses[plain] = matrix, uses
+        self.symbols.pop(plain, None)
+        self._known = None
+
+    def define_tree(
+        self, plain: str, tree: Expression, uses: tuple[AskedQuantity, ...] = ()
+    ) -> None:
+        """A name of the user's own for an expression that is compared in numbers."""
+        self.trees[plain], self.uses[plain] = tree, uses
         self.symbols.pop(plain, None)
         self._known = None
 

@@ -13,7 +13,6 @@ from freebody.derivations.check.algebra.finite_field_tree import Workspace
 from freebody.derivations.check.algebra.quotients import Value, difference
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.at_rest import MOVES
-from freebody.derivations.check.asked.closed_motions import ClosedMotions
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.numbers.units import misfit, unit_text
@@ -24,14 +23,15 @@ from freebody.derivations.check.reasons.free_bodies import FreeBodyMotion
 from freebody.derivations.check.reasons.free_motion import FreeMotion
 from freebody.derivations.check.reasons.misconceptions import Misconceptions
 from freebody.derivations.check.reasons.misreadings import misread
-from freebody.derivations.check.verdict import EquationVerdict, Mistake
+from freebody.derivations.check.states.agreement import StatesOfModel
+from freebody.derivations.check.states.state_values import functions_of
+from freebody.derivations.check.verdict import EquationVerdict, Example, Mistake
 from freebody.derivations.check.verdicts import (
-    closed_chain_verdict,
     numeric_example,
-    position_verdict,
     quotient_verdict,
     scaled_rows,
     singular_poses,
+    verdict_at_states,
 )
 from freebody.derivations.check.verdicts.explanation import Explanation, first
 from freebody.derivations.check.verdicts.number_verdict import NumberJudge
@@ -84,8 +84,10 @@ class Judge:
         """The verdict on one claim, with its mistakes named or only with an example."""
         if claim.target.family == singular_poses.FAMILY:
             return singular_poses.verdict(claim)
-        if claim.target.family == "position":
-            return position_verdict.verdict(self.setting, claim, self.claims, explain)
+        if functions_of(claim.node if claim.whole is None else claim.whole):
+            found = verdict_at_states.verdict(self, claim, claim.target.compute(), explain)
+            assert found is not None
+            return found
         number = self.numbers.verdict(claim, explain)
         if number is not None:
             return number
@@ -97,7 +99,7 @@ class Judge:
             meant = f"It is read as {title}." if re.fullmatch(r"P[_{}0-9]*", claim.label) else ""
             note = " ".join(filter(None, (meant, claim.target.note, self._zeros(claim))))
             return EquationVerdict(claim.label, title, True, note=note)
-        special = closed_chain_verdict.verdict(self, claim, right, explain)
+        special = verdict_at_states.verdict(self, claim, right, explain)
         if special is not None:
             return special
         special = quotient_verdict.verdict(self, claim, right, explain)
@@ -118,19 +120,19 @@ class Judge:
         )
 
     @cached_property
-    def closed_motions(self) -> tuple[ClosedMotions, ClosedMotions]:
-        """With any parameters, and with the model's own."""
-        return ClosedMotions(self.setting), ClosedMotions(self.setting, own_values=True)
-
-    @cached_property
-    def closed_positions(self) -> ClosedMotions:
-        """In equilibrium."""
-        return ClosedMotions(self.setting, still=True)
+    def states(self) -> StatesOfModel:
+        """States at which loops are closed and what nothing drives moves by itself."""
+        return StatesOfModel(self.setting)
 
     def _same(self, a: Value, b: Value) -> bool:
         """Whether two values are equal, or are where loops are closed."""
         gap = difference(a, b)
-        return gap.is_zero or self.closed_motions[0].hold(gap)
+        return gap.is_zero or self._vanishes(gap)
+
+    def _vanishes(self, x: Trig, still: bool = False) -> bool:
+        """Whether a polynomial is 0 wherever loops are closed; still: in equilibrium."""
+        states = self.states.of(still=still) if self.setting.system is not None else None
+        return states is not None and bool(states.polynomial(x).vanishes.all())
 
     def _in_its_sense(self, claim: Claim) -> AskedQuantity:
         """Of a quantity that has two right values, such as a torque that holds a force of either
@@ -175,8 +177,8 @@ class Judge:
             return False
         if MOVES.search(claim.source.text[slice(*claim.node.span)]):
             return False
-        return self.numbers.is_right_in_equilibrium(yours, right) or (
-            self.setting.system is not None and self.closed_positions.hold(yours - right)
+        return self.numbers.is_right_in_equilibrium(yours, right) or self._vanishes(
+            yours - right, still=True
         )
 
     def _unsymmetric(self, claim: Claim) -> list[str]:
@@ -195,11 +197,22 @@ class Judge:
     def _with_example(
         self, claim: Claim, right: Trig, findings: Sequence[Mistake], causes: Sequence[str]
     ) -> EquationVerdict:
-        shown = numeric_example.example(self.setting, claim.value, right)
+        shown = self.example(claim.value, right)
         text = numeric_example.sentence(shown) if shown else ""
         return EquationVerdict(
             claim.label, claim.target.title, False, tuple(findings), tuple(causes), shown, text
         )
+
+    def example(self, yours: Value, right: Value) -> Example | None:
+        """Numbers at which an answer is not the right one; of a closed chain at a state at which
+        its loops are closed."""
+        states = self.states.of(own_values=True) if self.setting.system is not None else None
+        if states is not None:
+            gap = states.of(yours) - states.of(right)
+            if not gap.vanishes.all():
+                tree = Named("", yours)
+                return numeric_example.example_at(self.setting, states, gap.worst, tree, right)
+        return numeric_example.example(self.setting, yours, right)
 
     def _other_ways(self, claim: Claim, yours: Trig, right: Trig) -> EquationVerdict | None:
         """The verdict on what is right though it is not the same: torques of passive joints, other

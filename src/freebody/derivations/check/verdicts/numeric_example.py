@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 
+from freebody.derivations.check.algebra.answer_tree import Named, Wave
 from freebody.derivations.check.algebra.quotients import Value, pair
 from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.check.states.state_values import StateValues
 from freebody.derivations.check.verdict import Example
+from freebody.derivations.expressions.nodes import Expression, nodes
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.polynomials.typical_values import occurs, typical_value
 from freebody.outputs.numbers import shortest
@@ -28,6 +31,28 @@ def example(setting: RightEquations, yours: Value, right: Value) -> Example | No
         if f"{a:.4g}" != f"{b:.4g}":
             return Example(values, a, b)
     return Example(values, a, b) if used and not math.isclose(a, b, rel_tol=1e-12) else None
+
+
+def example_at(
+    setting: RightEquations,
+    states: StateValues,
+    k: int,
+    tree: Expression,
+    right: Value,
+) -> Example | None:
+    """One of the states, and both results there: the values of the symbols that a tree and the
+    right value have; None where one of them is no number."""
+    pieces = [y for x in nodes(tree) if isinstance(x, Named) for y in pair(x.value)]
+    pieces += pair(right)
+    waves = {name for x in nodes(tree) if isinstance(x, Wave) for name, _ in x.angle}
+    values = {
+        name: float(f"{states.generator(name)[k]:.4g}")
+        for name in setting.ring.names
+        if name in waves or any(occurs(name, piece) for piece in pieces)
+    }
+    sides = states.at(tree, {}), states.of(right)
+    yours, own = (0.0 if x.vanishes[k] else float(x.value[k]) for x in sides)
+    return Example(values, yours, own) if math.isfinite(yours + own) else None
 
 
 def sentence(found: Example) -> str:

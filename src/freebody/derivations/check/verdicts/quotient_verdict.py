@@ -51,7 +51,7 @@ def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> Equation
     if plain:
         return None
     findings, causes = _explained(judge, claim, right, point) if explain else ([], [])
-    shown = numeric_example.example(judge.setting, yours, right)
+    shown = judge.example(yours, right)
     text = numeric_example.sentence(shown) if shown else ""
     return EquationVerdict(claim.label, title, False, tuple(findings), tuple(causes), shown, text)
 

@@ -1,0 +1,419 @@
+"""States that a robot can be in, drawn at random: loops closed on every branch, at regular
+positions, and what nothing drives obeying the equations of motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.check.states.running import Array
+from freebody.derivations.check.states.state_values import SIGN, Polynomials, StateValues
+from freebody.derivations.closed_chains.first_kind import multiplier_names
+from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
+
+PARAMETER_SETS, STARTS, ON_EACH = 3, 4, 3
+"""Sets of parameters; for each the branches that are looked for besides the home's; and states on
+each of these."""
+OF_TREES = 8
+"""States of a robot without loops, for each set of parameters."""
+_GUESSES = 48
+"""Random positions from which loops are closed, for each set of parameters."""
+_VARIED = 0.25
+"""By which share parameters differ from the model's."""
+_DRAWN = (0.5, 1.5)
+"""From where to where what has no value is drawn."""
+_FARTHEST = 1.5
+"""How far slides are drawn, in lengths of the robot."""
+_STEPS, _CLOSED = 60, 1e-13
+"""Newton's steps, and the gap at which loops count as closed, in lengths of the robot."""
+_REGULAR = (0.03, 0.01)
+"""Least ratio of singular values of a regular position; the second where the first leaves none."""
+_DEPENDENT = 1e-7
+"""The ratio below which rows of a Jacobian count as dependent."""
+_STRIDE, _CORRECTION = 0.15, 0.06
+"""Radians of a step along a branch, and how far it may lead off it."""
+_BETWEEN, _MOST_WALKED = 4, 60
+"""Steps from one state to the next, and of the whole way."""
+_SOLVED = 1e-9
+"""The share of its terms within which a linear system counts as solved."""
+
+
+@dataclass(frozen=True, eq=False)
+class AdmissibleStates(StateValues):
+    """parameters: the number of each state's set; branch: that of its branch within the set, 0 the
+    home's."""
+
+    parameters: Array
+    branch: Array
+
+    @property
+    def is_home(self) -> Array:
+        """Which states are on the branch of the home."""
+        return self.branch == 0
+
+    def chosen(self, which: Array) -> AdmissibleStates:
+        """Some of the states."""
+        values = {name: x[which] for name, x in self.values.items()}
+        return AdmissibleStates(values, self.parameters[which], self.branch[which])
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """Draws the states of a model; own_values: with the values of its parameters, which otherwise
+    vary; still: positions at which it is held."""
+
+    setting: RightEquations
+    own_values: bool = False
+    still: bool = False
+
+    def states(self) -> AdmissibleStates | None:
+        """The same states each time; None of a chain that cannot be closed."""
+        chance = np.random.default_rng(28)
+        parts = []
+        for k in range(PARAMETER_SETS):
+            found = self._of_one_set(chance, k)
+            if found is not None:
+                parts.append(found)
+        if not parts:
+            return None
+        together = AdmissibleStates(
+            {name: np.concatenate([x.values[name] for x in parts]) for name in parts[0].values},
+            np.concatenate([x.parameters for x in parts]),
+            np.concatenate([x.branch for x in parts]),
+        )
+        return together if together.count else None
+
+    def _of_one_set(self, chance: np.random.Generator, k: int) -> AdmissibleStates | None:
+        """States with one set of parameters."""
+        count = 1 + _GUESSES
+        values = {name: np.full(count, x) for name, x in self._parameters(chance).items()}
+        values |= self._guesses(chance, count)
+        for name in self.setting.ring.names:
+            if name not in values and not name.startswith(SIGN):
+                values[name] = np.full(count, chance.uniform(*_DRAWN))
+        drawn = AdmissibleStates(values, np.full(count, k), np.arange(count))
+        positions = self._positions(chance, drawn)
+        if positions is None:
+            return None
+        moving = self._moving(chance, positions)
+        return self._pressed(chance, moving)
+
+    # ------------------------------------------------------------ what is drawn
+    def _parameters(self, chance: np.random.Generator) -> dict[str, float]:
+        """Values of the parameters."""
+        found = {}
+        for name, x in self.setting.symbols.model.parameters.items():
+            varied = chance.uniform(1 - _VARIED, 1 + _VARIED)
+            if x is not None and name in self.setting.ring.index:
+                found[name] = x if self.own_values else x * varied
+        return found
+
+    def _guesses(self, chance: np.random.Generator, count: int) -> dict[str, Array]:
+        """Positions, the first that of the home."""
+        found = {}
+        for name, home in zip(self._names, self._home, strict=True):
+            far = np.pi if name in self.setting.ring.angles else _FARTHEST * self._length
+            near = -far if name in self.setting.ring.angles or self._loops[0] else _DRAWN[0] * far
+            found[name] = chance.uniform(near, far, count)  # an arm's slides do not reach behind it
+            found[name][0] = home
+        return found
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        return self.setting.symbols.coordinates
+
+    @cached_property
+    def _home(self) -> Array:
+        """The file's home, in the answer's coordinates."""
+        model, turned = self.setting.symbols.model, self.setting.turned
+        home, found = dict(model.home), np.zeros(len(self._names))
+        for body, at in zip(model.bodies, model.coordinates, strict=True):
+            for k in at.v:
+                found[k] = home.get(body.joint.name, 0.0)
+        if turned is not None:
+            found = np.linalg.solve(np.array(turned, float), found)
+        quarters = self.setting.quarters
+        return found - np.pi / 2 * np.array(quarters) if quarters else found
+
+    @cached_property
+    def _length(self) -> float:
+        """A length of the robot: the mean of its parameters in metres."""
+        model, units = self.setting.symbols.model, self.setting.units
+        lengths = [abs(x) for k, x in model.parameters.items() if x and units.get(k) == "m"]
+        return float(np.mean(lengths)) if lengths else 1.0
+
+    @cached_property
+    def _scale(self) -> Array:
+        """A radian of each turn, a length of each slide."""
+        angles = self.setting.ring.angles
+        return np.array([1.0 if x in angles else self._length for x in self._names])
+
+    # ------------------------------------------------------------ positions
+    def _positions(
+        self, chance: np.random.Generator, drawn: AdmissibleStates
+    ) -> AdmissibleStates | None:
+        """Regular positions with closed loops, some on each branch that is found."""
+        if not self._loops[0]:
+            return drawn.chosen(np.arange(1, 1 + OF_TREES))  # none is the home's
+        rows = self._rows
+        closed = self._closed(drawn, rows, self._names, self._scale)
+        if not closed.count:
+            return None
+        ratio = self._ratios(closed, rows)
+        enough = (closed.chosen(ratio >= least) for least in _REGULAR)
+        regular = next((x for x in enough if x.count), None)
+        if regular is None:
+            return None
+        return self._walked(chance, self._apart(regular), rows)
+
+    def _closed(
+        self, drawn: AdmissibleStates, rows: _Rows, names: Sequence[str], scale: Array
+    ) -> AdmissibleStates:
+        """The states nearest to some at which rows vanish, by Newton's method; those that do not
+        come to an end are left out."""
+        values = dict(drawn.values)
+        for _ in range(_STEPS):
+            here = replace(drawn, values=values)
+            gap = rows.at(here)
+            if (np.abs(gap) <= _CLOSED * self._length).all():
+                break
+            slopes = rows.slopes_at(here) * scale
+            steps = np.einsum("kij,kj->ki", np.linalg.pinv(slopes, rcond=1e-10), gap) * scale
+            steps = np.clip(steps, -scale, scale)
+            for i, name in enumerate(names):
+                values[name] = values[name] - steps[:, i]
+        here = replace(drawn, values=values)
+        ends = (np.abs(rows.at(here)) <= 100 * _CLOSED * self._length).all(1)
+        return here.chosen(ends)
+
+    def _ratios(self, states: AdmissibleStates, rows: _Rows) -> Array:
+        """The least of the singular values that generic positions have, by the largest."""
+        values = self._singular_values(states, rows)
+        rank = int((values > _DEPENDENT).sum(1).max())
+        return values[:, rank - 1] if rank else np.ones(states.count)
+
+    def _singular_values(self, states: AdmissibleStates, rows: _Rows) -> Array:
+        values = np.linalg.svd(self._normed(states, rows), compute_uv=False)
+        return values / np.maximum(values[:, :1], 1e-300)
+
+    def _normed(self, states: AdmissibleStates, rows: _Rows) -> Array:
+        """Φ_q by turns and lengths, its rows of length 1."""
+        slopes = rows.slopes_at(states) * self._scale
+        return slopes / np.maximum(np.linalg.norm(slopes, axis=2, keepdims=True), 1e-300)
+
+    def _apart(self, states: AdmissibleStates) -> AdmissibleStates:
+        """The home, if it is among the states, and those of the others that are farthest from one
+        another."""
+        at = np.stack([states.values[x] / s for x, s in zip(self._names, self._scale, strict=True)])
+        angles = np.array([x in self.setting.ring.angles for x in self._names])
+        chosen = [int(np.argmin(states.branch))]
+        while len(chosen) < min(states.count, 1 + STARTS):
+            gaps = at[:, :, None] - at[:, None, chosen]
+            gaps[angles] = 2 * np.sin(gaps[angles] / 2)
+            chosen.append(int(np.abs(gaps).max(0).min(1).argmax()))
+        return states.chosen(np.array(chosen))
+
+    def _walked(
+        self, chance: np.random.Generator, starts: AdmissibleStates, rows: _Rows
+    ) -> AdmissibleStates:
+        """States along the branches of some, by small steps that keep to them."""
+        here, found = starts, list[AdmissibleStates]()
+        heading = chance.normal(size=(starts.count, len(self._names)))
+        taken = np.zeros(starts.count, int)
+        least = min(_REGULAR[-1], float(self._ratios(starts, rows).min()))
+        stride = np.full((starts.count, 1), _STRIDE)
+        for _ in range(_MOST_WALKED):
+            along = self._free(here, rows, heading)
+            if not along.any() or (taken >= ON_EACH * _BETWEEN).all():
+                break
+            size = np.abs(along).max(1, keepdims=True)
+            heading = along / np.maximum(size, 1e-300)
+            moved = self._moved(here, heading * stride)
+            closed = self._closed(
+                replace(moved, branch=np.arange(moved.count)), rows, self._names, self._scale
+            )
+            ends = np.zeros(starts.count, bool)
+            ends[closed.branch] = True
+            after = {x: here.values[x].copy() for x in here.values}
+            for name in self._names:
+                after[name][closed.branch] = closed.values[name]
+            there = replace(here, values=after)
+            off = np.stack([
+                (there.values[x] - moved.values[x]) / s
+                for x, s in zip(self._names, self._scale, strict=True)
+            ])  # fmt: skip
+            good = ends & (np.abs(off).max(0) < _CORRECTION) & (self._ratios(there, rows) >= least)
+            for name in self._names:
+                after[name] = np.where(good, after[name], here.values[name])
+            here = replace(here, values=after)
+            taken = taken + good
+            stride = np.where(good[:, None], _STRIDE, stride / 2)
+            lost = ~good & (stride[:, 0] < _STRIDE / 10)
+            heading[lost] = -heading[lost]
+            stride[lost] = _STRIDE
+            reached = good & (taken % _BETWEEN == 0) & (taken <= ON_EACH * _BETWEEN)
+            if reached.any():
+                found.append(here.chosen(reached))
+        if not found:
+            return starts
+        return AdmissibleStates(
+            {x: np.concatenate([s.values[x] for s in found]) for x in found[0].values},
+            np.concatenate([s.parameters for s in found]),
+            np.concatenate([s.branch for s in found]),
+        )
+
+    def _moved(self, states: AdmissibleStates, steps: Array) -> AdmissibleStates:
+        """States moved by turns and lengths."""
+        moved = {
+            x: states.values[x] + step * s
+            for x, step, s in zip(self._names, steps.T, self._scale, strict=True)
+        }
+        return replace(states, values={**states.values, **moved})
+
+    def _free(self, states: AdmissibleStates, rows: _Rows, wanted: Array) -> Array:
+        """The part of turns and lengths that the loops allow."""
+        slopes = self._normed(states, rows)
+        held = np.einsum("kij,kj->ki", slopes, wanted)
+        free = wanted - np.einsum("kij,kj->ki", np.linalg.pinv(slopes, rcond=_DEPENDENT), held)
+        return np.where(np.abs(free) > _DEPENDENT, free, 0.0)
+
+    # ------------------------------------------------------------ motion
+    def _moving(self, chance: np.random.Generator, states: AdmissibleStates) -> AdmissibleStates:
+        """The same positions with rates that keep the loops closed."""
+        wanted = chance.normal(size=(states.count, len(self._names)))
+        if self.still:
+            wanted = 0 * wanted
+        elif self._loops[0]:
+            wanted = self._free(states, self._rows, wanted)
+        rates = {
+            x + RATE: column * s
+            for x, column, s in zip(self._names, wanted.T, self._scale, strict=True)
+        }
+        return replace(states, values={**states.values, **rates})
+
+    def _pressed(
+        self, chance: np.random.Generator, states: AdmissibleStates
+    ) -> AdmissibleStates | None:
+        """The same with accelerations and multipliers that keep loops closed and move passive
+        joints as nothing drives them."""
+        unknown = self._unknown
+        values = dict(states.values)
+        values |= {x + SECOND: np.zeros(states.count) for x in self._names}
+        values |= {x: np.zeros(states.count) for x in self._multipliers}
+        at_zero = replace(states, values=values)
+        rows = self._of_forces
+        if not unknown or not rows.polynomials:
+            return at_zero if not rows.polynomials or not self.still else self._at_rest(at_zero)
+        slopes, gap = rows.slopes_at(at_zero), rows.at(at_zero)
+        scale = self._unknown_scale(states, unknown)
+        slopes = slopes * scale[:, None, :]
+        size = np.maximum(np.linalg.norm(slopes, axis=2), 1e-300)
+        A, b = slopes / size[:, :, None], -gap / size
+        x = chance.normal(size=(states.count, len(unknown)))
+        left = b - np.einsum("kij,kj->ki", A, x)
+        x = x + np.einsum("kij,kj->ki", np.linalg.pinv(A, rcond=_DEPENDENT), left)
+        for k, name in enumerate(unknown):
+            values[name] = x[:, k] * scale[:, k]
+        found = replace(states, values=values)
+        solved = np.abs(np.einsum("kij,kj->ki", A, x) - b)
+        ends = (solved <= _SOLVED * (1 + np.abs(b) + np.abs(x).max(1, keepdims=True))).all(1)
+        if self.still and not ends.all():
+            return self._at_rest(found)
+        return found.chosen(ends) if ends.any() else None
+
+    def _unknown_scale(self, states: AdmissibleStates, unknown: Sequence[str]) -> Array:
+        """Sizes of accelerations and multipliers; these are those of weights."""
+        of = dict(zip(self._names, self._scale, strict=True))
+        scale = [of[x.removesuffix(SECOND)] if x.endswith(SECOND) else 1.0 for x in unknown]
+        return np.tile(scale, (states.count, 1))
+
+    def _at_rest(self, states: AdmissibleStates) -> AdmissibleStates | None:
+        """Positions at which what nothing drives stays where it is."""
+        names = [*self._names, *self._multipliers]
+        scale = np.concatenate([self._scale, np.ones(len(self._multipliers))])
+        found = self._closed(states, self._at_rest_rows, names, scale)
+        return found if found.count else None
+
+    # ------------------------------------------------------------ equations
+    @property
+    def _multipliers(self) -> tuple[str, ...]:
+        system = self.setting.system
+        return () if system is None else multiplier_names(system.loops)
+
+    @cached_property
+    def _loops(self) -> tuple[list[Trig], list[Trig], list[Trig]]:
+        """Φ, Φ̇, Φ̈."""
+        system, rates = self.setting.system, self.setting.symbols.rates
+        Phi = [] if system is None else [self.setting.element(x) for x in system.loops.Phi]
+        first = [x.along(rates) for x in Phi]
+        return Phi, first, [x.along(rates) for x in first]
+
+    @cached_property
+    def _rows(self) -> _Rows:
+        """What closes loops."""
+        return _Rows(self._loops[0], self._names)
+
+    @property
+    def _unknown(self) -> list[str]:
+        """What the equations of motion tell: accelerations and multipliers."""
+        return [*(() if self.still else (x + SECOND for x in self._names)), *self._multipliers]
+
+    @cached_property
+    def _of_forces(self) -> _Rows:
+        """What tells them."""
+        return _Rows([*([] if self.still else self._loops[2]), *self._passive], self._unknown)
+
+    @cached_property
+    def _at_rest_rows(self) -> _Rows:
+        """What holds where nothing moves, by itself."""
+        names = [*self._names, *self._multipliers]
+        return _Rows([*self._loops[0], *self._passive], names)
+
+    @cached_property
+    def _passive(self) -> list[Trig]:
+        """The generalized forces that nothing gives."""
+        forces = self.setting.all_of("tau")
+        return [self.setting.element(forces[k]) for k in self.setting.symbols.model.passive]
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """Polynomials that are to vanish, and names that may be changed for it."""
+
+    polynomials: Sequence[Trig]
+    names: Sequence[str]
+
+    def at(self, states: StateValues) -> Array:
+        """Their values, a row for each state."""
+        fresh = StateValues(states.values)
+        return np.array([x.value for x in self._own.at(fresh)]).reshape(-1, fresh.count).T
+
+    def slopes_at(self, states: StateValues) -> Array:
+        """Their derivatives by the names."""
+        fresh = StateValues(states.values)
+        found = np.zeros((states.count, len(self.polynomials), len(self.names)))
+        for (i, k), x in zip(self._slopes, self._by_names.at(fresh), strict=True):
+            found[:, i, k] = x.value
+        return found
+
+    @cached_property
+    def _own(self) -> Polynomials:
+        return Polynomials(self.polynomials)
+
+    @cached_property
+    def _by_names(self) -> Polynomials:
+        return Polynomials(list(self._slopes.values()))
+
+    @cached_property
+    def _slopes(self) -> dict[tuple[int, int], Trig]:
+        entries = {
+            (i, k): x.derivative(name)
+            for i, x in enumerate(self.polynomials)
+            for k, name in enumerate(self.names)
+        }
+        return {at: x for at, x in entries.items() if not x.is_zero}

@@ -1,0 +1,267 @@
+"""The verdict on claims that are compared at states: what holds where loops are closed, and what is
+told by inverse functions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from freebody.derivations.check.algebra.answer_tree import Named
+from freebody.derivations.check.algebra.finite_field import Point
+from freebody.derivations.check.algebra.finite_field_tree import Workspace
+from freebody.derivations.check.algebra.quotients import Value
+from freebody.derivations.check.asked.quantity import LONG
+from freebody.derivations.check.reading.claim import Claim
+from freebody.derivations.check.reasons.small_changes import Repair, SmallChanges
+from freebody.derivations.check.reasons.swapped_functions import swapped
+from freebody.derivations.check.states.admissible_states import AdmissibleStates
+from freebody.derivations.check.states.agreement import Agreement, Equal, agreement, few
+from freebody.derivations.check.states.running import Running
+from freebody.derivations.check.states.state_values import MOST_BRANCHES, functions_of
+from freebody.derivations.check.verdict import EquationVerdict, Mistake
+from freebody.derivations.check.verdicts.numeric_example import example_at, sentence
+from freebody.derivations.check.verdicts.verdict_sentences import Wording
+from freebody.derivations.closed_chains.linear import Ratio
+from freebody.derivations.expressions.nodes import Expression, nodes, replaced
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
+
+if TYPE_CHECKING:
+    from freebody.derivations.check.verdicts.equation_verdict import Judge
+
+_APART = frozenset(("Phi", "Phi_d", "Phi_q"))
+"""Families that are 0 where loops are closed, or are about them: compared as they stand."""
+_BY_LOOPS = frozenset(("closed", "solved", "q", "drift", "N", LONG))
+"""Those that only loops can make right."""
+_UP_TO_A_CONSTANT = frozenset(("V", "L", "Vi", "E"))
+_MOST_NODES = 150
+"""Pieces of an answer up to which changes are tried."""
+
+_OTHER_POSTURE = (
+    "It belongs to another posture than the line before: with these two coordinates the tip is "
+    "elsewhere."
+)
+_OTHER_ASSEMBLY = (
+    "It holds in another assembly of the mechanism than that of its file: the same lengths, put "
+    "together the other way."
+)
+_ONE_ASSEMBLY = "It holds in one assembly of the mechanism, not in every one."
+_LEVEL = "It differs by a constant: the zero level of V is arbitrary."
+_OTHER_VALUES = {
+    "arccos": "arccos and −arccos are the two postures that reach a point, elbow up and elbow down",
+    "sqrt": "the two signs of the root are the two postures, elbow up and elbow down",
+    "arcsin": "arcsin is a right angle at most, and π − arcsin has the same sine",
+    "arctan": "arctan loses the quadrant, which atan2(y, x) has",
+}
+
+
+def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> EquationVerdict | None:
+    """The verdict on what functions or loops tell; None of what is neither, and of what loops do
+    not make right though they might not have to."""
+    functions = functions_of(claim.node if claim.whole is None else claim.whole)
+    if len(functions) > MOST_BRANCHES:
+        claim.source.fail(
+            f"at most {MOST_BRANCHES} inverse functions are read in an equation", claim.node.span
+        )
+    if judge.setting.system is None and not functions:
+        return None
+    says_nothing = claim.value.is_zero and claim.target.family != "of body"
+    if claim.target.family in _APART or (says_nothing and not functions):
+        return None
+    at_states = _AtStates(judge, claim, right)
+    if at_states.moving is None:
+        if claim.target.family == LONG or functions:
+            claim.source.fail(
+                "this robot's loops could not be closed anywhere, and so nothing can be compared",
+                claim.node.span,
+            )
+        return None
+    return at_states.verdict(explain, bool(functions))
+
+
+@dataclass(frozen=True)
+class _AtStates:
+    """One claim and the states at which it must hold."""
+
+    judge: Judge
+    claim: Claim
+    right: Value
+
+    @cached_property
+    def moving(self) -> AdmissibleStates | None:
+        """States in motion; with the model's own values where none of its symbols is written."""
+        return self.judge.states.of(own_values=not self._has_symbols)
+
+    @property
+    def _has_symbols(self) -> bool:
+        """Whether symbols to which the model gives a value are written; gravity apart."""
+        given = self.judge.setting.symbols.model.parameters
+        named = (x.value for x in nodes(self._tree) if isinstance(x, Named))
+        symbols = (x for x in named if isinstance(x, Trig) and len(x) == 1)
+        written = {name for x in symbols for powers, _ in x.terms() for name in powers}
+        return bool(written & given.keys() - {self.judge.setting.order.gravity})
+
+    @property
+    def _tree(self) -> Expression:
+        """What is compared: of an equation between two sides their difference."""
+        return self.claim.node if self.claim.whole is None else self.claim.whole
+
+    def _sought(self, states: AdmissibleStates) -> Running:
+        """What that must be equal to."""
+        if self.claim.whole is not None:
+            return Running.exact(np.zeros(states.count))
+        return states.of(self.right)
+
+    @property
+    def _equal(self) -> Equal:
+        """In which sense."""
+        ring, family = self.judge.setting.ring, self.claim.target.family
+        is_angle = isinstance(self.right, Trig) and _is_angle(self.right, ring.angles)
+        return Equal(is_angle and self.claim.whole is None, family in _UP_TO_A_CONSTANT)
+
+    def _agreement(self, states: AdmissibleStates) -> Agreement:
+        return agreement(states, self._tree, self._sought(states), self._equal)
+
+    # ------------------------------------------------------------ verdicts
+    def verdict(self, explain: bool, by_functions: bool) -> EquationVerdict | None:
+        """Right, with what is to be said of it; wrong, where nothing else can make it right; else
+        None."""
+        states, held = self.moving, self._held()
+        assert states is not None
+        found = self._agreement(states)
+        if note := self._note(found):
+            if by_functions and not self._shares_a_posture(found):
+                return self._wrong(found, (), (_OTHER_POSTURE,))
+            return EquationVerdict(self.claim.label, self.claim.target.title, True, note=note)
+        if held is not None and self._agreement(held).is_everywhere:
+            note = f"It holds in equilibrium: compared in numbers at {held.count} positions."
+            return EquationVerdict(self.claim.label, self.claim.target.title, True, note=note)
+        if found.is_in_another_assembly:
+            return self._wrong(found, (), (_OTHER_ASSEMBLY,))
+        if not (by_functions or self._is_by_loops):
+            return None
+        mistake = next(self._mistakes(found), None) if explain else None
+        if self.claim.target.family == "closed" and mistake is None:
+            return None
+        findings = (mistake,) if isinstance(mistake, Mistake) else ()
+        told = f"Compared in numbers at {states.count} states{', on every branch' * by_functions}."
+        causes = (*([mistake] if isinstance(mistake, str) else []), *[told] * by_functions)
+        return self._wrong(found, findings, causes)
+
+    @property
+    def _is_by_loops(self) -> bool:
+        """Whether only loops can make it right: no polynomial is a quotient."""
+        claim = self.claim
+        return claim.target.family in _BY_LOOPS or (
+            isinstance(claim.value, Ratio) and not isinstance(self.right, Ratio)
+        )
+
+    def _held(self) -> AdmissibleStates | None:
+        """Positions in equilibrium, where a claim is said of them and has nothing that moves."""
+        numbers = self.judge.numbers
+        if not numbers.is_still(self.claim.node.span) or numbers.has_motion(self.claim):
+            return None
+        return self.judge.states.of(still=True)
+
+    def _note(self, found: Agreement) -> str:
+        """What is said of a claim that is right; "" of one that is not."""
+        closed = self.judge.setting.system is not None
+        where = "states that close the loops" if closed else "positions"
+        compared = f"Compared in numbers at {found.states.count} {where}"
+        if found.is_everywhere:
+            plain = agreement(found.states, self._tree, self._sought(found.states))
+            return f"{compared}." if plain.is_everywhere or self._equal.as_angles else _LEVEL
+        if found.is_with_branches:
+            others = ", and ".join(dict.fromkeys(_OTHER_VALUES[x] for x in found.others))
+            count = int(found.right.sum())
+            stands = f"right as it stands at {count}, at the others on another branch"
+            return f"{compared}: {stands}; {others}."
+        if closed and found.is_in_one_assembly:
+            return f"{_ONE_ASSEMBLY} {compared}."
+        return ""
+
+    def _shares_a_posture(self, found: Agreement) -> bool:
+        """Whether it is right, as it stands, somewhere where the answer's coordinates before are
+        too."""
+        claims, right = self.judge.claims, found.right.copy()
+        for other in claims[: claims.index(self.claim)]:
+            if other.target.family != "position" or other.label == self.claim.label:
+                continue
+            before = _AtStates(self.judge, other, other.target.compute())
+            if before.moving is found.states:
+                theirs = before._agreement(found.states)
+                right &= theirs.right if before._note(theirs) else True
+        return bool(right.any())
+
+    def _wrong(
+        self, found: Agreement, findings: tuple[Mistake, ...], causes: tuple[str, ...]
+    ) -> EquationVerdict:
+        """Wrong, with the state at which it is farthest off."""
+        claim, shown = self.claim, None
+        if claim.whole is None:
+            shown = example_at(
+                self.judge.setting, found.states, found.worst, claim.node, self.right
+            )
+        text = sentence(shown) if shown else ""
+        return EquationVerdict(
+            claim.label, claim.target.title, False, findings, causes, shown, text
+        )
+
+    # ------------------------------------------------------------ mistakes
+    def _mistakes(self, found: Agreement) -> Iterator[Mistake | str]:
+        """What makes it right, the likeliest first."""
+        tree = self._tree
+        fits = self._fitting(found)
+        for text, node, new in swapped(tree):
+            if fits(replaced(tree, {node: new})):
+                yield text
+        work = Workspace(tree, _Nowhere({}, {}))
+        if len(work.values) > _MOST_NODES:
+            return
+        changes = SmallChanges(self.judge.setting, work, 0, lambda name: {})
+        for repair in sorted(changes.discrete(), key=lambda row: row.cost):
+            says_nothing = repair.kind == "extra" and repair.node is work.root
+            if (
+                not says_nothing
+                and _can_be_said(repair)
+                and fits(replaced(tree, {repair.node: repair.new}))
+            ):
+                yield Wording(self.judge.setting, self.claim.source).of_repair(repair, work)
+
+    def _fitting(self, found: Agreement) -> Callable[[Expression], bool]:
+        """Whether a changed tree is right: most are not at the first few states, at which the
+        values of pieces are kept."""
+        states, first = found.states, few(found.states)
+        known, sought = first.pieces(self._tree), self._sought(first)
+
+        def fits(tree: Expression) -> bool:
+            here = agreement(first, tree, sought, self._equal, known)
+            if not here.possible.all():
+                return False
+            return bool(self._note(agreement(states, tree, self._sought(states), self._equal)))
+
+        return fits
+
+
+def _is_angle(x: Trig, angles: tuple[str, ...]) -> bool:
+    """Whether it is a sum of whole multiples of angles."""
+    terms = list(x.terms())
+    return bool(terms) and all(
+        list(powers.values()) == [1] and powers.keys() <= set(angles) and k.denominator == 1
+        for powers, k in terms
+    )
+
+
+def _can_be_said(repair: Repair) -> bool:
+    """Whether a change prints: of what holds functions only a sign does."""
+    return repair.kind == "sign" or not functions_of(repair.node)
+
+
+class _Nowhere(Point):
+    """No position: only what a tree is made of is asked for."""
+
+    def at(self, node: Expression, known: object = None) -> int:
+        return 0
