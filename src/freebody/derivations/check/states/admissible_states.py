@@ -62,6 +62,15 @@ class AdmissibleStates(StateValues):
         return AdmissibleStates(values, self.parameters[which], self.branch[which])
 
 
+def _together(parts: Sequence[AdmissibleStates]) -> AdmissibleStates:
+    """All states of several."""
+    return AdmissibleStates(
+        {name: np.concatenate([x.values[name] for x in parts]) for name in parts[0].values},
+        np.concatenate([x.parameters for x in parts]),
+        np.concatenate([x.branch for x in parts]),
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class Drawing:
     """Draws the states of a model; own_values: with the values of its parameters, which otherwise
@@ -74,19 +83,9 @@ class Drawing:
     def states(self) -> AdmissibleStates | None:
         """The same states each time; None of a chain that cannot be closed."""
         chance = np.random.default_rng(28)
-        parts = []
-        for k in range(PARAMETER_SETS):
-            found = self._of_one_set(chance, k)
-            if found is not None:
-                parts.append(found)
-        if not parts:
-            return None
-        together = AdmissibleStates(
-            {name: np.concatenate([x.values[name] for x in parts]) for name in parts[0].values},
-            np.concatenate([x.parameters for x in parts]),
-            np.concatenate([x.branch for x in parts]),
-        )
-        return together if together.count else None
+        drawn = [self._of_one_set(chance, k) for k in range(PARAMETER_SETS)]
+        parts = [x for x in drawn if x is not None and x.count]
+        return _together(parts) if parts else None
 
     def _of_one_set(self, chance: np.random.Generator, k: int) -> AdmissibleStates | None:
         """States with one set of parameters."""
@@ -165,7 +164,7 @@ class Drawing:
         if not closed.count:
             return None
         ratio = self._ratios(closed, rows)
-        enough = (closed.chosen(ratio >= least) for least in _REGULAR)
+        enough = (closed.chosen(np.flatnonzero(ratio >= least)) for least in _REGULAR)
         regular = next((x for x in enough if x.count), None)
         if regular is None:
             return None
@@ -224,48 +223,40 @@ class Drawing:
         """States along the branches of some, by small steps that keep to them."""
         here, found = starts, list[AdmissibleStates]()
         heading = chance.normal(size=(starts.count, len(self._names)))
-        taken = np.zeros(starts.count, int)
+        taken, stride = np.zeros(starts.count, int), np.full(starts.count, _STRIDE)
         least = min(_REGULAR[-1], float(self._ratios(starts, rows).min()))
-        stride = np.full((starts.count, 1), _STRIDE)
         for _ in range(_MOST_WALKED):
             along = self._free(here, rows, heading)
             if not along.any() or (taken >= ON_EACH * _BETWEEN).all():
                 break
-            size = np.abs(along).max(1, keepdims=True)
-            heading = along / np.maximum(size, 1e-300)
-            moved = self._moved(here, heading * stride)
-            closed = self._closed(
-                replace(moved, branch=np.arange(moved.count)), rows, self._names, self._scale
-            )
-            ends = np.zeros(starts.count, bool)
-            ends[closed.branch] = True
-            after = {x: here.values[x].copy() for x in here.values}
-            for name in self._names:
-                after[name][closed.branch] = closed.values[name]
-            there = replace(here, values=after)
-            off = np.stack([
-                (there.values[x] - moved.values[x]) / s
-                for x, s in zip(self._names, self._scale, strict=True)
-            ])  # fmt: skip
-            good = ends & (np.abs(off).max(0) < _CORRECTION) & (self._ratios(there, rows) >= least)
-            for name in self._names:
-                after[name] = np.where(good, after[name], here.values[name])
-            here = replace(here, values=after)
+            heading = along / np.maximum(np.abs(along).max(1, keepdims=True), 1e-300)
+            moved = self._moved(here, heading * stride[:, None])
+            there, off = self._back(moved, rows)
+            good = (off < _CORRECTION) & (self._ratios(there, rows) >= least)
+            here = replace(here, values={
+                x: np.where(good, y, here.values[x]) for x, y in there.values.items()
+            })  # fmt: skip
             taken = taken + good
-            stride = np.where(good[:, None], _STRIDE, stride / 2)
-            lost = ~good & (stride[:, 0] < _STRIDE / 10)
-            heading[lost] = -heading[lost]
-            stride[lost] = _STRIDE
+            stride = np.where(good, _STRIDE, stride / 2)
+            lost = stride < _STRIDE / 10  # the way ends here
+            heading[lost], stride[lost] = -heading[lost], _STRIDE
             reached = good & (taken % _BETWEEN == 0) & (taken <= ON_EACH * _BETWEEN)
             if reached.any():
                 found.append(here.chosen(reached))
-        if not found:
-            return starts
-        return AdmissibleStates(
-            {x: np.concatenate([s.values[x] for s in found]) for x in found[0].values},
-            np.concatenate([s.parameters for s in found]),
-            np.concatenate([s.branch for s in found]),
-        )
+        return _together(found) if found else starts
+
+    def _back(self, moved: AdmissibleStates, rows: _Rows) -> tuple[AdmissibleStates, Array]:
+        """The nearest positions with closed loops, and how far they are in turns and lengths;
+        infinitely where there is none."""
+        numbered = replace(moved, branch=np.arange(moved.count))
+        closed = self._closed(numbered, rows, self._names, self._scale)
+        values, off = dict(moved.values), np.full(moved.count, np.inf)
+        off[closed.branch] = 0.0
+        for x, scale in zip(self._names, self._scale, strict=True):
+            values[x] = moved.values[x].copy()
+            values[x][closed.branch] = closed.values[x]
+            off = np.maximum(off, np.abs(values[x] - moved.values[x]) / scale)
+        return replace(moved, values=values), off
 
     def _moved(self, states: AdmissibleStates, steps: Array) -> AdmissibleStates:
         """States moved by turns and lengths."""
