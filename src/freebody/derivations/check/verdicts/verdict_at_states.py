@@ -12,7 +12,7 @@ import numpy as np
 from freebody.derivations.check.algebra.answer_tree import Named
 from freebody.derivations.check.algebra.finite_field import Point
 from freebody.derivations.check.algebra.finite_field_tree import Workspace
-from freebody.derivations.check.algebra.quotients import Value
+from freebody.derivations.check.algebra.quotients import Value, pair
 from freebody.derivations.check.asked.quantity import LONG
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reasons.small_changes import Repair, SmallChanges
@@ -68,7 +68,8 @@ def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> Equation
         )
     if judge.setting.system is None and not functions:
         return None
-    says_nothing = claim.value.is_zero and claim.target.family != "of body"
+    of_loops = claim.target.family in _BY_LOOPS
+    says_nothing = claim.value.is_zero and (of_loops or right.is_zero)
     if claim.target.family in _APART or (says_nothing and not functions):
         return None
     at_states = _AtStates(judge, claim, right)
@@ -141,10 +142,11 @@ class _AtStates:
             return EquationVerdict(self.claim.label, self.claim.target.title, True, note=note)
         if found.is_in_another_assembly:
             return self._wrong(found, (), (_OTHER_ASSEMBLY,))
-        if not (by_functions or self._is_by_loops):
+        only_here = by_functions or self._is_by_loops
+        if not (only_here or self._goes_another_way):
             return None
         mistake = next(self._mistakes(found), None) if explain else None
-        if self.claim.target.family == "closed" and mistake is None:
+        if mistake is None and (not only_here or self.claim.target.family == "closed"):
             return None
         findings = (mistake,) if isinstance(mistake, Mistake) else ()
         told = f"Compared in numbers at {states.count} states{', on every branch' * by_functions}."
@@ -158,6 +160,13 @@ class _AtStates:
         return claim.target.family in _BY_LOOPS or (
             isinstance(claim.value, Ratio) and not isinstance(self.right, Ratio)
         )
+
+    @property
+    def _goes_another_way(self) -> bool:
+        """Whether it is written in symbols that the right value does not have, as along the other
+        leg of a loop."""
+        own, theirs = (_symbols(x) for x in (self.right, self.claim.value))
+        return self.claim.whole is None and not theirs <= own
 
     def _held(self) -> AdmissibleStates | None:
         """Positions in equilibrium, where a claim is said of them and has nothing that moves."""
@@ -244,6 +253,12 @@ class _AtStates:
             return bool(self._note(agreement(states, tree, self._sought(states), self._equal)))
 
         return fits
+
+
+def _symbols(x: Value) -> set[str]:
+    """The names in a value; of a sine or cosine that of its angle."""
+    names = (name for part in pair(x) for powers, _ in part.terms() for name in powers)
+    return {name.removeprefix("sin_").removeprefix("cos_") for name in names}
 
 
 def _is_angle(x: Trig, angles: tuple[str, ...]) -> bool:
