@@ -14,6 +14,7 @@ from freebody.derivations.check.algebra.finite_field import Point
 from freebody.derivations.check.algebra.finite_field_tree import Workspace
 from freebody.derivations.check.algebra.quotients import Value, pair
 from freebody.derivations.check.asked.quantity import LONG
+from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reasons.small_changes import Repair, SmallChanges
 from freebody.derivations.check.reasons.swapped_functions import swapped
@@ -66,7 +67,7 @@ def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> Equation
         claim.source.fail(
             f"at most {MOST_BRANCHES} inverse functions are read in an equation", claim.node.span
         )
-    if judge.setting.system is None and not functions:
+    if not (functions or _has_conditions(judge.setting)):
         return None
     of_loops = claim.target.family in _BY_LOOPS
     says_nothing = claim.value.is_zero and (of_loops or right.is_zero)
@@ -81,6 +82,13 @@ def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> Equation
             )
         return None
     return at_states.verdict(explain, bool(functions))
+
+
+def _has_conditions(setting: RightEquations) -> bool:
+    """Whether not every state is admissible: loops must close, or passive joints move by
+    themselves."""
+    is_free = setting.symbols.model.passive and not setting.is_free_body
+    return setting.system is not None or bool(is_free)
 
 
 @dataclass(frozen=True)
@@ -178,8 +186,12 @@ class _AtStates:
     def _note(self, found: Agreement) -> str:
         """What is said of a claim that is right; "" of one that is not."""
         closed = self.judge.setting.system is not None
+        passive = self.judge.setting.symbols.model.passive
         where = "states that close the loops" if closed else "positions"
         compared = f"Compared in numbers at {found.states.count} {where}"
+        if passive and not closed and not functions_of(self._tree) and found.is_everywhere:
+            joints = " and ".join(f"joint {k + 1}" for k in passive)
+            return f"It holds with what follows from no drive at {joints}."
         if found.is_everywhere:
             plain = agreement(found.states, self._tree, self._sought(found.states))
             return f"{compared}." if plain.is_everywhere or self._equal.as_angles else _LEVEL
