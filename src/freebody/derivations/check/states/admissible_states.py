@@ -3,11 +3,12 @@ positions, and what nothing drives obeying the equations of motion."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from freebody.derivations.check.algebra.quotients import Value
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.states.running import Array
 from freebody.derivations.check.states.state_values import SIGN, Polynomials, StateValues
@@ -79,6 +80,8 @@ class Drawing:
     setting: RightEquations
     own_values: bool = False
     still: bool = False
+    images: Mapping[str, Value] = field(default_factory=dict[str, Value])
+    """What some names are by the others, as velocities and accelerations of a free body are."""
 
     def states(self) -> AdmissibleStates | None:
         """The same states each time; None of a chain that cannot be closed."""
@@ -99,8 +102,11 @@ class Drawing:
         positions = self._positions(chance, drawn)
         if positions is None:
             return None
-        moving = self._moving(chance, positions)
-        return self._pressed(chance, moving)
+        found = self._pressed(chance, self._moving(chance, positions))
+        if found is None or not self.images:
+            return found
+        put = {name: found.of(x).value for name, x in self.images.items()}
+        return replace(found, values={**found.values, **put})
 
     # ------------------------------------------------------------ what is drawn
     def _parameters(self, chance: np.random.Generator) -> dict[str, float]:
@@ -298,8 +304,8 @@ class Drawing:
         values |= {x: np.zeros(states.count) for x in self._multipliers}
         at_zero = replace(states, values=values)
         rows = self._of_forces
-        if not unknown or not rows.polynomials:
-            return at_zero if not rows.polynomials or not self.still else self._at_rest(at_zero)
+        if not unknown:
+            return self._at_rest(at_zero) if rows.polynomials else at_zero
         slopes, gap = rows.slopes_at(at_zero), rows.at(at_zero)
         scale = self._unknown_scale(states, unknown)
         slopes = slopes * scale[:, None, :]

@@ -20,7 +20,6 @@ from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reading.vocabulary import Vocabulary
 from freebody.derivations.check.reasons import coriolis, undriven_joints
 from freebody.derivations.check.reasons.free_bodies import FreeBodyMotion
-from freebody.derivations.check.reasons.free_motion import FreeMotion
 from freebody.derivations.check.reasons.misconceptions import Misconceptions
 from freebody.derivations.check.reasons.misreadings import misread
 from freebody.derivations.check.states.agreement import StatesOfModel
@@ -64,11 +63,6 @@ class Judge:
     def point(self) -> Point:
         """A random point of the ring."""
         return random_point(self.setting.ring)
-
-    @cached_property
-    def free_motion(self) -> FreeMotion | None:
-        """What follows for joints that nothing drives."""
-        return FreeMotion.of_passive_joints(self.setting)
 
     @cached_property
     def free_body(self) -> FreeBodyMotion | None:

@@ -6,10 +6,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from freebody.derivations.check.algebra.answer_tree import Named
 from freebody.derivations.check.algebra.finite_field import Point
 from freebody.derivations.check.algebra.finite_field_tree import Workspace
-from freebody.derivations.check.algebra.quotients import Value, difference
+from freebody.derivations.check.algebra.quotients import Value
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reasons.differences import Difference
 from freebody.derivations.check.reasons.free_body_thoughts import THOUGHTS
@@ -18,18 +17,12 @@ from freebody.derivations.check.reasons.misreadings import misread
 from freebody.derivations.check.verdict import EquationVerdict, Mistake
 from freebody.derivations.check.verdicts import numeric_example
 from freebody.derivations.check.verdicts.explanation import Explanation
-from freebody.derivations.closed_chains.linear import Ratio
-from freebody.derivations.expressions.nodes import nodes
-from freebody.scalars.rational import exactly
 from freebody.scalars.trig import Trig
 
 if TYPE_CHECKING:
     from freebody.derivations.check.verdicts.equation_verdict import Judge
 
-_SOLVED = ("solved", "q")
 _LIKELY = ("sign", "function", "factor", "index", "missing", "extra")
-_MAY_BE_FREE = (*_SOLVED, "tau", "identity", "of body", "derivative")
-"""Quantities into which the equation of a passive joint may have been put."""
 
 
 def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> EquationVerdict | None:
@@ -37,18 +30,8 @@ def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> Equation
     yours, title, point = claim.value, claim.target.title, judge.point
     motion = _motion(judge, claim, right)
     if motion is not None and any(map(motion.concerns, (yours, right))):
-        put_in, own = motion.of(yours), motion.of(right)
-        if difference(put_in, own).is_zero:
-            return EquationVerdict(claim.label, title, True, note=motion.note)
-        if judge.free_body or claim.target.family in _SOLVED or isinstance(yours, Ratio):
-            yours, right, point = put_in, own, motion.at(point)
-    plain = point is judge.point and isinstance(yours, Trig) and isinstance(right, Trig)
-    if plain and claim.target.family not in (*_SOLVED, "identity"):
-        return None
-    if _is_right_in_numbers(judge, claim, yours, right):
-        note = f"In numbers, with the values of {judge.setting.symbols.model.name!r}."
-        return EquationVerdict(claim.label, title, True, note=note)
-    if plain:
+        yours, right, point = motion.of(yours), motion.of(right), motion.at(point)
+    if point is judge.point and isinstance(yours, Trig) and isinstance(right, Trig):
         return None
     findings, causes = _explained(judge, claim, right, point) if explain else ([], [])
     shown = judge.example(yours, right)
@@ -57,25 +40,8 @@ def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> Equation
 
 
 def _motion(judge: Judge, claim: Claim, right: Value) -> FreeMotion | None:
-    """The motions for which a claim is to hold, where not for all."""
-    if judge.free_body is not None:
-        return judge.free_body.motion((claim.value, right))
-    return judge.free_motion if claim.target.family in _MAY_BE_FREE else None
-
-
-def _is_right_in_numbers(judge: Judge, claim: Claim, yours: Value, own: Value) -> bool:
-    """Whether an answer that has no symbol with a value is right with the model's values."""
-    setting = judge.setting
-    given = setting.symbols.model.parameters.items()
-    values = {name: setting.zero + exactly(x) for name, x in given if x is not None}
-    values.pop(setting.order.gravity or "", None)
-    numbers = FreeMotion(values)
-    sides = [claim.node] if claim.whole is None else [claim.whole]
-    written = (x.value for side in sides for x in nodes(side) if isinstance(x, Named))
-    symbols = (x for x in written if isinstance(x, Trig) and len(x) == 1)
-    if not values or any(map(numbers.concerns, symbols)):
-        return False
-    return difference(numbers.of(yours), numbers.of(own)).is_zero
+    """The motions of a free body for which a claim is to hold."""
+    return judge.free_body and judge.free_body.motion((claim.value, right))
 
 
 def _explained(

@@ -18,7 +18,7 @@ from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reasons.small_changes import Repair, SmallChanges
 from freebody.derivations.check.reasons.swapped_functions import swapped
-from freebody.derivations.check.states.admissible_states import AdmissibleStates
+from freebody.derivations.check.states.admissible_states import AdmissibleStates, Drawing
 from freebody.derivations.check.states.agreement import Agreement, Equal, agreement, few
 from freebody.derivations.check.states.running import Running
 from freebody.derivations.check.states.state_values import MOST_BRANCHES, functions_of
@@ -67,13 +67,13 @@ def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> Equation
         claim.source.fail(
             f"at most {MOST_BRANCHES} inverse functions are read in an equation", claim.node.span
         )
-    if not (functions or _has_conditions(judge.setting)):
+    at_states = _AtStates(judge, claim, right)
+    if not (functions or _has_conditions(judge.setting) or at_states.is_quotient_in_numbers):
         return None
     of_loops = claim.target.family in _BY_LOOPS
     says_nothing = claim.value.is_zero and (of_loops or right.is_zero)
     if claim.target.family in _APART or (says_nothing and not functions):
         return None
-    at_states = _AtStates(judge, claim, right)
     if at_states.moving is None:
         if claim.target.family == LONG or functions:
             claim.source.fail(
@@ -85,9 +85,9 @@ def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> Equation
 
 
 def _has_conditions(setting: RightEquations) -> bool:
-    """Whether not every state is admissible: loops must close, or passive joints move by
-    themselves."""
-    is_free = setting.symbols.model.passive and not setting.is_free_body
+    """Whether not every state is admissible: loops must close, passive joints and free bodies move
+    by themselves."""
+    is_free = setting.symbols.model.passive or setting.is_free_body
     return setting.system is not None or bool(is_free)
 
 
@@ -102,16 +102,31 @@ class _AtStates:
     @cached_property
     def moving(self) -> AdmissibleStates | None:
         """States in motion; with the model's own values where none of its symbols is written."""
-        return self.judge.states.of(own_values=not self._has_symbols)
+        free_body = self.judge.free_body
+        if free_body is None:
+            return self.judge.states.of(own_values=self.is_in_numbers)
+        written = (x.value for x in nodes(self._tree) if isinstance(x, Named))
+        images = free_body.motion((*written, self.right)).images
+        return Drawing(self.judge.setting, self.is_in_numbers, images=images).states()
 
     @property
-    def _has_symbols(self) -> bool:
-        """Whether symbols to which the model gives a value are written; gravity apart."""
-        given = self.judge.setting.symbols.model.parameters
+    def is_in_numbers(self) -> bool:
+        """Whether no symbol is written to which the model gives a value; gravity apart."""
+        model = self.judge.setting.symbols.model
+        given = {name for name, x in model.parameters.items() if x is not None}
         named = (x.value for x in nodes(self._tree) if isinstance(x, Named))
         symbols = (x for x in named if isinstance(x, Trig) and len(x) == 1)
         written = {name for x in symbols for powers, _ in x.terms() for name in powers}
-        return bool(written & given.keys() - {self.judge.setting.order.gravity})
+        given -= {self.judge.setting.order.gravity}
+        return bool(given) and not written & given
+
+    @property
+    def is_quotient_in_numbers(self) -> bool:
+        """Whether it is a quotient written without symbols; of polynomials in numbers the digits
+        count."""
+        value = self.claim.value
+        solved = self.claim.target.family in ("solved", "q", "identity")
+        return (solved or isinstance(value, Ratio)) and self.is_in_numbers
 
     @property
     def _tree(self) -> Expression:
@@ -150,6 +165,8 @@ class _AtStates:
             return EquationVerdict(self.claim.label, self.claim.target.title, True, note=note)
         if found.is_in_another_assembly:
             return self._wrong(found, (), (_OTHER_ASSEMBLY,))
+        if self.judge.free_body is not None and not by_functions:
+            return None
         only_here = by_functions or self._is_by_loops
         if not (only_here or self._goes_another_way):
             return None
@@ -192,6 +209,8 @@ class _AtStates:
         if passive and not closed and not functions_of(self._tree) and found.is_everywhere:
             joints = " and ".join(f"joint {k + 1}" for k in passive)
             return f"It holds with what follows from no drive at {joints}."
+        if found.is_everywhere and not closed and not functions_of(self._tree):
+            return f"In numbers, with the values of {self.judge.setting.symbols.model.name!r}."
         if found.is_everywhere:
             plain = agreement(found.states, self._tree, self._sought(found.states))
             return f"{compared}." if plain.is_everywhere or self._equal.as_angles else _LEVEL
