@@ -1,0 +1,286 @@
+"""Right lines and mutants as text: alone, with names of one's own, in documents, at a state."""
+
+import math
+import random
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from .claims import Claim, _claim, by_mechanics, derived, family_of, holds, with_definitions, wrong
+from .mistakes import mistaken
+from .printed import printed
+from .robots import ROBOTS, mechanism
+from .spellings import Spelling, named, spelling, written
+from .trees import keys
+
+
+@dataclass(frozen=True)
+class Line:
+    """What is checked: an answer about a robot, with the options of `fb.check`."""
+
+    robot: str
+    family: str
+    text: str
+    options: dict[str, Any] = field(default_factory=dict)
+    kind: str = ""  # of the mistake
+    source: Any = None  # the claim and how it is set, for mutants
+
+    def __str__(self) -> str:
+        told = "".join(f", {x}={y!r}" for x, y in self.options.items())
+        return f"{self.robot}: {self.text!r}{told}"
+
+
+@dataclass(frozen=True)
+class Setting:
+    """How a claim is set: the habits, the frame around it."""
+
+    spelling: Spelling
+    frame: int
+    seed: int
+
+
+ENDS = ("", "", "", "", ".", ",", ";")
+WRAPS = ("{}", "{}", "{}", "${}$", "$${}$$", r"\[ {} \]", r"\( {} \)",
+         r"\begin{{equation}} {} \end{{equation}}", r"\begin{{align}} {} \end{{align}}")  # fmt: skip
+PROSE_MARKDOWN = (
+    "# Problem 3\n\nWe take the robot of the figure; gravity acts along $-y$.\n\n$$ {} $$\n\nThis is what was asked for.\n",
+    "The x-axis points to the right, where $l_1$ is the length of the first link.\n\n$${}$$\n",
+    "**Solution.** With $\\theta_1$ measured from the horizontal ($x$-axis), we find\n\n$$\n{}\n$$\n\nas claimed.\n",
+    "Inserting this gives ${}$, which is the result. Positive angles are counterclockwise ($+z$).\n",
+    "- Given: the masses $m_i$ and the lengths $l_i$.\n- Result: ${}$.\n",
+    "We choose $q$ as coordinates and let $g = 9.81\\,\\mathrm{{m/s^2}}$ act downwards ($-y$). Then\n\n$$ {} \\qquad (1) $$\n",
+)
+PROSE_LATEX = (
+    "\\documentclass{{article}}\n\\begin{{document}}\n\\section{{Dynamics}}\nGravity acts along $-y$; the $x$-axis is horizontal.\n\\begin{{equation}}\n{}\n\\label{{eq:a}}\n\\end{{equation}}\nwhere $l_1$ is the length of the first link.\n\\end{{document}}\n",
+    "Let $\\theta_i$ be the joint angles. From the figure we read\n\\[\n{}.\n\\]\nHence the claim follows by (\\ref{{eq:a}}).\n",
+    "\\begin{{align*}}\n{}\n\\end{{align*}}\nin which all angles are in radians.\n",
+    "Therefore, ${}$, where $g$ is the acceleration of gravity along the negative $y$ axis.\n",
+)
+PROSE_TEXT = (
+    "Problem 2. The robot is in a vertical plane, gravity along -y.\n\n{}\n\nwhere l1 is the length of link 1.\n",
+    "We get\n    {}\nas in the book.\n",
+    "Result:\n{}   # checked by hand\n",
+)
+
+
+def text_of(one: Claim, s: Spelling) -> list[str]:
+    """The claim's lines."""
+    found = [f"{name} = {written(meant, s)}" for name, meant in one.defined]
+    left = written(one.left, s)
+    if one.left[0] == "mat":
+        left = {"H": "M", "J": "J"}[one.left[1][0][0][1][0]]
+    return [*found, f"{left} = {written(one.right, s)}"]
+
+
+def set_line(one: Claim, how: Setting) -> Line:
+    """The claim as text, in a setting."""
+    s = how.spelling
+    rng = random.Random(how.seed)
+    lines = text_of(one, s)
+    options: dict[str, Any] = {}
+    if s.own:
+        options["names"] = s.names()
+    prose = {1: ("markdown", PROSE_MARKDOWN), 2: ("latex", PROSE_LATEX), 3: ("text", PROSE_TEXT)}
+    text = "\n".join(lines)
+    if how.frame and (s.tex or how.frame == 3) and not one.defined:
+        form, frames = prose[how.frame]
+        text = rng.choice(frames).format(text)
+        options["form"] = form
+    elif s.tex and not one.defined:
+        text = rng.choice(WRAPS).format(text + rng.choice(ENDS))
+    elif rng.random() < 0.1 and not s.tex:
+        text += rng.choice(("  # eq. 4", ";", "."))
+    return Line(one.robot, one.family, text, options, source=(one, how))
+
+
+OWN = {
+    "l": ("L#", "a#", "b#"), "lc": ("r#", "s#", "lg#", "k#"), "m": ("M#", "mu#"), "I": ("Iz#", "Jc#", "J#"),
+    "th": ("phi#", "alpha#", "psi#", "vartheta#"), "d": ("rho#", "s#"),
+}  # fmt: skip
+
+
+def with_own_names(s: Spelling, one: Claim, rng: random.Random) -> Spelling:
+    """The habits with one or two letters of one's own."""
+    used = sorted(keys(one.right) | keys(one.left))
+    plain = [x for x in used if x.rstrip("0123456789") in OWN and x[-1].isdigit()]
+    if not plain:
+        return s
+    own = {}
+    for key in rng.sample(plain, min(len(plain), rng.choice((1, 2)))):
+        letter = key.rstrip("0123456789")
+        new = rng.choice(OWN[letter]).replace("#", key[len(letter) :])
+        if new not in own.values() and new not in used:
+            own[key] = new
+    return replace(s, own=own, form="code" if s.form not in ("plain", "code") else s.form,
+                   letters=spelling(rng, "plain").letters, short=False,
+                   functions={x: x for x in s.functions}, argument=False)  # fmt: skip
+
+
+CANONICAL = {"th": "theta"}
+
+
+def setting(one: Claim, rng: random.Random) -> Setting:
+    """A setting, drawn."""
+    s = spelling(rng, "plain" if one.defined and rng.random() < 0.5 else None)
+    if not one.defined and rng.random() < 0.1:
+        s = with_own_names(s, one, rng)
+    s = replace(s, coordinates=mechanism(one.robot).coordinates)
+    drawn = rng.random()
+    frame = 1 if drawn < 0.12 else 2 if drawn < 0.2 else 3 if drawn < 0.24 else 0
+    return Setting(s, frame, rng.randrange(10**9))
+
+
+def claims(robot: str, rng: random.Random) -> list[Claim]:
+    """The robot's right claims: printed ones, those by mechanics, and each quantity rewritten."""
+    found = [_claim(robot, _family(x), x) for x in printed(robot)]
+    found += by_mechanics(robot)
+    found += derived(robot, rng)
+    good, seen = [], set()
+    for one in found:
+        if (one.left, one.right) in seen or one.left == one.right:
+            continue
+        seen.add((one.left, one.right))
+        if holds(one):
+            good.append(one)
+    return good
+
+
+def _family(text: str) -> str:
+    left = text.partition(" = ")[0]
+    if text.startswith("[["):
+        return "whole matrix"
+    if any(x in text for x in ("acos", "atan", "asin", "sqrt")):
+        return "inverse position"
+    if left.endswith("_dd") and left.startswith(("th", "d", "x")):
+        return "acceleration solved for"
+    if "_d" in text and "T_d" in text or left == "E_d":
+        return "power"
+    if not left.isidentifier():
+        return "relation"
+    return family_of(left) or "relation"
+
+
+SHARES = {"2R": 3, "3R": 2, "four_bar": 4, "slider_crank": 4, "five_bar": 3, "five_bar_rods": 2,
+          "double_four_bar": 1.5, "3RRR": 1, "gyro": 0.4, "pendulum": 0.8}  # fmt: skip
+
+
+def right_lines(count: int, seed: int = 28) -> list[Line]:
+    """Right lines of all robots, drawn."""
+    rng = random.Random(seed)
+    total = sum(SHARES.get(x, 1) for x in ROBOTS)
+    found: list[Line] = []
+    for robot in ROBOTS:
+        share = round(count * SHARES.get(robot, 1) / total)
+        found += of_robot(robot, share, rng)
+    rng.shuffle(found)
+    return found[:count]
+
+
+def of_robot(robot: str, count: int, rng: random.Random) -> list[Line]:
+    """Right lines of one robot: families in turn, so that small ones come too."""
+    numbers = list(number_lines(robot, rng, max(1, count // 12)))
+    families: dict[str, list[Claim]] = {}
+    for one in claims(robot, rng):
+        families.setdefault(one.family, []).append(one)
+    for own in families.values():
+        rng.shuffle(own)
+    found = numbers[: max(1, count // 12)]
+    taken = dict.fromkeys(families, 0)
+    while len(found) < count:
+        family = rng.choice(sorted(families))
+        own = families[family]
+        one = own[taken[family] % len(own)]
+        taken[family] += 1
+        if rng.random() < 0.06:
+            named_ = with_definitions(one, rng)
+            one = named_ if named_ and holds(named_) else one
+        found.append(set_line(one, setting(one, rng)))
+    return found
+
+
+def mutants(lines: list[Line], count: int, seed: int = 82) -> Iterator[Line]:
+    """Lines with one mistake, each wrong for certain, in the setting of its right line."""
+    rng = random.Random(seed)
+    sources = [x for x in lines if x.source]
+    made, tries = 0, 0
+    while made < count and tries < 20 * count:
+        one, how = sources[tries % len(sources)].source
+        tries += 1
+        edit = mistaken(one.right, one.robot, rng)
+        if edit is None:
+            continue
+        kind, right = edit
+        changed = replace(one, right=right)
+        if right == one.right or not wrong(changed):
+            continue
+        made += 1
+        yield replace(set_line(changed, how), kind=kind)
+
+
+UNITS = {
+    "H": "kg m^2", "G": "N m", "c": "N m", "tau": "N m", "T": "J", "V": "J", "x": "m", "y": "m",
+    "z": "m", "omega": "rad/s", "f": "N", "E": "J", "d": "m",
+}  # fmt: skip
+TURNING = ("pendulum", "2R", "3R", "elbow_arm", "pendubot", "slider_crank", "four_bar", "five_bar")
+
+
+def number_lines(robot: str, rng: random.Random, count: int) -> Iterator[Line]:
+    """Numbers at a state, with the values of the robot's file."""
+    if robot not in TURNING:
+        return
+    m = mechanism(robot)
+    wanted = [
+        x for x in m.quantities if x.rstrip("0123456789") in ("H", "G", "tau", "V", "T", "x", "y")
+    ]
+    driven = [x for x in m.coordinates if x not in m.passive] if m.loops else list(m.coordinates)
+    while count:
+        env: dict[str, Any] = {"one": 1.0, **m.values}
+        if m.loops:
+            if robot != "slider_crank":
+                return
+            degrees = {"th1": rng.choice((20, 30, 40, 60, 75, 100, 135))}
+            a = math.radians(degrees["th1"])
+            env["d3"] = 0.2 * math.cos(a) + math.sqrt(0.36 - 0.04 * math.sin(a) ** 2)
+            key, value = "d3", env["d3"]
+        else:
+            degrees = {x: rng.choice((-60, -30, 15, 20, 30, 45, 60, 75, 90, 120)) for x in driven}
+            env |= {x: math.radians(y) for x, y in degrees.items()}
+            rates = {x: rng.choice((0.5, 1, 1.5, 2, -1)) for x in driven}
+            accelerations = {x: rng.choice((0, 0.5, 1, 3)) for x in driven}
+            env |= {x + "_d": y for x, y in rates.items()} | {
+                x + "_dd": y for x, y in accelerations.items()
+            }
+            key = rng.choice(wanted)
+            if key.startswith("tau") and m.passive:
+                continue
+            value = float(np.asarray(m.compiled([key])(env)[0]))
+            if abs(value) < 1e-2:
+                continue
+        state = ", ".join(
+            f"θ{x[2:].translate(str.maketrans('1234', '₁₂₃₄'))} = {y}°" for x, y in degrees.items()
+        )
+        if not m.loops and key.startswith(("tau", "T")):
+            state += "".join(f", dtheta{x[2:]} = {y} rad/s" for x, y in rates.items())
+        if key.startswith("tau"):
+            state += "".join(f", ddtheta{x[2:]} = {y} rad/s^2" for x, y in accelerations.items())
+        unit = UNITS[key.rstrip("0123456789")]
+        digits = rng.choice((3, 4, 5))
+        s = spelling(rng, rng.choice(("plain", "code")))
+        shown = f"{value:.{digits}g}"
+        if "e" in shown:
+            continue
+        count -= 1
+        name = named(key, replace(s, argument=False))
+        where = rng.random()
+        if where < 0.4:
+            yield Line(robot, "numbers", f"{name} = {shown} {unit} at {state}")
+        elif where < 0.7:
+            yield Line(robot, "numbers", f"At {state}:\n{name} = {shown} {unit}")
+        else:
+            at = {x.replace("th", "theta"): f"{y} deg" for x, y in degrees.items()}
+            if not m.loops:
+                at |= {f"theta{x[2:]}_d": y for x, y in rates.items()}
+                at |= {f"theta{x[2:]}_dd": y for x, y in accelerations.items()}
+            yield Line(robot, "numbers", f"{name} = {shown} {unit}", {"at": at})
