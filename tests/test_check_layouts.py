@@ -201,8 +201,10 @@ def test_what_is_typed_in_haste_is_read(robot: str, answer: str, old: str, new: 
     assert not fb.check(model, wrong)
 
 
-def test_v1_beside_torques_is_said_to_be_an_energy():
-    text = fb.check(ARM, "tau_1 = M11 θ̈1 + M12 θ̈2 + V1 + G1").text
+def test_v1_beside_torques_may_be_the_velocity_term():
+    right = fb.check(ARM, "tau_1 = M11 θ̈1 + M12 θ̈2 + V1 + G1")
+    assert right.text == "tau_1 is right. ‘V1’ is read as the velocity term."
+    text = fb.check(ARM, "tau_1 = M11 θ̈1 + M12 θ̈2 - V1 + G1").text
     assert (
         "‘V1’ on the right is read as a potential energy; write v1 for the velocity term." in text
     )

@@ -252,13 +252,12 @@ def test_the_mistake_in_an_equation_without_motor_is_named():
     assert not halved
 
 
-def test_x_of_a_cart_is_asked_for():
-    """x is the tip's; the words say how to make it the cart's."""
+def test_x_of_a_cart_may_be_the_slide():
+    """x is the tip's where that is right."""
     answer = "u = (mc + mp) ẍ - mp l sin(θ) θ̈ - mp l cos(θ) θ̇^2"
-    assert (
-        "for the slide write d1, or say names={'x': 'd1'}. With that the equation is right."
-        in fb.check(CART, answer).text.replace("\n", " ")
-    )
+    assert "x is read as the slide's coordinate d1." in fb.check(CART, answer).text
+    wrong = fb.check(CART, answer.replace("- mp l sin", "+ mp l sin"))
+    assert "say names={'x': 'd1'}" in wrong.text
     assert fb.check(CART, answer, names={"x": "d1"})
 
 

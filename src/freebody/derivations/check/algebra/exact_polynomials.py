@@ -112,8 +112,8 @@ class PolynomialReader:
         product = a * b
         return _check(product if isinstance(product, Trig) else self.constant(Fraction(0)))
 
-    def angle(self, node: Expression) -> tuple[Angle, Fraction]:
-        """A tree as sum of whole multiples of angles and a constant."""
+    def angle(self, node: Expression) -> tuple[Angle, Fraction] | None:
+        """A tree as sum of whole multiples of angles and a constant; None of other multiples."""
         multiples: list[tuple[str, int]] = []
         turn = Fraction(0)
         for powers, coefficient in self.read(node).terms():
@@ -130,9 +130,7 @@ class PolynomialReader:
             if coefficient in (PI / 180, 180 / PI):
                 self.source.fail("angles are in radians here: leave π/180 out", node.span)
             if coefficient.denominator != 1:
-                self.source.fail(
-                    "sin and cos of a fraction of an angle are not used here", node.span
-                )
+                return None
             multiples.append((name, int(coefficient)))
         if sum(abs(k) for _, k in multiples) > MOST_TURNS or abs(turn) > 1000:
             self.source.fail("a multiple of an angle this large is not read", node.span)

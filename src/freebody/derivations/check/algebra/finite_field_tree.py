@@ -111,6 +111,18 @@ class Workspace:
         return node
 
 
+class _Nowhere(Point):
+    """No point: only what a tree is made of is asked for."""
+
+    def at(self, node: Expression, known: object = None) -> int:
+        return 0
+
+
+def without_values(tree: Expression) -> Workspace:
+    """The pieces of a tree and what they stand in."""
+    return Workspace(tree, _Nowhere({}, {}))
+
+
 def _inner_first(node: Expression) -> Iterator[Expression]:
     for part in node.parts:
         yield from _inner_first(part)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 
+from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.expressions.printed_names import sym
@@ -13,6 +14,13 @@ from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import RATE
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
+
+_ENERGIES = {
+    "T": "the kinetic energy",
+    "V": "the potential energy",
+    "L": "the Lagrangian",
+    "E": "the total energy",
+}
 
 
 class EnergyQuantities(QuantityGroup):
@@ -36,11 +44,16 @@ class EnergyQuantities(QuantityGroup):
         )
 
         yield ("E",), AskedQuantity("E", (), lambda: self.setting.element(eq.T + eq.V))
+        for family, value in {"T": eq.T, "V": eq.V, "L": eq.T - eq.V, "E": eq.T + eq.V}.items():
+            letters = ("E",) if family == "E" else self.letters[family]
+            names = tuple(name for x in letters for name in spellings(x, "", 1))
+            words = f"the rate of {_ENERGIES[family]}"
+            yield names, AskedQuantity("power", (), self._rate(value), words=words)
         for i, x in enumerate(self.setting.symbols.coordinates, 1):
             words = f"the momentum that belongs to {sym(x)}"
             yield (
-                self._momentum_names(x),
-                AskedQuantity("momentum", (i,), self._momentum(i), words=words),
+                self._momentum_names(i, x),
+                AskedQuantity("momentum", (i,), self._momentum(i), words=words, soft=True),
             )
         yield (
             ("power",),
@@ -50,12 +63,13 @@ class EnergyQuantities(QuantityGroup):
             words = f"the power of the drive of {self.joint(i)}"
             yield (f"power{i}",), AskedQuantity("power", (i,), self._power(i), words=words)
 
-    def _momentum_names(self, coordinate: str) -> tuple[str, ...]:
-        """p_θ1, p_q1, p_x; none where p is a parameter."""
+    def _momentum_names(self, i: int, coordinate: str) -> tuple[str, ...]:
+        """p_θ1, p_q1, p_x, p_1; none where p is a parameter."""
         if {"p", "P"} & self.setting.ring.index.keys():
             return ()
         number = re.sub(r"\D", "", coordinate)
-        return tuple(f"{p}{x}" for p in "pP" for x in (coordinate, *[f"q{number}"] * bool(number)))
+        own = (coordinate, *[f"q{number}"] * bool(number))
+        return (*(f"{p}{x}" for p in "pP" for x in own), f"p{i}")
 
     def _momentum(self, i: int) -> Callable[[], Trig]:
         """Σ M_ij q̇_j."""
@@ -72,6 +86,10 @@ class EnergyQuantities(QuantityGroup):
             (torque() * rates[i - 1] for i, torque in zip(driven, torques, strict=True)),
             self.setting.zero,
         )
+
+    def _rate(self, energy: Trig) -> Callable[[], Trig]:
+        """What an energy grows by."""
+        return lambda: self.setting.element(energy.along(self.setting.equations.symbols.rates))
 
     def _of_body(self, family: str, body: int) -> Callable[[], Trig]:
         """An energy of a body with all that is fixed to it."""

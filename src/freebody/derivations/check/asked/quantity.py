@@ -34,6 +34,8 @@ class AskedQuantity:
     """What it is often mistaken for: a sentence that says so, and its value."""
     note: str = ""
     """What is said of an answer that is right."""
+    soft: bool = False
+    """Whether its name is often one of the user's own: what has other units is not this."""
     also: tuple[Mistaken, ...] = ()
     """Other values that are right, each with what is said of it."""
 

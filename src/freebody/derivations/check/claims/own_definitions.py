@@ -159,6 +159,7 @@ class OwnDefinitions(SolvedQuantities):
         soft = letter in AMBIGUOUS or name in self.targets.soft or bool(is_matrix)
         soft = soft or self.setting.is_free_body
         target = self.targets.single.get(name)
+        soft = soft or (target is not None and target.soft)
         if not (soft or letter in _NO_QUOTIENTS) or self.is_matrix(line[1]):
             return False
         if target is not None and target.family == "parameter":
@@ -170,13 +171,15 @@ class OwnDefinitions(SolvedQuantities):
                 and not self._is_zero_vector(name, line)
                 and not self.says_that_the_base_moves(line)
             )
-        if isinstance(self._given(line[1]), Ratio):
+        given = self._given(line[1])
+        if isinstance(given, Ratio):
             return target.family != "drift"
+        if target.soft and isinstance(given, Trig):
+            return is_of_another_kind(self.setting, given, target.polynomial())
         if not soft:
             return False
         if not self._is_used(name, line, lines):
             return False
-        given = self._given(line[1])
         if not isinstance(given, Trig):
             return False
         if self.setting.is_free_body:  # T of thrusts, where m, I and rates tell the energy

@@ -92,9 +92,10 @@ class DerivativeParser(Parser):
             if self.expect("name", "the time t").text != "t":
                 self.source.fail("only derivatives with respect to the time t are read", token.span)
             times = 1
-            if pair:
+            if pair or (self.token.kind == "comma" and self.ahead(1).kind == "number"):
                 self.expect("comma", "','")
                 times = int(self.expect("number", "the order").value)
+            if pair:
                 self.expect("close", "')'")
             order += times
         span = (token.start, self.expect("close", "')'").end)
@@ -102,4 +103,5 @@ class DerivativeParser(Parser):
             self.source.fail("a derivative must be the first or second one by t", span)
         for _ in range(order):
             value = value.along(self.vocabulary.setting.symbols.rates)
-        return Named(self.source[span], value, span=span)
+        own = generator(value) is not None
+        return Named(self.source[span], value, is_derivative=not own, span=span)

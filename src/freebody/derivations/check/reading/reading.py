@@ -239,8 +239,12 @@ class AnswerParser(DerivativeParser):
         return Function(function, arguments, span=self.since(token.start))
 
     def _wave(self, function: str, argument: Expression, span: Span) -> Expression:
-        """sin, cos or tan of a sum of angles."""
+        """sin, cos or tan of a sum of angles; of a half of one, or of arccos x, in numbers."""
+        if any(isinstance(x, Function) for x in nodes(argument)):
+            return Function(function, argument, span=span)
         angle = self.reader.angle(argument)
+        if angle is None:
+            return Function(function, argument, span=span)
         if function != "tan":
             return Wave(function, *angle, span=span)
         return Quotient(Wave("sin", *angle, span=span), Wave("cos", *angle, span=span), span=span)

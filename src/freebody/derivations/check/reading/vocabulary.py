@@ -15,6 +15,7 @@ from freebody.derivations.check.algebra.quotients import Value
 from freebody.derivations.check.asked import free_body_names, load_names
 from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.right_equations import FAMILIES, RightEquations
+from freebody.derivations.closed_chains.first_kind import MULTIPLIER
 from freebody.derivations.expressions.nodes import Expression, Matrix
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.source import Source, Span
@@ -43,7 +44,8 @@ _SYNONYMS = {
     "l": (),
     "m": (),
 }
-_MOST_IN_SUM = 6
+_MOST_IN_SUM, _FEW = 6, 3
+"""Angles of which sums of any number have names, θ123456; of more angles those of a few."""
 _GLUED = re.compile(r"[MHCDBJ]|˙{0,2}(?:q|theta)|(?:q|th(?:eta)?)(?:dd?|d?dot)|dd?(?:q|th(?:eta)?)")
 """Matrices and rates that stand side by side, Mq̈."""
 
@@ -232,6 +234,8 @@ class Vocabulary:
             yield from self._coordinate(name)
         for name in ring.names:
             yield name.replace("_", ""), ring[name]
+            if name.startswith(MULTIPLIER):
+                yield name.replace(MULTIPLIER, "lambda"), ring[name]
         for name in self.setting.zeros:
             yield name.replace("_", ""), self.setting.zero
         yield from self._families()
@@ -315,9 +319,9 @@ class Vocabulary:
 
     def _subsets(self) -> Iterator[tuple[str, tuple[str, ...]]]:
         """Angles with rising numbers of one digit."""
-        angles = [x for x in self.setting.ring.angles if re.fullmatch(r"theta\d", x)]
-        angles = sorted(angles)[:_MOST_IN_SUM]
-        for size in range(1, len(angles) + 1):
+        angles = sorted(x for x in self.setting.ring.angles if re.fullmatch(r"theta\d", x))
+        sizes = range(1, 1 + (len(angles) if len(angles) <= _MOST_IN_SUM else _FEW))
+        for size in sizes:
             for names in itertools.combinations(angles, size):
                 yield "".join(x[-1] for x in names), names
 

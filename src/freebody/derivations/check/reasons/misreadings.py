@@ -1,4 +1,4 @@
-"""Answers that are right but for what one of their symbols was taken for."""
+"""Symbols that may be read in another way: an answer that is right in one of them is right."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ from freebody.derivations.check.algebra.finite_field_tree import Workspace
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.reading.claim import Claim
-from freebody.derivations.check.verdict import Mistake
-from freebody.derivations.expressions.nodes import Expression, Negative, Number, Sum, replaced
+from freebody.derivations.expressions.nodes import Expression, Negative, Number, Sum
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 
 _GRAVITY = ("9.8", "9.81", "9.807", "9.80665", "10")
@@ -20,36 +19,30 @@ _GRAVITY = ("9.8", "9.81", "9.807", "9.80665", "10")
 
 @dataclass(frozen=True)
 class Misreading:
-    """Nodes that may stand for something else, and how to say so."""
+    """Nodes that may stand for something else, and how to say so of a wrong answer and of one that
+    is right with it."""
 
     new: dict[Expression, Expression]
     text: str
-    right: str
+    note: str
     is_doubtful: bool = True
     """Whether to say so also where it does not make the answer right."""
 
 
-def misread(
-    setting: RightEquations, targets: Targets, claim: Claim, work: Workspace, right: int
-) -> tuple[Mistake | None, str]:
-    """A finding where another reading makes the answer right; else what is to be said about a
-    doubtful one."""
-    doubt = ""
-    readings = (
-        *_velocity_terms(targets, claim, work),
-        *_cosines(setting, targets, claim, work),
-        *_slides(setting, targets, work),
-        *_numbers(setting, claim, work),
-    )
-    for reading in readings:
-        if work.point.at(replaced(work.root, reading.new)) == right:
-            node = next(iter(reading.new))
-            line, column = claim.source.place(node.span[0])
-            text = f"{reading.text} With that the equation is right."
-            yours, context = claim.source[node.span], claim.source.caret(node.span)
-            return Mistake("symbol", text, yours, reading.right, line, column, context), ""
-        doubt = doubt or (reading.text if reading.is_doubtful else "")
-    return None, doubt
+def readings(
+    setting: RightEquations, targets: Targets, claim: Claim, work: Workspace
+) -> Iterator[Misreading]:
+    """Other readings of a claim's symbols, the likeliest first."""
+    yield from _velocity_terms(targets, claim, work)
+    yield from _cosines(setting, targets, claim, work)
+    yield from _slides(setting, targets, work)
+    yield from _numbers(setting, claim, work)
+
+
+def doubt_about(setting: RightEquations, targets: Targets, claim: Claim, work: Workspace) -> str:
+    """What is to be said about a symbol of a wrong answer that may stand for something else."""
+    found = readings(setting, targets, claim, work)
+    return next((reading.text for reading in found if reading.is_doubtful), "")
 
 
 def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator[Misreading]:
@@ -79,7 +72,7 @@ def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator
         said = said if new.name[0] == "c" else f"write {new.name} for the velocity term"
         read = "a potential energy" if isinstance(next(iter(found)), Named) else "a cosine"
         text = f"‘{written}’ on the right is read as {read}; {said}."
-        yield Misreading(found, text, new.name)
+        yield Misreading(found, text, f"‘{written}’ is read as the velocity term.")
 
 
 def _cosines(
@@ -102,7 +95,7 @@ def _cosines(
         written, right = claim.source[node.span], claim.source[node.span].replace("C", "c", 1)
         title = targets.single[node.name].title
         text = f"‘{written}’ on the right is read as {title}; write {right} for the cosine."
-        yield Misreading(found, text, right)
+        yield Misreading(found, text, f"‘{written}’ is read as a cosine.")
 
 
 def _slides(setting: RightEquations, targets: Targets, work: Workspace) -> Iterator[Misreading]:
@@ -125,19 +118,23 @@ def _slides(setting: RightEquations, targets: Targets, work: Workspace) -> Itera
             f"x is read as the tip's coordinate; for the slide write {slide}, "
             f"or say names={{'x': '{slide}'}}."
         )
-        yield Misreading(found, text, slide)
+        yield Misreading(found, text, f"x is read as the slide's coordinate {slide}.")
 
 
 def _numbers(setting: RightEquations, claim: Claim, work: Workspace) -> Iterator[Misreading]:
-    """9.81 for g."""
+    """9.81 for g, where that is its value."""
     g = setting.order.gravity
-    found: dict[Expression, Expression] = {
-        node: Named(g, setting.ring[g], span=node.span)
-        for node in work.values
-        if g and isinstance(node, Number) and claim.source[node.span] in _GRAVITY
-    }
-    if found:
-        written = claim.source[next(iter(found)).span]
-        yield Misreading(
-            found, f"‘{written}’ must be the symbol {g}: answers are compared in symbols.", g, False
-        )
+    value = setting.symbols.model.parameters.get(g or "")
+    found: dict[Expression, Expression] = {}
+    for node in work.values:
+        written = claim.source[node.span]
+        if g and isinstance(node, Number) and written in _GRAVITY:
+            found[node] = Named(g, setting.ring[g], span=node.span)
+    if not found:
+        return
+    written = claim.source[next(iter(found)).span]
+    text = f"‘{written}’ must be the symbol {g}: its value is not known here."
+    if value is None:
+        yield Misreading({}, text, "")
+    elif round(value, len(written.partition(".")[2])) == float(written):
+        yield Misreading(found, text, f"‘{written}’ is read as {g}.", False)

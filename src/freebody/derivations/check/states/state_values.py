@@ -49,6 +49,12 @@ def _arctan(x: Running) -> Running:
     return x.by(np.arctan(x.value), 1 / (1 + x.value**2))
 
 
+_WAVES: Mapping[str, Callable[[Running], Running]] = {
+    "sin": lambda x: x.by(np.sin(x.value), np.cos(x.value)),
+    "cos": lambda x: x.by(np.cos(x.value), np.sin(x.value)),
+    "tan": lambda x: x.by(np.tan(x.value), 1 / np.cos(x.value) ** 2),
+}
+"""Functions of one value, of what is no whole multiple of an angle."""
 _HALF_TURN = Running(np.pi, np.pi)
 _FUNCTIONS: Mapping[str, tuple[Callable[[Running], Running], Callable[[Running], Running]]] = {
     "sqrt": (_principal_sqrt, lambda y: -y),
@@ -164,6 +170,8 @@ class StateValues:
             if node.name == "atan2":
                 y, x = at(node.argument)
                 return (y / x).by(np.arctan2(y.value, x.value), 1 / (1 + (y.value / x.value) ** 2))
+            if node.name in _WAVES:
+                return _WAVES[node.name](at(node.argument))
             first, second = _FUNCTIONS[node.name]
             found = first(at(node.argument))
             return second(found) if choice.get(node, 0) else found
@@ -192,10 +200,15 @@ def functions_of(node: Expression) -> list[Function]:
     return [x for x in nodes(node) if isinstance(x, Function)]
 
 
+def of_several_values(node: Expression) -> list[Function]:
+    """The functions in a tree of which each value must be tried."""
+    return [x for x in functions_of(node) if x.name in _FUNCTIONS]
+
+
 def choices(node: Expression) -> Sequence[Choice]:
     """All choices of values: that of the functions as they stand, then those with the fewest second
     ones."""
-    several = [x for x in functions_of(node) if x.name in _FUNCTIONS]
+    several = of_several_values(node)
     every = itertools.product((0, 1), repeat=len(several))
     return [dict(zip(several, chosen, strict=True)) for chosen in sorted(every, key=sum)]
 

@@ -5,15 +5,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from freebody.derivations.check.algebra.answer_tree import Named
+from freebody.derivations.check.algebra.exact_polynomials import PolynomialReader
 from freebody.derivations.check.algebra.finite_field import Point, random_point
-from freebody.derivations.check.algebra.finite_field_tree import Workspace
+from freebody.derivations.check.algebra.finite_field_tree import Workspace, without_values
 from freebody.derivations.check.algebra.quotients import Value, difference
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.at_rest import MOVES
-from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.check.asked.quantity import LONG, AskedQuantity
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.numbers.units import misfit, unit_text
 from freebody.derivations.check.reading.claim import Claim
@@ -21,7 +23,8 @@ from freebody.derivations.check.reading.vocabulary import Vocabulary
 from freebody.derivations.check.reasons import coriolis, undriven_joints
 from freebody.derivations.check.reasons.free_bodies import FreeBodyMotion
 from freebody.derivations.check.reasons.misconceptions import Misconceptions
-from freebody.derivations.check.reasons.misreadings import misread
+from freebody.derivations.check.reasons.misreadings import doubt_about, readings
+from freebody.derivations.check.spelling.answer_text import AnswerError
 from freebody.derivations.check.states.agreement import StatesOfModel
 from freebody.derivations.check.states.state_values import functions_of
 from freebody.derivations.check.verdict import EquationVerdict, Example, Mistake
@@ -36,7 +39,7 @@ from freebody.derivations.check.verdicts.explanation import Explanation, first
 from freebody.derivations.check.verdicts.number_verdict import NumberJudge
 from freebody.derivations.check.verdicts.rounded_numbers import MEASURED, Rounded
 from freebody.derivations.check.verdicts.verdict_sentences import Wording, quoted
-from freebody.derivations.expressions.nodes import Number, nodes
+from freebody.derivations.expressions.nodes import Expression, Number, nodes, replaced
 from freebody.derivations.expressions.printed_names import sym
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
@@ -75,7 +78,29 @@ class Judge:
         return Vocabulary(self.setting)
 
     def verdict(self, claim: Claim, explain: bool = True) -> EquationVerdict:
-        """The verdict on one claim, with its mistakes named or only with an example."""
+        """The verdict on one claim, with its mistakes named or only with an example; right where it
+        is in one of the ways in which its symbols can be read."""
+        found = self._as_read(claim, False)
+        if found.equal:
+            return found
+        work = without_values(claim.node)
+        for reading in readings(self.setting, self.targets, claim, work):
+            node, whole = (x and replaced(x, reading.new) for x in (claim.node, claim.whole))
+            with suppress(AnswerError):  # too long to be multiplied out
+                value = self._value(claim, node)
+                again = self._as_read(replace(claim, node=node, value=value, whole=whole), False)
+                if again.equal:
+                    return replace(again, note=f"{reading.note} {again.note}".strip())
+        return self._as_read(claim, True) if explain else found
+
+    def _value(self, claim: Claim, node: Expression) -> Value:
+        """The value of a tree that is read in another way."""
+        if functions_of(node) or claim.target.family == LONG:
+            return claim.value
+        return PolynomialReader(claim.source, self.setting.ring).quotient(node)
+
+    def _as_read(self, claim: Claim, explain: bool) -> EquationVerdict:
+        """The verdict on a claim as it is read first."""
         if claim.target.family == singular_poses.FAMILY:
             return singular_poses.verdict(claim)
         if functions_of(claim.node if claim.whole is None else claim.whole):
@@ -93,6 +118,10 @@ class Judge:
             meant = f"It is read as {title}." if re.fullmatch(r"P[_{}0-9]*", claim.label) else ""
             note = " ".join(filter(None, (meant, claim.target.note, self._zeros(claim))))
             return EquationVerdict(claim.label, title, True, note=note)
+        if claim.target.family in ("Phi", "Phi_d") and claim.value.is_zero:
+            return EquationVerdict(
+                claim.label, title, True, note="It says that the loop is closed."
+            )
         special = verdict_at_states.verdict(self, claim, right, explain)
         if special is not None:
             return special
@@ -278,9 +307,7 @@ class Judge:
     def _explained(self, claim: Claim, yours: Trig, right: Trig) -> tuple[list[Mistake], list[str]]:
         work = Workspace(claim.node, self.point)
         value = self.point.of(right)
-        finding, doubt = misread(self.setting, self.targets, claim, work, value)
-        if finding is not None:
-            return [finding], []
+        doubt = doubt_about(self.setting, self.targets, claim, work)
         causes = self._thoughts(claim, right, work.value)
         findings = Explanation(self, claim, right, work, value).findings(bool(causes))
         return findings, [doubt] * bool(doubt) + causes + self._units(yours, right)

@@ -13,7 +13,7 @@ from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reasons.differences import Difference
 from freebody.derivations.check.reasons.free_body_thoughts import THOUGHTS
 from freebody.derivations.check.reasons.free_motion import FreeMotion
-from freebody.derivations.check.reasons.misreadings import misread
+from freebody.derivations.check.reasons.misreadings import doubt_about
 from freebody.derivations.check.verdict import EquationVerdict, Mistake
 from freebody.derivations.check.verdicts import numeric_example
 from freebody.derivations.check.verdicts.explanation import Explanation
@@ -49,9 +49,7 @@ def _explained(
 ) -> tuple[list[Mistake], list[str]]:
     """The changes that make it right, and what may have been thought."""
     work = Workspace(claim.node, point)
-    finding, doubt = misread(judge.setting, judge.targets, claim, work, point.of(right))
-    if finding is not None:
-        return [finding], []
+    doubt = doubt_about(judge.setting, judge.targets, claim, work)
     thoughts = [doubt] * bool(doubt)
     thoughts += [x for x, thought in claim.target.thoughts if point.of(thought()) == work.value]
     thoughts += _of_free_body(judge, claim)

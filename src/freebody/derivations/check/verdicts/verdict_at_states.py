@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from freebody.derivations.check.algebra.answer_tree import Named
-from freebody.derivations.check.algebra.finite_field import Point
-from freebody.derivations.check.algebra.finite_field_tree import Workspace
+from freebody.derivations.check.algebra.finite_field_tree import without_values
 from freebody.derivations.check.algebra.quotients import Value, pair
 from freebody.derivations.check.asked.quantity import LONG
 from freebody.derivations.check.asked.right_equations import RightEquations
@@ -21,7 +20,11 @@ from freebody.derivations.check.reasons.swapped_functions import swapped
 from freebody.derivations.check.states.admissible_states import AdmissibleStates, Drawing
 from freebody.derivations.check.states.agreement import Agreement, Equal, agreement, few
 from freebody.derivations.check.states.running import Running
-from freebody.derivations.check.states.state_values import MOST_BRANCHES, functions_of
+from freebody.derivations.check.states.state_values import (
+    MOST_BRANCHES,
+    functions_of,
+    of_several_values,
+)
 from freebody.derivations.check.verdict import EquationVerdict, Mistake
 from freebody.derivations.check.verdicts.numeric_example import example_at, sentence
 from freebody.derivations.check.verdicts.verdict_sentences import Wording
@@ -63,7 +66,7 @@ def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> Equation
     """The verdict on what functions or loops tell; None of what is neither, and of what loops do
     not make right though they might not have to."""
     functions = functions_of(claim.node if claim.whole is None else claim.whole)
-    if len(functions) > MOST_BRANCHES:
+    if len(of_several_values(claim.node)) > MOST_BRANCHES:
         claim.source.fail(
             f"at most {MOST_BRANCHES} inverse functions are read in an equation", claim.node.span
         )
@@ -163,7 +166,7 @@ class _AtStates:
         if held is not None and self._agreement(held).is_everywhere:
             note = f"It holds in equilibrium: compared in numbers at {held.count} positions."
             return EquationVerdict(self.claim.label, self.claim.target.title, True, note=note)
-        if found.is_in_another_assembly:
+        if self.judge.setting.system is not None and found.is_in_another_assembly:
             return self._wrong(found, (), (_OTHER_ASSEMBLY,))
         if self.judge.free_body is not None and not by_functions:
             return None
@@ -258,7 +261,7 @@ class _AtStates:
         for text, node, new in swapped(tree):
             if fits(replaced(tree, {node: new})):
                 yield text
-        work = Workspace(tree, _Nowhere({}, {}))
+        work = without_values(tree)
         if len(work.values) > _MOST_NODES:
             return
         changes = SmallChanges(self.judge.setting, work, 0, lambda name: {})
@@ -304,10 +307,3 @@ def _is_angle(x: Trig, angles: tuple[str, ...]) -> bool:
 def _can_be_said(repair: Repair) -> bool:
     """Whether a change prints: of what holds functions only a sign does."""
     return repair.kind == "sign" or not functions_of(repair.node)
-
-
-class _Nowhere(Point):
-    """No position: only what a tree is made of is asked for."""
-
-    def at(self, node: Expression, known: object = None) -> int:
-        return 0
