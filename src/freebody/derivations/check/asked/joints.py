@@ -52,6 +52,9 @@ class JointQuantities(QuantityGroup):
                         ["M", "H", "m", "D"] if alone and family == "M" else []
                     )
                     yield tuple(names), AskedQuantity(family, (i, j), self.entry(family, i, j))
+                letters = filter(str.isupper, self.letters["M"])
+                rates = (x for letter in letters for x in spellings(letter, f"{i}{j}", 1))
+                yield tuple(rates), self._rate_of_mass(i, j)
         yield from self._christoffel()
         if 1 < self.count <= MOST_ROWS:
             names = ("detM", "detH", "detD", "detB")
