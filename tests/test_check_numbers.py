@@ -16,6 +16,7 @@ import freebody as fb
 from freebody.cli.app import run
 from freebody.derivations.check.numbers.written_units import unit_at
 from freebody.derivations.check.spelling.answer_text import AnswerError
+from freebody.derivations.grammar.lexemes import Lexemes
 
 ARM = fb.planar("RR", l=[0.4, 0.3], lc=[0.2, 0.15], m=[2.0, 1.5], I=[0.031, 0.012])
 Q, QD, QDD = np.radians([30.0, 45.0]), np.array([2.0, -1.0]), np.array([0.5, 1.0])
@@ -43,7 +44,7 @@ G2 = WEIGHT * math.cos(math.radians(75))
     ],
 )  # fmt: skip
 def test_units_are_read(text: str, factor: float, dimension: tuple[int, int, int]):
-    found = unit_at(text, 0)
+    found = unit_at(Lexemes.of(text), 0)
     assert found is not None
     assert found[0].factor == pytest.approx(factor, rel=1e-12)
     assert found[0].dimension == dimension
@@ -53,7 +54,7 @@ def test_units_are_read(text: str, factor: float, dimension: tuple[int, int, int
     "text", ["m2 g", "m₂ g", "m_2", "Newtonian", "s1", " and", "{N", "", "(N m"]
 )
 def test_names_and_words_are_no_units(text: str):
-    assert unit_at(text, 0) is None
+    assert unit_at(Lexemes.of(text), 0) is None
 
 
 # ---------------------------------------------------------------- right

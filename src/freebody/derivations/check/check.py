@@ -91,8 +91,9 @@ def check(
         raise AnswerError(f"tolerance is a share from 0 to 1, such as 0.01, not {tolerance}")
     style = notation_of(notation, parameters)
     document = document_of(answer, form)
-    written = as_written(freed(model, style.parameters), document.formulas)
-    loads = named_in(written, document.formulas)
+    formulas = AnswerText(document.formulas).lexemes
+    written = as_written(freed(model, style.parameters), formulas)
+    loads = named_in(written, formulas)
     where = in_notation(equations_of(written, loads), style, absolute)
     said = statements(where, document, names or {}, style, at)
     velocity = any(claim.target.family == "h" for claim in said.claims)

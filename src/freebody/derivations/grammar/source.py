@@ -7,7 +7,9 @@ import unicodedata
 from dataclasses import dataclass
 from typing import ClassVar, NoReturn, Self
 
+from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.errors import FreebodyError
+from freebody.lazy import cached_property
 
 _SHOWN = 96
 """Characters of a line that an error shows."""
@@ -64,6 +66,16 @@ class Source:
     def shown(self) -> str:
         """The text as it was written, character by character where `text` is."""
         return self.text
+
+    @cached_property
+    def lexemes(self) -> Lexemes:
+        """Its letters, figures, commands and signs."""
+        return Lexemes.of(self.text)
+
+    def plain(self, span: Span) -> str:
+        """What is read there, without blanks: 2.5e-3 of 2.5·10⁻³."""
+        lexemes = self.lexemes
+        return "".join(lexemes[k].text for k in lexemes.between(*span))
 
     def __getitem__(self, span: Span) -> str:
         """What is written there, on one line."""

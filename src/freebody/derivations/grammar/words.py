@@ -7,78 +7,39 @@ before the letter, primes behind: ˙theta1, lc1, theta1'.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from freebody.derivations.expressions.printed_names import GREEK
+from freebody.derivations.grammar.lexemes import Lexeme
 from freebody.derivations.grammar.source import Source, UnreadableError
-from freebody.identifiers import word_set
+from freebody.derivations.grammar.tables import characters as table
+from freebody.derivations.grammar.tables.characters import DOT, PRIME
 
-DOT, PRIME = "˙", "'"
-_LETTERS = {letter: name for name, letter in GREEK.items()} | {
-    "ϑ": "theta",
-    "ϕ": "phi",
-    "λ": "lam",
-    "ɡ": "g",
-    "Θ": "Theta",
-    "Φ": "Phi",
-}
-_COMMANDS = {name: name for name in GREEK} | {
-    "lambda": "lam",
-    "vartheta": "theta",
-    "varphi": "phi",
-    "Theta": "Theta",
-    "Phi": "Phi",
-    "ell": "l",
-}
-_FONTS = word_set(
-    "mathrm mathit mathbf mathsf mathcal boldsymbol bm text operatorname textrm rm vec"
-)
-_ACCENTS = {
-    "dot": DOT, "ddot": DOT * 2, "bar": "\u0304", "overline": "\u0304", "hat": "\u0302",
-    "widehat": "\u0302", "tilde": "\u0303", "widetilde": "\u0303", "underline": "\u0332",
-    "check": "\u030c", "breve": "\u0306", "mathring": "\u030a",
-}  # fmt: skip
-"""Commands for a mark on a letter."""
-DECORATIONS = frozenset("".join(_ACCENTS.values())) - {DOT} | {"*"}
+DECORATIONS = frozenset(table.DECORATIONS)
 """Marks with which a letter is another quantity: θ̄, θ̂, θ*."""
-MARKS = {"\u0307": DOT, "\u0308": DOT * 2, "˙": DOT, "¨": DOT * 2, "\u20d7": "", "\u0305": "\u0304"}
-MARKS |= {mark: mark for mark in DECORATIONS if mark != "*"}
-"""Characters behind a letter that are a mark on it; an arrow only says that it is a vector."""
 FRAMES = tuple(map(chr, range(0xE010, 0xE01A)))
 """Marks behind a name, one for each frame: of {}^1v_2 the plain spelling is v2 and the second."""
 DETERMINANT = "\ue01a"
 """The same of what stands between bars, |J|."""
-_PRIMES = {"'": 1, "’": 1, "′": 1, "″": 2}
-_LOW = {c: str(k) for k, c in enumerate("₀₁₂₃₄₅₆₇₈₉")} | {
-    "ₐ": "a", "ₑ": "e", "ₒ": "o", "ₓ": "x", "ᵢ": "i", "ⱼ": "j", "ₘ": "m", "ₙ": "n", "ₚ": "p",
-    "ₜ": "t",
-}  # fmt: skip
-_HIGH = {c: str(k) for k, c in enumerate("⁰¹²³⁴⁵⁶⁷⁸⁹")} | {"⁻": "-", "⁺": ""}
-_STAR = re.compile(r"\^\s?(?:[*∗⋆]|\\(?:ast|star)(?![A-Za-z])|\{\s?(?:[*∗⋆]|\\(?:ast|star))\s?\})")
-_EARLY_POWER = re.compile(r"(?:\^\{?([0-9])\}?|([²³]))(?=_|[₀-₉])")
-_DEEPEST, _LONGEST = 4, 200
-_COMMAND = re.compile(r"\\([A-Za-z]+)")
-
-STARTS = frozenset(_LETTERS) | frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_")
-"""Characters that a name may begin with; commands apart."""
-
-COMMAND_NAMES = _COMMANDS
-"""Plain names of LaTeX's letters."""
-
-COMMANDS = _FONTS.union(_COMMANDS, _ACCENTS)
+COMMANDS = frozenset((*table.FONTS, *table.LETTER_COMMANDS, *table.ACCENTS))
 """LaTeX commands that a name may begin with."""
+COMMAND_NAMES = table.LETTER_COMMANDS
+"""Plain names of LaTeX's letters."""
+_DEEPEST, _LONGEST = 4, 200
+_ONE_LETTER = "a dot or bar needs a single letter under it, such as \\dot{\\theta}_1"
 
 
 @dataclass
 class Word:
-    """A run of letters, digits and marks in plain spelling, with where each character comes
+    """A run of letters, figures and marks in plain spelling, with where each character comes
     from."""
 
     start: int
+    at: int
+    """The next lexeme."""
     end: int
+    """Where the last one ends in the text."""
     plain: str = ""
     origins: list[int] = field(default_factory=list)
     cuts: set[int] = field(default_factory=set)
@@ -94,181 +55,239 @@ class Word:
         self.origins += [origin] * len(plain)
 
 
+def letter(x: Lexeme) -> str:
+    """The plain spelling of a letter with its marks; of anything else ""."""
+    c, marks = x.text[:1], x.text[1:]
+    if x.kind != "letter" or not (c in table.LETTERS or c.isascii()):
+        return ""
+    if any(mark not in table.MARKS for mark in marks):
+        return ""
+    return "".join(table.MARKS[mark] for mark in marks) + table.LETTERS.get(c, c)
+
+
+def begins(x: Lexeme) -> bool:
+    """Whether a name may begin with a lexeme."""
+    return x.text == "_" or x.command in COMMANDS or letter(x) != ""
+
+
+class _Speller:
+    """Reads one word, or one inside another."""
+
+    def __init__(self, source: Source, at: int):
+        self.source, self.items = source, source.lexemes.items
+        start = self.items[at].start
+        self.word = Word(start, at, start)
+
+    def whole(self, depth: int) -> Word:
+        if self.items[self.word.at].kind == "command":
+            self._command(depth)
+        first = self.word.at == self.source.lexemes.at(self.word.start)
+        while self.word.at < len(self.items):
+            if (self._next.apart and not first) or not self._unit():
+                break
+            first = False
+        return self.word
+
+    @property
+    def _next(self) -> Lexeme:
+        return self.items[self.word.at]
+
+    def _glued(self, k: int) -> str:
+        """The text of the k-th lexeme if no blank stands before it, else ""."""
+        return self.items[k].text if k < len(self.items) and not self.items[k].apart else ""
+
+    def _take(self, count: int = 1) -> None:
+        self.word.at += count
+        self.word.end = self.items[self.word.at - 1].end
+
+    # ------------------------------------------------------------ units
+    def _unit(self) -> bool:
+        """Read one more unit of a word, if there is one."""
+        x, word = self._next, self.word
+        if plain := letter(x):
+            self._take()
+            word.add(self._marks() + plain, x.start)
+        elif x.kind == "digit":
+            self._take()
+            word.add(x.text, x.start)
+        elif x.kind == "low":
+            self._take()
+            word.add(table.LOW[x.text], x.start, cut=False)
+        elif x.text in table.PRIMES:
+            self._take()
+            word.add(PRIME * table.PRIMES[x.text], x.start, cut=False)
+        elif count := self._star():
+            self._take(count)
+            word.add("*", x.start, cut=False)
+        elif count := self._early_power():
+            self._take(count)
+        elif x.kind in ("frame", "determinant"):
+            self._take()
+            word.add(FRAMES[int(x.text)] if x.text else DETERMINANT, x.start, cut=False)
+        elif x.text == "_":
+            self._subscript()
+        else:
+            return False
+        return True
+
+    def _marks(self) -> str:
+        """Marks that stand apart from their letter."""
+        marks = ""
+        while self.word.at < len(self.items) and self._next.kind == "mark" and not self._next.apart:
+            marks += table.MARKS.get(self._next.text, "")
+            self._take()
+        return marks
+
+    def _star(self) -> int:
+        """Of how many lexemes a power is that is a star."""
+        k = self.word.at
+        if self.items[k].text != "^":
+            return 0
+        texts = [x.text for x in self.items[k + 1 : k + 4]]
+        if texts[:1] and texts[0] in table.STARS:
+            return 2
+        return 4 if len(texts) == 3 and texts[0] == "{" and texts[1] in table.STARS else 0
+
+    def _early_power(self) -> int:
+        """Of how many lexemes a power is in front of a subscript, which the word notes."""
+        k = self.word.at
+        figure, count = self.items[k].text, 1
+        if figure == "^":
+            braced = self._glued(k + 1) == "{"
+            figure, count = self._glued(k + 1 + braced), 2 + braced
+            count += self._glued(k + count) == "}"
+            if not (figure.isascii() and figure.isdigit()):
+                return 0
+        elif figure not in ("²", "³"):
+            return 0
+        behind = self._glued(k + count)
+        if behind != "_" and not table.LOW.get(behind, "").isdigit():
+            return 0
+        self.word.power = int(table.HIGH.get(figure, figure))
+        return count
+
+    def _subscript(self) -> None:
+        """What follows underscores: a group in braces, or one letter, with which no name begins."""
+        word = self.word
+        while word.at < len(self.items) and self._next.text == "_":
+            self._take()
+        if word.at >= len(self.items) or self._next.apart:
+            return
+        if self._next.text != "{":
+            if self._next.command in COMMAND_NAMES:
+                word.add(COMMAND_NAMES[self._next.command], self._next.start, cut=False)
+                self._take()
+            elif word.plain:
+                start = len(word.plain)
+                if self._unit():
+                    word.cuts.discard(start)
+            return
+        close = self._closing(word.at)
+        for x in self.items[word.at + 1 : close]:
+            primes = PRIME * table.PRIMES.get(x.text, 0)
+            own = x.text[0] if x.kind in ("letter", "digit") and x.text[0].isascii() else ""
+            word.add(own or primes or COMMAND_NAMES.get(x.command, ""), x.start, cut=False)
+        self._take(close + 1 - word.at)
+
+    def _closing(self, k: int) -> int:
+        close = self.source.lexemes.closing(k)
+        if close is None:
+            self.source.fail("this brace is not closed", (self.items[k].start, self.items[k].end))
+        return close
+
+    # ------------------------------------------------------------ commands
+    def _command(self, depth: int) -> None:
+        """A LaTeX command that begins a word: a Greek letter, a dot over something, a font."""
+        x, word = self._next, self.word
+        self._take()
+        if x.command in COMMAND_NAMES:
+            word.add(COMMAND_NAMES[x.command], x.start)
+            return
+        if x.command not in COMMANDS:
+            self.source.fail(f"the command {x.text} is not known here", (x.start, x.end))
+        if depth == _DEEPEST:
+            self.source.fail("commands inside commands, too deep", (x.start, x.end))
+        inner = self._argument(depth + 1)
+        marks = table.ACCENTS.get(x.command, "")
+        if DOT in marks and inner.plain.startswith(DOT):
+            self.source.fail("dots over dots", (x.start, word.end))
+        for k, c in enumerate(marks + inner.plain):
+            word.add(c, x.start, cut=k == 0 or (not marks and k in inner.cuts))
+        word.power = inner.power
+
+    def _argument(self, depth: int) -> Word:
+        """What a command applies to, a group in braces or the next letter."""
+        start, k = self.word.end, self.word.at
+        x = self.items[k] if k < len(self.items) else None
+        if x is None or not (x.text == "{" or begins(x) or x.kind == "command"):
+            self.source.fail(_ONE_LETTER, (start, x.end if x else start + 1))
+        if x.text != "{":
+            inner = self._single(k)
+        else:
+            close = self._closing(k)
+            inner = self._grouped(k + 1, close, depth)
+            if inner.at != close:
+                self.source.fail(_ONE_LETTER, (start, self.items[close].start))
+            inner.at, inner.end = close + 1, self.items[close].end
+        self.word.at, self.word.end = inner.at, inner.end
+        return inner
+
+    def _grouped(self, k: int, close: int, depth: int) -> Word:
+        """The word in a group, which may be a group itself, \\dot{{\\theta}}."""
+        x = self.items[k]
+        if x.text == "{" and depth < _DEEPEST:
+            end = self._closing(k)
+            inner = self._grouped(k + 1, end, depth + 1)
+            if inner.at == end:
+                inner.at = end + 1
+            return inner
+        if k >= close or not (begins(x) or x.kind == "command"):
+            self.source.fail(_ONE_LETTER, (self.items[k - 1].start, x.end))
+        return _Speller(self.source, k).whole(depth)
+
+    def _single(self, k: int) -> Word:
+        """A single letter or Greek command."""
+        inner = _Speller(self.source, k)
+        x = self.items[k]
+        if x.kind != "command":
+            inner._unit()
+        elif x.command in COMMAND_NAMES:
+            inner.word.add(COMMAND_NAMES[x.command], x.start)
+            inner._take()
+        else:
+            self.source.fail(_ONE_LETTER, (x.start, x.start + 1))
+        return inner.word
+
+
 def spell(source: Source, at: int, depth: int = 0) -> Word:
-    """The word that begins there, `depth` commands deep."""
-    word = Word(at, at)
-    if source.text[at] == "\\":
-        _command(source, word, depth)
-    while word.end < len(source.text) and _unit(source, word):
-        pass
-    return word
+    """The word that begins with a lexeme, `depth` commands deep."""
+    return _Speller(source, at).whole(depth)
 
 
 def spelt(name: str) -> str:
     """The plain spelling of a text that is one name and no more, else ""."""
     source = Source.of(name.strip())
-    if not source.text or not (source.text[0] in STARTS or source.text[0] == "\\"):
+    items = source.lexemes.items
+    if not items or not (begins(items[0]) or items[0].kind == "command"):
         return ""
     try:
         word = spell(source, 0)
     except UnreadableError:
         return ""
-    return word.plain if word.end == len(source.text) and word.power is None else ""
-
-
-def _command(source: Source, word: Word, depth: int) -> None:
-    """A LaTeX command that begins a word: a Greek letter, a dot over something, a font."""
-    match = _COMMAND.match(source.text, word.end)
-    name = match[1] if match else ""
-    start, word.end = word.end, match.end() if match else word.end + 1
-    if name in _COMMANDS:
-        word.add(_COMMANDS[name], start)
-        return
-    if name not in COMMANDS:
-        source.fail(f"the command \\{name} is not known here", (start, word.end))
-    if depth == _DEEPEST:
-        source.fail("commands inside commands, too deep", (start, word.end))
-    inner = _argument(source, word, depth + 1)
-    marks = _ACCENTS.get(name, "")
-    if DOT in marks and inner.plain.startswith(DOT):
-        source.fail("dots over dots", (start, word.end))
-    for k, letter in enumerate(marks + inner.plain):
-        word.add(letter, start, cut=k == 0 or (not marks and k in inner.cuts))
-    word.power = inner.power
-
-
-def _argument(source: Source, word: Word, depth: int) -> Word:
-    """What a command applies to, a group in braces or the next letter; `word.end` moves behind
-    it."""
-    start = word.end
-    at = start
-    while source.text[at : at + 1] == " ":
-        at += 1
-    braced = source.text[at : at + 1] == "{"
-    close = _closing(source, at) if braced else len(source.text)
-    at += braced
-    while source.text[at : at + 1] == " ":
-        at += 1
-    if braced and source.text[at : at + 1] == "{" and depth < _DEEPEST:
-        around = Word(at, at)  # \\dot{{\\theta}}
-        inner = _argument(source, around, depth + 1)
-        word.end = close + 1
-        if not source.text[around.end : close].strip():
-            return inner
-    if at >= close or not (source.text[at] in STARTS or source.text[at] == "\\"):
-        source.fail(
-            "a dot or bar needs a single letter under it, such as \\dot{\\theta}_1", (start, at + 1)
-        )
-    inner = spell(source, at, depth) if braced else _single(source, at)
-    if braced and source.text[inner.end : close].strip():
-        source.fail(
-            "a dot or bar needs a single letter under it, such as \\dot{\\theta}_1", (start, close)
-        )
-    word.end = close + 1 if braced else inner.end
-    return inner
-
-
-def _single(source: Source, at: int) -> Word:
-    """A single letter or Greek command."""
-    word = Word(at, at)
-    if source.text[at] != "\\":
-        _unit(source, word)
-        return word
-    match = _COMMAND.match(source.text, at)
-    if match is None or match[1] not in _COMMANDS:
-        source.fail(
-            "a dot or bar needs a single letter under it, such as \\dot{\\theta}_1", (at, at + 1)
-        )
-    word.add(_COMMANDS[match[1]], at)
-    word.end = match.end()
-    return word
-
-
-def _unit(source: Source, word: Word) -> bool:
-    """Read one more unit of a word, if there is one."""
-    at, text = word.end, source.text
-    c = text[at]
-    if c in _LETTERS or (c.isascii() and c.isalpha()):
-        word.end += 1
-        marks = ""
-        while text[word.end : word.end + 1] in MARKS:
-            marks += MARKS[text[word.end]]
-            word.end += 1
-        word.add(marks + _LETTERS.get(c, c), at)
-    elif c.isascii() and c.isdigit():
-        word.end += 1
-        word.add(c, at)
-    elif c in _LOW:
-        word.end += 1
-        word.add(_LOW[c], at, cut=False)
-    elif c in _PRIMES:
-        word.end += 1
-        word.add(PRIME * _PRIMES[c], at, cut=False)
-    elif star := _STAR.match(text, at):
-        word.end = star.end()
-        word.add("*", at, cut=False)
-    elif early := _EARLY_POWER.match(text, at):
-        word.power = int(early[1] or _HIGH[early[2]])
-        word.end = early.end()
-    elif c in FRAMES or c == DETERMINANT:
-        word.end += 1
-        word.add(c, at, cut=False)
-    elif c == "_":
-        _subscript(source, word)
-    else:
-        return False
-    return True
-
-
-def _subscript(source: Source, word: Word) -> None:
-    """What follows underscores: a group in braces, or one letter, with which no name begins."""
-    while source.text[word.end : word.end + 1] == "_":
-        word.end += 1
-    if source.text[word.end : word.end + 1] != "{":
-        command = _COMMAND.match(source.text, word.end)
-        if command and command[1] in _COMMANDS:
-            word.add(_COMMANDS[command[1]], word.end, cut=False)
-            word.end = command.end()
-        elif word.plain:
-            start = len(word.plain)
-            if word.end < len(source.text) and _unit(source, word):
-                word.cuts.discard(start)
-        return
-    at, close = word.end + 1, _closing(source, word.end)
-    while at < close:
-        c, end = source.text[at], at + 1
-        if command := _COMMAND.match(source.text, at, close):
-            word.add(_COMMANDS.get(command[1], ""), at, cut=False)  # fonts say nothing
-            end = command.end()
-        elif c.isascii() and c.isalnum():
-            word.add(c, at, cut=False)
-        elif c in _PRIMES:
-            word.add(PRIME * _PRIMES[c], at, cut=False)
-        at = end
-    word.end = close + 1
-
-
-def _closing(source: Source, at: int) -> int:
-    """Where the brace that opens there is closed."""
-    depth = 0
-    for k in range(at, len(source.text)):
-        depth += {"{": 1, "}": -1}.get(source.text[k], 0)
-        if depth == 0:
-            return k
-    source.fail("this brace is not closed", (at, at + 1))
-
-
-def superscript(text: str, at: int) -> tuple[int | None, int]:
-    """The number that superscript characters spell there, and where they end."""
-    end = at
-    while text[end : end + 1] and text[end] in _HIGH:
-        end += 1
-    digits = "".join(_HIGH[c] for c in text[at:end])
-    return (int(digits) if re.fullmatch(r"-?\d{1,9}", digits) else None), end
+    return word.plain if word.at == len(items) and word.power is None else ""
 
 
 Piece = tuple[str, int, int]
 """A known name, and where it stands in the text."""
+
+
+@dataclass(frozen=True)
+class Cut:
+    """A word as known names and numbers, a power that stood inside, and the lexeme behind it."""
+
+    pieces: list[Piece]
+    power: int | None
+    stop: int
 
 
 def cut(

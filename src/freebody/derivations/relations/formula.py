@@ -20,10 +20,11 @@ from freebody.derivations.expressions.evaluate import Rules, arithmetic, evaluat
 from freebody.derivations.expressions.expression import Equation, Expression, Symbol
 from freebody.derivations.expressions.nodes import NOWHERE
 from freebody.derivations.expressions.printed_names import GREEK, sym
+from freebody.derivations.grammar.lexemes import Lexeme, plain
 from freebody.derivations.grammar.lexer import Token, tokens
 from freebody.derivations.grammar.parser import Parser
 from freebody.derivations.grammar.source import Source, UnreadableError
-from freebody.derivations.grammar.words import Piece
+from freebody.derivations.grammar.words import Cut
 
 FUNCTIONS = (
     "sin", "cos", "tan", "sqrt", "exp", "log", "arcsin", "arccos", "arctan", "norm", "det", "sum",
@@ -106,16 +107,19 @@ class _FormulaLanguage:
 
     functions = _RULES
 
-    def begins(self, letter: str) -> bool:
-        return letter.isalpha() or letter == "_"
+    def begins(self, x: Lexeme) -> bool:
+        return x.kind == "letter" or x.text == "_"
 
-    def word(self, source: Source, at: int) -> tuple[list[Piece], None]:
-        end = at
-        while end < len(source.text) and ("a" + source.text[end]).isidentifier():
-            end += 1
-        if end == at:
-            source.fail(f"{source.text[at]!r} has no meaning here", (at, at + 1))
-        return [(normalize("NFC", source.text[at:end]), at, end)], None
+    def word(self, source: Source, at: int) -> Cut:
+        items, stop = source.lexemes.items, at + 1
+        while (
+            stop < len(items)
+            and not items[stop].apart
+            and (items[stop].kind in ("letter", "digit", "mark") or items[stop].text == "_")
+        ):
+            stop += 1
+        name = normalize("NFC", plain(items[at:stop]))
+        return Cut([(name, items[at].start, items[stop - 1].end)], None, stop)
 
 
 class _FormulaParser(Parser):

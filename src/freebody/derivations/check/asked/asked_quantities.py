@@ -23,6 +23,7 @@ from freebody.derivations.check.asked.reduced import ReducedMass, ReducedQuantit
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.asked.tip import TipQuantities
 from freebody.derivations.check.asked.tree_bodies import BodiesOfTrees, LoopForceSystem
+from freebody.derivations.grammar.lexemes import NOTHING, Lexemes
 from freebody.derivations.notations.notation import USUAL_LETTERS
 from freebody.lazy import cached_property
 
@@ -64,7 +65,7 @@ class Targets:
     """Whether the base is accelerated by -g, which then is in all accelerations."""
     framed: bool = False
     """Whether vectors are told in the axes of any body, {}^1v_2."""
-    formulas: str = ""
+    formulas: Lexemes = NOTHING
     """Those of the answer, which tell what it is about."""
 
     @cached_property

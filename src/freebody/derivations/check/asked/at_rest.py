@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
@@ -12,13 +11,16 @@ from freebody.derivations.check.asked.body_quantities import BODY_QUANTITIES
 from freebody.derivations.check.asked.group import Named
 from freebody.derivations.check.asked.load_names import JOINT_FORCE, MOMENT, VECTORS
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
+from freebody.derivations.grammar.lexemes import Lexemes
+from freebody.derivations.grammar.patterns import Pattern
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.relations.quantities import QuantityValues, branches
 from freebody.lazy import cached_property
 
-MOVES = re.compile(
-    r"[\u0307\u0308˙¨]|\\d?dot|_d|(?<![a-z\\])d?dot\b|(?<![A-Za-z\\])d{1,2}(?:theta|q|th)\d|ω|\\omega"
+MOVES = Pattern(
+    "%dotted_letter | %mark | \\dot | \\ddot | _ ~d | !-%small_letter d ~d? ~o ~t %ends"
+    " | !-%latin d ~d? < ~q | ~t ~h < ~e ~t ~a >? > ~%digit | ω | \\omega"
 )
 """What only lines about motions have."""
 
@@ -29,10 +31,10 @@ class BodiesAtRest(QuantitiesOfBodies):
     records = tuple(record for record in BODY_QUANTITIES if record.reaction)
 
     @classmethod
-    def is_told(cls, formulas: str) -> bool:
+    def is_told(cls, formulas: Lexemes) -> bool:
         """Whether an answer has forces in joints, a force at the tip, and nothing that moves."""
-        forces = JOINT_FORCE.search(formulas) and not MOMENT.search(formulas)
-        return bool(forces) and not MOVES.search(formulas)
+        forces = JOINT_FORCE.found_in(formulas) and not MOMENT.found_in(formulas)
+        return forces and not MOVES.found_in(formulas)
 
     @cached_property
     def _is_known(self) -> bool:

@@ -7,6 +7,7 @@ from typing import Any
 
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.grammar.lexemes import NOTHING, Lexemes
 from freebody.scalars.trig import Trig
 
 Named = tuple[tuple[str, ...], AskedQuantity]
@@ -22,13 +23,13 @@ class QuantityGroup:
         setting: RightEquations,
         letters: Mapping[str, tuple[str, ...]],
         based: bool,
-        formulas: str = "",
+        formulas: Lexemes = NOTHING,
     ):
         self.setting, self.letters, self.based = setting, letters, based
         self.formulas = formulas
 
     @classmethod
-    def is_told(cls, formulas: str) -> bool:
+    def is_told(cls, formulas: Lexemes) -> bool:
         """Whether an answer is about a group whose names mean other things elsewhere."""
         return bool(formulas)
 

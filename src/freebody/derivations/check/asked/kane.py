@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
@@ -10,15 +9,17 @@ from freebody.derivations.check.algebra.quotients import Value, pair
 from freebody.derivations.check.asked.bodies import QuantitiesOfBodies
 from freebody.derivations.check.asked.group import Named
 from freebody.derivations.check.asked.quantity import AskedQuantity, Mistaken, Table
+from freebody.derivations.grammar.lexemes import Lexemes
+from freebody.derivations.grammar.patterns import Pattern
 from freebody.derivations.grammar.words import PRIME
 from freebody.derivations.polynomials.symbols import RATE
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
-_NUMBER = r"\s?_?\s?\{?[\d₀-₉]{1,2}\}?"
-_TOLD = re.compile(
-    rf"(?<![A-Za-z])F{_NUMBER}['′]|[vω]\}}?\s?_?\{{?(?:c|G)[\d₀-₉]_?,?\s?[\d₀-₉]"
-    r"|∂\s?(?:\\(?:mathbf|boldsymbol)\{)?(?:v|ω|\\omega)"
+_TOLD = Pattern(
+    "!-%latin F _? {? < %digit | %low_digit >{1,2} }? %prime"
+    " | < v | ω > }? _? {? < c | G > < ~%digit | ~%low_digit > _? ,? < %digit | %low_digit >"
+    " | < ∂ | \\partial > < %font { >? < v | ω | \\omega >"
 )
 Slope = Callable[[], Trig]
 _LETTERS = ("vc", "vG", "omega", "w")
@@ -28,10 +29,10 @@ class KaneQuantities(QuantitiesOfBodies):
     """v_c2,1 and ω_2,1, the factors of a rate in velocities, and F_1 and F_1*, of open chains."""
 
     @classmethod
-    def is_told(cls, formulas: str) -> bool:
+    def is_told(cls, formulas: Lexemes) -> bool:
         """Whether an answer has v_c2,1, ∂v_c2/∂θ̇1 or F_1*. Elsewhere F_1 is a force and ω_21
         perhaps that of body 2 as seen from body 1."""
-        return _TOLD.search(formulas) is not None
+        return _TOLD.found_in(formulas)
 
     def single(self) -> Iterator[Named]:
         yield from self.entries_of(self._partials)

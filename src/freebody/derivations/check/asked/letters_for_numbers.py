@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Collection
 from dataclasses import replace
 from typing import Any
 
+from freebody.derivations.grammar.lexemes import Lexemes
+from freebody.derivations.grammar.patterns import Pattern
 from freebody.derivations.methods.free_body_steps import thrusts_of
 from freebody.model.bodies import Frame
 from freebody.model.model import Model
@@ -19,12 +20,12 @@ LETTERS = ("Ix", "Ixy", "Ixz", "Iy", "Iyz", "Iz")
 MASS, ARM = "m", "l"
 
 
-_LETTERED = re.compile(r"[IJ](?:_\{?[xyz]|[xyz]{1,2}(?![a-z]))")
+_LETTERED = Pattern("< I | J > < ~_ ~{? ~%axis | ~%axis{1,2} !~%small_letter >")
 
 
-def as_written(model: Model, text: str) -> Model:
-    """The model with letters for numbers where a text has such letters."""
-    return with_letters(model) if model.dim == 3 and _LETTERED.search(text) else model
+def as_written(model: Model, formulas: Lexemes) -> Model:
+    """The model with letters for numbers where an answer has such letters."""
+    return with_letters(model) if model.dim == 3 and _LETTERED.found_in(formulas) else model
 
 
 def with_letters(model: Model) -> Model:

@@ -2,38 +2,43 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Iterator
 
 from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.grammar.lexemes import Lexemes
+from freebody.derivations.grammar.patterns import Pattern
 from freebody.derivations.polynomials.symbols import symbols as symbols_of
 from freebody.model.model import Model
 from freebody.scalars.trig import Trig
 
 LOADS = {2: ("fx", "fy", "nz"), 3: ("fx", "fy", "fz", "nx", "ny", "nz")}
 """Force and moment at the tip, in the order of the Jacobian's rows."""
-_COMPONENT = re.compile(r"(?<![A-Za-z\\])(?:[Ff]_?\{?(?:[PpEe]|tip)?_?\{?[xyz]|[MnN]_?\{?[xyz])")
-_HAND = re.compile(r"(?<![A-Za-z\\])[aos]_?\{?[xyz]\}?\s{0,3}&?=")
+_POINT = "< ~P | ~p | ~E | ~e | ~t ~i ~p >"
+_COMPONENT = Pattern(
+    f"!-%latin < letter:< F | f > ~_? ~{{? {_POINT}? ~_? ~{{? | letter:< M | n | N > ~_? ~{{? >"
+    " ~%axis"
+)
+_HAND = Pattern("!-%latin < a | o | s > ~_? ~{? ~%axis ~}? &? =")
 """An axis of the hand: n_x beside it is one too."""
-_VECTOR = re.compile(r"(?<![A-Za-z\\])(?:[Ff](?:_?\{?(?:[PpEe]|tip)\}?)?|W)(?!\w)")
+_VECTOR = Pattern(f"!-%latin < < F | f > < ~_? ~{{? {_POINT} ~}}? >? | W > %ends !~_")
 """A force without its components: in an answer with the Jacobian."""
-JOINT_FORCE = re.compile(r"(?<![A-Za-z\\])(?:f|\\(?:mathbf|boldsymbol|vec)\{f\})_?\{?[0-9₀-₉]")
+JOINT_FORCE = Pattern("< !-%latin f | %font { f } > ~_? ~{? < ~%digit | ~%low_digit >")
 """The force in a joint, f_12."""
-MOMENT = re.compile(r"(?<![A-Za-z\\])[MnN]_?\{?[xyz]")
+MOMENT = Pattern("!-%latin < M | n | N > ~_? ~{? ~%axis")
 """A moment at the tip."""
 _SPELT = {"f": ("f", "F", "fP", "FP", "fE", "FE", "fe", "Fe", "ftip", "Ftip"), "n": ("n", "M", "N")}
 VECTORS = tuple(name for name in _SPELT["f"] if not name.endswith("tip"))
 
 
-def named_in(model: Model, text: str) -> tuple[str, ...]:
-    """Symbols for the load on the tip, where a text has one."""
+def named_in(model: Model, formulas: Lexemes) -> tuple[str, ...]:
+    """Symbols for the load on the tip, where an answer has one."""
     names = LOADS[model.dim]
     if model.tip is None or model.loops or any(body.kind.quaternion for body in model.bodies):
         return ()
-    components = (x[0] for x in _COMPONENT.finditer(text))
-    beside = "J" in text or JOINT_FORCE.search(text)
-    if not any(x[0] != "n" or not _HAND.search(text) for x in components) and not (
-        beside and _VECTOR.search(text)
+    letters = {x["letter"] for x in _COMPONENT.all(formulas)}
+    beside = "J" in formulas.places or JOINT_FORCE.found_in(formulas)
+    if letters <= ({"n"} if _HAND.found_in(formulas) else set()) and not (
+        beside and _VECTOR.found_in(formulas)
     ):
         return ()
     slides = {f"f{x}" for x in symbols_of(model).coordinates}  # of a cart the drive's own force

@@ -3,7 +3,6 @@ A ẋ = B q̇."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Mapping
 
 from freebody.derivations.check.algebra.quotients import Value, negative, over
@@ -14,6 +13,8 @@ from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity, Ta
 from freebody.derivations.closed_chains.input_output import ROWS, ClosedInputOutput
 from freebody.derivations.closed_chains.linear import Entries
 from freebody.derivations.equations.kinematics import Kinematics
+from freebody.derivations.grammar.lexemes import Lexemes
+from freebody.derivations.grammar.patterns import Pattern
 from freebody.derivations.polynomials.arithmetic import inner
 from freebody.derivations.polynomials.symbols import RATE
 from freebody.errors import FreebodyError
@@ -21,11 +22,13 @@ from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 FAMILY = "parallel"
-_END = r"(?![A-Za-z0-9_])\}{0,2}"
 _PAIRS = {
-    ("Ja", "Jb"): (rf"J_?\{{?(?:\\mathrm\{{)?a{_END}", rf"J_?\{{?(?:\\mathrm\{{)?b{_END}"),
-    ("Jx", "Jq"): (rf"J_?\{{?(?:\\mathrm\{{)?x{_END}", rf"J_?\{{?(?:\\mathrm\{{)?[qθ]{_END}"),
-    ("A", "B"): (r"(?<![A-Za-z\\])A(?![A-Za-z0-9_])\}?", r"(?<![A-Za-z\\])B(?![A-Za-z0-9_])\}?"),
+    ("Ja", "Jb"): tuple(f"J _? {{? < \\mathrm {{ >? {x} !~%no_end }}{{0,2}}" for x in "ab"),
+    ("Jx", "Jq"): (
+        "J _? {? < \\mathrm { >? x !~%no_end }{0,2}",
+        "J _? {? < \\mathrm { >? < q | θ > !~%no_end }{0,2}",
+    ),
+    ("A", "B"): tuple(f"!-%latin {x} !~%no_end }}?" for x in "AB"),
 }
 """Names of both matrices, and how they are written."""
 _OF_OTHER = "This is the entry of the other matrix: {} stands with the rates of {}."
@@ -36,24 +39,26 @@ class ParallelQuantities(QuantityGroup):
     """J_a, J_b, their determinants, and J = -J_a⁻¹ J_b."""
 
     @classmethod
-    def is_told(cls, formulas: str) -> bool:
+    def is_told(cls, formulas: Lexemes) -> bool:
         """Whether an answer is about J_a and J_b by these names, or has A ẋ = B θ̇."""
         *pairs, (A, B) = _PAIRS.values()
-        told = any(re.search("|".join(x), formulas) for x in pairs)
-        return told or re.search(rf"{A}[^=\n]{{1,60}}=[^=\n]{{0,9}}{B}", formulas) is not None
+        told = any(Pattern(x).found_in(formulas) for pair in pairs for x in pair)
+        return told or Pattern(f"{A} %not_equals{{1,40}} = %not_equals{{0,6}} {B}").found_in(formulas)
 
     @cached_property
     def _names(self) -> tuple[str, str]:
-        return next(x for x, own in _PAIRS.items() if re.search("|".join(own), self.formulas))
+        told = (x for x, own in _PAIRS.items() for y in own if Pattern(y).found_in(self.formulas))
+        return next(told)
 
     @cached_property
     def _sign(self) -> int:
         """1 of J_a ẋ + J_b θ̇ = 0, -1 of J_a ẋ = J_b θ̇, 0 where the answer says neither."""
         a, b = _PAIRS[self._names]
-        inverse = r"\s?(?:⁻¹|\^\s?\{?\s?[-−]\s?1\s?\}?)\s?"
-        if re.search(rf"{a}[^=\n]{{0,40}}=[\s&]*{b}|=[\s&]*{a}{inverse}{b}", self.formulas):
+        ways = f"{a} %not_equals{{0,30}} = &? {b} | = &? {a} @inverse {b}"
+        if Pattern(ways).found_in(self.formulas):
             return -1
-        return int(re.search(rf"{a}[^\n]{{0,60}}[-−+=\s]{b}", self.formulas) is not None)
+        sum_of_both = f"{a} %any{{0,40}} < %joins {b} | %apart {b} >"
+        return int(Pattern(sum_of_both).found_in(self.formulas))
 
     @cached_property
     def _found(self) -> ClosedInputOutput | None:
@@ -139,7 +144,7 @@ class ParallelQuantities(QuantityGroup):
                 found[name + INVERSE] = inverse(self.setting, rows, _shown(name))
         tip = [[self._rate_of_tip(k, row)] for k, row in enumerate(self._found.rows, 1)]
         driven = [[self._rate(k, x + RATE)] for k, x in enumerate(self._found.driven, 1)]
-        of_all = re.search(r"Φ|\\Phi", self.formulas)  # q̇ of Φ_q q̇
+        of_all = not {"Φ", "\\Phi"}.isdisjoint(self.formulas.places)  # q̇ of Φ_q q̇
         letters = {"x": tip, "X": tip, "p": tip, "t": tip, "theta": driven, "Theta": driven}
         for letter, column in (letters if of_all else {**letters, "q": driven}).items():
             found |= dict.fromkeys(spellings(letter, "", 1), column)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
@@ -12,12 +11,14 @@ from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.closed_chains.first_kind import Reduction
+from freebody.derivations.grammar.lexemes import Lexemes
+from freebody.derivations.grammar.patterns import Pattern
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
-_N = re.compile(r"(?<![A-Za-z\\])N(?![A-Za-z])")
-_BOTH = re.compile(r"(?<![A-Za-z\\])H_?\{?\s?[1-9₁-₉](?s:.*)(?<![A-Za-z\\])M_?\{?\s?[1-9₁-₉]")
+_N = Pattern("!-%latin N !~%latin")
+_H, _M = (Pattern(f"!-%latin {letter} _? {{? < %counted | %low_digit >") for letter in "HM")
 
 
 class ReducedQuantities(QuantityGroup):
@@ -48,7 +49,7 @@ class ReducedQuantities(QuantityGroup):
             return found
         own = [k + 1 for k in self._reduction.independent]
         N = [[self._entry(k, j) for j in range(1, len(own) + 1)] for k in self.numbers]
-        found |= {"N": N, **({"gamma": self._drift} if _N.search(self.formulas) else {})}
+        found |= {"N": N, **({"gamma": self._drift} if _N.found_in(self.formulas) else {})}
         for dots, ending in enumerate(("", RATE, SECOND)):
             names = [self.setting.symbols.coordinates[k - 1] + ending for k in own]
             column = [
@@ -102,9 +103,10 @@ class ReducedMass(QuantityGroup):
     """H_ij of NᵀM N, in answers that call it H and that of the cut chain M."""
 
     @classmethod
-    def is_told(cls, formulas: str) -> bool:
+    def is_told(cls, formulas: Lexemes) -> bool:
         """Whether both are in it."""
-        return _BOTH.search(formulas) is not None
+        first = next(_H.all(formulas), None)
+        return first is not None and _M.found_in(formulas, first.stop)
 
     def single(self) -> Iterator[Named]:
         reduction = reduction_of(self.setting)

@@ -3,7 +3,6 @@ and the ways along bodies."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
@@ -12,6 +11,8 @@ from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.expressions.printed_names import vec
+from freebody.derivations.grammar.lexemes import Lexemes
+from freebody.derivations.grammar.patterns import Pattern
 from freebody.derivations.grammar.words import spelt
 from freebody.derivations.methods.cut_loops import Loops
 from freebody.derivations.methods.loop_forces import LoopForces, LoopReactions, needs_of
@@ -22,7 +23,7 @@ from freebody.derivations.relations.quantities import branches
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
-_SYSTEM = re.compile(r"(?<![A-Za-z\\])A\s*(?:λ|\\(?:boldsymbol\{\\)?lambda)")
+_SYSTEM = Pattern("!-%latin A < λ | \\lambda | %font { < \\lambda | λ > >")
 _Told = tuple[Expression, Iterable[Any], int, str]
 """Name, components, body and words."""
 
@@ -95,9 +96,9 @@ class LoopForceSystem(QuantityGroup):
     """A λ = k, the equations of the passive joints for the multipliers."""
 
     @classmethod
-    def is_told(cls, formulas: str) -> bool:
+    def is_told(cls, formulas: Lexemes) -> bool:
         """Whether an answer has A λ."""
-        return _SYSTEM.search(formulas) is not None
+        return _SYSTEM.found_in(formulas)
 
     def single(self) -> Iterator[Named]:
         for i, (x,) in enumerate(self._tables.get("k", []), 1):

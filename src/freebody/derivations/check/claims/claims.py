@@ -3,7 +3,6 @@ it."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NoReturn
@@ -22,12 +21,12 @@ from freebody.derivations.check.reading.answer_lines import DocumentReader, Line
 from freebody.derivations.check.reading.circular_answers import refuse_circles
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reading.vocabulary import Vocabulary
-from freebody.derivations.check.spelling.answer_text import AnswerError
-from freebody.derivations.check.spelling.formula_spellings import respelt
+from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerText
 from freebody.derivations.check.verdict import UnreadEquation
 from freebody.derivations.check.verdicts import singular_poses
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import Token
+from freebody.derivations.grammar.patterns import Pattern
 from freebody.derivations.grammar.source import Source
 from freebody.derivations.notations.notation import BookNotation
 from freebody.errors import FreebodyError, listed
@@ -54,13 +53,13 @@ def statements(
     at: Mapping[str, Any] | str | None = None,
 ) -> Statements:
     """All that an answer states; at: the state of its numbers."""
+    formulas = AnswerText(document.formulas).lexemes
     coefficients = (
         setting.turned is None
         and not any("h" in letters for letters in notation.letters.values())
-        and re.search(r"(?<![A-Za-z\\])h(?![a-z])", document.formulas)
+        and any(_COEFFICIENTS.all(formulas))
     )
-    formulas = respelt(document.formulas)
-    framed = not set(words.FRAMES).isdisjoint(formulas)
+    framed = "%frame" in formulas.places
     targets = Targets(
         setting, bool(coefficients), notation.all_letters, framed=framed, formulas=formulas
     )
@@ -207,22 +206,25 @@ def _unused(source: Source, own: Sequence[Line], lines: Sequence[Line]) -> tuple
 
 def _new_names(source: Source, pieces: Sequence[FormulaPiece], vocabulary: Vocabulary) -> list[str]:
     """Names before a = that mean nothing else: the user introduces them."""
+    lexemes = source.lexemes
+    places = {lexemes.at(piece.start) for piece in pieces}
+    places |= {match.stop for match in _BEFORE_NAME.all(lexemes)}
     found = []
-    begun = [m for x in pieces if (m := _OWN_NAME.match(source.text, x.start, x.end))]
-    for match in [*begun, *_NEXT_OWN_NAME.finditer(source.text)]:
+    for k in sorted(places | {0}):
+        k = _ALIGNED.end(lexemes, k)
+        if k >= len(lexemes) or lexemes[k].text == "_" or not words.begins(lexemes[k]):
+            continue
         try:
-            word = words.spell(source, match.start(1))
+            word = words.spell(source, k)
         except FreebodyError:  # told where the line is read
             continue
-        alone = not source.text[word.end : match.end(1)].strip()
-        if alone and vocabulary.cut(source, word) is None:
+        if _IS.at(lexemes, word.at) and vocabulary.cut(source, word) is None:
             found.append(word.plain)
     return found
 
 
-_NAME_AND_EQUALS = (
-    r"[^\S\n]*(?:&\s*)?((?:[^\W\d_]|\\[a-zA-Z])(?:\^\s?\{?\s?\*|[^=\n;,&+*/()-]){0,40}?)"
-    r"(?:\s{0,9}&)?\s{0,9}=(?!=)"
-)
-_OWN_NAME = re.compile(_NAME_AND_EQUALS)
-_NEXT_OWN_NAME = re.compile(rf"(?:^|[,;]|\\\\){_NAME_AND_EQUALS}", re.MULTILINE)
+_BEFORE_NAME = Pattern("%line | , | ; | %row")
+_ALIGNED = Pattern("&?")
+_IS = Pattern("&? =")
+_COEFFICIENTS = Pattern("!-%latin h !~%small_letter")
+"""h, h_112 of the notes' form."""

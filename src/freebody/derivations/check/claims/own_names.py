@@ -137,11 +137,12 @@ def _rates(vocabulary: Vocabulary, value: Value) -> Iterator[Trig]:
 def _plain(name: str) -> str:
     """The plain spelling of a name."""
     source = AnswerText.of(name.strip())
-    if not source.text or not (source.text[0] in words.STARTS or source.text[0] == "\\"):
+    items = source.lexemes.items
+    if not items or not (words.begins(items[0]) or items[0].kind == "command"):
         raise AnswerError(f"names: {name!r} is not a name")
     word = words.spell(source, 0)
     if word.plain in words.COMMAND_NAMES:  # ell is \\ell
         return words.COMMAND_NAMES[word.plain]
-    if word.end != len(source.text):
+    if word.at != len(items):
         raise AnswerError(f"names: {name!r} is not a single name")
     return word.plain

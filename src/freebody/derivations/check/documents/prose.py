@@ -6,19 +6,19 @@ holds no equals sign and does not begin with an operator, as what continues an e
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from unicodedata import category
 
+from freebody.derivations.grammar.lexemes import Lexemes
+from freebody.derivations.grammar.patterns import Match, Pattern
 from freebody.derivations.grammar.source import Span
 
-_WORD = re.compile(r"(?<![\w\\^{/])[^\W\d_]{2,}(?:[-'’][^\W\d_]+)*(?![\w(\u0300-\u036f])")
-_END = re.compile(r"[,;()\[\]{}]|[.:](?=\s|$)")
-_EQUALS = re.compile(r"(?<![<>!:=])=")
-_LAST_NAME = re.compile(r"[^\W\d_]\w{0,40}\s{0,3}$")
-_IN_FORMULAS = re.compile(r"[+*/^\\·×=∂]|\s[-−–]\s|\w\(")
-_OPERATORS = "+-−–*·×/="
+_WORDS = Pattern("@words")
+_EQUALS = Pattern("< = | == >")
+_OPERATORS = frozenset("+-−–*·×/=")
+_BRACKETS = {"(": 1, "[": 1, "{": 1, ")": -1, "]": -1, "}": -1}
+_IN_FORMULAS = Pattern("%in_formulas | %apart < %minus | – > %apart | -%name ~(")
 
 
 @dataclass(frozen=True)
@@ -38,53 +38,86 @@ class Sentence:
         return self.kept == self.end
 
 
-def sentences(text: str, line: Span, is_name: Callable[[str], bool]) -> Iterator[Sentence]:
+def sentences(
+    text: str, lexemes: Lexemes, line: Span, is_name: Callable[[range], bool]
+) -> Iterator[Sentence]:
     """The stretches of a line that words stand in, without the words in front of equations."""
-    for start, end in _stretches(text, line):
+    for within, start, end in _stretches(lexemes, line):
         words = [
-            match.span()
-            for match in _WORD.finditer(text, start, end)
-            if _is_word(match[0]) and not all(map(is_name, match[0].split("-")))
+            range(match.start, match.stop)
+            for match in _WORDS.all(lexemes, within.start, within.stop)
+            if _is_word(match) and not all(map(is_name, _parts(match)))
         ]
-        if not words or "#" in text[line[0] : words[0][0]]:
+        if not words or "#" in text[line[0] : lexemes[words[0].start].start]:
             continue
-        equals = _EQUALS.search(text, start, end)
+        equals = next(_EQUALS.all(lexemes, within.start, within.stop), None)
         if equals is None:
-            if text[start:end].lstrip()[:1] not in _OPERATORS:
+            if lexemes[within.start].text not in _OPERATORS:
                 stop = end + (text[end : end + 1] in (".", ":"))
                 yield Sentence(start, stop, stop, True)
             continue
-        name = _LAST_NAME.search(text, start, equals.start())
-        limit = name.start() if name else equals.start()
-        before = [b for a, b in words if a < limit]
-        if before and _is_formula(text, start, before[-1]):
+        before = [x.stop for x in words if x.start < _last_name(lexemes, within, equals.start)]
+        if before and _is_formula(lexemes, within.start, before[-1]):
             before = []
-        behind = any(a > equals.start() for a, _ in words)
+        behind = any(x.start > equals.start for x in words)
         if before or behind:
-            yield Sentence(start, before[-1] if before else start, end, bool(before), behind)
+            kept = lexemes[before[-1] - 1].end if before else start
+            yield Sentence(start, kept, end, bool(before), behind)
 
 
-def _is_word(text: str) -> bool:
+def _parts(match: Match) -> Iterator[range]:
+    """The words between hyphens."""
+    start = match.start
+    for k in range(match.start, match.stop):
+        if match.lexemes[k].text == "-":
+            yield range(start, k)
+            start = k + 1
+    yield range(start, match.stop)
+
+
+def _is_word(match: Match) -> bool:
     """Whether it is made of letters alone: no superscripts, such as that of a transpose."""
-    return all((c.isalpha() and category(c) != "Lm") or c in "-'’" for c in text)
+    items = match.lexemes[match.start : match.stop]
+    return all(category(x.text) != "Lm" for x in items if x.kind == "letter")
 
 
-def _is_formula(text: str, start: int, end: int) -> bool:
+def _last_name(lexemes: Lexemes, within: range, k: int) -> int:
+    """Where the name begins that stands right before a lexeme, or that lexeme."""
+    first = k
+    while first > within.start and (
+        lexemes[first - 1].kind in ("letter", "digit", "low", "command")
+        or lexemes[first - 1].text == "_"
+    ):
+        first -= 1
+        if lexemes[first].apart:
+            break
+    return first
+
+
+def _is_formula(lexemes: Lexemes, start: int, stop: int) -> bool:
     """Whether an operator among or behind words tells that they are part of a formula."""
-    behind = text[end : end + 80].lstrip()[:1]
-    return bool(_IN_FORMULAS.search(text, start, end)) or (behind != "" and behind in _OPERATORS)
+    behind = stop
+    while behind < len(lexemes) and lexemes[behind].kind == "line":
+        behind += 1
+    among = next(_IN_FORMULAS.all(lexemes, start, stop), None)
+    return among is not None or (behind < len(lexemes) and lexemes[behind].text in _OPERATORS)
 
 
-def _stretches(text: str, line: Span) -> Iterator[Span]:
-    """A line cut at commas, semicolons and stops outside of brackets."""
-    depth, start = 0, line[0]
-    for match in _END.finditer(text, *line):
-        mark = match[0]
-        if mark in "([{":
-            depth += 1
-        elif mark in ")]}":
-            depth -= 1
-        elif depth <= 0:
-            yield start, match.start()
-            start = match.end()
-    yield start, line[1]
+def _stretches(lexemes: Lexemes, line: Span) -> Iterator[tuple[range, int, int]]:
+    """A line cut at commas, semicolons and stops outside of brackets: the lexemes of each piece,
+    and where it begins and ends."""
+    depth, start, within = 0, line[0], lexemes.between(*line)
+    first = within.start
+    for k in within:
+        x = lexemes[k]
+        if x.text in _BRACKETS:
+            depth += _BRACKETS[x.text]
+        elif depth <= 0 and (x.text in (",", ";") or (x.text in (".", ":") and _stops(lexemes, k))):
+            yield range(first, k), start, x.start
+            first, start = k + 1, x.end
+    yield range(first, within.stop), start, line[1]
+
+
+def _stops(lexemes: Lexemes, k: int) -> bool:
+    """Whether a blank or the end of the line follows."""
+    return k + 1 >= len(lexemes) or lexemes[k + 1].apart or lexemes[k + 1].kind == "line"

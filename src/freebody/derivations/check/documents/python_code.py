@@ -12,8 +12,8 @@ from freebody.derivations.check.documents.answer_document import (
     FormulaPiece,
     plain_characters,
 )
-from freebody.derivations.check.spelling.formula_spellings import FILL
 from freebody.derivations.grammar.source import Span
+from freebody.derivations.grammar.tables.characters import FILL
 
 _ASSIGNED = re.compile(
     r"[ \t]{0,12}([A-Za-z_]\w{0,60}\x1f*)[ \t]*(?::[^=\n]{0,40})?([-+*/]{0,2}=)(?!=)"

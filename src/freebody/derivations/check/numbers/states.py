@@ -3,7 +3,6 @@ or given by at=."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -20,7 +19,8 @@ from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerT
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import tokens
-from freebody.derivations.grammar.source import Source
+from freebody.derivations.grammar.patterns import Pattern
+from freebody.derivations.grammar.source import Source, Span
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.errors import FreebodyError
 from freebody.identifiers import word_set
@@ -28,27 +28,18 @@ from freebody.model.parameter_formulas import inertial_names
 from freebody.outputs.display import counted
 from freebody.outputs.numbers import shortest
 
-_PI = r"(?:\\pi(?![a-zA-Z])|pi(?!\w)|π)"
-_DIGITS = r"(?:\d{1,30}(?:\.\d{1,30})?|\.\d{1,30})(?:[eE][-+]?\d{1,3})?"
-_TIMES = r"\s?(?:[*/·×]|\\cdot|\\times)\s?"
-VALUE = re.compile(
-    rf"[-+−–]?\s?(?:{_DIGITS}|{_PI}|\\[dt]?frac\s?\{{[^{{}}]{{1,12}}\}}\s?\{{[^{{}}]{{1,12}}\}})"
-    rf"(?:{_TIMES}(?:{_DIGITS}|{_PI})|\s?{_PI})*"
+_VALUE = Pattern("@value")
+_BETWEEN = Pattern("< & | %line >*")
+_EQUALS = Pattern("< & | %line >* = < & | %line >*")
+_OPENING = Pattern("( | [ | %begin")
+_CLOSING = Pattern("< ) | ] | %end > ᵀ?")
+_SEPARATOR = Pattern("< %line | & | , | ; | %row >*")
+_GOES_ON = Pattern("~%name_or_power | ~( | ~_ | %joining | %minus ~")
+_AT_REST = Pattern(
+    "still:< < In | in >? static? equilibrium | < Held | held > < still | at rest > > | at? rest"
 )
-"""A number as one writes it for an angle: -0.5, π/4, 3π/4, \\frac{\\pi}{2}."""
-_BLANK = re.compile(r"(?:[\s~$&]|\\[,;:! ()\[\]])*")
-_EQUALS = re.compile(r"(?:[\s~$&]|\\[,;:! ])*=(?!=)(?:[\s~$&]|\\[,;:! ])*")
-_OPENING = re.compile(r"(?:\\left\s?)?[\[(]|\\begin\s?\{\w?matrix\}")
-_CLOSING = re.compile(
-    r"(?:[\s~]|\\[,;:! ])*(?:(?:\\right\s?)?[\])]|\\end\s?\{\w?matrix\})(?:\s?ᵀ)?\x1f*"
-)
-_SEPARATOR = re.compile(r"(?:[\s~&,;]|\\\\|\\[,;:! ])*")
-_GOES_ON = re.compile(r"[\w(_]|\s?(?:[+*/^·×]|[-−](?!\s)|\\(?:cdot|times))")
-_AT_REST = re.compile(
-    r"(?P<still>(?:[Ii]n\s)?(?:static\s)?equilibrium\b|[Hh]eld\s(?:still|at\srest)\b)|(?:at\s)?rest\b"
-)
-_COMMA = re.compile(r",\d")
-_NEXT = re.compile(r"(?:[\s~$]|\\[,;:! ()])*(?:,|;|and(?![\w]))?(?:[\s~$]|\\[,;:! ()])*(?:and\s)?")
+_COMMA = Pattern("~, ~%digit")
+_NEXT = Pattern("%line* < , | ; | and >? %line* and?")
 
 
 @dataclass(frozen=True)
@@ -71,7 +62,6 @@ NO_STATE = word_set(
     "not except unless never near minus plus twice half delta δ cot sec csc exp log ln"
 )
 """Words after which a value is not that of the coordinate that follows."""
-_COMMAND = re.compile(r"\\([A-Za-z]+)")
 _Item = TypeVar("_Item")
 
 
@@ -113,8 +103,12 @@ class StateReader:
     def _of_text(self, text: str) -> State:
         source = AnswerText.of(text)
         found, end = self.list_at(source, 0)
-        if not found or source.text[end:].strip(" \n.,;$"):
-            name = source.text[end:].partition("=")[0].strip(" ,;\n") or text
+        rest = [
+            x for x in source.lexemes[end:] if x.kind != "line" and x.text not in (".", ",", ";")
+        ]
+        if not found or rest:
+            begun = source.text[rest[0].start :] if found else text
+            name = begun.partition("=")[0].strip(" ,;\n") or text
             raise AnswerError(
                 f"at: {name[:40]!r} gives no symbol of {self._model.name!r} a value",
                 f"Write, for example, theta1 = 30 deg, theta1_d = 2 rad/s. Symbols: "
@@ -135,88 +129,89 @@ class StateReader:
 
     # ------------------------------------------------------------ text
     def list_at(self, source: Source, at: int) -> tuple[dict[str, GivenValue], int]:
-        """The assignments that stand there, and where the last one ends; none: {} and `at`."""
+        """The assignments that stand there, and the lexeme behind the last one; none: {} and
+        `at`."""
         found: dict[str, GivenValue] = {}
         end = at
         while (one := self._one(source, at)) is not None:
             values, end = one
             _join(found, values)
-            at = _after(_NEXT, source.text, end)
+            at = _NEXT.end(source.lexemes, end)
         return found, end
 
     def _one(self, source: Source, at: int) -> tuple[dict[str, GivenValue], int] | None:
         """θ1 = θ2 = 30°, at rest, or in equilibrium, where nothing is accelerated either."""
-        rest = _AT_REST.match(source.text, _after(_BLANK, source.text, at))
+        lexemes = source.lexemes
+        rest = _AT_REST.at(lexemes, _BETWEEN.end(lexemes, at))
         if rest:
-            zero = (RATE, SECOND) if rest["still"] else (RATE,)
+            zero = (RATE, SECOND) if "still" in rest else (RATE,)
             coordinates = self.vocabulary.setting.symbols.coordinates
             moving = (x + dot for x in coordinates for dot in zero)
-            return dict.fromkeys(moving, GivenValue(0.0, 0.0)), rest.end()
+            return dict.fromkeys(moving, GivenValue(0.0, 0.0)), rest.stop
         names: list[list[str]] = []
-        while (named := self._named(source, _after(_BLANK, source.text, at))) is not None:
+        while (named := self._named(source, _BETWEEN.end(lexemes, at))) is not None:
             own, end = named
-            equals = _EQUALS.match(source.text, end)
+            equals = _EQUALS.at(lexemes, end)
             if equals is None:
                 break
-            names, at = [*names, own], equals.end()
+            names, at = [*names, own], equals.stop
         found = self._values(source, at, max(map(len, names))) if names else None
         if found is None:
             return None
         values, end = found
-        behind = self._names(source, _after(_BLANK, source.text, end))
-        if _GOES_ON.match(source.text, end) or (
-            behind and not _EQUALS.match(source.text, behind[1])
-        ):
+        behind = self._names(source, _BETWEEN.end(lexemes, end))
+        if _GOES_ON.at(lexemes, end) or (behind and not _EQUALS.at(lexemes, behind[1])):
             return None  # θ1 = 2 θ2
         state = {x: given for own in names for x, given in zip(own, values, strict=False)}
+        span = _span(source, at, end)
         for name, given in state.items():
-            self._refuse_unit(source, name, given, (at, end))
+            self._refuse_unit(source, name, given, span)
             if given.value < 0 and (what := inertial_names(self._model).get(name)):
-                source.fail(f"{sym(name)} is negative; a {what} is never negative", (at, end))
+                source.fail(f"{sym(name)} is negative; a {what} is never negative", span)
         return state, end
 
     def _named(self, source: Source, at: int) -> tuple[list[str], int] | None:
-        """The generators that a name, or a list of names, stands for, and where it ends."""
+        """The generators that a name, or a list of names, stands for, and the lexeme behind it."""
         several = _listed(source, at, lambda k: self._names(source, k))
         if several is None:
             return self._names(source, at)
         return [name for own in several[0] for name in own], several[1]
 
     def _values(self, source: Source, at: int, count: int) -> tuple[list[GivenValue], int] | None:
-        """A value for each of some symbols, or one for all, and where it ends: 30°, [30, 45]°."""
+        """A value for each of some symbols, or one for all, and the lexeme behind it: 30°,
+        [30, 45]°."""
         several = _listed(source, at, lambda k: self._value(source, k))
         if several is None:
-            number = VALUE.match(source.text, at)
-            if number and _COMMA.match(source.text, number.end()):
-                source.fail("a decimal comma: write a point", (at, number.end() + 2))
+            number = _VALUE.at(source.lexemes, at)
+            if number and _COMMA.at(source.lexemes, number.stop):
+                source.fail("a decimal comma: write a point", _span(source, at, number.stop + 2))
             one = self._value(source, at)
             return one and ([one[0]] * count, one[1])
         values, end = several
         if len(values) != count:
             given = counted(len(values), "value")
-            source.fail(f"{given} for {counted(count, 'symbol')}", (at, end))
-        unit = unit_at(source.text, end)
+            source.fail(f"{given} for {counted(count, 'symbol')}", _span(source, at, end))
+        unit = unit_at(source.lexemes, end)
         if unit is None or any(x.unit for x in values):
             return values, end
         return [GivenValue(x.written * unit[0].factor, x.written, unit[0]) for x in values], unit[1]
 
     def _value(self, source: Source, at: int) -> tuple[GivenValue, int] | None:
-        """A number with its unit, and where it ends."""
-        value = VALUE.match(source.text, at)
-        number = self._number(source, value.span()) if value else None
+        """A number with its unit, and the lexeme behind it."""
+        value = _VALUE.at(source.lexemes, at)
+        number = self._number(source, value.span) if value else None
         if value is None or number is None:
             return None
-        unit = unit_at(source.text, value.end())
+        unit = unit_at(source.lexemes, value.stop)
         given = GivenValue(number * (unit[0].factor if unit else 1.0), number, unit and unit[0])
-        return given, unit[1] if unit else value.end()
+        return given, unit[1] if unit else value.stop
 
     def _names(self, source: Source, at: int) -> tuple[list[str], int] | None:
-        """The generators that a name stands for, q̇ for all rates, and where it ends."""
-        text = source.text
-        if not (text[at : at + 1] == "\\" or text[at : at + 1] in words.STARTS):
+        """The generators that a name stands for, q̇ for all rates, and the lexeme behind it."""
+        lexemes = source.lexemes
+        if at >= len(lexemes) or not words.begins(x := lexemes[at]):
             return None
-        command = _COMMAND.match(text, at)
-        if command and {command[1], command[1].lower()} & {*self.vocabulary.functions, *NO_STATE}:
+        if {x.command, x.command.lower()} & {*self.vocabulary.functions, *NO_STATE}:
             return None  # \cos θ₂
         try:
             word = words.spell(source, at)
@@ -229,7 +224,7 @@ class StateReader:
             values = [row[0].compute() for row in table]
         names = [generator(value) for value in values]
         own = [name for name in names if name]
-        return (own, word.end) if own and len(own) == len(names) else None
+        return (own, word.at) if own and len(own) == len(names) else None
 
     def _number(self, source: Source, span: tuple[int, int]) -> float | None:
         try:
@@ -258,16 +253,23 @@ class StateReader:
 def _listed(
     source: Source, at: int, read: Callable[[int], tuple[_Item, int] | None]
 ) -> tuple[list[_Item], int] | None:
-    """What stands between brackets, piece by piece, and where it ends."""
-    opened = _OPENING.match(source.text, at)
+    """What stands between brackets, piece by piece, and the lexeme behind it."""
+    lexemes = source.lexemes
+    opened = _OPENING.at(lexemes, at)
     if opened is None:
         return None
-    found, at = list[_Item](), opened.end()
-    while (one := read(_after(_SEPARATOR, source.text, at))) is not None:
+    found, at = list[_Item](), opened.stop
+    while (one := read(_SEPARATOR.end(lexemes, at))) is not None:
         found.append(one[0])
         at = one[1]
-    closed = _CLOSING.match(source.text, at)
-    return (found, closed.end()) if closed and found else None
+    closed = _CLOSING.at(lexemes, at)
+    return (found, closed.stop) if closed and found else None
+
+
+def _span(source: Source, start: int, stop: int) -> Span:
+    """Where some lexemes stand in the text."""
+    lexemes = source.lexemes
+    return lexemes[start].start, lexemes[min(stop, len(lexemes)) - 1].end
 
 
 def _join(found: dict[str, GivenValue], values: State) -> None:
@@ -277,8 +279,3 @@ def _join(found: dict[str, GivenValue], values: State) -> None:
                 f"{sym(name)} is given twice, {_with_unit(found[name])} and {_with_unit(given)}"
             )
         found[name] = given
-
-
-def _after(pattern: re.Pattern[str], text: str, at: int) -> int:
-    match = pattern.match(text, at)
-    return match.end() if match else at

@@ -3,7 +3,6 @@ and states are noted and taken away; the numbers stay."""
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 
 from freebody.derivations.check.documents.answer_document import AnswerDocument, Blanks
@@ -17,52 +16,43 @@ from freebody.derivations.check.numbers.states import (
 from freebody.derivations.check.numbers.units import unit_of_quantity
 from freebody.derivations.check.numbers.written_units import WrittenUnit, unit_at
 from freebody.derivations.check.spelling.answer_text import AnswerText
-from freebody.derivations.check.spelling.equation_marks import asked_marks
-from freebody.derivations.check.spelling.formula_spellings import FILL, respelt
+from freebody.derivations.check.spelling.equation_marks import asked_marks, quantity_before
+from freebody.derivations.grammar.lexemes import Lexemes
+from freebody.derivations.grammar.patterns import Match, Pattern
 from freebody.derivations.grammar.source import Span
+from freebody.derivations.grammar.tables.characters import FILL
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 
-_RESULT = re.compile(
-    r"(?:(?<![\w.^_,])(?:\d{1,30}(?:[.,]\d{0,30})?|\.\d{1,30})(?:[eE][-+]?\d{1,3})?|[\])]"
-    r"|\\end\s?\{\w?matrix\}(?:\s?\\right\s?[\])])?)(?=(?:[\s~$]|\\[,;:! )]){0,4}"
-    r"(?P<pm>(?:±|\\pm|\+/-|\+-)\s?(?P<within>\d{1,30}(?:\.\d{0,30})?))?)"
+_RESULT = Pattern(
+    "number:< !-%no_result_behind @result_number | %list_end | %end < ] | ) >? > pm:@tolerance?"
 )
 """The end of a number or of a vector, and a tolerance behind it."""
-_STILL = r"in\s(?:static|equilibrium)|held\s"
-_CLAUSE = re.compile(
-    r"(?:[\s~$]|\\[,;:! ()\]]|\\(?:text|mbox|textrm)\s?\{)*"
-    rf"(?:,?\s?(?:(?:at|for|when|where|with|if)\b|(?={_STILL}))|[@,;(])[\s~}}$]*"
+_CLAUSE = Pattern(
+    "< %line | %text_font { >* < ,? < @keyword | &@still > | @ | , | ; | begun:( > < } | %line >*"
 )
-_SENTENCE = re.compile(
-    r"(?:^|(?<=[.:;]\s))[^\S\n]{0,12}(?:(?:[-*>]|\(?\w{1,2}[.)])[^\S\n]{1,4})?(?:\*\*|__)?",
-    re.MULTILINE,
+_SENTENCE = Pattern(
+    "< %first | --%stop %apart > < < - | * | %quote > %apart"
+    " | (? %name ~%name? < . | ) > %apart >? < %strong | _ ~_ >?"
 )
-_WORD = re.compile(r"[^\W\d_]{1,20}[,:]?(?:\*\*|__)?(?=\s?[$\s])[^\S\n]?")
+_WORD = Pattern(
+    "word:< %letter ~%letter{0,19} > < ~, | ~: >? < ~%strong | ~_ ~_ >? < %apart | %last | &%line >"
+)
 _MOST_WORDS = 8
 _KEYWORDS = ("at", "for", "with", "when", "given", "let", "if")
-_WHERE = re.compile(
-    rf"(?<=[\w)}}\]²³])[\s~$]{{1,4}}(?=(?:at|for|when|where|with|if)[\s~$]|{_STILL})"
+_WHERE = Pattern("--%term_end %line? %apart < @keyword %apart | @still >")
+_COLON = Pattern("%line? :")
+_SENTENCE_END = Pattern("< } | %line >* < . | : | , | ; | ) > | }* %last")
+_LONE = Pattern(
+    "= < & | [ | ( | { >{0,6} %sign? @result_number }* < . | , | ; | ] | & | ) | %row | %last >"
 )
-_COLON = re.compile(r"[\s~$]{0,3}:")
-_ALONE = re.compile(r"(?:[=\[;]|,\s)[\s~$&]{0,4}[-−+]?\s?$")
-_SENTENCE_END = re.compile(r"(?:[\s~$}]|\\[,;:! )])*(?:[.:,;)]|$)", re.MULTILINE)
-_LONE = re.compile(
-    r"=[\s~$&\[({]{0,6}[-+−]?\s?(?:\d{1,30}(?:\.\d{0,30})?|\.\d{1,30})(?:[eE][-+]?\d{1,3})?"
-    r"(?:[^\S\n]|[~$}]|\\[,;:! )\]])*(?:[.,;\]&)]|\\\\|$)",
-    re.MULTILINE,
-)
-_EQUALS = re.compile(r"\s?&?\s?=")
-_GOES_ON = re.compile(r"\s?(?:[*/^·×(]|\\cdot|\\times|\\frac|[+−-])")
-_IN_HEAD = re.compile(
-    r"(?:(?P<open>[\[(])|/|\bin\b)\s{0,3}(?P<unit>[^\[\]()=\n]{1,40}?)\s{0,3}(?(open)[\])])"
-    r"[\s~$&]{0,4}=(?!=)"
+_EQUALS = Pattern("%line? &? =")
+_GOES_ON = Pattern("%continuing")
+_IN_HEAD = Pattern(
+    "< < [ | begun:( > unit:< %not_head_end{1,30} > < ] | ) > | < / | in > unit:< %not_head_end{1,30} >"
+    " > &? ="
 )
 """A unit in front of the sign of equality: τ1 [N m] = …, τ1 / N m = …"""
-_STOP = re.compile(
-    r"(?:[^\S\n]|[~$}]|\\[,;:! )\]])*(?:[.,;\]&)]|\\\\|±|\\pm|\+/-|\+-|$)", re.MULTILINE
-)
-_SEPARATOR = re.compile(r"[;\[\n]|\\\\|,\s")
-_LONGEST_NAME = 40
+_STOP = Pattern("}* < . | , | ; | ] | & | ) | %row | %within_sign | +/- | +- | %last >")
 _LONGEST = 600
 """Characters of an equation in front of a result."""
 
@@ -75,7 +65,7 @@ def taken_from(
     numbers = search.numbers()
     if not (numbers or search.heads) and not (search.standing and search.has_result):
         return document, WrittenNumbers()
-    formulas, said = Blanks(respelt(document.formulas)), Blanks(document.said)
+    formulas, said = Blanks(document.formulas), Blanks(document.said)
     for start, end in search.taken:
         formulas.put(start, end)
         if document.said:
@@ -92,25 +82,32 @@ class _NumberSearch:
 
     def __init__(self, document: AnswerDocument, reader: StateReader):
         self.document, self.reader = document, reader
-        text = respelt(document.said or document.formulas)
-        self.source = AnswerText(text, document.written, document.parts)
-        self.text = "\n".join(line.partition("#")[0].ljust(len(line)) for line in text.split("\n"))
+        self.text = document.said or document.formulas
+        self.source = AnswerText(self.text, document.written, document.parts)
         self.taken: list[Span] = []
-        self.is_taken = bytearray(len(text))
+        self.is_taken = bytearray(len(self.text))
         """Of each character, whether it is in one of these."""
         self.units: list[Span] = []
         self.standing: list[tuple[int, dict[str, GivenValue]]] = []
         self.heads: dict[int, tuple[WrittenUnit, Span]] = {}
-        """Units in front of signs of equality, by the place behind the sign."""
+        """Units in front of signs of equality, by the lexeme of the sign."""
+
+    @property
+    def lexemes(self) -> Lexemes:
+        """Those of the text."""
+        return self.source.lexemes
 
     def numbers(self) -> list[WrittenNumber]:
         if "=" not in self.text:
             return []
         self._read_standing()
         self._read_heads()
-        places = [*_RESULT.finditer(self.text), *_WHERE.finditer(self.text)]
-        places.sort(key=lambda match: match.start())
-        found = [x for match in places if (x := self._said_behind(match))]
+        results = ((match.start, match.stop, match) for match in _RESULT.all(self.lexemes))
+        clauses = ((match.start, match.start, match) for match in _WHERE.all(self.lexemes))
+        found: list[WrittenNumber] = []
+        for start, stop, match in sorted((*results, *clauses), key=lambda row: row[:2]):
+            said = self._number(match) if stop > start else self._expression(match.start)
+            found += [said] if said else []
         for k in reversed(range(len(found) - 1)):  # τ1 = 1 N m, τ2 = 2 N m at …
             x, behind = found[k], found[k + 1]
             between = self.text[x.span[1] : behind.span[0]]
@@ -118,31 +115,40 @@ class _NumberSearch:
                 found[k] = replace(x, state=behind.state)
         return found
 
+    def _start(self, k: int) -> int:
+        """Where a lexeme begins in the text."""
+        return self.lexemes[k].start if k < len(self.lexemes) else len(self.text)
+
+    def _end(self, k: int) -> int:
+        """Where the lexeme before ends in the text."""
+        return self.lexemes[k - 1].end if k else 0
+
     @property
     def has_result(self) -> bool:
         """Whether a quantity is said to be a number, or a state is one for what follows."""
-        if any(_COLON.match(self.text, end) for end, _ in self.standing):
+        if any(_COLON.at(self.lexemes, self.lexemes.at(end)) for end, _ in self.standing):
             return True
         quantities = self.reader.targets.names - self.reader.vocabulary.symbols.keys()
-        marks = asked_marks(self.text, (0, len(self.text)), quantities.__contains__)
-        return any(_LONE.match(self.text, mark) for _, mark in marks)
+        marks = asked_marks(self.source, range(len(self.lexemes)), quantities.__contains__)
+        return any(_LONE.at(self.lexemes, mark.lexeme) for mark in marks)
 
     # ------------------------------------------------------------ states before numbers
     def _read_standing(self) -> None:
         """States on lines of their own, or at the begin of a sentence: At θ₁ = 30° …"""
-        for match in _SENTENCE.finditer(self.text):
-            if self.taken and match.end() < self.taken[-1][1]:
+        for match in _SENTENCE.all(self.lexemes):
+            if self.taken and self._start(match.stop) < self.taken[-1][1]:
                 continue
-            start, values, end, word = self._list_behind_words(match.end())
-            is_alone = not self._is_result(values) and _SENTENCE_END.match(self.text, end)
+            start, values, end, word = self._list_behind_words(match.stop)
+            is_alone = not self._is_result(values) and _SENTENCE_END.at(self.lexemes, end)
             if values and (word in _KEYWORDS or is_alone):
                 begun = {} if not self.standing else self.standing[-1][1]
                 moving = {name for name in values if not self._is_constant(name)}
                 if moving & set(begun):  # another state
                     begun = {name: x for name, x in begun.items() if self._is_constant(name)}
-                self.standing.append((end, {**begun, **values}))
-                colon = _COLON.match(self.text, end)
-                self._take(match.start() if colon else start, colon.end() if colon else end)
+                self.standing.append((self._end(end), {**begun, **values}))
+                colon = _COLON.at(self.lexemes, end)
+                first, last = (match.start, colon.stop) if colon else (start, end)
+                self._take(self._start(first), self._end(last))
 
     def _is_result(self, values: State) -> bool:
         """Whether a value is that of an acceleration of a body that nothing holds, which forces
@@ -155,10 +161,10 @@ class _NumberSearch:
         word = ""
         for _ in range(_MOST_WORDS):
             values, end = self.reader.list_at(self.source, at)
-            match = _WORD.match(self.text, at)
+            match = _WORD.at(self.lexemes, at)
             if values or match is None:
                 return at, values, end, word
-            word, at = match[0].strip(" ,:*_"), match.end()
+            word, at = match["word"], match.stop
             vocabulary = self.reader.vocabulary
             if word in vocabulary.known or word in vocabulary.functions or word.lower() in NO_STATE:
                 return at, {}, at, ""  # cos θ₂ = 0
@@ -166,14 +172,8 @@ class _NumberSearch:
         return at, {}, at, word
 
     def _take(self, start: int, end: int) -> None:
-        end = self._behind_padding(end)
         self.taken.append((start, end))
         self.is_taken[start:end] = b"\1" * (end - start)
-
-    def _behind_padding(self, at: int) -> int:
-        while self.text[at : at + 1] == FILL:
-            at += 1
-        return at
 
     def _is_constant(self, name: str) -> bool:
         symbols = self.reader.vocabulary.setting.symbols
@@ -183,115 +183,144 @@ class _NumberSearch:
     def _read_heads(self) -> None:
         """Units in front of signs of equality; behind a quantity that has it, it says nothing."""
         known, quantities = self.reader.vocabulary.known, self.reader.targets.names
-        for match in _IN_HEAD.finditer(self.text):
-            found, sign = unit_at(self.text, match.start("unit")), match.end() - 1
-            left = self.text[max(0, match.start() - _LONGEST_NAME) : match.start()] + "="
-            is_asked = any(True for _ in asked_marks(left, (0, len(left)), quantities.__contains__))
-            if found is None or found[1] != match.end("unit") or not is_asked:
+        for match in _IN_HEAD.all(self.lexemes):
+            begun, end = match.captures["unit"]
+            found, sign = unit_at(self.lexemes, begun), match.stop - 1
+            if found is None or found[1] != end:
                 continue
-            if match["open"] != "[" and set(found[0].words) <= known:  # G(m), G2/m
+            if quantity_before(self.source, match.start, quantities.__contains__) is None:
                 continue
-            self.heads[match.end()] = found[0], (match.start(), sign)
-            if found[0].factor == 1.0 and self._may_have(found[0], match.end()):
-                self._take(match.start(), sign)
+            is_bracket = self.lexemes[match.start].text == "["
+            if not is_bracket and set(found[0].words) <= known:  # G(m), G2/m
+                continue
+            span = self._start(match.start), self._start(sign)
+            self.heads[sign] = found[0], span
+            if found[0].factor == 1.0 and self._may_have(found[0], sign + 1):
+                self._take(*span)
 
-    def _unit_in_head(self, begun: int, number: Span) -> WrittenUnit | None:
+    def _unit_in_head(self, sign: int, start: int, stop: int) -> WrittenUnit | None:
         """The unit in front of the sign of equality where a number that stands alone begins."""
-        unit, span = self.heads.get(begun, (None, (0, 0)))
-        before = self.text[begun : number[0]]
-        alone = self.text[number[0]] == "]" or not before.strip(" \t~$&{+-−")
-        ends = _STOP.match(self.text, number[1]) or self._clause(number[1])[0]
+        unit, span = self.heads.get(sign, (None, (0, 0)))
+        before = {x.text for x in self.lexemes[sign + 1 : start]}
+        alone = self.lexemes[start].text == "]" or before <= {"&", "{", "+", "-", "−"}
+        ends = _STOP.at(self.lexemes, stop) or self._clause(stop)[0]
         if unit is None or not alone or not ends:
             return None
         self._take(*span)
         return unit
 
     # ------------------------------------------------------------ numbers
-    def _said_behind(self, match: re.Match[str]) -> WrittenNumber | None:
-        return self._number(match) if match.re is _RESULT else self._expression(match)
-
-    def _number(self, match: re.Match[str]) -> WrittenNumber | None:
+    def _number(self, match: Match) -> WrittenNumber | None:
         """What is said behind a number, if it is a result."""
-        start, end = match.start(), match.end()
+        number = match.captures["number"]
+        start, end = self._start(number[0]), self._end(number[1])
         if self.is_taken[start] or not self.document.formulas[start].strip():
             return None
-        at = match.end("pm") if match["pm"] else end
-        unit = self._unit(at, start)
-        if unit and "\n" in self.text[at : unit[1]] and _EQUALS.match(self.text, unit[1]):
+        at = match.stop
+        unit = self._unit(at, number[0])
+        behind_lines = unit and any(x.kind == "line" for x in self.lexemes[at : unit[1]])
+        if unit and behind_lines and _EQUALS.at(self.lexemes, unit[1]):
             unit = None  # N = … on the next line
         stop = unit[1] if unit else at
         own, behind = self._clause(stop)
-        line = self._begin(start)
-        if match[0] == "]" or match[0].startswith("\\"):
-            line = self.text.rfind("=", 0, start) + 1
-        begun = max(self.text.rfind("=", line, start) + 1, line)
-        head = None if unit else self._unit_in_head(begun, (start, at))
-        if not (own or unit or match["pm"] or head):
+        if not (own or unit or "pm" in match or self.heads):
             return None
-        inside = self.text.count("(", begun, end) > self.text.count(")", begun, end)
-        if inside or begun == max(0, start - _LONGEST):
+        line = self._begin(number[0])
+        is_list = self.lexemes[number[0]].text == "]" or self.lexemes[number[0]].kind == "end"
+        if is_list:
+            line = self._behind_equals(0, number[0])
+        sign = self._behind_equals(line, number[0]) - 1
+        begun = max(self._end(sign + 1), self._end(line))
+        head = None if unit else self._unit_in_head(sign, number[0], at)
+        if not (own or unit or "pm" in match or head):
             return None
-        if unit and "," in match[0]:
+        inside = [x.text for x in self.lexemes[self.lexemes.at(begun) : number[1]]]
+        if inside.count("(") > inside.count(")") or begun == max(0, start - _LONGEST):
+            return None
+        if unit and "," in match["number"]:
             self.source.fail("a decimal comma: write a point", (start, end))
-        self._take(end, behind)
-        self.units.append((end, self._behind_padding(stop)))
-        within = match["within"] or ""
+        self._take(end, self._end(behind))
+        self.units.append((end, self._end(stop)))
         return WrittenNumber(
-            (begun, end), line, (end, behind), unit[0] if unit else head, within, own
+            (begun, end), self._end(line), (end, self._end(behind)),
+            unit[0] if unit else head, match["within"], own,
+        )  # fmt: skip
+
+    def _expression(self, k: int) -> WrittenNumber | None:
+        """The state behind an expression in symbols."""
+        end = self._end(k)
+        own, behind = self._clause(k)
+        if not own or self.is_taken[end]:
+            return None
+        line = self._begin(k)
+        begun = self._behind_equals(line, k)
+        if begun == line:
+            return None
+        self._take(end, self._end(behind))
+        return WrittenNumber(
+            (self._end(begun), end), self._end(line), (end, self._end(behind)), state=own
         )
 
-    def _expression(self, match: re.Match[str]) -> WrittenNumber | None:
-        """The state behind an expression in symbols."""
-        end = match.start()
-        own, behind = self._clause(end)
-        line = self._begin(end)
-        begun = self.text.rfind("=", line, end) + 1
-        if not own or not begun or self.is_taken[end]:
-            return None
-        self._take(end, behind)
-        return WrittenNumber((begun, end), line, (end, behind), state=own)
+    def _behind_equals(self, first: int, k: int) -> int:
+        """The lexeme behind the last equals sign in a stretch, or its first."""
+        signs = (j for j in range(k - 1, first - 1, -1) if self.lexemes[j].text in ("=", "=="))
+        return next(signs, first - 1) + 1
 
-    def _begin(self, at: int) -> int:
-        """Where the equation begins that goes on there."""
-        first = max(0, at - _LONGEST)
-        return max((m.end() for m in _SEPARATOR.finditer(self.text, first, at)), default=first)
+    def _begin(self, k: int) -> int:
+        """The lexeme with which the equation begins that goes on there."""
+        first = self.lexemes.at(max(0, self._start(k) - _LONGEST))
+        for j in range(k - 1, first - 1, -1):
+            x = self.lexemes[j]
+            if x.kind in ("line", "row") or x.text in (";", "["):
+                return j + 1
+            if x.text == "," and self.lexemes[j + 1].apart:
+                return j + 1
+        return first
 
     def _unit(self, at: int, number: int) -> tuple[WrittenUnit, int] | None:
         """The unit there. Where its words are symbols too, as m of a pendulum, it is one where the
         quantity has it."""
-        found = unit_at(self.text, at)
+        found = unit_at(self.lexemes, at)
         if found is None:
             return None
         unit, end = found
-        if unit.text == "°" and not _ALONE.search(self.text, max(0, number - 12), number):
+        if unit.text == "°" and not self._is_alone(number):
             return None  # cos 75°
-        if _GOES_ON.match(self.text, end) and not self._clause(end)[0]:
+        if _GOES_ON.at(self.lexemes, end) and not self._clause(end)[0]:
             return None
         is_name = set(unit.words) <= self.reader.vocabulary.known
         if is_name and not self._may_have(unit, number):
             return None
         return unit, end
 
-    def _may_have(self, unit: WrittenUnit, at: int) -> bool:
+    def _is_alone(self, k: int) -> bool:
+        """Whether nothing but a sign stands before a number."""
+        k -= k > 0 and self.lexemes[k - 1].text in ("-", "−", "+")
+        k -= k > 0 and self.lexemes[k - 1].text == "&"
+        before = self.lexemes[k - 1].text if k else ""
+        return before in ("=", "==", "[", ";") or (before == "," and self.lexemes[k].apart)
+
+    def _may_have(self, unit: WrittenUnit, k: int) -> bool:
         """Whether a quantity that stands before the last equals signs there has such a unit."""
-        start = max(self.text.rfind("\n", 0, at) + 1, at - _LONGEST)
         single, setting = self.reader.targets.single, self.reader.vocabulary.setting
-        for left, mark in asked_marks(self.text, (start, at), single.__contains__):
-            name = re.sub(r"[_{}\\\s]|[\[(/].*|\bin\b.*", "", self.text[left:mark])
-            for target in (single.get(name), single.get(name.replace("P", "power"))):
+        lines = (j for j in range(k - 1, -1, -1) if self.lexemes[j].kind == "line")
+        start = max(next(lines, -1) + 1, self.lexemes.at(self._start(k) - _LONGEST))
+        for mark in asked_marks(self.source, range(start, k), single.__contains__):
+            for name in (mark.name, mark.name.replace("P", "power")):
+                target = single.get(name)
                 if target is not None:
                     needed = unit_of_quantity(setting, target, target.compute())
                     if needed == unit.dimension:
                         return True
         return False
 
-    def _clause(self, at: int) -> tuple[dict[str, GivenValue], int]:
-        """The state behind a number: at θ₁ = 30°, θ₂ = 45°, and where it ends."""
-        match = _CLAUSE.match(self.text, at)
+    def _clause(self, k: int) -> tuple[dict[str, GivenValue], int]:
+        """The state behind a number: at θ₁ = 30°, θ₂ = 45°, and the lexeme behind it."""
+        match = _CLAUSE.at(self.lexemes, k)
         if match is None:
-            return {}, at
-        _, values, end, _ = self._list_behind_words(match.end())
+            return {}, k
+        _, values, end, _ = self._list_behind_words(match.stop)
         if not values:
-            return {}, at
-        closing = re.compile(r"\s?\)").match(self.text, end) if "(" in match[0] else None
-        return values, closing.end() if closing else end
+            return {}, k
+        closed = "begun" in match and end < len(self.lexemes) and self.lexemes[end].text == ")"
+        return values, end + closed

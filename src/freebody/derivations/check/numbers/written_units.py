@@ -3,11 +3,14 @@ siunitx."""
 
 from __future__ import annotations
 
+import itertools
 import math
-import re
 from dataclasses import dataclass
 
 from freebody.derivations.check.numbers.units import Unit, unit_text
+from freebody.derivations.grammar.lexemes import Lexemes
+from freebody.derivations.grammar.patterns import Pattern
+from freebody.derivations.grammar.tables.characters import BRACKETS
 
 _DEGREE = math.pi / 180
 _BASE: dict[str, tuple[float, Unit]] = {
@@ -28,17 +31,25 @@ _SYNONYMS = {
     "kilogram": "kg", "gram": "g", "second": "s", "sec": "s", "joule": "J", "watt": "W",
 }  # fmt: skip
 _SIUNITX = {"kilo": "k", "milli": "m", "centi": "c", "micro": "µ", "mega": "M"}
-_TOGETHER = re.compile(r"((?:[kmcM]?N)|kg)((?:mm|cm|m)?)((?:/?s|/?rad)?)")
-_WORD = re.compile(r"\\?[A-Za-zµμ]+[23]?(?![A-Za-z0-9_'₀-ₜ\u0300-\u036f])|°")
-_POWER = re.compile(
-    r"(?:\s?\^\s?|(?=[23]))(?:\{\s?([-−]?\d)\s?\}|([-−]?\d))|([⁻]?[²³¹])|\s?\\(squared|cubed)"
+_FORCES = ("N", "kN", "mN", "cN", "MN", "kg")
+_ALONG = ("", "mm", "cm", "m")
+_BEHIND = ("", "s", "rad")
+_TOGETHER = {
+    "".join(parts): [part for part in parts if part]
+    for parts in itertools.product(_FORCES, _ALONG, _BEHIND)
+}
+"""Units written without blanks, and their parts: Nm, Nms, kgm."""
+_WORD = Pattern("< word:@unit_letters raised:~%two_or_three? !~%unit_goes_on | word:° >")
+_LONG_WORD = Pattern("word:@unit_letters")
+_POWER = Pattern(
+    "^ < { power:< %minus? %digit > } | power:< %minus? %digit > > | ~ power:%two_or_three"
+    " | ~ power:< ⁻? %raised > | power:%raised_word"
 )
 _RAISED = {"²": 2, "³": 3, "¹": 1, "⁻¹": -1, "⁻²": -2, "⁻³": -3, "squared": 2, "cubed": 3}
-_BLANK = re.compile(r"(?:[\s~$]|\\[,;:! ])*")
-_TIMES = re.compile(r"[*·⋅.×∙]|-(?=[A-Za-z])|\\(?:cdot|times)(?![A-Za-z])")
-_PER = re.compile(r"/|\\per(?![A-Za-z])|per\s")
-_OPEN = re.compile(r"\\(?:mathrm|text|textrm|mbox|mathsf|si|unit|rm)\s?\{|[{\[(]")
-_CLOSING = {"{": "}", "[": "]", "(": ")"}
+_BLANK = Pattern("%line*")
+_TIMES = Pattern("%times_of_units | - &~%latin")
+_PER = Pattern("/ | \\per | per")
+_OPEN = Pattern("%unit_font { | { | [ | (")
 
 
 @dataclass(frozen=True)
@@ -61,7 +72,9 @@ def common_units(dimension: Unit) -> list[WrittenUnit]:
         (0, 1, -1): ("m/s", "mm/s"), (0, 1, -2): ("m/s²", "mm/s²"), (1, 2, -3): ("W", "kW", "mW"),
         (1, 2, 0): ("kg m²", "kg mm²", "g mm²", "kg cm²"),
     }  # fmt: skip
-    return [found[0] for name in names.get(dimension, ()) if (found := unit_at(name, 0))]
+    return [
+        found[0] for name in names.get(dimension, ()) if (found := unit_at(Lexemes.of(name), 0))
+    ]
 
 
 def si_text(dimension: Unit, angular: bool = False) -> str:
@@ -72,17 +85,17 @@ def si_text(dimension: Unit, angular: bool = False) -> str:
     return unit_text(dimension)
 
 
-def unit_at(text: str, at: int) -> tuple[WrittenUnit, int] | None:
-    """The unit that is written from there on, and where it ends; None where there is none."""
-    reader = _UnitReader(text, at)
-    return reader.read()
+def unit_at(lexemes: Lexemes, at: int) -> tuple[WrittenUnit, int] | None:
+    """The unit that is written from a lexeme on, and the lexeme behind it; None where there is
+    none."""
+    return _UnitReader(lexemes, at).read()
 
 
 class _UnitReader:
     """Reads factors until something else comes; brackets must close."""
 
-    def __init__(self, text: str, at: int):
-        self.text, self.at = text, at
+    def __init__(self, lexemes: Lexemes, at: int):
+        self.lexemes, self.at = lexemes, at
         self.closing: list[str] = []
         self.signs = [1]
         self.factor, self.dimension = 1.0, (0, 0, 0)
@@ -101,61 +114,52 @@ class _UnitReader:
 
     def _step(self) -> bool:
         """Read a factor with what stands before it; whether there was one."""
-        at, sign = self._match(_BLANK), 1
-        if self.closing and self.text[at : at + 1] == self.closing[-1]:
+        at, sign = _BLANK.end(self.lexemes, self.at), 1
+        if at >= len(self.lexemes):
+            return False
+        if self.closing and self.lexemes[at].text == self.closing[-1]:
             self.closing.pop()
             self.signs.pop()
             self.at = at + 1
             return True
-        if self.shown and (times := _TIMES.match(self.text, at)):
-            at = self._match(_BLANK, times.end())
-        elif per := _PER.match(self.text, at):
-            at, sign = self._match(_BLANK, per.end()), -1
-        opened = _OPEN.match(self.text, at)
-        if opened and (opened[0][-1] != "(" or sign < 0 or not self.shown):
-            self.closing.append(_CLOSING[opened[0][-1]])
-            self.signs.append(self.signs[-1] * sign)
-            self.at = opened.end()
-            return True
+        if self.shown and (times := _TIMES.at(self.lexemes, at)):
+            at = _BLANK.end(self.lexemes, times.stop)
+        elif per := _PER.at(self.lexemes, at):
+            at, sign = _BLANK.end(self.lexemes, per.stop), -1
+        if opened := _OPEN.at(self.lexemes, at):
+            bracket = self.lexemes[opened.stop - 1].text
+            if bracket != "(" or sign < 0 or not self.shown:
+                self.closing.append(BRACKETS[bracket])
+                self.signs.append(self.signs[-1] * sign)
+                self.at = opened.stop
+                return True
         return self._word(at, self.signs[-1] * sign)
 
-    def _match(self, pattern: re.Pattern[str], at: int | None = None) -> int:
-        match = pattern.match(self.text, self.at if at is None else at)
-        return match.end() if match else self.at
-
     def _word(self, at: int, sign: int) -> bool:
-        match = _WORD.match(self.text, at)
+        match = _WORD.at(self.lexemes, at)
         if match is None:
             return False
-        word, end = match[0].lstrip("\\"), match.end()
-        if word[-1].isdigit():  # kg m2, kgm2
-            word, end = word[:-1], end - 1
-            if not self.shown and len(self._parts(word)) < 2:
+        word, end = match["word"].lstrip("\\"), match.stop
+        if "raised" in match:  # kg m2, kgm2
+            end -= 1
+            if not self.shown and len(_parts(word)) < 2:
                 return False
-        if word in _SIUNITX and (following := _WORD.match(self.text, end)):
-            word = _SIUNITX[word] + _named(following[0].lstrip("\\"))
-            end = following.end()
-        parts = self._parts(_named(word))
+        if word in _SIUNITX and (following := _LONG_WORD.at(self.lexemes, end)):
+            word = _SIUNITX[word] + _named(following["word"].lstrip("\\"))
+            end = following.stop
+        parts = _parts(_named(word))
         if not parts:
             return False
-        power = _POWER.match(self.text, end)
         exponent = 1
-        if power:
-            digits = power[1] or power[2] or ""
-            exponent = int(digits.replace("−", "-")) if digits else _RAISED[power[3] or power[4]]
-            end = power.end()
+        if power := _POWER.at(self.lexemes, end):
+            raised = power["power"].lstrip("\\")
+            exponent = _RAISED[raised] if raised in _RAISED else int(raised.replace("−", "-"))
+            end = power.stop
         for k, part in enumerate(parts):
             self._take(part, sign * (exponent if k == len(parts) - 1 else 1))
-        self.words.append(match[0])
+        self.words.append(match["word"] + match["raised"])
         self.at = end
         return True
-
-    def _parts(self, word: str) -> list[str]:
-        """The units of a word: Nm is N and m."""
-        if word in _KNOWN:
-            return [word]
-        match = _TOGETHER.fullmatch(word)
-        return [part for part in match.groups() if part] if match else []
 
     def _take(self, name: str, exponent: int) -> None:
         factor, dimension = _KNOWN[name]
@@ -176,6 +180,11 @@ class _UnitReader:
         )
         below = f"({below})" if " " in below else below
         return f"{above or '1'}/{below}" if below else above
+
+
+def _parts(word: str) -> list[str]:
+    """The units of a word: Nm is N and m."""
+    return [word] if word in _KNOWN else _TOGETHER.get(word, [])
 
 
 def _named(word: str) -> str:

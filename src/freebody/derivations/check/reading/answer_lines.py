@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 
@@ -16,10 +15,10 @@ from freebody.derivations.check.documents.prose import sentences
 from freebody.derivations.check.reading.vocabulary import Vocabulary
 from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerText
 from freebody.derivations.check.spelling.equation_marks import asked_marks
-from freebody.derivations.check.spelling.formula_spellings import respelt
 from freebody.derivations.check.verdict import UnreadEquation
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import Token, tokens
+from freebody.derivations.grammar.patterns import Pattern
 from freebody.derivations.grammar.source import Source, Span
 from freebody.errors import FreebodyError
 
@@ -27,12 +26,11 @@ MOST_SIDES = 6
 MOST_OUTSIDE = 20
 """Lines outside of formulas that are told."""
 _SHOWN = 60
-_COMMAND = re.compile(r"\\([A-Za-z]+)")
-_WHERE = re.compile(
-    r"(?<=[\w)\]}²³]\s)(?:where|with|and)(?=\s+(?:\\|[^\W\d_])[\w{}\\\u0307\u0308]{0,12}\s?=)"
+_WHERE = Pattern(
+    "--%term_end %apart < where | with | and > &< %apart < %letter | %command > ~%in_name{0,12} = >"
 )
 """Between an equation and one that says what a letter in it stands for."""
-_TABLE = re.compile(r"=[\s&]*(?:\[|\\(?:left\s*)?\[|\\begin|Matrix|array)")
+_TABLE = Pattern("= &? < [ | %begin | Matrix | array >")
 
 Line = tuple[tuple[Token, ...], ...]
 """The sides of an equation."""
@@ -54,11 +52,17 @@ class DocumentReader:
     def _without_words(self) -> tuple[AnswerText, list[FormulaPiece]]:
         """The formulas, and the pieces that they are read in."""
         document = self.document
-        formulas = _WHERE.sub(lambda word: ";".ljust(len(word[0])), respelt(document.formulas))
-        blanks, apart = Blanks(formulas), list[Span]()
-        plain = AnswerText(formulas, document.written, document.parts)
+        blanks, apart = Blanks(document.formulas), list[Span]()
+        plain = AnswerText(document.formulas, document.written, document.parts)
+        for match in _WHERE.all(plain.lexemes):
+            blanks.put(*match.span, ";")
+        plain = AnswerText(str(blanks), document.written, document.parts)
+
+        def is_name(word: range) -> bool:
+            return self._is_name(plain, word)
+
         for line in document.prose:
-            for sentence in sentences(formulas, line, self._is_name):
+            for sentence in sentences(plain.text, plain.lexemes, line, is_name):
                 span = (sentence.kept, sentence.end)
                 if sentence.words_behind and not self._is_asked(plain, span):
                     self._pass_over(plain, span, "it stands among words")
@@ -74,9 +78,9 @@ class DocumentReader:
         said = self.document.said
         plain = AnswerText(said, self.document.written, self.document.parts)
         for line in plain_lines(said, 0, len(said)):
-            for start, at in asked_marks(said, line, self._is_quantity):
-                if self.document.formulas[at] != said[at]:
-                    self._pass_over(plain, (start, line[1]), "it stands outside of the formulas")
+            for x in asked_marks(plain, plain.lexemes.between(*line), self._is_quantity):
+                if self.document.formulas[x.at] != said[x.at]:
+                    self._pass_over(plain, (x.start, line[1]), "it stands outside of the formulas")
                     break
             if len(self.unread) >= MOST_OUTSIDE:
                 break
@@ -84,32 +88,39 @@ class DocumentReader:
     def _asks(self, source: Source, span: Span) -> bool:
         """Whether one of the robot's quantities stands before a sign of equality there, as it is
         written or as it is read."""
-        texts = (source.text, self.document.written)
-        return any(True for text in texts for _ in asked_marks(text, span, self._is_quantity))
+        begun = self.document.written.rfind("\n", 0, span[0]) + 1
+        written = AnswerText(self.document.written[begun : span[1]])
+        texts = (
+            (source, source.lexemes.between(*span)),
+            (written, written.lexemes.between(span[0] - begun, len(written.text))),
+        )
+        return any(
+            True for text, within in texts for _ in asked_marks(text, within, self._is_quantity)
+        )
 
     def _is_quantity(self, name: str) -> bool:
         """Whether a name is that of one of the robot's quantities, and no symbol too."""
         return name in self.quantities and name not in self.vocabulary.symbols
 
-    def _is_name(self, word: str) -> bool:
+    def _is_name(self, source: Source, word: range) -> bool:
         """Whether a word may be made of names of the robot's."""
-        source = AnswerText(word)
-        if word[0] not in words.STARTS:
+        if not words.begins(source.lexemes[word.start]):
             return False
         try:
-            spelt = words.spell(source, 0)
-            return spelt.end == len(word) and self.vocabulary.cut(source, spelt) is not None
+            spelt = words.spell(source, word.start)
+            return spelt.at == word.stop and self.vocabulary.cut(source, spelt) is not None
         except FreebodyError:  # it may be read in two ways
             return True
 
     def _is_asked(self, source: Source, span: Span) -> bool:
         """Whether the left side of what stands there names one of the robot's quantities. A symbol
         of the robot, as in g = 9.81, is one only where a vector or matrix is given for it."""
-        end = source.text.find("=", *span)
-        if end < 0:
+        within = source.lexemes.between(*span)
+        end = next((k for k in within if source.lexemes[k].text in ("=", "==")), None)
+        if end is None:
             return False
-        is_table = _TABLE.match(source.text, end) is not None
-        for plain in _names(source, (span[0], end)):
+        is_table = _TABLE.at(source.lexemes, end) is not None
+        for plain in _names(source, range(within.start, end)):
             if plain in self.quantities and (is_table or plain not in self.vocabulary.symbols):
                 return True
         return False
@@ -177,21 +188,18 @@ class DocumentReader:
         )
 
 
-def _names(source: Source, span: Span) -> Iterator[str]:
-    """The plain spellings of the words between two places."""
-    at = span[0]
-    while at < span[1]:
-        command = _COMMAND.match(source.text, at)
-        if source.text[at] in words.STARTS or (command and command[1] in words.COMMANDS):
+def _names(source: Source, within: range) -> Iterator[str]:
+    """The plain spellings of the words in a stretch."""
+    k = within.start
+    while k < within.stop:
+        word = None
+        if words.begins(source.lexemes[k]):
             try:
-                word = words.spell(source, at)
-            except FreebodyError:
-                at += 1
-                continue
-            yield word.plain
-            at = max(word.end, at + 1)
-        else:
-            at = command.end() if command else at + 1
+                word = words.spell(source, k)
+                yield word.plain
+            except FreebodyError:  # it begins as a name does and is none
+                pass
+        k = max(word.at if word else 0, k + 1)
 
 
 def _parted(piece: FormulaPiece, apart: Sequence[Span]) -> Iterator[FormulaPiece]:

@@ -149,7 +149,7 @@ class AnswerParser(DerivativeParser):
         sides = [self._is_table(y) for y in (left, factor)]
         if self._is_dot(sign, left, factor):
             return [Dot(left, factor, span=around(left, factor))]
-        if self.source.text[sign.start : sign.end] not in ("×", "\\times") or not any(sides):
+        if sign.written not in ("×", "\\times") or not any(sides):
             return [*factors, factor]
         turns = isinstance(left, Named) and re.match(r"˙*(omega|w|alpha|theta|q)", left.name)
         may = all(
@@ -164,7 +164,7 @@ class AnswerParser(DerivativeParser):
     def following(self, factors: list[Expression], sign: Token) -> Expression:
         """What stands behind a sign; behind the × of a cross product with all its factors."""
         first, left = super().following(factors, sign), product_of(factors)
-        if self.source.text[sign.start : sign.end] in ("×", "\\times"):
+        if sign.written in ("×", "\\times"):
             turns = self._may_be_table(left)
         else:  # ω · I ω
             tables = [first] if isinstance(first, Matrix) else [self.others.get(first)]
@@ -178,7 +178,7 @@ class AnswerParser(DerivativeParser):
 
     def _is_dot(self, sign: Token, left: Expression, right: Expression) -> bool:
         """Whether a raised dot stands between what may be a vector, m1 g, and a vector."""
-        dotted = self.source.text[sign.start : sign.end] in ("·", "⋅", "∙", "•", "\\cdot")
+        dotted = sign.written in ("·", "⋅", "∙", "•", "\\cdot")
         factors = left.factors if isinstance(left, Product) else (left,)
         before = any(x in self.others for x in factors) and self._is_table(right)
         may = right in self.others and len(self.others[right].rows[0]) == 1

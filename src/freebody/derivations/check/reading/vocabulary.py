@@ -18,8 +18,8 @@ from freebody.derivations.check.asked.right_equations import FAMILIES, RightEqua
 from freebody.derivations.closed_chains.first_kind import MULTIPLIER
 from freebody.derivations.expressions.nodes import Expression, Matrix
 from freebody.derivations.grammar import words
-from freebody.derivations.grammar.source import Source, Span
-from freebody.derivations.grammar.words import spell
+from freebody.derivations.grammar.lexemes import Lexeme
+from freebody.derivations.grammar.source import Source
 from freebody.derivations.polynomials.symbols import RATE, SECOND, names_by_body
 from freebody.errors import likely
 from freebody.identifiers import word_set
@@ -152,17 +152,18 @@ class Vocabulary:
         self._known = None
 
     # ------------------------------------------------------------ words of a text
-    def begins(self, letter: str) -> bool:
-        """Whether a word begins with this character."""
-        return letter in words.STARTS
+    def begins(self, x: Lexeme) -> bool:
+        """Whether a word begins with a lexeme."""
+        return words.begins(x)
 
-    def word(self, source: Source, at: int) -> tuple[list[words.Piece], int | None]:
-        """The names that the word there is made of, and a power that stood inside."""
+    def word(self, source: Source, at: int) -> words.Cut:
+        """The names that the word there is made of."""
         word = words.spell(source, at)
         pieces = self.cut(source, word)
         if pieces is None:
-            self._unknown(source, (word.start, word.end))
-        return [(self.aliases.get(x, x), start, end) for x, start, end in pieces], word.power
+            self._unknown(source, word)
+        named = [(self.aliases.get(x, x), start, end) for x, start, end in pieces]
+        return words.Cut(named, word.power, word.at)
 
     def cut(self, source: Source, word: words.Word) -> list[words.Piece] | None:
         """A word as known names. Names of vectors stand alone, rc2x is no r·c2·x, but for those of
@@ -174,22 +175,23 @@ class Vocabulary:
             found = words.cut(source, word, {x for x in apart if _GLUED.fullmatch(x)}, ())
         return found
 
-    def _unknown(self, source: Source, span: Span) -> NoReturn:
+    def _unknown(self, source: Source, spelt: words.Word) -> NoReturn:
         """Raise the error for a word that is no name."""
+        span = spelt.start, spelt.end
         word = source[span]
         plain = re.sub(r"[_{}\\]", "", word)
         if plain in _NOT_POLYNOMIAL:
             source.fail(
                 f"{plain} does not occur in these equations: write them with sin and cos", span
             )
-        if words.DECORATIONS & set(spell(source, span[0]).plain):
+        if words.DECORATIONS & set(spelt.plain):
             source.fail(
                 f"{word} is not defined: a letter with a mark is another quantity than without",
                 span,
                 "What it stands for is told on a line before, or by --name YOURS=OURS.",
             )
         names = self.listed
-        near = likely(plain, names) or likely(spell(source, span[0]).plain, names)
+        near = likely(plain, names) or likely(spelt.plain, names)
         hint = f"Did you mean {near[0]!r}? " if near else ""
         if (wave := plain.lower()) in self.waves:
             function = {"sin": "sine", "cos": "cosine"}[self.waves[wave][0]]

@@ -6,8 +6,11 @@ from bisect import bisect_right
 from dataclasses import dataclass
 from typing import Self
 
-from freebody.derivations.check.spelling.formula_spellings import FILL, respelt
+from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.source import Source, Span, UnreadableError
+from freebody.derivations.grammar.spellings import in_one_spelling
+from freebody.derivations.grammar.tables.characters import FILL
+from freebody.lazy import cached_property
 
 
 class AnswerError(UnreadableError):
@@ -39,11 +42,16 @@ class AnswerText(Source):
         size = len("".join(text.split()))
         if size > cls.longest:
             raise AnswerError(f"the answer has {size} characters; at most {cls.longest} are read")
-        return cls(respelt(text), written or text, parts)
+        return cls(text, written, parts)
 
     @property
     def shown(self) -> str:
         return self.written or self.text
+
+    @cached_property
+    def lexemes(self) -> Lexemes:
+        """Its letters, figures, commands and signs, in one spelling."""
+        return in_one_spelling(Lexemes.of(self.text))
 
     def __getitem__(self, span: Span) -> str:
         return super().__getitem__(self._with_padding(span))

@@ -3,60 +3,95 @@ answers understands the rest or not."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
-from freebody.derivations.check.spelling.answer_text import AnswerText
 from freebody.derivations.grammar import words
-from freebody.derivations.grammar.source import Span
+from freebody.derivations.grammar.patterns import Pattern
+from freebody.derivations.grammar.source import Source
 from freebody.errors import FreebodyError
 
-_MARK = re.compile(
-    r"(?<![<>!=])=|[≈≃≅≡≜≔]|\\(?:approx|simeq|cong|equiv|triangleq|coloneqq|doteq)(?![A-Za-z])"
-)
-"""Signs of equality, also of an approximate one."""
-_LONGEST_LEFT = 60
-_BEFORE = re.compile(
-    r"(?:[\s$&+:*/`-]|\\(?:quad|qquad|not|[,;:!( )]))+$|\([^()]*\)$|\[[^\[\]]*\]$"
-    r"|(?:\\(?:overset|underset|stackrel)\s{0,9}\{[^{}]*\}\s{0,9}|\\mathrel\s{0,9})?\{$"
+_MARK = Pattern("%equality")
+_BEHIND_NAME = Pattern(
+    "< %beside_equality | ( %not_bracket{0,40} ) | [ %not_bracket{0,40} ]"
+    " | < %over_equality { %not_brace{0,40} } | \\mathrel >? { > %last"
 )
 """What may stand between a quantity and the mark: alignment, arguments, a unit, +=, \\overset."""
+_LONGEST_LEFT = 60
 
 
-def asked_marks(text: str, span: Span, is_quantity: Callable[[str], bool]) -> Iterator[Span]:
-    """In a stretch of a text the signs of equality with a quantity left of them: where its name
-    begins, and where the sign stands."""
-    for match in _MARK.finditer(text, *span):
-        line = text.rfind("\n", max(0, match.start() - _LONGEST_LEFT), match.start()) + 1
-        start = max(line, match.start() - _LONGEST_LEFT)
-        name = _last_quantity(text[start : match.start()], is_quantity)
+@dataclass(frozen=True)
+class AskedMark:
+    """A sign of equality with a name left of it."""
+
+    name: str
+    start: int
+    """Where the name begins in the text."""
+    at: int
+    """Where the sign stands."""
+    lexeme: int
+    """Which lexeme it is."""
+
+
+def asked_marks(
+    source: Source, within: range, is_quantity: Callable[[str], bool]
+) -> Iterator[AskedMark]:
+    """In a stretch of lexemes the signs of equality with a quantity left of them."""
+    lexemes = source.lexemes
+    for match in _MARK.all(lexemes, within.start, within.stop):
+        k = match.start
+        name = quantity_before(source, k, is_quantity)
         if name is not None:
-            yield start + name, match.start()
+            yield AskedMark(name.plain, name.start, lexemes[k].start, k)
 
 
-def _last_quantity(left: str, is_quantity: Callable[[str], bool]) -> int | None:
-    """Where the last word begins if it is a quantity's name, apart from what may stand behind
-    it."""
-    while True:
-        for at, name in _last_names(left):
-            if is_quantity(name):
-                return at
-        shorter = _BEFORE.sub("", left)
-        if shorter == left:
+def quantity_before(
+    source: Source, k: int, is_quantity: Callable[[str], bool]
+) -> words.Word | None:
+    """The name of a quantity that stands before a lexeme on its line, apart from what may stand
+    behind it."""
+    items = source.lexemes.items
+    first = k
+    while first > 0 and items[first - 1].kind != "line":
+        if items[first - 1].start < items[k].start - _LONGEST_LEFT:
+            break
+        first -= 1
+    return _last_quantity(source, first, k, is_quantity)
+
+
+def _last_quantity(
+    source: Source, first: int, end: int, is_quantity: Callable[[str], bool]
+) -> words.Word | None:
+    """The last name if it is a quantity's, apart from what may stand behind it."""
+    while end > first:
+        for word in _last_names(source, first, end):
+            if is_quantity(word.plain):
+                return word
+        shorter = (
+            k
+            for k in range(end - 1, first - 1, -1)
+            if _BEHIND_NAME.at(source.lexemes, k, end) is not None
+        )
+        found = next(shorter, None)
+        if found is None:
             return None
-        left = shorter
+        end = found
+    return None
 
 
-def _last_names(left: str) -> Iterator[tuple[int, str]]:
-    """The names with which a text may end: where they begin, and their plain spelling."""
-    source = AnswerText(left)
-    for at, c in enumerate(left):
-        inside = at > 0 and (left[at - 1].isalnum() or left[at - 1] in "_\\")
-        if inside or not (c in words.STARTS or c == "\\"):
+def _last_names(source: Source, first: int, end: int) -> Iterator[words.Word]:
+    """The names with which a stretch may end."""
+    lexemes = source.lexemes
+    for k in range(first, end):
+        inside = k > first and not lexemes[k].apart and lexemes[k - 1].kind in _OF_NAMES
+        if inside or not (words.begins(lexemes[k]) or lexemes[k].kind == "command"):
             continue
         try:
-            word = words.spell(source, at)
+            word = words.spell(source, k)
         except FreebodyError:  # it begins as a name does and is none
             continue
-        if word.end == len(left):
-            yield at, word.plain
+        if word.at == end:
+            yield word
+
+
+_OF_NAMES = frozenset(("letter", "digit", "low"))

@@ -198,7 +198,9 @@ class Judge:
         """Whether an answer without anything that moves is right in equilibrium."""
         if claim.target.family not in _OF_FORCES or self.numbers.has_motion(claim):
             return False
-        if MOVES.search(claim.source.text[slice(*claim.node.span)]):
+        lexemes = claim.source.lexemes
+        within = lexemes.between(*claim.node.span)
+        if MOVES.found_in(lexemes, within.start, within.stop):
             return False
         return self.numbers.is_right_in_equilibrium(yours, right) or self._vanishes(
             yours - right, still=True

@@ -122,7 +122,7 @@ class NumberAtState:
         total = 0.0
         for node in nodes(root):
             if isinstance(node, Number):
-                half = half_a_unit(source.text[slice(*node.span)], node.value, self.is_lone)
+                half = half_a_unit(source.plain(node.span), node.value, self.is_lone)
                 new = with_nodes(root, {node: replace(node, value=node.value + half)})
                 changed = PolynomialReader(source, self.setting.ring).read(new)
                 total += abs(float((changed - self._number).fraction))
@@ -136,7 +136,7 @@ class NumberAtState:
     @property
     def digits(self) -> int:
         """How many the answer has; of one that is computed from several numbers four."""
-        text = re.split("[eE]", self.claim.source.text[slice(*self.claim.node.span)])[0]
+        text = re.split("[eE]", self.claim.source.plain(self.claim.node.span))[0]
         return len(re.sub(r"\D", "", text).lstrip("0")) if self.is_lone else 4
 
     @property

@@ -68,7 +68,7 @@ class NumberJudge:
         claim = number.claim
         if claim.target.family in ("identity", "0", "Phi") or claim.value.is_zero:
             return False
-        text = claim.source.text[slice(*claim.node.span)]
+        text = claim.source.plain(claim.node.span)
         stated = bool(self.numbers.numbers or self.numbers.standing)
         return number.is_lone and ("." in text or stated) and bool(number.missing)
 

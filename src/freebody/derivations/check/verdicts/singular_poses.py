@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
@@ -16,49 +15,39 @@ from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reading.vocabulary import Vocabulary
 from freebody.derivations.check.reasons.free_motion import put
 from freebody.derivations.check.spelling.answer_text import AnswerText
-from freebody.derivations.check.spelling.formula_spellings import respelt
 from freebody.derivations.check.verdict import EquationVerdict
 from freebody.derivations.grammar import words
+from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.parser import PI
+from freebody.derivations.grammar.patterns import Match, Pattern
 from freebody.derivations.grammar.source import Span
 from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import Trig
 
 FAMILY = "singular"
 MOST_POSES = 100
-_S = r"[\s$]{0,9}"
-_NUMBER = (
-    rf"[-−±]?{_S}(?:\\[dt]?frac\{{\d{{0,2}}{_S}\\pi{_S}\}}\{{\d{{1,2}}\}}|"
-    rf"(?:\d{{1,4}}(?:\.\d{{1,9}})?)?{_S}(?:\\?pi\b|π)?(?:{_S}/{_S}\d{{1,2}})?)"
-    rf"{_S}(?:\^?\{{?\\circ\}}?|°|deg(?:rees?)?\b)?"
+_POSE = Pattern(
+    "< %fresh function:< \\sin | \\cos | sin | cos > (? | other:< %operating | tan | cot > (? >?"
+    " %fresh @angle )? = @pose_values"
 )
-_AND = rf"(?:{_S}(?:,|\bor\b|\band\b|\\text\{{{_S}(?:or|and){_S}\}}|\\(?:quad|,|;)){_S}){{1,4}}"
-_POSE = re.compile(
-    rf"(?:\\?(?P<function>sin|cos){_S}\(?{_S}"
-    r"|(?<![\d+*/·−)-])(?<![\d+*/·−)-] )(?<!(?:sin|cos|tan|cot)[ (])(?<!(?:sin|cos|tan|cot)))"
-    rf"(?P<name>(?:\\theta|theta|θ|q|d)_?\{{?[0-9₀-₉]\}}?){_S}\)?{_S}={_S}"
-    rf"(?P<values>{_NUMBER}(?:{_AND}(?=[-−±\dπ\\]|pi\b)(?!\\theta){_NUMBER})*)"
-)
-_ANGLE = r"(?:\\theta|theta|θ|q|d)_?\{?[0-9₀-₉]\}?"
-_MORE = re.compile(rf"{_S}(?P<sign>[-−+]){_S}(?P<name>{_ANGLE})")
-_LISTED = re.compile(
-    rf"[\s$&\[\]\\]*(?P<function>\\?(?:sin|cos)(?=\W))?{_S}(?P<first>[-−])?{_S}(?P<name>{_ANGLE})"
-    rf"(?P<more>(?:{_S}[-−+]{_S}{_ANGLE}){{0,5}}){_S}={_S}"
-    rf"(?P<values>{_NUMBER}(?:{_AND}(?=[-−±\dπ\\]|pi\b)(?!\\theta){_NUMBER})*)[\s$&.,\]\\]*"
+"""A pose among words; an angle that is part of a formula is none."""
+_MORE = Pattern("sign:< %minus | + > @angle")
+_LISTED = Pattern(
+    "%first < & | [ | ] >* function:< \\sin | \\cos | sin | cos >? first:%minus? @angle"
+    " more:< < < %minus | + > @other_angle >{0,5} > = @pose_values < & | . | , | ] >* %last"
 )
 """A line with a pose and nothing else, also of a sum of angles."""
-_LINE = re.compile(r"[^\n]+")
-_DETERMINANT = re.compile(r"\bdet(?:J[abxq]?|[AB])\b")
-_DENIED = re.compile(r"(?:\bnot|n't|\bnon-?|\bnever)\s{0,9}(?:\w{1,20}\s{1,9}){0,2}$", re.I)
-_SENTENCE = re.compile(
-    r"singular(?:it(?:y|ies))?\b(?!\s{1,9}(?:unless|except))(?P<told>(?:[^.\n]|\.(?=\d)){0,300})",
-    re.I,
+_DETERMINANT = Pattern("%fresh name:< d ~e ~t < ~J ~%chain_letter? | ~A | ~B > > %ends")
+_DENIED = Pattern(
+    "< not | Not | n ~%prime ~t | non -? | Non -? | never | Never >"
+    " < %letter ~%letter{0,20} >{0,2} %last"
 )
-_VALUE = re.compile(
-    r"(?P<sign>[-−±])?[\s$]*(?:\\[dt]?frac\{(?P<above>\d*)\s?\\pi\s?\}\{(?P<below>\d+)\}"
-    r"|(?:(?P<digits>\d+(?:\.\d+)?)|(?P<bare>(?=\\?pi|π)))[\s$]*(?P<pi>\\?pi|π)?"
-    r"(?:[\s$]*/[\s$]*(?P<parts>\d+))?[\s$]*(?P<degrees>\^?\{?\\circ|°|deg)?)"
+_SINGULAR = Pattern(
+    "< singular | Singular | singularity | Singularity | singularities | Singularities >"
+    " !< unless | except >"
 )
+_LONGEST_SENTENCE = 300
+_VALUE = Pattern("@pose_value")
 
 
 def taken_from(
@@ -70,40 +59,58 @@ def taken_from(
         return document, []
     source = AnswerText(text, document.written, document.parts)
     formulas, said, claims = Blanks(document.formulas), Blanks(document.said), list[Claim]()
-    for pose, det in _poses(text, targets):
+    for pose, det in _poses(source, targets):
         found = list(_claims(pose, source, vocabulary, targets, det))
         claims += found
         if len(claims) > MOST_POSES:
-            source.fail(f"at most {MOST_POSES} singular poses are read", pose.span())
+            source.fail(f"at most {MOST_POSES} singular poses are read", pose.span)
         for blanks in (formulas, said) if found and document.said else [formulas] * bool(found):
-            blanks.put(*pose.span())
+            blanks.put(*pose.span)
     if not claims:
         return document, []
     return replace(document, formulas=str(formulas), said=str(said)), claims
 
 
-def _poses(text: str, targets: Targets) -> Iterator[tuple[re.Match[str], AskedQuantity]]:
+def _poses(source: AnswerText, targets: Targets) -> Iterator[tuple[Match, AskedQuantity]]:
     """Poses in sentences that call them singular, and lines of nothing else below a determinant;
     each with the determinant that is to vanish there."""
+    lexemes = source.lexemes
     of_tip = targets.single.get("detJ")
-    for sentence in _SENTENCE.finditer(text):
-        if of_tip is not None and not _DENIED.search(
-            text, max(0, sentence.start() - 40), sentence.start()
-        ):
-            for pose in _POSE.finditer(text, *sentence.span("told")):
+    told = 0
+    for word in _SINGULAR.all(lexemes) if of_tip is not None else ():
+        if word.start < told:
+            continue
+        begun = lexemes.at(lexemes[word.start].start - 40)
+        if any(_DENIED.at(lexemes, k, word.start) for k in range(begun, word.start)):
+            continue
+        told = _end_of_sentence(lexemes, word.stop)
+        for pose in _POSE.all(lexemes, word.stop, told):
+            if "other" not in pose:
                 yield pose, of_tip
     above: AskedQuantity | None = None
-    for line in _LINE.finditer(text):
-        if told := _DETERMINANT.search(respelt(line[0])):
-            above = targets.single.get(told[0])
-        elif above is not None and (pose := _LISTED.fullmatch(text, *line.span())):
+    start = 0
+    for end in [*lexemes.places.get("%line", ()), len(lexemes)]:
+        if told := next(_DETERMINANT.all(lexemes, start, end), None):
+            above = targets.single.get(told["name"])
+        elif above is not None and (pose := _LISTED.at(lexemes, start, end)):
             yield pose, above
-        elif line[0].strip():
+        elif end > start:
             above = None
+        start = end + 1
+
+
+def _end_of_sentence(lexemes: Lexemes, k: int) -> int:
+    """The lexeme at which a sentence ends, or a line; a point in a number ends none."""
+    for j in range(k, min(len(lexemes), k + _LONGEST_SENTENCE)):
+        behind = lexemes[j + 1 : j + 2]
+        is_stop = lexemes[j].text == "." and not (behind and behind[0].kind == "digit")
+        if is_stop or lexemes[j].kind == "line":
+            return j
+    return min(len(lexemes), k + _LONGEST_SENTENCE)
 
 
 def _claims(
-    pose: re.Match[str],
+    pose: Match,
     source: AnswerText,
     vocabulary: Vocabulary,
     targets: Targets,
@@ -111,15 +118,19 @@ def _claims(
 ) -> Iterator[Claim]:
     """A claim for each value of a pose."""
     setting, det = targets.setting, determinant.polynomial()
-    names = [_coordinate(source, at, vocabulary, targets) for at in _places(pose)]
-    signs = [-1 if x in "-−" else 1 for x in _signs(pose)]
+    more = list(_MORE.all(pose.lexemes, *pose.captures.get("more", (0, 0))))
+    places = [pose.captures["name"][0], *(x.captures["name"][0] for x in more)]
+    names = [_coordinate(source, at, vocabulary, targets) for at in places]
+    signs = [-1 if x in ("-", "−") else 1 for x in (pose["first"], *(x["sign"] for x in more))]
     ring = setting.ring
     others = [ring[x] * sign for x, sign in zip(names[1:], signs[1:], strict=True)]
     rest = sum(others, setting.zero)
+    begin = pose.lexemes[pose.captures["values"][0]].start
     for value, span in _values(pose):
         at = (value * signs[0], rest * -signs[0])
-        there = put(det, _images(at, names[0], pose["function"], ring.angles))
-        written = source[pose.start(), pose.start("values")].strip()
+        function = pose["function"].removeprefix("\\")
+        there = put(det, _images(at, names[0], function, ring.angles))
+        written = source[pose.span[0], begin].strip()
         label = f"singular at {written} {source[span].strip()}".replace("$", "")
         target = AskedQuantity(
             FAMILY, (), lambda: setting.zero, words="where det J must be 0",
@@ -129,26 +140,8 @@ def _claims(
         yield Claim(label, target, node, there, source)
 
 
-def _places(pose: re.Match[str]) -> list[int]:
-    """Where the names of its angles begin."""
-    more = pose.groupdict().get("more") or ""
-    return [
-        pose.start("name"),
-        *(pose.start("more") + x.start("name") for x in _MORE.finditer(more)),
-    ]
-
-
-def _signs(pose: re.Match[str]) -> list[str]:
-    """The signs of its angles."""
-    found = pose.groupdict()
-    return [
-        found.get("first") or "+",
-        *(x["sign"] for x in _MORE.finditer(found.get("more") or "")),
-    ]
-
-
 def _coordinate(source: AnswerText, at: int, vocabulary: Vocabulary, targets: Targets) -> str:
-    """The coordinate whose name stands there."""
+    """The coordinate whose name begins with a lexeme."""
     spelt = words.spell(source, at)
     symbol = vocabulary.symbols.get(spelt.plain)
     for name in targets.setting.symbols.coordinates:
@@ -157,15 +150,15 @@ def _coordinate(source: AnswerText, at: int, vocabulary: Vocabulary, targets: Ta
     source.fail("this is no coordinate of the robot", (spelt.start, spelt.end))
 
 
-def _values(pose: re.Match[str]) -> Iterator[tuple[Fraction, Span]]:
+def _values(pose: Match) -> Iterator[tuple[Fraction, Span]]:
     """The values and where they stand; ± for both."""
-    for match in _VALUE.finditer(pose.string, *pose.span("values")):
-        value = Fraction(match["digits"] or match["above"] or 1)
-        value = value * PI if match["pi"] or match["below"] else value
+    for match in _VALUE.all(pose.lexemes, *pose.captures["values"]):
+        value = Fraction(match["number"] or match["above"] or 1)
+        value = value * PI if "pi" in match or "below" in match else value
         value = value / int(match["parts"] or match["below"] or 1)
-        value = value * PI / 180 if match["degrees"] else value
-        for sign in {"-": (-1,), "−": (-1,), "±": (1, -1)}.get(match["sign"] or "", (1,)):
-            yield value * sign, match.span()
+        value = value * PI / 180 if "degrees" in match else value
+        for sign in {"-": (-1,), "−": (-1,), "±": (1, -1)}.get(match["sign"], (1,)):
+            yield value * sign, match.span
 
 
 def _images(
