@@ -11,10 +11,15 @@ from typing import NamedTuple
 from freebody.derivations.grammar.tables import characters as table
 from freebody.lazy import cached_property
 
+KINDS = (
+    "letter", "digit", "low", "high", "mark", "command", "begin", "end", "row", "line", "sign",
+    "frame", "determinant",
+)  # fmt: skip
+"""Kinds of lexemes; the last two are made of others, by the table of spellings."""
+
 
 class Lexeme(NamedTuple):
-    """kind: letter digit low high mark command begin end row line sign, and frame and determinant,
-    which are made of others."""
+    """A piece of a text, and where it stands."""
 
     kind: str
     text: str
@@ -101,20 +106,6 @@ class Lexemes(Sequence[Lexeme]):
     def between(self, start: int, end: int) -> range:
         """Those that begin between two places of the text."""
         return range(self.at(start), self.at(end))
-
-    def without(self, spans: Iterable[tuple[int, int]]) -> Lexemes:
-        """The same without what stands in some stretches of the text."""
-        items: list[Lexeme | None] = list(self.items)
-        for start, end in spans:
-            for k in self.between(start, end):
-                items[k] = None
-        kept: list[Lexeme] = []
-        gone = False
-        for x in items:
-            if x is not None:
-                kept.append(x._replace(apart=True) if gone else x)
-            gone = x is None
-        return Lexemes(kept)
 
     def closing(self, k: int) -> int | None:
         """The brace that closes the one at k."""

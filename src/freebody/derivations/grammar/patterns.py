@@ -14,10 +14,9 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
-from freebody.derivations.grammar.lexemes import Lexeme, Lexemes, plain, scanned
-from freebody.derivations.grammar.tables.classes import KINDS, PATTERNS, TEXTS
+from freebody.derivations.grammar.lexemes import KINDS, Lexeme, Lexemes, plain, scanned
+from freebody.derivations.grammar.tables.classes import CLASSES, PATTERNS
 
 MANY = 60
 """As often as * and + repeat."""
@@ -103,34 +102,38 @@ class Pattern:
         return (k for k in found if start <= k < end)
 
 
-# -------------------------------------------------------------------------------- zero width
-def _name_before(lexemes: Lexemes, k: int) -> bool:
-    return not lexemes[k].apart and k > 0 and lexemes[k - 1].kind in _OF_NAMES
+# -------------------------------------------------------------------------------- places
+_OF_NAMES = ("letter", "digit", "low")
 
 
-_OF_NAMES = frozenset(KINDS["name"])
+def _touches(lexemes: Lexemes, k: int, end: int) -> bool:
+    """Whether there is a lexeme, and no blank before it."""
+    return k < end and not lexemes[k].apart
 
 
 def _fresh(lexemes: Lexemes, k: int, end: int) -> bool:
-    return k >= end or not (
-        _name_before(lexemes, k) or (k > 0 and not lexemes[k].apart and lexemes[k - 1].text == "_")
-    )
+    before = lexemes[k - 1] if k and _touches(lexemes, k, end) else None
+    return before is None or (before.kind not in _OF_NAMES and before.text != "_")
 
 
-def _ends(lexemes: Lexemes, k: int, end: int) -> bool:
-    return k >= end or lexemes[k].apart or lexemes[k].kind not in _OF_NAMES
-
-
-_ZERO_WIDTH: dict[str, Callable[[Lexemes, int, int], bool]] = {
-    "apart": lambda lexemes, k, end: k >= end or lexemes[k].apart,
+_PLACES: dict[str, Callable[[Lexemes, int, int], bool]] = {
+    "apart": lambda lexemes, k, end: not _touches(lexemes, k, end),
+    "glued": _touches,
     "first": lambda lexemes, k, end: k == 0 or lexemes[k - 1].kind == "line",
     "last": lambda lexemes, k, end: k >= end or lexemes[k].kind == "line",
-    "over": lambda lexemes, k, end: k >= len(lexemes),
     "fresh": _fresh,
-    "ends": _ends,
+    "ends": lambda lexemes, k, end: (
+        not _touches(lexemes, k, end) or lexemes[k].kind not in _OF_NAMES
+    ),
+    "word": lambda lexemes, k, end: (
+        k == 0 or not _touches(lexemes, k, end) or lexemes[k - 1].kind != "letter"
+    ),
+    "word_ends": lambda lexemes, k, end: (
+        not _touches(lexemes, k, end) or lexemes[k].kind != "letter"
+    ),
 }
-"""What may be asked of a place: whether a blank stands there, whether a line begins or ends, and
-whether a name may begin or end."""
+"""What may be asked of a place: whether a blank stands there or none, and whether a line, a name or
+a word begins or ends."""
 
 # -------------------------------------------------------------------------------- reading
 _ITEM = re.compile(
@@ -232,8 +235,7 @@ def _zero(test: Callable[[Lexemes, int, int], bool]) -> _Item:
     return _Item(step, frozenset(), nullable=True)
 
 
-_ZERO = {name: _zero(test) for name, test in _ZERO_WIDTH.items()}
-_ZERO["glued"] = _zero(lambda lexemes, k, end: k < end and not lexemes[k].apart)
+_ZERO = {name: _zero(test) for name, test in _PLACES.items()}
 
 
 def _single(body: str, glued: bool) -> _Item:
@@ -256,18 +258,8 @@ def _single(body: str, glued: bool) -> _Item:
         for k, x in enumerate(wanted)
     ]
     if len(items) > 1 and all(x.kind == "letter" for x in wanted):
-        items = [_ZERO["fresh_word"], *items, _ZERO["word_ends"]]
+        items = [_ZERO["word"], *items, _ZERO["word_ends"]]
     return _sequence(items)
-
-
-_ZERO["fresh_word"] = _zero(
-    lambda lexemes, k, end: (
-        k >= end or k == 0 or lexemes[k].apart or lexemes[k - 1].kind != "letter"
-    )
-)
-_ZERO["word_ends"] = _zero(
-    lambda lexemes, k, end: k >= end or lexemes[k].apart or lexemes[k].kind != "letter"
-)
 
 
 def _class(name: str) -> tuple[_Test, _Firsts]:
@@ -282,14 +274,21 @@ def _class(name: str) -> tuple[_Test, _Firsts]:
         return (lambda x: x.kind == "letter" and not _DOTS.isdisjoint(x.text)), frozenset(
             ("%letter",)
         )
-    kinds, texts = frozenset(KINDS.get(name, ())), frozenset(TEXTS.get(name, ()))
-    assert kinds or texts, name
-    firsts = frozenset((*texts, *(f"%{kind}" for kind in kinds)))
-    if not texts:
-        return (lambda x: x.kind in kinds), firsts
-    if not kinds:
-        return (lambda x: x.text in texts), firsts
-    return (lambda x: x.kind in kinds or x.text in texts), firsts
+    members = _members(name)
+    kinds = frozenset(x[1:] for x in members if x[0] == "%")
+    texts = frozenset(x for x in members if x[0] != "%")
+    return (lambda x: x.text in texts or x.kind in kinds), frozenset(members)
+
+
+def _members(name: str) -> set[str]:
+    """The texts of a class, and its kinds behind a %."""
+    if name not in CLASSES:
+        assert name in KINDS, name
+        return {f"%{name}"}
+    found: set[str] = set()
+    for x in CLASSES[name]:
+        found |= _members(x[1:]) if x[0] == "%" else {x}
+    return found
 
 
 _DOTS = frozenset("\u0307\u0308˙¨")
@@ -443,8 +442,3 @@ def _behind(body: str, mark: str) -> _Item:
         return (touches and test(lexemes[k - 1])) == wanted
 
     return _zero(stands)
-
-
-def made_of(data: Mapping[str, str]) -> dict[str, Pattern]:
-    """A table of patterns by name."""
-    return {name: Pattern(text) for name, text in data.items()}

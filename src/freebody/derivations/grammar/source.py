@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from dataclasses import dataclass
-from typing import ClassVar, NoReturn, Self
+from typing import Any, ClassVar, NoReturn, Self
 
 from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.errors import FreebodyError
@@ -71,6 +71,11 @@ class Source:
     def lexemes(self) -> Lexemes:
         """Its letters, figures, commands and signs."""
         return Lexemes.of(self.text)
+
+    @cached_property
+    def words(self) -> dict[int, Any]:
+        """Words that were spelt, by the lexeme that they begin with."""
+        return {}
 
     def plain(self, span: Span) -> str:
         """What is read there, without blanks: 2.5e-3 of 2.5·10⁻³."""

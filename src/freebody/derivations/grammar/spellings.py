@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
 from freebody.derivations.grammar.lexemes import Lexeme, Lexemes, scanned
 from freebody.derivations.grammar.patterns import Match, Pattern
@@ -70,8 +71,11 @@ class _Spelling:
 _ROWS = [_Spelling(*row) for row in SPELLINGS]
 
 
-def in_one_spelling(lexemes: Lexemes) -> Lexemes:
-    """Lexemes with each formula that has another spelling here in that."""
+@lru_cache(maxsize=4)
+def in_one_spelling(text: str) -> Lexemes:
+    """The lexemes of a text with each formula that has another spelling here in that; those of the
+    last few texts are kept, as several readers ask for them in turn."""
+    lexemes = Lexemes.of(text)
     for row in _ROWS:
         lexemes = row.applied(lexemes)
     return lexemes

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass, field
+from functools import lru_cache
 from itertools import pairwise
 
 from freebody.derivations.grammar.lexemes import Lexeme
@@ -57,10 +58,13 @@ class Word:
 
 def letter(x: Lexeme) -> str:
     """The plain spelling of a letter with its marks; of anything else ""."""
-    c, marks = x.text[:1], x.text[1:]
-    if x.kind != "letter" or not (c in table.LETTERS or c.isascii()):
-        return ""
-    if any(mark not in table.MARKS for mark in marks):
+    return _letter(x.text) if x.kind == "letter" else ""
+
+
+@lru_cache(maxsize=1000)
+def _letter(text: str) -> str:
+    c, marks = text[0], text[1:]
+    if not (c in table.LETTERS or c.isascii()) or any(mark not in table.MARKS for mark in marks):
         return ""
     return "".join(table.MARKS[mark] for mark in marks) + table.LETTERS.get(c, c)
 

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 
 from freebody.derivations.derivation import Derivation
 from freebody.derivations.expressions.expression import Expression, Symbol
 from freebody.derivations.expressions.nodes import Negative, Sum
+from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.methods.glossary import ACCELERATION, in_model, placed
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import RATE
 
-VELOCITY = re.compile(r"(v|omega)_[xyz](_d)?")
-"""Names of a free body's velocities, by components."""
+
+def is_velocity(name: str) -> bool:
+    """Whether it is a component of a free body's velocity, or its rate."""
+    own = atom(name)
+    return own.letter in ("v", "omega") and own.index in (("x",), ("y",), ("z",)) and own.dots < 2
 
 
 def units_of_symbols(derivation: Derivation) -> dict[str, str]:
@@ -21,7 +24,7 @@ def units_of_symbols(derivation: Derivation) -> dict[str, str]:
     symbols = derivation.equations.symbols
     found = {symbol.name: unit for symbol, unit in _told(derivation)}
     for name in symbols.extra:
-        if VELOCITY.fullmatch(name):
+        if is_velocity(name):
             found[name] = ("rad/s" if "omega" in name else "m/s") + "²" * name.endswith(RATE)
     if symbols.model.tip is not None:
         for parameter, _, unit in placed(symbols.model.frame().placement, ""):
@@ -70,10 +73,11 @@ class LineUnits:
 def _keys(symbol: Symbol) -> Iterator[tuple[object, ...]]:
     """From near to far: the letter with its kinds of indices; of totals and components the letter
     alone."""
-    yield symbol.letter, symbol.high, re.sub("[0-9ik]", "#", ",".join(symbol.low))
+    yield symbol.letter, symbol.high, ",".join(symbol.low).translate(_ANY_LINK)
     yield symbol.letter, not symbol.low or symbol.low[-1] in "xyz"
 
 
+_ANY_LINK = str.maketrans(dict.fromkeys("0123456789ik", "#"))
 _RATES = {"rad": "rad/s", "rad/s": "rad/s²", "m": "m/s", "m/s": "m/s²"}
 
 

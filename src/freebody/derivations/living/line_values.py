@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -21,6 +20,7 @@ from freebody.derivations.expressions.nodes import (
     replaced,
 )
 from freebody.derivations.expressions.printed_names import vec
+from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.living.axes import own_axes, scalar_name, world_axes
 from freebody.derivations.living.kernel import PageProgram, entries
 from freebody.derivations.methods import METHODS
@@ -111,9 +111,15 @@ def traced_values(
     """The same over the scalars of a program, in whose symbols `values` are: all sides of a line
     that have a value must be equal at random states. Where gravity is an acceleration of the base,
     the lines themselves tell the accelerations."""
-    bare = {name: x for name, x in values.items() if not re.fullmatch(r"vc\d+_d", name)}
+    bare = {name: x for name, x in values.items() if not _is_acceleration(name)}
     found = [_traced(derivation, known, program) for known in (values, bare)]
     return max(found, key=lambda one: len(one.lines))
+
+
+def _is_acceleration(name: str) -> bool:
+    """Whether it is that of a centre of mass."""
+    own = atom(name)
+    return own.letter == "vc" and own.is_numbered and own.dots == 1
 
 
 def _traced(derivation: Derivation, values: Mapping[str, Any], program: PageProgram) -> LineValues:

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from importlib import resources
@@ -15,13 +14,14 @@ from freebody.derivations.closed_chains.first_kind import MULTIPLIER
 from freebody.derivations.derivation import Derivation
 from freebody.derivations.expressions.expression import Symbol
 from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.living.body_quantities import body_quantities
 from freebody.derivations.living.closed_chain import ClosedChain
 from freebody.derivations.living.drawn_bodies import DrawnBodies
 from freebody.derivations.living.free_flight import FreeFlight
 from freebody.derivations.living.free_joints import FreeJoints
 from freebody.derivations.living.kernel import PageProgram
-from freebody.derivations.living.line_units import VELOCITY, LineUnits, units_of_symbols
+from freebody.derivations.living.line_units import LineUnits, is_velocity, units_of_symbols
 from freebody.derivations.living.line_values import (
     LineValues,
     ValuedLine,
@@ -213,7 +213,7 @@ def is_diagnosed(line: ValuedLine, found: LineValues) -> bool:
     """Whether `fb.check` knows what a line begins with by the same name: scalars of the model, and
     h."""
     name = getattr(line.line.lhs, "name", "")
-    asked = name in found.known or bool(found.known and re.fullmatch(r"h\d*", name))
+    asked = name in found.known or (bool(found.known) and name == f"h{atom(name).figures}")
     return rank(line.value) == 0 and asked
 
 
@@ -253,7 +253,7 @@ def _inputs(
 def _group(name: str, coordinates: Iterable[str]) -> str:
     if name.startswith(MULTIPLIER):
         return "lam"
-    if VELOCITY.fullmatch(name):
+    if is_velocity(name):
         return "qdd" if name.endswith(RATE) else "qd"
     endings = (("q", ""), ("qd", RATE), ("qdd", SECOND))
     found = (key for key, ending in endings for x in coordinates if name == x + ending)

@@ -6,6 +6,7 @@ import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from string import ascii_lowercase
 from typing import Self
 
 from freebody.derivations.expressions.nodes import (
@@ -17,6 +18,7 @@ from freebody.derivations.expressions.nodes import (
     nodes,
 )
 from freebody.derivations.expressions.printed_names import DOTS, GREEK, sym
+from freebody.derivations.grammar.atoms import atom, numbered
 from freebody.derivations.grammar.words import spelt
 from freebody.derivations.notations.notation import BookNotation, preset
 from freebody.derivations.polynomials.symbols import RATE, SECOND
@@ -36,12 +38,15 @@ MATRICES = ("H", "M", "C", "J")
 ALONE = ("T", "V", "L")
 """Those that stand without a number."""
 
-_NAME = re.compile(r"([A-Za-z]+?)((?:_?\d+)+|_[a-z]|)")
-_PRINTABLE = re.compile(r"[A-Za-z]+\d*")
 _IN_WORDS = re.compile(
     r"(?<![\w.])([A-Za-zα-ωΑ-Ω])([\u0307\u0308]?)([A-Za-z]{0,3})([₀-₉]+|_(?:\d|[a-z])(?!\w))"
 )
 """A symbol in a sentence: θ̇₁, lc₂, τ_2, T_i."""
+
+
+_ANGLES = tuple(f"theta{k}" for k in range(10))
+_ANY = frozenset(ascii_lowercase)
+"""Indices for any number, l_i."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,9 +63,9 @@ class Lettering(ByValue):
     @cached_property
     def taken(self) -> tuple[str, ...]:
         """Names of the notation that the model has itself."""
-        numbered = {re.sub(r"\d+$", "", name) for name in self.parameters}
+        stems = {numbered(name)[0] for name in self.parameters}
         meanings = self.notation.names
-        return tuple(sorted((set(meanings) - set(meanings.values())) & numbered))
+        return tuple(sorted((set(meanings) - set(meanings.values())) & stems))
 
     @cached_property
     def names(self) -> Mapping[str, str]:
@@ -69,7 +74,7 @@ class Lettering(ByValue):
         found: dict[str, str] = {}
         for name, meaning in () if self.taken else self.notation.names.items():
             new = spelt(name)
-            if _PRINTABLE.fullmatch(new):
+            if _is_printable(new):
                 for own, number in self._meant(meaning):
                     if new + number not in self.alone:
                         found.setdefault(own, new + number)
@@ -85,7 +90,7 @@ class Lettering(ByValue):
         """Itself; raises FreebodyError for a name that cannot be printed, and for one name of two
         things."""
         for name in self.notation.names:
-            if not _PRINTABLE.fullmatch(spelt(name)):
+            if not _is_printable(spelt(name)):
                 raise FreebodyError(
                     f"the notation {self.notation.name!r}: {shown(name)} cannot be "
                     "printed; a name consists of letters and perhaps a number after them."
@@ -104,7 +109,7 @@ class Lettering(ByValue):
     def _meant(self, meaning: str) -> Iterator[tuple[str, str]]:
         """The names that a meaning is one of, each with the number that it carries."""
         for own in (*self.coordinates, *sorted(self.parameters)):
-            stem, number = re.sub(r"\d+$", "", own), re.findall(r"\d*$", own)[0]
+            stem, number = numbered(own)
             of_all = number and own in self.coordinates and meaning == "q"
             if own == meaning or (number and stem == meaning) or of_all:
                 yield own, number if own != meaning else ""
@@ -142,7 +147,7 @@ class Lettering(ByValue):
         """Of a sum of the model's angles their numbers, rising, of one digit each; else ""."""
         terms = angle.terms if isinstance(angle, Sum) else (angle,)
         names = [x.name if isinstance(x, Symbol) else "" for x in terms]
-        plain = all(re.fullmatch(r"theta\d", x) and x in self.coordinates for x in names)
+        plain = all(x in _ANGLES and x in self.coordinates for x in names)
         return "".join(x[-1] for x in sorted(set(names))) if plain else ""
 
     def symbol(self, x: Symbol) -> Symbol:
@@ -158,17 +163,19 @@ class Lettering(ByValue):
 
     def _of_all(self, name: str) -> str | None:
         """The name of a quantity, such as T1 or T_i, or of any parameter, l_i."""
-        match = _NAME.fullmatch(name)
-        if match is None or name in self.parameters or name in self.coordinates:
+        own = atom(name)
+        of_any = len(own.index) == 1 and own.index[0] in _ANY
+        is_name = own.letter and not own.dots and (own.is_figures or not own.index or of_any)
+        if not is_name or name in self.parameters or name in self.coordinates:
             return None
-        letter, rest = match.groups()
+        letter, rest = own.letter, name.removeprefix(own.letter)
         if letter in self.letters:
             own = self.notation.letters.get(FAMILY_OF[letter], ()) if letter in MATRICES else ()
             large = next(filter(str.isupper, own), self.letters[letter])
             return (self.letters[letter] if rest else large) + rest
         if rest[:1] == "_":
-            like = next((x for x in self.names if re.sub(r"\d+$", "", x) == letter), "")
-            return re.sub(r"\d+$", "", self.names[like]) + rest if like else None
+            like = next((x for x in self.names if numbered(x)[0] == letter), "")
+            return numbered(self.names[like])[0] + rest if like else None
         return None
 
     def sentence(self, text: str) -> str:
@@ -188,16 +195,19 @@ class Lettering(ByValue):
         old = sym(name + ending)
         if not isinstance(old, Symbol) or (new := self.symbol(old)) == old:
             return match[0]
-        stem = re.sub(r"_?(\d+|[a-z])$", "", new.name.removesuffix(ending))
+        stem = atom(new.name).letter
         return f"{GREEK.get(stem, stem)}{dot}{low}"
+
+
+def _is_printable(name: str) -> bool:
+    """Whether a plain name consists of letters and perhaps a number behind them."""
+    stem, _ = numbered(name)
+    return stem.isascii() and stem.isalpha()
 
 
 def _made(name: str, ending: str, old: Symbol) -> Symbol:
     """The symbol of a plain name, its first letter with the rest as subscript."""
-    match = re.fullmatch(r"([A-Za-z]+?)((?:_?\d+)*|_[a-z])", name)
-    assert match, name  # `printable` and `_NAME` let no other name pass
-    stem, number = match.groups()
-    parts = tuple(x for x in number.split("_") if x)
+    stem, parts = atom(name).letter, atom(name).index
     if stem in GREEK:
         letter, more = GREEK[stem], ""
     else:

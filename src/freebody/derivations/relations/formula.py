@@ -9,7 +9,6 @@ are those of link i, i-1 and i+1.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from typing import Any
@@ -20,6 +19,7 @@ from freebody.derivations.expressions.evaluate import Rules, arithmetic, evaluat
 from freebody.derivations.expressions.expression import Equation, Expression, Symbol
 from freebody.derivations.expressions.nodes import NOWHERE
 from freebody.derivations.expressions.printed_names import GREEK, sym
+from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.grammar.lexemes import Lexeme, plain
 from freebody.derivations.grammar.lexer import Token, tokens
 from freebody.derivations.grammar.parser import Parser
@@ -49,6 +49,9 @@ SPECIAL: dict[str, tuple] = {
 }  # fmt: skip
 """Vectors whose names are words: letter, subscripts, dots."""
 
+_PLACES = frozenset("0123456789ihk")
+_OF_WORLD = (*(f"w{k}" for k in range(10)), "w_i", "w_h", "w_k")
+"""Angular velocities with components in the world."""
 GENERAL = {"i": "i", "h": "i−1", "k": "i+1"}
 """Endings of names that stand for a link's number."""
 
@@ -83,23 +86,23 @@ def symbol(name: str, bold: bool = False, primed: bool = False) -> Any:
     if primed or "_prime" in name:
         plain = symbol(name.replace("_prime", ""), bold)
         return replace(plain, name=name, high="′") if isinstance(plain, Symbol) else plain
-    high = re.fullmatch(r"([A-Za-z]+)([\dihk])_([\dihk])", name)
-    if high:
-        letter, up, low = high.groups()
+    head, _, low = name.partition("_")
+    letter, up = head[:-1], head[-1:]
+    if letter.isalpha() and up in _PLACES and low in _PLACES:
         return Symbol(name, letter, (GENERAL.get(low, low),), bold=True, high=GENERAL.get(up, up))
-    if re.fullmatch(r"w(\d|_[ihk])", name):
+    if name in _OF_WORLD:
         return replace(
             symbol("omega" + name[1:], bold), name=name
         )  # ω with components in the world
-    match = re.fullmatch(r"([A-Za-z]+?)(c?)_([ihk]{1,2})(_dd|_d)?", name)
-    if match is None:
+    own = atom(name)
+    places = own.index[0] if len(own.index) == 1 else ""
+    if not 1 <= len(places) <= 2 or not set(places) <= GENERAL.keys():
         return Symbol(name, *SPECIAL[name], bold=True) if name in SPECIAL else sym(name, bold)
-    letters, centre, places, dots = match.groups()
-    if letters + centre in GREEK:
-        letters, centre = letters + centre, ""
-    low = [GENERAL[place] for place in places]
-    low[0] = centre + low[0]
-    return Symbol(name, GREEK.get(letters, letters), tuple(low), len(dots or "_") - 1, bold)
+    letters, centre = own.letter, ""
+    if letters not in GREEK and len(letters) > 1 and letters[-1] == "c":
+        letters, centre = letters[:-1], "c"
+    first, *others = (GENERAL[place] for place in places)
+    return Symbol(name, GREEK.get(letters, letters), (centre + first, *others), own.dots, bold)
 
 
 class _FormulaLanguage:

@@ -3,7 +3,6 @@ body, exact."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
@@ -13,6 +12,7 @@ from freebody.algorithms.rnea import Recursion
 from freebody.derivations.equations.kinematics import Kinematics
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression
+from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.methods.energies import Energies
 from freebody.derivations.methods.method import LOADS
 from freebody.derivations.methods.recursive import GRAVITIES
@@ -253,15 +253,12 @@ def of_link(values: Mapping[str, Any], n: int) -> dict[str, Any]:
     near = {str(n - 1): "h", str(n): "i", str(n + 1): "k"}
     found = dict(values)
     for name, x in values.items():
-        match = re.fullmatch(r"([A-Za-z]+)(\d)(\d?)(_\d)?((?:_d){0,1}d?)", name)
-        if match is None:
+        own = atom(name)
+        if not own.is_figures or not set(own.figures) <= near.keys():
             continue
-        letters, first, second, low, dots = match.groups()
-        digits = [d for d in (first, second, (low or "").removeprefix("_")) if d]
-        if not all(d in near for d in digits):
-            continue
-        if low:
-            found[f"{letters}{near[first]}_{near[low[1]]}"] = x
-        else:
-            found[f"{letters}_{''.join(near[d] for d in digits)}{dots}"] = x
+        match own.index:
+            case (high, low) if len(high) == len(low) == 1:
+                found[f"{own.letter}{near[high]}_{near[low]}"] = x
+            case (low,) if len(low) <= 2:
+                found[f"{own.letter}_{''.join(near[d] for d in low)}{own.ending}"] = x
     return Quantities(found, values.layout) if isinstance(values, Quantities) else found

@@ -3,7 +3,6 @@ how much not."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -11,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from freebody.derivations.expressions.expression import Equation
+from freebody.derivations.grammar.lexemes import Lexemes
+from freebody.derivations.grammar.patterns import Pattern
 from freebody.derivations.polynomials.typical_values import occurs, typical
 from freebody.derivations.relations.formula import FormulaError, names_in, parse
 from freebody.derivations.relations.formula_values import (
@@ -183,13 +184,15 @@ def _numbers(side: Value, values: Mapping[str, float]) -> Any:
 
 
 # ---------------------------------------------------------------- numbers as printed
-_NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?")
+_NUMBER = Pattern("< - | + >? @number")
 
 
 def printed_numbers(text: str) -> list[tuple[float, float]]:
     """The numbers of a printed result in order, each with one unit of its last digit."""
     found = []
-    for word in _NUMBER.findall(text.replace(" ", "").replace("−", "-")):
+    lexemes = Lexemes.of(text.replace(" ", "").replace("−", "-"))
+    for match in _NUMBER.all(lexemes):
+        word = "".join(x.text for x in lexemes[match.start : match.stop])
         mantissa, _, power = word.partition("e")
         digits = len(mantissa.partition(".")[2])
         found.append((float(word), 10.0 ** (int(power or 0) - digits)))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator
 
 from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.methods.energies import Energies
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import RATE
@@ -67,9 +67,14 @@ class EnergyQuantities(QuantityGroup):
         """p_θ1, p_q1, p_x, p_1; none where p is a parameter."""
         if {"p", "P"} & self.setting.ring.index.keys():
             return ()
+<<<<<<< HEAD
         number = re.sub(r"\D", "", coordinate)
         own = (coordinate, *[f"q{number}"] * bool(number))
         return (*(f"{p}{x}" for p in "pP" for x in own), f"p{i}")
+=======
+        number = atom(coordinate).figures
+        return tuple(f"{p}{x}" for p in "pP" for x in (coordinate, *[f"q{number}"] * bool(number)))
+>>>>>>> lang
 
     def _momentum(self, i: int) -> Callable[[], Trig]:
         """Σ M_ij q̇_j."""

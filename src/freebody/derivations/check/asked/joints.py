@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import re
 from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 
@@ -160,7 +159,7 @@ class VelocityCoefficients(QuantityGroup):
         for group in self.setting.equations.groups("named"):
             for equation in group:
                 symbol = equation.lhs
-                if isinstance(symbol, ex.Symbol) and re.fullmatch(r"h[\d_]*", symbol.name):
+                if isinstance(symbol, ex.Symbol) and symbol.letter == "h":
                     name = symbol.name.replace("_", "")
                     yield (
                         (name,),

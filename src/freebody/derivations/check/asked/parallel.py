@@ -43,7 +43,8 @@ class ParallelQuantities(QuantityGroup):
         """Whether an answer is about J_a and J_b by these names, or has A ẋ = B θ̇."""
         *pairs, (A, B) = _PAIRS.values()
         told = any(Pattern(x).found_in(formulas) for pair in pairs for x in pair)
-        return told or Pattern(f"{A} %not_equals{{1,40}} = %not_equals{{0,6}} {B}").found_in(formulas)
+        both = f"{A} %not_equals{{1,40}} = %not_equals{{0,6}} {B}"
+        return told or Pattern(both).found_in(formulas)
 
     @cached_property
     def _names(self) -> tuple[str, str]:

@@ -3,7 +3,6 @@ by mistake."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -17,6 +16,7 @@ from freebody.derivations.closed_chains.linear import Ratio
 from freebody.derivations.closed_chains.loops import LoopEquations
 from freebody.derivations.derive import multipliers
 from freebody.derivations.equations.equations import Equations
+from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.grammar.parser import PI
 from freebody.derivations.methods.free_bodies import are_free, velocity_names
 from freebody.derivations.methods.free_body_steps import XYZ
@@ -107,9 +107,7 @@ class RightEquations:
     @property
     def joints(self) -> int:
         """The highest number a joint's coordinate carries."""
-        return max(
-            (int(d) for x in self.symbols.coordinates for d in re.findall(r"\d+", x)), default=0
-        )
+        return max((int(atom(x).figures or 0) for x in self.symbols.coordinates), default=0)
 
     @property
     def zero(self) -> Trig:
@@ -244,7 +242,7 @@ def setting(
     ring = symbols.ring
     foreign: list[str] = []
     if symbols.model.dim == 2:
-        numbers = [re.sub(r"\D", "", x) for x in symbols.coordinates]
+        numbers = [atom(x).figures for x in symbols.coordinates]
         family = [f"{letter}{k}" for k in numbers for letter in FAMILIES]
         moving = [f"{x}{k}" for k in numbers for x in ("theta", "d")]
         still = set(ring.index) - set(symbols.coordinates)  # a length may be called d1
@@ -252,7 +250,7 @@ def setting(
         foreign = [
             name for name in dict.fromkeys(family) if name not in ring.index and name not in zeros
         ]
-    angles = [name for name in foreign if re.fullmatch(r"theta\d+", name)]
+    angles = [x for x in foreign if atom(x).letter == "theta" and not atom(x).dots]
     others = [name for name in foreign if name not in angles]
     wide = TrigRing([*ring.angles, *angles], [*ring.names[len(ring.angles) :], *others])
     return RightEquations(

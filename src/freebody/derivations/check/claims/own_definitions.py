@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from contextlib import suppress
 
@@ -17,6 +16,7 @@ from freebody.derivations.check.spelling.answer_text import AnswerError
 from freebody.derivations.check.states.state_values import functions_of
 from freebody.derivations.closed_chains.linear import Ratio
 from freebody.derivations.expressions.nodes import Matrix, Number
+from freebody.derivations.grammar.atoms import numbered
 from freebody.derivations.grammar.lexer import Token
 from freebody.scalars.trig import Trig
 
@@ -153,7 +153,7 @@ class OwnDefinitions(SolvedQuantities):
         """Whether a letter that some books have for one of the quantities stands for something of
         the user's own: one number for a matrix or vector, or what other lines use and has other
         units."""
-        letter = re.sub(r"\d+$", "", name)
+        letter, _ = numbered(name)
         table = self.targets.tables.get(name)
         is_matrix = name not in self.targets.single and table and table[0][0].family in _MATRICES
         soft = letter in AMBIGUOUS or name in self.targets.soft or bool(is_matrix)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 
 from freebody.derivations.check.algebra.exact_polynomials import PolynomialReader
@@ -16,6 +15,7 @@ from freebody.derivations.check.reading.reading import AnswerParser
 from freebody.derivations.check.reading.vocabulary import FUNCTIONS, Vocabulary
 from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerText
 from freebody.derivations.grammar import words
+from freebody.derivations.grammar.atoms import atom, numbered
 from freebody.derivations.grammar.lexer import tokens
 from freebody.derivations.notations.lettering import Lettering
 from freebody.derivations.notations.notation import BookNotation
@@ -51,7 +51,7 @@ def _is_printed(name: str, target: AskedQuantity, notation: BookNotation) -> boo
     """Whether a notation prints a quantity by that name."""
     letters = notation.letters.get(target.family, ())
     printed = target.family in notation.printed_families
-    return printed and bool(re.fullmatch(rf"{letters[0]}\d+", name))
+    return printed and name == f"{letters[0]}{atom(name).figures}" != letters[0]
 
 
 def of_user(vocabulary: Vocabulary, targets: Targets, names: Mapping[str, str]) -> None:
@@ -80,14 +80,14 @@ def _rename(
     plain = _plain(name)
     if plain in (*FUNCTIONS, "pi", "t"):
         raise AnswerError(f"names: {name!r} has a meaning of its own and cannot be another name")
-    target = _plain(meaning) if re.fullmatch(r"[\w\\{}']+", meaning) else ""
+    target = _plain(meaning) if all(c.isalnum() or c in "_\\{}'" for c in meaning) else ""
     if target in _NUMBERED and target not in here.symbols:
         numbers = [k for k in range(1, here.setting.joints + 1) if f"{target}{k}" in here.symbols]
         for k in numbers:
             _rename(vocabulary, targets, f"{plain}{k}", f"{target}{k}", here)
         return bool(numbers)
     if target in ("sin", "cos"):
-        if re.search(r"\d", plain):
+        if atom(plain).figures:
             raise AnswerError(f"names: {name!r} is to be a letter for {target}, without numbers")
         vocabulary.also_wave(plain, target)
         return True
@@ -108,7 +108,7 @@ def _rename(
         if value == ring[coordinate]:
             for p in "pP":
                 vocabulary.define_alias(p + plain, p + coordinate)
-    letter, digits = re.sub(r"\d+$", "", plain), re.findall(r"\d*$", plain)[0]
+    letter, digits = numbered(plain)
     for dots, rate in enumerate(_rates(vocabulary, value), 1):
         for spelling in spellings(letter, digits, dots):
             vocabulary.define(spelling, rate, given)

@@ -3,12 +3,12 @@ fit cannot be right, whatever it should be."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 
 from freebody.derivations.check.algebra.quotients import Value
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.grammar.atoms import atom
 from freebody.scalars.trig import Trig
 
 Unit = tuple[int, int, int]
@@ -50,12 +50,12 @@ def _unit(setting: RightEquations, name: str) -> Unit | None:
         return 0, 0, 0
     if known := _TEXTS.get(setting.units.get(name, "")):
         return known
-    match = re.fullmatch(r"([A-Za-z]+)\d+(_d{1,2})?", name)
+    own = atom(name)
     is_known = setting.is_planar or name.split("_d")[0] in setting.symbols.coordinates
-    if not is_known or match is None or match[1] not in _UNITS:
+    if not is_known or not own.is_numbered or own.letter not in _UNITS:
         return None
-    kg, m, s = _UNITS[match[1]]
-    return kg, m, s - len((match[2] or "_").lstrip("_"))
+    kg, m, s = _UNITS[own.letter]
+    return kg, m, s - own.dots
 
 
 def unit_of_quantity(setting: RightEquations, target: AskedQuantity, right: Value) -> Unit | None:

@@ -48,8 +48,8 @@ _LONE = Pattern(
 _EQUALS = Pattern("%line? &? =")
 _GOES_ON = Pattern("%continuing")
 _IN_HEAD = Pattern(
-    "< < [ | begun:( > unit:< %not_head_end{1,30} > < ] | ) > | < / | in > unit:< %not_head_end{1,30} >"
-    " > &? ="
+    "< < [ | ( > unit:< %not_head_end{1,30} > < ] | ) >"
+    " | < / | in > unit:< %not_head_end{1,30} > > &? ="
 )
 """A unit in front of the sign of equality: τ1 [N m] = …, τ1 / N m = …"""
 _STOP = Pattern("}* < . | , | ; | ] | & | ) | %row | %within_sign | +/- | +- | %last >")
@@ -269,11 +269,12 @@ class _NumberSearch:
     def _begin(self, k: int) -> int:
         """The lexeme with which the equation begins that goes on there."""
         first = self.lexemes.at(max(0, self._start(k) - _LONGEST))
+        items = self.lexemes.items
         for j in range(k - 1, first - 1, -1):
-            x = self.lexemes[j]
+            x = items[j]
             if x.kind in ("line", "row") or x.text in (";", "["):
                 return j + 1
-            if x.text == "," and self.lexemes[j + 1].apart:
+            if x.text == "," and items[j + 1].apart:
                 return j + 1
         return first
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 
+from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.grammar.lexer import Token
 
 
@@ -22,7 +22,7 @@ def inverse_behind(tokens: Sequence[Token]) -> int:
 def turn_behind(name: str, tokens: Sequence[Token]) -> tuple[str, int]:
     """Of R_1 and ² or ^2 behind it the name of R_1^2, which turns components from body 1 to body 2,
     and how many tokens stand behind; of anything else "" and 0."""
-    if not re.fullmatch(r"R\d", name) or not tokens:
+    if atom(name).letter != "R" or not atom(name).is_numbered or not tokens:
         return "", 0
     if tokens[0].kind == "power":
         return f"R{tokens[0].value}{name[1:]}", 1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -29,12 +28,15 @@ from freebody.derivations.expressions.nodes import (
     Span,
     nodes,
 )
+from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.parser import PI, around, product_of
 from freebody.derivations.grammar.source import Source
 from freebody.errors import FreebodyError
 from freebody.scalars.trig import Trig
 
+_TURNING = ("omega", "w", "alpha", "theta", "q")
+"""Letters of angular velocities and accelerations, and of rates."""
 INVERSE_FUNCTIONS = ("arccos", "arcsin", "arctan", "atan2", "sqrt")
 """Functions by which coordinates are told."""
 
@@ -151,7 +153,7 @@ class AnswerParser(DerivativeParser):
             return [Dot(left, factor, span=around(left, factor))]
         if sign.written not in ("×", "\\times") or not any(sides):
             return [*factors, factor]
-        turns = isinstance(left, Named) and re.match(r"˙*(omega|w|alpha|theta|q)", left.name)
+        turns = isinstance(left, Named) and atom(left.name).letter.startswith(_TURNING)
         may = all(
             yes or self._may_be_table(y) for yes, y in zip(sides, (left, factor), strict=True)
         )

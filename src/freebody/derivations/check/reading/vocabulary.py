@@ -4,7 +4,6 @@ quantities."""
 from __future__ import annotations
 
 import itertools
-import re
 from collections.abc import Iterable, Iterator
 from copy import copy
 from dataclasses import dataclass, field
@@ -18,6 +17,7 @@ from freebody.derivations.check.asked.right_equations import FAMILIES, RightEqua
 from freebody.derivations.closed_chains.first_kind import MULTIPLIER
 from freebody.derivations.expressions.nodes import Expression, Matrix
 from freebody.derivations.grammar import words
+from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.grammar.lexemes import Lexeme
 from freebody.derivations.grammar.source import Source
 from freebody.derivations.polynomials.symbols import RATE, SECOND, names_by_body
@@ -44,9 +44,18 @@ _SYNONYMS = {
     "l": (),
     "m": (),
 }
+<<<<<<< HEAD
 _MOST_IN_SUM, _FEW = 6, 3
 """Angles of which sums of any number have names, θ123456; of more angles those of a few."""
 _GLUED = re.compile(r"[MHCDBJ]|˙{0,2}(?:q|theta)|(?:q|th(?:eta)?)(?:dd?|d?dot)|dd?(?:q|th(?:eta)?)")
+=======
+_MOST_IN_SUM = 6
+_BARE = str.maketrans("", "", "_{}\\")
+_GLUED = frozenset("MHCDBJ").union(
+    *(spellings(letter, "", dots) for letter in ("q", "theta", "th") for dots in (1, 2)),
+    ("q", "theta"),
+)
+>>>>>>> lang
 """Matrices and rates that stand side by side, Mq̈."""
 
 
@@ -74,6 +83,10 @@ class Vocabulary:
     trees: dict[str, Expression] = field(default_factory=dict)
     """Names of the user's own for what holds roots or inverse functions."""
     _known: frozenset[str] | None = None
+    _inside_words: frozenset[str] = frozenset()
+    """Those that may be a part of a longer word."""
+    _glued: frozenset[str] = frozenset()
+    """Matrices and rates that may stand side by side, Mq̈."""
 
     def __post_init__(self) -> None:
         for spelling, value in self._all_symbols():
@@ -88,6 +101,9 @@ class Vocabulary:
         if self._known is None:
             own = (*self.aliases, *self.matrices, *self.trees)
             self._known = frozenset([*self.symbols, *self.waves, *self.quantities, *own, "t", "pi"])
+            apart = self.alone.difference(self.symbols, self.waves)
+            self._inside_words = self._known - apart
+            self._glued = apart & _GLUED
         return self._known
 
     def copy(self) -> Vocabulary:
@@ -168,18 +184,16 @@ class Vocabulary:
     def cut(self, source: Source, word: words.Word) -> list[words.Piece] | None:
         """A word as known names. Names of vectors stand alone, rc2x is no r·c2·x, but for those of
         the equations of motion, Mq̈."""
-        apart = self.alone.difference(self.symbols, self.waves)
-        known = self.known if word.plain in self.known else self.known - apart
+        known = self.known
+        known = known if word.plain in known else self._inside_words
         found = words.cut(source, word, known, self.functions)
-        if found is None:  # Mq̈
-            found = words.cut(source, word, {x for x in apart if _GLUED.fullmatch(x)}, ())
-        return found
+        return words.cut(source, word, self._glued, ()) if found is None else found  # Mq̈
 
     def _unknown(self, source: Source, spelt: words.Word) -> NoReturn:
         """Raise the error for a word that is no name."""
         span = spelt.start, spelt.end
         word = source[span]
-        plain = re.sub(r"[_{}\\]", "", word)
+        plain = word.translate(_BARE)
         if plain in _NOT_POLYNOMIAL:
             source.fail(
                 f"{plain} does not occur in these equations: write them with sin and cos", span
@@ -215,8 +229,10 @@ class Vocabulary:
 
     def _angle_of(self, plain: str) -> str:
         """The joint's angle that a name such as t1 or phi1 may stand for, or nothing."""
-        match = re.fullmatch(r"(?:t|phi|psi|alpha)(\d+)", plain)
-        return f"theta{match[1]}" if match and f"theta{match[1]}" in self.listed else ""
+        own = atom(plain)
+        meant = f"theta{own.figures}"
+        is_angle = own.letter in ("t", "phi", "psi", "alpha") and own.is_numbered
+        return meant if is_angle and meant in self.listed else ""
 
     @property
     def listed(self) -> list[str]:
@@ -228,7 +244,12 @@ class Vocabulary:
     def _all_symbols(self) -> Iterator[tuple[str, Trig]]:
         ring, s = self.setting.ring, self.setting.symbols
         moving = (
-            x for x in ring.names if re.fullmatch(r"theta\d+|d\d+", x) and x + RATE in ring.index
+            x
+            for x in ring.names
+            if x + RATE in ring.index
+            and atom(x).letter in ("theta", "d")
+            and atom(x).is_numbered
+            and not atom(x).dots
         )
         if self.setting.is_free_body:
             yield from free_body_names.symbols(self.setting)
@@ -251,7 +272,7 @@ class Vocabulary:
 
     def _coordinate(self, name: str) -> Iterator[tuple[str, Trig]]:
         """Synonyms of a coordinate and its rates: q1, th1, dtheta1, theta1', …"""
-        letters, number = re.sub(r"\d", "", name), re.sub(r"\D", "", name)
+        letters, number = atom(name).letter, atom(name).figures
         alone = len(self.setting.symbols.coordinates) == 1 or letters in ("x", "y")
         own = self._is_own(number)
         for letter in {"theta": ("theta", "q", "th"), "d": ("d", "q")}.get(letters, (letters,)):
@@ -269,7 +290,7 @@ class Vocabulary:
 
     def _is_own(self, number: str) -> bool:
         """Whether a coordinate of the model carries the number."""
-        return any(re.sub(r"\D", "", x) == number for x in self.setting.symbols.coordinates)
+        return any(atom(x).figures == number for x in self.setting.symbols.coordinates)
 
     def _families(self) -> Iterator[tuple[str, Trig]]:
         """Synonyms of a planar arm's parameters; without number where there is one link."""
@@ -291,7 +312,7 @@ class Vocabulary:
         setting = self.setting
         model, own = setting.symbols.model, names_by_body(setting.symbols.model)
         for i, names in enumerate(own):
-            k = re.sub(r"\D", "", names[0]) if len(names) == 1 else ""
+            k = atom(names[0]).figures if len(names) == 1 else ""
             if not k:
                 continue
             turning, at = [], i
@@ -321,9 +342,19 @@ class Vocabulary:
 
     def _subsets(self) -> Iterator[tuple[str, tuple[str, ...]]]:
         """Angles with rising numbers of one digit."""
+<<<<<<< HEAD
         angles = sorted(x for x in self.setting.ring.angles if re.fullmatch(r"theta\d", x))
         sizes = range(1, 1 + (len(angles) if len(angles) <= _MOST_IN_SUM else _FEW))
         for size in sizes:
+=======
+        angles = [
+            x
+            for x in self.setting.ring.angles
+            if atom(x).letter == "theta" and atom(x).is_numbered and len(atom(x).figures) == 1
+        ]
+        angles = sorted(angles)[:_MOST_IN_SUM]
+        for size in range(1, len(angles) + 1):
+>>>>>>> lang
             for names in itertools.combinations(angles, size):
                 yield "".join(x[-1] for x in names), names
 

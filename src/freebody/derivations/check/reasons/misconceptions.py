@@ -6,7 +6,6 @@ user's.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -17,7 +16,9 @@ from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.reasons.planar_thoughts import PlanarThoughts
 from freebody.derivations.check.reasons.thoughts import Thought
 from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.grammar.parser import PI
+from freebody.derivations.grammar.tables.characters import DOT
 from freebody.model.gravity import axis_of
 from freebody.scalars.trig import Trig
 
@@ -141,7 +142,7 @@ class Misconceptions(PlanarThoughts):
                 continue
 
             def left_out(powers: Mapping[str, int], k: int = k) -> bool:
-                moving = {x for x in powers if re.search(r"_dd?$", x)}
+                moving = {x for x in powers if atom(x).dots}
                 own = moving <= {f"theta{k}_d", f"theta{k}_dd"} and self._is_own(k)
                 return f"I{k}" in powers and not own
 
@@ -189,7 +190,9 @@ def _of_the_same_table(targets: Targets, target: AskedQuantity) -> dict[str, Tri
         entries = {entry.index: entry for row in table for entry in row}
         own = entries.get(target.index)
         if own is not None and own.words == target.words:
-            shown = re.sub("˙(.)", "\\1\u0307", name)
+            bare = name.lstrip(DOT)
+            dots = "\u0307" * (len(name) - len(bare))
+            shown = bare[:1] + dots + bare[1:]
             others = (entry for index, entry in entries.items() if index != target.index)
             return {f"{shown} {x.index[0]}, {x.index[1]}": x.polynomial() for x in others}
     return {}

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from freebody.derivations.check.algebra.answer_tree import Named, Wave
 from freebody.derivations.check.algebra.finite_field_tree import Workspace
 from freebody.derivations.check.asked.asked_quantities import Targets
+from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.expressions.nodes import Expression, Negative, Number, Sum
+from freebody.derivations.grammar.atoms import atom
+from freebody.derivations.grammar.words import spelt
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 
 _GRAVITY = ("9.8", "9.81", "9.807", "9.80665", "10")
@@ -27,6 +29,10 @@ class Misreading:
     note: str
     is_doubtful: bool = True
     """Whether to say so also where it does not make the answer right."""
+
+
+_TIPS = frozenset(x for dots in range(3) for x in spellings("x", "", dots))
+"""Names of the tip's coordinate x and of its rates."""
 
 
 def readings(
@@ -47,7 +53,7 @@ def doubt_about(setting: RightEquations, targets: Targets, claim: Claim, work: W
 
 def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator[Misreading]:
     """c1 or V1 as a term of its own beside torques: read as cos θ1, and as an energy."""
-    if claim.target.family not in ("tau", "solved", "identity"):
+    if claim.target.family not in ("tau", "solved", "identity", "0"):
         return
     names = sorted(targets.single, key=lambda name: (name[0] == "c", name[0] != "v"))
     terms: dict[str, str] = {}
@@ -56,11 +62,9 @@ def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator
             terms.setdefault(str(targets.single[name].index[0]), name)
     found: dict[Expression, Expression] = {}
     for node in work.values:
-        index = re.fullmatch(
-            r"c_?\{?(\d+)\}?", claim.source[node.span].replace("₁", "1").replace("₂", "2")
-        )
+        wave = atom(spelt(claim.source[node.span]))
         own = targets.single.get(node.name) if isinstance(node, Named) else None
-        k = index[1] if index and isinstance(node, Wave) else ""
+        k = wave.figures if wave.letter == "c" and isinstance(node, Wave) else ""
         k = str(own.index[0]) if own is not None and own.family == "Vi" else k
         if k in terms and isinstance(work.parents.get(node), Sum | Negative):
             name = terms[k]
@@ -83,10 +87,10 @@ def _cosines(
     for node in work.values:
         if not isinstance(node, Named) or node.name not in targets.single:
             continue
-        index = re.fullmatch(r"C([1-9]+)", node.name)
-        if not re.search(r"[\d₀-₉]", claim.source[node.span]):  # of the matrix C
+        own = atom(node.name)
+        if not any(c.isdigit() for c in claim.source[node.span]):  # of the matrix C
             continue
-        angle = tuple((f"theta{k}", 1) for k in index[1]) if index else ()
+        angle = tuple((f"theta{k}", 1) for k in own.figures) if own.letter == "C" else ()
         if angle and all(x in setting.ring.angles for x, _ in angle):
             found[node] = Wave("cos", angle, span=node.span)
     if found:
@@ -106,11 +110,7 @@ def _slides(setting: RightEquations, targets: Targets, work: Workspace) -> Itera
     (slide,), found = slides, {}
     for node in work.values:
         target = targets.single.get(node.name) if isinstance(node, Named) else None
-        if (
-            target is not None
-            and isinstance(node, Named)
-            and re.fullmatch(r"[˙'d]*x[˙'dot]*", node.name)
-        ):
+        if target is not None and isinstance(node, Named) and node.name in _TIPS:
             name = slide + {"tip": "", "tip_d": RATE, "tip_dd": SECOND}[target.family]
             found[node] = Named(name, setting.ring[name], span=node.span)
     if found:

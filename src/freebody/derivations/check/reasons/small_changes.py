@@ -3,7 +3,6 @@ a length, an index, a power. Each has a cost, small for what people get wrong of
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -21,11 +20,11 @@ from freebody.derivations.expressions.nodes import (
     Product,
     Sum,
 )
+from freebody.derivations.grammar.atoms import atom
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 _FACTORS = (0, -1, 2, Fraction(1, 2), -2, Fraction(-1, 2), 3, Fraction(1, 3), 4, Fraction(1, 4))
-_NUMBERED = re.compile(r"([A-Za-z]+?)(\d+)(_d{1,2})?")
 
 Related = Callable[[str], Mapping[str, Trig]]
 """Quantities that one may mix up with one: the other entries of its family."""
@@ -131,7 +130,7 @@ class SmallChanges:
             if other != name:
                 kind, cost = _likeness(name, other)
                 yield Repair(kind, cost, node, self._symbol(node, other))
-        if re.search(r"_dd?$", name):
+        if atom(name).dots:
             yield from self._rate_sums(node, name)
         if not isinstance(self.work.parents.get(node), Power):
             yield Repair("exponent", 2.0, node, Power(node, 2, span=node.span))
@@ -164,7 +163,7 @@ class SmallChanges:
 
     def _rate_sums(self, node: Named, name: str) -> Iterator[Repair]:
         """Sums of rates for a rate: the absolute angular velocity."""
-        ending = re.findall(r"_dd?$", name)[0]
+        ending = atom(name).ending
         for angle in self.angles:
             if len(angle) > 1 and _is_chain(angle):
                 rates = [x + ending for x, _ in angle]
@@ -222,19 +221,19 @@ def _powers(node: Power) -> Iterator[Repair]:
 
 def _is_chain(angle: Angle) -> bool:
     """Whether the angles are those of neighbouring joints."""
-    numbers = [int(re.sub(r"\D", "", x) or 0) for x, _ in angle]
+    numbers = [int(atom(x).figures or 0) for x, _ in angle]
     return numbers == list(range(numbers[0], numbers[0] + len(numbers)))
 
 
 def _likeness(name: str, other: str) -> tuple[str, float]:
     """The kind of mistake that writing one name for another is, and its cost."""
-    a, b = _NUMBERED.fullmatch(name), _NUMBERED.fullmatch(other)
-    if a is None or b is None:
+    a, b = atom(name), atom(other)
+    if not (a.is_numbered and b.is_numbered):
         return "symbol", 4.0
-    if (a[1], a[3]) == (b[1], b[3]):
+    if (a.letter, a.dots) == (b.letter, b.dots):
         return "index", 1.0
-    if {a[1], b[1]} == {"l", "lc"}:
-        return "length", 1.0 if a[2] == b[2] else 2.0
-    if a[3] and b[3]:
-        return "rate", 1.5 if a[2] == b[2] else 2.2
-    return "symbol", 3.0 if a[2] == b[2] else 4.0
+    if {a.letter, b.letter} == {"l", "lc"}:
+        return "length", 1.0 if a.index == b.index else 2.0
+    if a.dots and b.dots:
+        return "rate", 1.5 if a.index == b.index else 2.2
+    return "symbol", 3.0 if a.index == b.index else 4.0

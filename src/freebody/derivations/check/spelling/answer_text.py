@@ -51,7 +51,7 @@ class AnswerText(Source):
     @cached_property
     def lexemes(self) -> Lexemes:
         """Its letters, figures, commands and signs, in one spelling."""
-        return in_one_spelling(Lexemes.of(self.text))
+        return in_one_spelling(self.text)
 
     def __getitem__(self, span: Span) -> str:
         return super().__getitem__(self._with_padding(span))

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.patterns import Pattern
 from freebody.derivations.grammar.source import Source
+from freebody.derivations.grammar.tables.characters import PRIMES, STARS
 from freebody.errors import FreebodyError
 
 _MARK = Pattern("%equality")
@@ -82,16 +83,27 @@ def _last_quantity(
 def _last_names(source: Source, first: int, end: int) -> Iterator[words.Word]:
     """The names with which a stretch may end."""
     lexemes = source.lexemes
+    last = lexemes[end - 1]
+    if last.kind in ("sign", "line", "row") and last.text not in _LAST:
+        return
     for k in range(first, end):
         inside = k > first and not lexemes[k].apart and lexemes[k - 1].kind in _OF_NAMES
         if inside or not (words.begins(lexemes[k]) or lexemes[k].kind == "command"):
             continue
-        try:
-            word = words.spell(source, k)
-        except FreebodyError:  # it begins as a name does and is none
-            continue
-        if word.at == end:
+        word = _spelt(source, k)
+        if word is not None and word.at == end:
             yield word
 
 
+def _spelt(source: Source, k: int) -> words.Word | None:
+    """The word that begins there, which several marks may ask for."""
+    if k not in source.words:
+        try:
+            source.words[k] = words.spell(source, k)
+        except FreebodyError:  # it begins as a name does and is none
+            source.words[k] = None
+    return source.words[k]
+
+
+_LAST = frozenset((*PRIMES, *STARS, "}", "_"))
 _OF_NAMES = frozenset(("letter", "digit", "low"))

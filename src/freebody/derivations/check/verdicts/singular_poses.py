@@ -46,7 +46,6 @@ _SINGULAR = Pattern(
     "< singular | Singular | singularity | Singularity | singularities | Singularities >"
     " !< unless | except >"
 )
-_LONGEST_SENTENCE = 300
 _VALUE = Pattern("@pose_value")
 
 
@@ -101,12 +100,12 @@ def _poses(source: AnswerText, targets: Targets) -> Iterator[tuple[Match, AskedQ
 
 def _end_of_sentence(lexemes: Lexemes, k: int) -> int:
     """The lexeme at which a sentence ends, or a line; a point in a number ends none."""
-    for j in range(k, min(len(lexemes), k + _LONGEST_SENTENCE)):
+    for j in range(k, len(lexemes)):
         behind = lexemes[j + 1 : j + 2]
         is_stop = lexemes[j].text == "." and not (behind and behind[0].kind == "digit")
         if is_stop or lexemes[j].kind == "line":
             return j
-    return min(len(lexemes), k + _LONGEST_SENTENCE)
+    return len(lexemes)
 
 
 def _claims(

@@ -2,136 +2,101 @@
 
 from freebody.derivations.grammar.tables import characters
 
-KINDS = {
-    "letter": ("letter",),
-    "digit": ("digit",),
-    "low": ("low",),
-    "high": ("high",),
-    "mark": ("mark",),
-    "command": ("command",),
-    "frame": ("frame",),
-    "line": ("line",),
-    "begin": ("begin",),
-    "end": ("end",),
-    "row": ("row",),
-    "name": ("letter", "digit", "low"),
-    "index": ("letter", "digit", "low"),
-    "binding": ("command",),
-    "name_or_close": ("letter", "digit", "low"),
-    "name_end": ("letter", "digit", "low"),
-    "no_end": ("digit",),
-    "term_end": ("letter", "digit", "low"),
-    "unit_goes_on": ("letter", "digit", "low", "mark"),
-    "name_or_power": ("letter", "digit", "low", "high"),
-    "no_result_behind": ("letter", "digit", "low", "high"),
-    "operating": ("digit",),
-    "no_word_before": ("letter", "digit", "low", "high"),
-    "no_word_behind": ("letter", "digit", "low", "high", "mark"),
-    "in_name": ("letter", "digit", "low", "command"),
-    "in_formulas": ("command",),
-    "bar_or_equals": ("command",),
-}
-"""By the kinds of lexemes."""
-
 _LATIN = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-_GREEK_COMMANDS = tuple(f"\\{name}" for name in characters.LETTER_COMMANDS)
 
-TEXTS = {
+CLASSES = {
+    # letters and figures
+    "name": ("%letter", "%digit", "%low"),
     "latin": tuple(_LATIN),
+    "small_letter": tuple(_LATIN[:26]),
+    "plain_letter": (*_LATIN, *characters.LETTERS),
+    "greek_command": tuple(f"\\{name}" for name in characters.LETTER_COMMANDS),
     "counted": tuple("123456789"),
-    "figure": tuple(".0123456789"),
-    "small_letter": tuple("abcdefghijklmnopqrstuvwxyz"),
-    "plain_letter": tuple(_LATIN + "".join(characters.LETTERS)),
-    "greek_command": _GREEK_COMMANDS,
-    "minus": ("-", "−"),
-    "hyphen": ("-", "'", "’"),
-    "sign": ("-", "−", "–", "+"),
-    "times": ("·", "*", "×", "⋅", "\\cdot", "\\times"),
-    "bar": ("|", "‖", "\\|", "\\vert", "\\lvert", "\\rvert", "\\Vert", "\\lVert", "\\rVert"),
-    "bar_or_equals": (
-        "|", "‖", "\\|", "\\vert", "\\lvert", "\\rvert", "\\Vert", "\\lVert", "\\rVert", "=",
-    ),
-    "in_name": ("_", "{", "}"),
-    "brace": ("{", "}"),
-    "axis": ("x", "y", "z"),
-    "equals": ("=",),
-    "no_end": ("_", *_LATIN),
-    "joins": ("-", "−", "+", "="),
-    "unit_letter": (*_LATIN, "µ", "μ"),
+    "low_digit": tuple("₀₁₂₃₄₅₆₇₈₉"),
+    "high_digit": tuple("⁰¹²³⁴⁵⁶⁷⁸⁹"),
+    "figure": tuple("0123456789₀₁₂₃₄₅₆₇₈₉"),
     "two_or_three": ("2", "3"),
-    "unit_goes_on": ("_", *characters.PRIMES),
-    "raised": ("²", "³", "¹"),
-    "raised_word": ("\\squared", "\\cubed"),
-    "times_of_units": ("*", "·", "⋅", ".", "×", "∙", "\\cdot", "\\times"),
-    "unit_font": (
-        "\\mathrm", "\\text", "\\textrm", "\\mbox", "\\mathsf", "\\si", "\\unit", "\\rm",
-    ),
+    "axis": ("x", "y", "z"),
+    "prime": tuple(characters.PRIMES),
+    "star": characters.STARS,
+    # commands around letters
+    "font": ("\\mathbf", "\\mathrm", "\\boldsymbol", "\\bm", "\\vec"),
+    "around_letter": ("%font", "\\mathcal"),
+    "upright": ("\\mathrm", "\\mathsf", "\\mathbf"),
+    "accent": ("\\dot", "\\ddot", "\\hat", "%font"),
+    "dotting": ("\\dot", "\\ddot", "\\boldsymbol", "\\mathbf"),
     "text_font": ("\\text", "\\mbox", "\\textrm"),
-    "joining": ("+", "*", "/", "^", "·", "×", "\\cdot", "\\times"),
-    "continuing": (
-        "*", "/", "^", "·", "×", "(", "\\cdot", "\\times", "\\frac", "+", "-", "−",
-    ),
-    "times_or_over": ("*", "/", "·", "×", "\\cdot", "\\times"),
+    "unit_font": ("%text_font", "\\mathrm", "\\mathsf", "\\si", "\\unit", "\\rm"),
+    # operators and functions
+    "minus": ("-", "−"),
+    "sign": ("%minus", "–", "+"),
+    "times": ("·", "*", "×", "⋅", "\\cdot", "\\times"),
+    "times_of_units": ("%times", ".", "∙"),
+    "times_or_over": ("%times", "/"),
+    "joining": ("%times", "+", "/", "^"),
+    "continuing": ("%times", "/", "^", "(", "+", "%minus", "%frac"),
+    "joins": ("%minus", "+", "="),
+    "frac": characters.FRACTIONS,
+    "root": ("\\sqrt", "\\arccos", "\\arcsin", "\\arctan"),
+    "wave": ("\\cos", "\\sin", "\\tan"),
+    "operation": ("%wave", "%frac", "\\cdot", "\\times", "\\sqrt"),
     "within_sign": ("±", "\\pm"),
-    "no_result_behind": (".", "^", "_", ","),
-    "list_end": (")", "]"),
-    "head_end": ("[", "]", "(", ")", "=", "&"),
-    "stop": (".", ":", ";"),
-    "quote": (">",),
-    "strong": ("**",),
-    "operating": (
-        "+", "*", "/", "·", "−", ")", "-", "\\tan", "\\cot",
-    ),
-    "pose_sign": ("-", "−", "±"),
-    "bracket": ("(", ")", "[", "]"),
+    "pose_sign": ("%minus", "±"),
+    "equals": ("=",),
     "equality": (
         "=", "==", ":=", "≈", "≃", "≅", "≡", "≜", "≔", "\\approx", "\\simeq", "\\cong", "\\equiv",
         "\\triangleq", "\\coloneqq", "\\doteq",
     ),
-    "beside_equality": ("&", "+", ":", "*", "/", "`", "-", "\\not"),
     "over_equality": ("\\overset", "\\underset", "\\stackrel"),
-    "operator": tuple("+-−–*·×/="),
-    "in_formulas": tuple("+*/^·×=∂"),
-    "no_word_before": ("^", "{", "/"),
-    "no_word_behind": ("(", "_"),
-    "term_end": (")", "]", "}", "²", "³"),
+    # brackets and stops
+    "brace": ("{", "}"),
+    "bracket": ("(", ")", "[", "]"),
+    "list_end": (")", "]"),
     "word_bracket": ("〖", "〗"),
-    "name_or_close": (")", "]", "}", "'"),
-    "name_end": ("}",),
-    "goes_on": ("_", "{", "^", *_LATIN),
-    "root": ("\\sqrt", "\\arccos", "\\arcsin", "\\arctan"),
-    "wave": ("\\cos", "\\sin", "\\tan"),
-    "low_digit": tuple("₀₁₂₃₄₅₆₇₈₉"),
-    "high_digit": tuple("⁰¹²³⁴⁵⁶⁷⁸⁹"),
-    "opening": ("(", "[", "{", "\\{"),
-    "closing": (")", "]", "}", "\\}"),
+    "bar": ("|", "‖", "\\|", "\\vert", "\\lvert", "\\rvert", "\\Vert", "\\lVert", "\\rVert"),
+    "stop": (".", ":", ";"),
+    "quote": (">",),
+    "strong": ("**",),
+    "hyphen": ("-", "'", "’"),
+    # what may stand beside something, or not
+    "binding": ("%command", "%latin", "_", "^", "}"),
     "opener": ("=", "(", ",", "&", "+", "-"),
-    "begins_term": ("=", "+", "-", "−", "(", "[", "{", ",", ";", "&"),
-    "binding": ("_", "^", "}", *_LATIN),
-    "font": ("\\mathbf", "\\mathrm", "\\boldsymbol", "\\bm", "\\vec"),
-    "upright": ("\\mathrm", "\\mathsf", "\\mathbf"),
-    "accent": (
-        "\\dot", "\\ddot", "\\hat", "\\vec", "\\mathbf", "\\mathrm", "\\boldsymbol", "\\bm",
+    "begins_term": ("%joins", "(", "[", "{", ",", ";", "&"),
+    "name_or_close": ("%name", ")", "]", "}", "'"),
+    "name_end": ("%name", "}"),
+    "term_end": ("%name", ")", "]", "}", "²", "³"),
+    "number_end": tuple(".0123456789"),
+    "no_end": ("%digit", "%latin", "_"),
+    "goes_on": ("%latin", "_", "{", "^"),
+    "in_name": ("%name", "%command", "_", "{", "}"),
+    "name_or_power": ("%name", "%high"),
+    "bar_or_equals": ("%bar", "%command", "="),
+    "head_end": ("%bracket", "=", "&"),
+    "beside_equality": ("&", "+", ":", "*", "/", "`", "-", "\\not"),
+    "no_result_behind": ("%name_or_power", ".", "^", "_", ","),
+    "no_word_before": ("%name_or_power", "^", "{", "/"),
+    "no_word_behind": ("%name_or_power", "%mark", "(", "_"),
+    "in_formulas": ("%command", *"+*/^·×=∂"),
+    "operating": ("%digit", *"+*/·−-)", "\\tan", "\\cot"),
+    # letters of quantities
+    "state_letter": (
+        *(letter + dots for letter in "qQΘθϑ" for dots in ("", "\u0307", "\u0308")),
+        "\\theta", "\\vartheta", "\\Theta",
     ),
-    "frac": characters.FRACTIONS,
-    "star": characters.STARS,
-    "prime": tuple(characters.PRIMES),
-    "operation": (
-        "\\sin", "\\cos", "\\tan", "\\frac", "\\tfrac", "\\dfrac", "\\cdot", "\\times", "\\sqrt",
-    ),
-    "dotting": ("\\dot", "\\ddot", "\\boldsymbol", "\\mathbf"),
-    "state_letter": tuple(
-        letter + dots for letter in "qQΘθϑ" for dots in ("", "\u0307", "\u0308")
-    )
-    + ("\\theta", "\\vartheta", "\\Theta", "\\varTheta"),
     "capital": (*"MHDBCVGJNKAYτΛ", "\\tau", "\\phi", "\\Gamma", "\\Lambda"),
-    "quantity_letter": (*_LATIN, "τ", "Λ", "\\tau", "\\phi", "\\Gamma", "\\Lambda"),
-    "drive": tuple("LTVK"),
+    "quantity_letter": ("%latin", "τ", "Λ", "\\tau", "\\phi", "\\Gamma", "\\Lambda"),
+    "energy": tuple("LTVK"),
     "turning": ("ω", "α", "\\omega", "\\alpha"),
     "matrix_letter": tuple("ABMHD"),
     "chain_letter": tuple("abxq"),
+    # units
+    "unit_letter": ("%latin", "µ", "μ"),
+    "unit_goes_on": ("%name", "%mark", "%prime", "_"),
+    "raised": ("²", "³", "¹"),
+    "raised_word": ("\\squared", "\\cubed"),
 }  # fmt: skip
-"""By the texts of lexemes."""
+"""By their texts, and by kinds and other classes behind a %. %any is every lexeme but the end of a
+line, %not_x one that is not x; %bare_letter has no marks, and %dotted_letter has dots."""
 
 PATTERNS = {
     "group": "{ %not_brace{0,30} }",
@@ -140,7 +105,7 @@ PATTERNS = {
     "d": "< d | \\mathrm { d } | \\mathrm d >",
     "squared": "< ^ { 2 } | ^ 2 | ² >",
     "roman_T": "< T | %upright { T } >",
-    "subscript": "_ < @group | %index >",
+    "subscript": "_ < @group | %name >",
     "symbol": "< %font { < %command | %latin{1,8} > } | %greek_command | %plain_letter >"
     " < @subscript | < ~%digit | ~%low_digit >{1,2} >?",
     "typed": "%letter ~%letter{0,6} ~_? < ~%digit | ~%low_digit | ~P >{0,2}",
@@ -150,7 +115,7 @@ PATTERNS = {
     "number": "< %digit ~%digit{0,60} < ~. ~%digit{0,60} >? | . ~%digit{1,60} >"
     " < < ~e | ~E > < ~+ | ~- >? ~%digit{1,60} >?",
     "word": "%bare_letter ~%bare_letter{1,40}",
-    "words": "!-%no_word_before !-_ @word < ~%hyphen ~%bare_letter{1,40} >{0,9} !< ~ %no_word_behind >",
+    "words": "!-%no_word_before !-_ @word < ~%hyphen ~%bare_letter{1,40} >{0,9} !~%no_word_behind",
     "decimal": "< %digit ~%digit{0,30} < ~. ~%digit{1,30} >? | . ~%digit{1,30} >"
     " < < ~e | ~E > < ~+ | ~- >? ~%digit{1,3} >?",
     "result_number": "< %digit ~%digit{0,30} < ~. ~%digit{0,30} | ~, ~%digit{1,30} >?"
@@ -159,8 +124,8 @@ PATTERNS = {
     "value": "%sign? < @decimal | @pi | %frac { %not_brace{1,12} } { %not_brace{1,12} } >"
     " < %times_or_over < @decimal | @pi > | @pi >{0,9}",
     "unit_letters": "< %command | %unit_letter ~%unit_letter{0,30} >",
-    "tolerance": "< %within_sign | + ~/ ~- | +- > within:< %digit ~%digit{0,30} < ~. ~%digit{0,30} >?"
-    " >?",
+    "tolerance": "< %within_sign | +/- | +- >"
+    " within:< %digit ~%digit{0,30} < ~. ~%digit{0,30} >? >?",
     "keyword": "< at | for | when | where | with | if >",
     "still": "< in < static | equilibrium > | held >",
     "angle": "name:< < \\theta | theta | θ | q | d > ~_? {? < %digit | %low_digit > }? >",
@@ -175,16 +140,16 @@ PATTERNS = {
     "state": "< %dotting {? >{0,3} %state_letter < ~_? ~d ~d? < ~o ~t >? >? }{0,2}",
     "states": "( < t | @state > < , @state >{0,9} )",
     "several_states": "( < t | @state > < , @state >{1,9} )",
-    "marked": "< _ < { %not_brace{1,6} } | %index > | ~%counted{1,2} >? @inverse? ᵀ?",
-    "capital": "< \\mathcal { %capital } | %capital >",
-    "lettered": "< \\mathcal { %latin } | < tau | phi | Gamma | Lambda > | %quantity_letter >",
-    "two_valued": "< < \\operatorname | \\mathrm > { >? < %root | sqrt | acos | asin | atan | arccos"
-    " | arcsin | arctan | < %wave | cos | sin | tan > ^ >",
+    "marked": "< _ < { %not_brace{1,6} } | %name > | ~%counted{1,2} >? @inverse? ᵀ?",
+    "capital": "< %around_letter { %capital } | %capital >",
+    "lettered": "< %around_letter { %latin } | < tau | phi | Gamma | Lambda > | %quantity_letter >",
+    "two_valued": "< < \\operatorname | \\mathrm > { >? < %root | sqrt"
+    " | acos | asin | atan | arccos | arcsin | arctan | < %wave | cos | sin | tan > ^ >",
     "before_frame": "< %first | --%opener | < !-%name_or_close | -R > { } >",
     "frame": "< ^ < { frame:%digit } | frame:%digit > | frame:%high_digit >",
     "framed": "!%operation < %accent < { %not_brace{1,30} } | %command | %letter > | %command"
     " | %letter >",
-    "frame_index": "< _ < @nested | %index > | %low_digit{1,4} >",
+    "frame_index": "< _ < @nested | %name > | %low_digit{1,4} >",
     "force_number": "F _? < { %counted } | %counted | %low_digit >",
 }
 """Parts of patterns."""

@@ -12,12 +12,12 @@ SPELLINGS: tuple[tuple[str, ...], ...] = (
     # ± in front of a function of two values: each is looked at.
     ("< ± | \\pm > &< @two_valued >", "+"),
     # dL/dθ1, as one types ∂L/∂θ1.
-    ("%fresh d of:~%drive / d !< t %ends > &~%letter", "∂ $of / ∂"),
+    ("%fresh d of:~%energy / d !< t %ends > &~%letter", "∂ $of / ∂"),
     # |v_c2|².
     ("%bar of:< %not_bar_or_equals{1,12} > %bar &< ² | ^ {? 2 >", "$of"),
     # ω2 x r2, as one types it.
     ("--) %apart x %apart &(", "×"),
-    ("of:< < omega | alpha | %turning > _? {? < %digit | %low_digit >? }? > %apart x %apart &< %latin | ( >",
+    ("of:< < omega | alpha | %turning > _? {? %figure? }? > %apart x %apart &< %latin | ( >",
      "$of ×"),
     # J^{-T}, J^T.
     ("^ { %minus < T | \\top | 1 < \\top | T > > }", "⁻ ¹ ᵀ"),
@@ -36,13 +36,14 @@ SPELLINGS: tuple[tuple[str, ...], ...] = (
     ("< \\SI | \\qty > { number:< %not_brace{1,30} > }?", "$number"),
     ("\\ang { number:< %not_brace{1,30} > }", "$number °"),
     # 2.5·10⁻³ is 2.5e-3.
-    ("--%figure %times 1 ~0 ^ { sign:%minus? digits:%digit{1,2} } @number_ends",
+    ("--%number_end %times 1 ~0 ^ { sign:%minus? digits:%digit{1,2} } @number_ends",
      "e plain($sign) $digits"),
-    ("--%figure %times 1 ~0 ^ sign:%minus? digits:%digit{1,2} @number_ends",
+    ("--%number_end %times 1 ~0 ^ sign:%minus? digits:%digit{1,2} @number_ends",
      "e plain($sign) $digits"),
-    ("--%figure %times 1 ~0 digits:< ⁻? %high_digit{1,2} > @number_ends", "e plain($digits)"),
+    ("--%number_end %times 1 ~0 digits:< ⁻? %high_digit{1,2} > @number_ends", "e plain($digits)"),
     # {}^1v_2 and {}^2_1R, Craig's letters with a frame.
-    ("@before_frame @frame _ < { low:%digit } | low:%digit > R !@frame_index", "R _ { plain($frame) $low }"),
+    ("@before_frame @frame _ < { low:%digit } | low:%digit > R !@frame_index",
+     "R _ { plain($frame) $low }"),
     ("@before_frame @frame name:@framed index:@frame_index?", "$name $index frame($frame)"),
     ("{ }", ""),
     # H[1,2], tau[1], M(1,2), M_1,2, counted from 1.
@@ -83,6 +84,7 @@ SPELLINGS: tuple[tuple[str, ...], ...] = (
      "d e t J $letter"),
     ("%fresh < \\det | det > (? letter:%matrix_letter )? &< &? < = | %last > >", "d e t $letter"),
     # Kane's F_1*, F₁*, F^*_1: a number follows where * multiplies.
-    ("%fresh name:@force_number < @asterisk | ~* &< = | + | %last | %minus < %apart | %last > > >", "$name '"),
+    ("%fresh name:@force_number < @asterisk | ~* &< = | + | %last | %minus < %apart | %last > > >",
+     "$name '"),
     ("%fresh F @asterisk _ {? number:%digit }?", "F $number '"),
 )  # fmt: skip

@@ -1,0 +1,54 @@
+"""The tables of the grammar are data, and long texts of any kind are read in bounded time."""
+
+from __future__ import annotations
+
+import json
+import time
+
+import pytest
+
+import freebody as fb
+from freebody.derivations.grammar.tables import characters, classes, spellings
+from freebody.errors import FreebodyError
+
+ARM = fb.planar("RR")
+
+
+@pytest.mark.parametrize("module", [characters, classes, spellings])
+def test_tables_are_literals_that_another_language_can_read(module):
+    """Nothing is lost on the way through JSON but that a tuple is a list."""
+    tables = {name: x for name, x in vars(module).items() if name.isupper()}
+    assert tables
+    for x in tables.values():
+        assert json.dumps(json.loads(json.dumps(x))) == json.dumps(x)
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        r"H22 = m_2 {l}_{c2}^2 + I_2",
+        "H22 = m2 lc2² + I2, where m2 = m2",
+        r"\mathrm{H}_{22}(q) = m_2 \, l_{c2}^{2} + I_{2}",
+        "H[2,2] = m2 lc2**2 + I2",
+        "H(2,2) = m₂·l_{c2}² + I₂",
+        r"\frac{d}{dt} \frac{\partial T}{\partial \dot{\theta}_1} - ∂T/∂θ1 + dV/dθ1 = \tau_1",
+        "d/dt(dT/dq1dot) - dT/dq1 + dV/dq1 = tau1",
+        r"τ₂ = H_{12} \frac{d^2 {\theta}_1}{dt^2} + H_22 d²θ2/dt² + m2 l1 lc2 s2 (dθ1/dt)^2 + G2",
+        "singular at θ2 = 0, ±180°",
+    ],
+)
+def test_spellings_mean_the_same(answer: str):
+    assert fb.check(ARM, answer), fb.check(ARM, answer)
+
+
+@pytest.mark.parametrize(
+    "piece",
+    [" ", "(", "[", "{", "^{", "_{", ".", "1", "a", "d", "θ̈", "\\", "|", "=", "M(q,", "d/dt ",
+     "\\frac{d", "at ", "singular ", "1,", "1.5 N m ", "θ1 = 1, ", "and θ1 = 1 ", "〖", "{}^1",
+     "# "],
+)  # fmt: skip
+def test_long_texts_are_read_in_bounded_time(piece: str):
+    begun = time.process_time()
+    with pytest.raises(FreebodyError):
+        fb.check(ARM, piece * (19_000 // max(1, len(piece.strip()))))
+    assert time.process_time() - begun < 6.0
