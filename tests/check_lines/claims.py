@@ -137,7 +137,8 @@ def by_mechanics(robot: str) -> Iterator[Claim]:
     for i in span:
         row = " + ".join(f"H{i}{j}*{q[j - 1]}_dd" for j in span if there(i, j))
         rest = "".join(f" + {x}{i}" for x in "cG" if known[f"{x}{i}"] != 0)
-        yield claim("equation of motion", f"{driven(i)} = {row}{rest}{multipliers(i)}")
+        if not m.loops or known[f"c{i}"] == 0:  # c of a closed chain may be that of its loops
+            yield claim("equation of motion", f"{driven(i)} = {row}{rest}{multipliers(i)}")
         momentum = " + ".join(f"H{i}{j}*{q[j - 1]}_d" for j in span if there(i, j))
         yield claim("momentum", f"p{i} = {momentum}")
         if not m.loops:
@@ -196,7 +197,7 @@ def derived(robot: str, rng: random.Random) -> Iterator[Claim]:
     m = mechanism(robot)
     for key, found in m.quantities.items():
         family = family_of(key)
-        if family is None or (key[0] == "C" and m.loops):
+        if family is None or (m.loops and key[0] in "cJ") or (m.up == 2 and key[1:2] == "c"):
             continue
         found = sp.sympify(found)
         if found == 0 or found.count_ops() > 150 or key.startswith("Phi") and "q" in key:
@@ -312,8 +313,8 @@ def _by_loops(x: sp.Expr, m: Mechanism, rng: random.Random) -> sp.Expr | None:
     by = rng.choice((loop, rated))
     for term in by.args:
         for own in base.args:
-            ratio = sp.simplify(own / term)
-            if not ratio.has(sp.sin, sp.cos) and ratio.is_polynomial():
+            ratio = own / term
+            if not ratio.has(sp.sin, sp.cos) and sp.fraction(ratio)[1].is_Number:
                 return sp.expand(base - ratio * by)
     return None
 
@@ -375,7 +376,7 @@ def with_definitions(one: Claim, rng: random.Random) -> Claim | None:
         return None
     meant = rng.choice(found)
     name = rng.choice(
-        ("k", "kappa", "beta", "A", "B") if meant[0] == "mul" else ("Q", "S0", "sigma")
+        ("k", "kappa", "beta", "A", "B") if meant[0] == "mul" else ("S0", "sigma")
     )
 
     def swap(x: Tree) -> Tree:

@@ -5,13 +5,13 @@ A `Spelling` draws one writer's habits; `written` writes a tree in them.
 
 import random
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
 from .trees import Tree
 
-GREEK = {"th": ("theta", "θ", r"\theta"), "phi": ("phi", "φ", r"\varphi")}
+GREEK_NAMES = ("kappa", "beta", "sigma")
 SUBSCRIPTS = str.maketrans("0123456789xy", "₀₁₂₃₄₅₆₇₈₉ₓᵧ")
 POWERS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
@@ -154,8 +154,10 @@ def named(key: str, s: Spelling) -> str:
     column = 2 if s.tex else 1 if s.form == "unicode" else 0
     found = KEY.fullmatch(key)
     if found is None:
-        if key in s.letters:
+        if "#" not in s.letters.get(key, "#"):
             return s.letters[key]
+        if key in GREEK_NAMES and s.tex:
+            return "\\" + key
         return _dotted(base, dots, s) if dots else key
     part = found.groupdict()
     dots = part["dots"]
@@ -188,7 +190,8 @@ def named(key: str, s: Spelling) -> str:
 
 
 def _derivative(kind: str, index: int, s: Spelling) -> str:
-    by = named(s.coordinates[index - 1] + ("" if kind == "dLdq" else "_d"), s)
+    plain = s if s.form in ("tex", "unicode", "sympytex") else replace(s, form="plain")
+    by = named(s.coordinates[index - 1] + ("" if kind == "dLdq" else "_d"), plain)
     return s.letters[kind].replace("@", by).replace("#", str(index))
 
 
@@ -308,6 +311,8 @@ def _product(factors: tuple[Tree, ...], s: Spelling) -> str:
     parts = sorted(factors, key=lambda x: (x[0] != "num", _bare(x, s) and x[0] != "num"))
     texts = [written(x, s, PRODUCT) for x in parts]
     joint = s.dot if s.form == "tex" else " "
+    if [x[0] for x in parts].count("num") > 1:
+        joint = r"\cdot " if s.tex else "·"
     return joint.join(texts)
 
 
