@@ -11,7 +11,7 @@ from .mechanisms import Body, Mechanism, S
 sin, cos = sp.sin, sp.cos
 
 
-def _bars(word: str, pole: str = "") -> tuple[tuple[str, ...], list[Body], tuple[sp.Expr, sp.Expr]]:
+def _bars(word: str) -> tuple[tuple[str, ...], list[Body], tuple[sp.Expr, sp.Expr]]:
     """A serial arm of bars in the plane."""
     x = y = phi = sp.Integer(0)
     names, bodies = [], []
@@ -60,6 +60,18 @@ G = {"g": 9.81}
 def _arm(name: str, word: str, values: dict[str, float], passive: Sequence[str] = ()) -> Mechanism:
     names, bodies, tip = _bars(word)
     return Mechanism(name, names, tuple(bodies), G | values, tuple(passive), tip=tip)
+
+
+def arm_of(name: str, word: str) -> Mechanism:
+    """A planar arm of this word, as `fb.planar` describes it: the link of a slide has no length."""
+    names, bodies, tip = _bars(word)
+    zero = {S(f"l{i}"): 0 for i, letter in enumerate(word, 1) if letter == "P"}
+    placed = tuple(
+        Body(b.mass, b.inertia, tuple(sp.sympify(x).subs(zero) for x in b.centre), b.turn)
+        for b in bodies
+    )
+    kept = {x: y for x, y in BARS3.items() if int(x[-1]) <= len(word) and S(x) not in zero}
+    return Mechanism(name, names, placed, G | kept, tip=tuple(x.subs(zero) for x in tip))
 
 
 def _rp() -> Mechanism:
