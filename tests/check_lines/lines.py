@@ -2,7 +2,7 @@
 
 import math
 import random
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -25,7 +25,7 @@ class Line:
     text: str
     options: dict[str, Any] = field(default_factory=dict)
     kind: str = ""  # of the mistake
-    source: Any = None  # the claim and how it is set, for mutants
+    source: Any = field(default=None, repr=False)  # the claim and how it is set, for mutants
 
     def __str__(self) -> str:
         told = "".join(f", {x}={y!r}" for x, y in self.options.items())
@@ -118,9 +118,6 @@ def with_own_names(s: Spelling, one: Claim, rng: random.Random) -> Spelling:
                    functions={x: x for x in s.functions}, argument=False)  # fmt: skip
 
 
-CANONICAL = {"th": "theta"}
-
-
 def setting(one: Claim, rng: random.Random) -> Setting:
     """A setting, drawn."""
     s = spelling(rng, "plain" if one.defined and rng.random() < 0.5 else None)
@@ -168,12 +165,16 @@ SHARES = {"2R": 3, "3R": 2, "four_bar": 4, "slider_crank": 4, "five_bar": 3, "fi
 
 def right_lines(count: int, seed: int = 28) -> list[Line]:
     """Right lines of all robots, drawn."""
+    return of_these(tuple(ROBOTS), count, seed)
+
+
+def of_these(robots: Sequence[str], count: int, seed: int = 28) -> list[Line]:
+    """Right lines of some robots, drawn; the closed chains of books come more often."""
     rng = random.Random(seed)
-    total = sum(SHARES.get(x, 1) for x in ROBOTS)
+    total = sum(SHARES.get(x, 1) for x in robots)
     found: list[Line] = []
-    for robot in ROBOTS:
-        share = round(count * SHARES.get(robot, 1) / total)
-        found += of_robot(robot, share, rng)
+    for robot in robots:
+        found += of_robot(robot, math.ceil(count * SHARES.get(robot, 1) / total), rng)
     rng.shuffle(found)
     return found[:count]
 
@@ -200,7 +201,7 @@ def of_robot(robot: str, count: int, rng: random.Random) -> list[Line]:
     return found
 
 
-def mutants(lines: list[Line], count: int, seed: int = 82) -> Iterator[Line]:
+def mutants(lines: Sequence[Line], count: int, seed: int = 82) -> Iterator[Line]:
     """Lines with one mistake, each wrong for certain, in the setting of its right line."""
     rng = random.Random(seed)
     sources = [x for x in lines if x.source]
