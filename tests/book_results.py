@@ -1,3 +1,4 @@
+# ruff: noqa: E501 - a result is easier to compare with its book in one line
 """Results from problem sets and books, each written down with its robot before it was tried.
 
 A result is a title, a robot, the answer as one types it, and the same in short Python text, which a
@@ -9,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import sympy as sp
+
 from check_lines.mechanisms import Body, Mechanism, S
 from check_lines.robots import G, arm_of, mechanism
 
@@ -35,9 +37,7 @@ def _link(name: str, mass: str = "", com: str = "", inertia: str = "") -> str:
 
 
 def _joint(name: str, kind: str, parent: str, child: str, more: str = "") -> str:
-    return (
-        f'[[joint]]\nname = "{name}"\nkind = "{kind}"\nparent = "{parent}"\nchild = "{child}"\n{more}\n'
-    )
+    return f'[[joint]]\nname = "{name}"\nkind = "{kind}"\nparent = "{parent}"\nchild = "{child}"\n{more}\n'
 
 
 def _frame(name: str, parent: str, origin: str) -> str:
@@ -118,7 +118,7 @@ def _bar(foot: tuple[Any, Any], i: int, phi: Any) -> Body:
 ZERO = sp.Integer(0)
 
 
-def own_mechanism(robot: str) -> Mechanism:  # noqa: C901 - a list of robots
+def own_mechanism(robot: str) -> Mechanism:
     """The robot, derived anew."""
     if robot in WORDS:
         return arm_of(robot, WORDS[robot])
@@ -170,9 +170,7 @@ def own_mechanism(robot: str) -> Mechanism:  # noqa: C901 - a list of robots
 def _closed(
     robot: str, coordinates: Any, bodies: Any, values: Any, passive: Any, loops: Any, home: Any
 ) -> Mechanism:
-    return Mechanism(
-        robot, coordinates, bodies, G | values, passive, loops, (), home, serial=False
-    )
+    return Mechanism(robot, coordinates, bodies, G | values, passive, loops, (), home, serial=False)
 
 
 R = Result

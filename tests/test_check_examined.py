@@ -9,14 +9,14 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-import book_results
 import numpy as np
 import pytest
+
+import book_results
+import freebody as fb
 from check_lines.claims import Claim, gap
 from check_lines.lines import Line, mutants, of_these, right_lines
 from check_lines.trees import tree, two_valued
-
-import freebody as fb
 
 QUICK = ("pendulum", "2R", "RP", "cart_pole", "slider_crank", "four_bar")
 READ, READ_RESULTS, PLACED = 0.97, 0.92, 0.85

@@ -8,12 +8,24 @@ from typing import Any
 
 import numpy as np
 
-from .claims import Claim, _claim, by_mechanics, derived, family_of, holds, with_definitions, wrong
+from .claims import (
+    Claim,
+    _claim,
+    by_mechanics,
+    derived,
+    family_of,
+    holds,
+    solved_rates,
+    with_definitions,
+    wrong,
+)
 from .mistakes import mistaken
 from .printed import printed
+from .prose import PROSE_LATEX, PROSE_MARKDOWN, PROSE_TEXT
 from .robots import ROBOTS, mechanism
 from .spellings import Spelling, named, spelling, written
 from .trees import keys
+from .typed import typed
 
 
 @dataclass(frozen=True)
@@ -42,26 +54,16 @@ class Setting:
 
 
 ENDS = ("", "", "", "", ".", ",", ";")
-WRAPS = ("{}", "{}", "{}", "${}$", "$${}$$", r"\[ {} \]", r"\( {} \)",
-         r"\begin{{equation}} {} \end{{equation}}", r"\begin{{align}} {} \end{{align}}")  # fmt: skip
-PROSE_MARKDOWN = (
-    "# Problem 3\n\nWe take the robot of the figure; gravity acts along $-y$.\n\n$$ {} $$\n\nThis is what was asked for.\n",
-    "The x-axis points to the right, where $l_1$ is the length of the first link.\n\n$${}$$\n",
-    "**Solution.** With $\\theta_1$ measured from the horizontal ($x$-axis), we find\n\n$$\n{}\n$$\n\nas claimed.\n",
-    "Inserting this gives ${}$, which is the result. Positive angles are counterclockwise ($+z$).\n",
-    "- Given: the masses $m_i$ and the lengths $l_i$.\n- Result: ${}$.\n",
-    "We choose $q$ as coordinates and let $g = 9.81\\,\\mathrm{{m/s^2}}$ act downwards ($-y$). Then\n\n$$ {} \\qquad (1) $$\n",
-)
-PROSE_LATEX = (
-    "\\documentclass{{article}}\n\\begin{{document}}\n\\section{{Dynamics}}\nGravity acts along $-y$; the $x$-axis is horizontal.\n\\begin{{equation}}\n{}\n\\label{{eq:a}}\n\\end{{equation}}\nwhere $l_1$ is the length of the first link.\n\\end{{document}}\n",
-    "Let $\\theta_i$ be the joint angles. From the figure we read\n\\[\n{}.\n\\]\nHence the claim follows by (\\ref{{eq:a}}).\n",
-    "\\begin{{align*}}\n{}\n\\end{{align*}}\nin which all angles are in radians.\n",
-    "Therefore, ${}$, where $g$ is the acceleration of gravity along the negative $y$ axis.\n",
-)
-PROSE_TEXT = (
-    "Problem 2. The robot is in a vertical plane, gravity along -y.\n\n{}\n\nwhere l1 is the length of link 1.\n",
-    "We get\n    {}\nas in the book.\n",
-    "Result:\n{}   # checked by hand\n",
+WRAPS = (
+    "{}",
+    "{}",
+    "{}",
+    "${}$",
+    "$${}$$",
+    r"\[ {} \]",
+    r"\( {} \)",
+    r"\begin{{equation}} {} \end{{equation}}",
+    r"\begin{{align}} {} \end{{align}}",
 )
 
 
@@ -96,9 +98,13 @@ def set_line(one: Claim, how: Setting) -> Line:
 
 
 OWN = {
-    "l": ("L#", "a#", "b#"), "lc": ("r#", "s#", "lg#", "k#"), "m": ("M#", "mu#"), "I": ("Iz#", "Jc#", "J#"),
-    "th": ("phi#", "alpha#", "psi#", "vartheta#"), "d": ("rho#", "s#"),
-}  # fmt: skip
+    "l": ("L#", "a#", "b#"),
+    "lc": ("r#", "s#", "lg#", "k#"),
+    "m": ("M#", "mu#"),
+    "I": ("Iz#", "Jc#", "J#"),
+    "th": ("phi#", "alpha#", "psi#", "vartheta#"),
+    "d": ("rho#", "s#"),
+}
 
 
 def with_own_names(s: Spelling, one: Claim, rng: random.Random) -> Spelling:
@@ -113,9 +119,15 @@ def with_own_names(s: Spelling, one: Claim, rng: random.Random) -> Spelling:
         new = rng.choice(OWN[letter]).replace("#", key[len(letter) :])
         if new not in own.values() and new not in used:
             own[key] = new
-    return replace(s, own=own, form="code" if s.form not in ("plain", "code") else s.form,
-                   letters=spelling(rng, "plain").letters, short=False,
-                   functions={x: x for x in s.functions}, argument=False)  # fmt: skip
+    return replace(
+        s,
+        own=own,
+        form="code" if s.form not in ("plain", "code") else s.form,
+        letters=spelling(rng, "plain").letters,
+        short=False,
+        functions={x: x for x in s.functions},
+        argument=False,
+    )
 
 
 def setting(one: Claim, rng: random.Random) -> Setting:
@@ -134,6 +146,7 @@ def claims(robot: str, rng: random.Random) -> list[Claim]:
     found = [_claim(robot, _family(x), x) for x in printed(robot)]
     found += by_mechanics(robot)
     found += derived(robot, rng)
+    found += solved_rates(robot, rng)
     good, seen = [], set()
     for one in found:
         if (one.left, one.right) in seen or one.left == one.right:
@@ -152,15 +165,25 @@ def _family(text: str) -> str:
         return "inverse position"
     if left.endswith("_dd") and left.startswith(("th", "d", "x")):
         return "acceleration solved for"
-    if "_d" in text and "T_d" in text or left == "E_d":
+    if ("_d" in text and "T_d" in text) or left == "E_d":
         return "power"
     if not left.isidentifier():
         return "relation"
     return family_of(left) or "relation"
 
 
-SHARES = {"2R": 3, "3R": 2, "four_bar": 4, "slider_crank": 4, "five_bar": 3, "five_bar_rods": 2,
-          "double_four_bar": 1.5, "3RRR": 1, "gyro": 0.4, "pendulum": 0.8}  # fmt: skip
+SHARES = {
+    "2R": 3,
+    "3R": 2,
+    "four_bar": 4,
+    "slider_crank": 4,
+    "five_bar": 3,
+    "five_bar_rods": 2,
+    "double_four_bar": 1.5,
+    "3RRR": 1,
+    "gyro": 0.4,
+    "pendulum": 0.8,
+}
 
 
 def right_lines(count: int, seed: int = 28) -> list[Line]:
@@ -188,6 +211,8 @@ def of_robot(robot: str, count: int, rng: random.Random) -> list[Line]:
     for own in families.values():
         rng.shuffle(own)
     found = numbers[: max(1, count // 12)]
+    own = [Line(robot, x.family, x.answer, x.options) for x in typed(robot)]
+    found += rng.sample(own, min(len(own), max(1, count // 5)))
     taken = dict.fromkeys(families, 0)
     while len(found) < count:
         family = rng.choice(sorted(families))
@@ -221,9 +246,20 @@ def mutants(lines: Sequence[Line], count: int, seed: int = 82) -> Iterator[Line]
 
 
 UNITS = {
-    "H": "kg m^2", "G": "N m", "c": "N m", "tau": "N m", "T": "J", "V": "J", "x": "m", "y": "m",
-    "z": "m", "omega": "rad/s", "f": "N", "E": "J", "d": "m",
-}  # fmt: skip
+    "H": "kg m^2",
+    "G": "N m",
+    "c": "N m",
+    "tau": "N m",
+    "T": "J",
+    "V": "J",
+    "x": "m",
+    "y": "m",
+    "z": "m",
+    "omega": "rad/s",
+    "f": "N",
+    "E": "J",
+    "d": "m",
+}
 TURNING = ("pendulum", "2R", "3R", "elbow_arm", "pendubot", "slider_crank", "four_bar", "five_bar")
 
 
