@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+import sympy as sp
 
 from .claims import (
     Claim,
@@ -24,7 +25,7 @@ from .printed import printed
 from .prose import PROSE_LATEX, PROSE_MARKDOWN, PROSE_TEXT
 from .robots import ROBOTS, mechanism
 from .spellings import Spelling, named, spelling, written
-from .trees import keys
+from .trees import keys, two_valued
 from .typed import typed
 
 
@@ -34,7 +35,7 @@ class Line:
 
     robot: str
     family: str
-    text: str
+    text: Any
     options: dict[str, Any] = field(default_factory=dict)
     kind: str = ""  # of the mistake
     source: Any = field(default=None, repr=False)  # the claim and how it is set, for mutants
@@ -80,6 +81,8 @@ def set_line(one: Claim, how: Setting) -> Line:
     """The claim as text, in a setting."""
     s = how.spelling
     rng = random.Random(how.seed)
+    if how.frame == OBJECT:
+        return Line(one.robot, one.family, in_sympy(one, rng), source=(one, how))
     lines = text_of(one, s)
     options: dict[str, Any] = {}
     if s.own:
@@ -95,6 +98,19 @@ def set_line(one: Claim, how: Setting) -> Line:
     elif rng.random() < 0.1 and not s.tex:
         text += rng.choice(("  # eq. 4", ";", "."))
     return Line(one.robot, one.family, text, options, source=(one, how))
+
+
+def in_sympy(one: Claim, rng: random.Random) -> Any:
+    """The claim as an equation in SymPy, or as an entry of a dict."""
+    s = spelling(rng, rng.choice(("code", "function")))
+    s = replace(s, letters=s.letters | PLAIN, rate=("{}_d", "{}_dd"), argument=False, half="1/2")
+    right = sp.sympify(written(one.right, s))
+    left = written(one.left, s)
+    if left.isidentifier() and rng.random() < 0.5:
+        return {left: right}
+    return sp.Eq(
+        sp.Symbol(left) if left.isidentifier() else sp.sympify(left), right, evaluate=False
+    )
 
 
 OWN = {
@@ -130,6 +146,30 @@ def with_own_names(s: Spelling, one: Claim, rng: random.Random) -> Spelling:
     )
 
 
+OBJECT = 4  # neither text nor a document: SymPy's objects
+PLAIN = {
+    "th": "theta#",
+    "d": "d#",
+    "H": "H#",
+    "tau": "tau#",
+    "G": "G#",
+    "c": "c#",
+    "T": "T",
+    "V": "V",
+}
+
+
+def plain_names(one: Claim) -> bool:
+    """Whether all names are letters and digits, which SymPy has as symbols."""
+    used = keys(one.left) | keys(one.right)
+    if any(x.endswith("_d") and x[0] in "TVEH" for x in used):
+        return False
+    return one.left[0] != "mat" and all(x.rstrip("0123456789_d")[:3] in PLAIN_KEYS for x in used)
+
+
+PLAIN_KEYS = ("th", "", "l", "lc", "m", "I", "tau", "H", "G", "c", "T", "V", "L", "g", "J")
+
+
 def setting(one: Claim, rng: random.Random) -> Setting:
     """A setting, drawn."""
     s = spelling(rng, "plain" if one.defined and rng.random() < 0.5 else None)
@@ -137,6 +177,9 @@ def setting(one: Claim, rng: random.Random) -> Setting:
         s = with_own_names(s, one, rng)
     s = replace(s, coordinates=mechanism(one.robot).coordinates)
     drawn = rng.random()
+    symbolic = not one.defined and not s.own and not two_valued(one.right) and plain_names(one)
+    if symbolic and rng.random() < 0.06:
+        return Setting(s, OBJECT, rng.randrange(10**9))
     frame = 1 if drawn < 0.12 else 2 if drawn < 0.2 else 3 if drawn < 0.24 else 0
     return Setting(s, frame, rng.randrange(10**9))
 
