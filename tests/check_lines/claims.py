@@ -19,7 +19,7 @@ TOLERANCE = 1e-8
 
 @dataclass(frozen=True)
 class Claim:
-    """left = right about a robot; defined: lines before it, each a name of its own and its value."""
+    """left = right about a robot; defined: lines before it, a name of one's own and its value."""
 
     robot: str
     family: str
@@ -87,13 +87,24 @@ def wrong(one: Claim) -> bool:
         best = np.min(gaps, axis=0)
         if (best > 1e-4).sum() < 0.6 * best.size:
             return False
-        apart = np.asarray(value(one.left, env)) - np.asarray(value(one.right, env))
+    parameters = set(mechanism(one.robot).values) - {"g"}
+    if not keys(one.right) & parameters and _in_numbers(one):
+        return False
     if not (keys(one.left) | keys(one.right)) & {"V", "E", "L", *(f"V{i}" for i in range(1, 7))}:
         return True
-    return not _constant(one, env, apart)
+    return not _constant(one)
 
 
-def _constant(one: Claim, env: dict[str, np.ndarray], apart: np.ndarray) -> bool:
+def _in_numbers(one: Claim) -> bool:
+    """Whether a line without letters of lengths and masses is right with the values of the file."""
+    env = mechanism(one.robot).states(STATES, seed=6, spread=0.0)
+    if one.defined or two_valued(one.right):
+        return False
+    with np.errstate(all="ignore"):
+        return bool((gap(one, env) < 1e-4).all())
+
+
+def _constant(one: Claim) -> bool:
     """Whether the sides differ by a number of the parameters only, which a potential energy may."""
     m = mechanism(one.robot)
     same = m.states(STATES, seed=5, spread=0.0)
@@ -137,15 +148,19 @@ def by_mechanics(robot: str) -> Iterator[Claim]:
     for i in span:
         row = " + ".join(f"H{i}{j}*{q[j - 1]}_dd" for j in span if there(i, j))
         rest = "".join(f" + {x}{i}" for x in "cG" if known[f"{x}{i}"] != 0)
-        yield claim("equation of motion", f"{driven(i)} = {row}{rest}{multipliers(i)}")
+        if not m.loops or known[f"c{i}"] == 0:  # c of a closed chain may be that of its loops
+            yield claim("equation of motion", f"{driven(i)} = {row}{rest}{multipliers(i)}")
         momentum = " + ".join(f"H{i}{j}*{q[j - 1]}_d" for j in span if there(i, j))
         yield claim("momentum", f"p{i} = {momentum}")
         if not m.loops:
             yield claim("Lagrange", f"p{i}_d - dLdq{i} = {driven(i)}")
     half = " + ".join(
-        f"{'1/2*' if i == j else ''}H{i}{j}*" + (f"{q[i - 1]}_d**2" if i == j else f"{q[i - 1]}_d*{q[j - 1]}_d")
-        for i in span for j in span if i <= j and there(i, j)
-    )  # fmt: skip
+        f"{'1/2*' if i == j else ''}H{i}{j}*"
+        + (f"{q[i - 1]}_d**2" if i == j else f"{q[i - 1]}_d*{q[j - 1]}_d")
+        for i in span
+        for j in span
+        if i <= j and there(i, j)
+    )
     yield claim("kinetic energy", f"T = {half}")
     yield claim("energy", "L = T - V")
     yield claim("energy", "E = T + V")
@@ -188,6 +203,7 @@ def _of_bodies(m: Mechanism, claim: Any) -> Iterator[Claim]:
             )
 
 
+ZERO: Tree = ("num", 0)
 SIMPLE = 45  # symbols and numbers in a line that somebody writes by hand
 
 
@@ -196,19 +212,20 @@ def derived(robot: str, rng: random.Random) -> Iterator[Claim]:
     m = mechanism(robot)
     for key, found in m.quantities.items():
         family = family_of(key)
-        if family is None or (key[0] == "C" and m.loops):
+        if family is None or (m.loops and key[0] in "cJ") or (m.up == 2 and key[1:2] == "c"):
             continue
         found = sp.sympify(found)
-        if found == 0 or found.count_ops() > 150 or key.startswith("Phi") and "q" in key:
+        if found == 0 or found.count_ops() > 150 or (key.startswith("Phi") and "q" in key):
             continue
         for right in forms(found, m, rng):
             if size(right) > SIMPLE:
                 continue
             left: Tree = ("sym", key)
-            if key.startswith("Phi"):
-                if rng.random() < 0.6:
-                    yield Claim(robot, "loop equation", right, ("num", 0))
-                    continue
+            if right == ZERO:
+                continue
+            if key.startswith("Phi") and rng.random() < 0.6:
+                yield Claim(robot, "loop equation", right, ZERO)
+                continue
             if key.startswith("tau") and m.coordinates[int(key[3:]) - 1] in m.passive:
                 left = ("num", 0)
             if key in {x + y for x in m.coordinates for y in ("", "_d", "_dd")}:
@@ -217,20 +234,50 @@ def derived(robot: str, rng: random.Random) -> Iterator[Claim]:
 
 
 FAMILIES = (
-    ("tau", "torque"), ("H", "mass matrix"), ("G", "gravity"), ("c", "velocity terms"),
-    ("T", "kinetic energy"), ("V", "potential energy"), ("L", "energy"), ("E", "energy"),
-    ("p", "momentum"), ("dLdq", "Lagrange"), ("det", "determinant"), ("J", "Jacobian"),
-    ("x", "position and motion"), ("y", "position and motion"), ("z", "position and motion"),
-    ("v", "position and motion"), ("a", "acceleration of a body"), ("omega", "angular velocity"),
-    ("f", "force"), ("Phi", "loop equation"),
-)  # fmt: skip
+    ("tau", "torque"),
+    ("H", "mass matrix"),
+    ("G", "gravity"),
+    ("c", "velocity terms"),
+    ("T", "kinetic energy"),
+    ("V", "potential energy"),
+    ("L", "energy"),
+    ("E", "energy"),
+    ("p", "momentum"),
+    ("dLdq", "Lagrange"),
+    ("det", "determinant"),
+    ("J", "Jacobian"),
+    ("x", "position and motion"),
+    ("y", "position and motion"),
+    ("z", "position and motion"),
+    ("v", "position and motion"),
+    ("a", "acceleration of a body"),
+    ("omega", "angular velocity"),
+    ("f", "force"),
+    ("Phi", "loop equation"),
+)
 
 
 def family_of(key: str) -> str | None:
     """The family under which a quantity is counted; none where nobody writes it out."""
-    if key.startswith("phi") or key[0] in "CP" and key[:3] != "Phi":
+    if key.startswith("phi") or (key[0] in "CP" and key[:3] != "Phi"):
         return None
     return next((family for start, family in FAMILIES if key.startswith(start)), None)
+
+
+def solved_rates(robot: str, rng: random.Random) -> Iterator[Claim]:
+    """The dependent rates of a closed chain, and angular velocities that contain them."""
+    m = mechanism(robot)
+    if len(m.loops) != 2 or len(m.passive) != 2:
+        return
+    rates = _rates(m)
+    wanted = {str(y): y for y in rates}
+    wanted |= {x: y for x, y in m.quantities.items() if x.startswith("omega") and "_d" not in x}
+    for key, found in wanted.items():
+        reduced = sp.sympify(found).subs(rates)
+        for form in (reduced, sp.together(reduced), sp.expand(reduced)):
+            if form != found and size(from_sympy(form)) <= SIMPLE:
+                right = shuffled(from_sympy(form), rng)
+                yield Claim(robot, "rates by the loops", ("sym", key), right)
 
 
 def forms(found: sp.Expr, m: Mechanism, rng: random.Random) -> Iterator[Tree]:
@@ -308,20 +355,55 @@ def _by_loops(x: sp.Expr, m: Mechanism, rng: random.Random) -> sp.Expr | None:
     rated = m.rate(loop)
     base = sp.expand(x)
     if not base.is_Add:
-        return base - loop if rng.random() < 0.5 and base.is_Symbol else None
+        return (
+            base - loop
+            if base.is_Symbol and str(base)[0] in "dxy" and not base.name.endswith("_d")
+            else None
+        )
     by = rng.choice((loop, rated))
     for term in by.args:
         for own in base.args:
-            ratio = sp.simplify(own / term)
-            if not ratio.has(sp.sin, sp.cos) and ratio.is_polynomial():
+            ratio = own / term
+            if not ratio.has(sp.sin, sp.cos) and sp.fraction(ratio)[1].is_Number:
                 return sp.expand(base - ratio * by)
     return None
 
 
+def _reduced(x: sp.Expr, m: Mechanism, rng: random.Random) -> sp.Expr | None:
+    """The dependent rates by the independent ones, from the loops' first derivative."""
+    dependent = [y for c, y in zip(m.coordinates, m.qd, strict=True) if c in m.passive]
+    if len(m.loops) != 2 or len(dependent) != 2 or not x.has(*dependent):
+        return None
+    return x.subs(_rates(m), simultaneous=True)
+
+
+@functools.cache
+def _rates(m: Mechanism) -> dict[sp.Symbol, sp.Expr]:
+    dependent = [y for c, y in zip(m.coordinates, m.qd, strict=True) if c in m.passive]
+    rows = [sp.expand(m.rate(loop)) for loop in m.loops]
+    a = sp.Matrix([[row.coeff(y) for y in dependent] for row in rows])
+    rest = sp.Matrix([row.subs(dict.fromkeys(dependent, 0)) for row in rows])
+    short = (lambda x: sp.factor(sp.trigsimp(x))) if len(m.q) < 4 else sp.expand
+    solved = [short(-x) for x in a.adjugate() * rest]
+    return {y: x / short(a.det()) for y, x in zip(dependent, solved, strict=True)}
+
+
 WAYS = (
-    _expanded, _expanded, _factored, _angle_sums, _sums_of_products, _squares, _half_angles,
-    _collected, _collected, _by_loops, _by_loops, _by_loops,
-)  # fmt: skip
+    _expanded,
+    _expanded,
+    _factored,
+    _angle_sums,
+    _sums_of_products,
+    _squares,
+    _half_angles,
+    _collected,
+    _collected,
+    _by_loops,
+    _by_loops,
+    _by_loops,
+    _reduced,
+    _reduced,
+)
 
 
 def shuffled(one: Tree, rng: random.Random) -> Tree:
@@ -361,22 +443,17 @@ def _twice(one: Tree) -> Tree:
 
 
 def with_definitions(one: Claim, rng: random.Random) -> Claim | None:
-    """A product of parameters or a sine that comes in the right side gets a name on a line before."""
+    """A product of parameters or a sine of the right side gets a name on a line before."""
     found = [
         x
         for _, x in places(one.right)
-        if x[0] == "mul"
-        and 2 <= len(x[1]) <= 4
-        and all(y[0] != "num" for y in x[1])
-        or x[0] == "fun"
-        and x[1] in ("sin", "cos")
+        if (x[0] == "mul" and 2 <= len(x[1]) <= 4 and all(y[0] != "num" for y in x[1]))
+        or (x[0] == "fun" and x[1] in ("sin", "cos"))
     ]
     if not found:
         return None
     meant = rng.choice(found)
-    name = rng.choice(
-        ("k", "kappa", "beta", "A", "B") if meant[0] == "mul" else ("Q", "S0", "sigma")
-    )
+    name = rng.choice(("k", "kappa", "beta", "A", "B") if meant[0] == "mul" else ("S0", "sigma"))
 
     def swap(x: Tree) -> Tree:
         if x == meant:

@@ -2,18 +2,31 @@
 
 import math
 import random
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+import sympy as sp
 
-from .claims import Claim, _claim, by_mechanics, derived, family_of, holds, with_definitions, wrong
+from .claims import (
+    Claim,
+    _claim,
+    by_mechanics,
+    derived,
+    family_of,
+    holds,
+    solved_rates,
+    with_definitions,
+    wrong,
+)
 from .mistakes import mistaken
 from .printed import printed
+from .prose import PROSE_LATEX, PROSE_MARKDOWN, PROSE_TEXT
 from .robots import ROBOTS, mechanism
 from .spellings import Spelling, named, spelling, written
-from .trees import keys
+from .trees import keys, two_valued
+from .typed import typed
 
 
 @dataclass(frozen=True)
@@ -22,10 +35,10 @@ class Line:
 
     robot: str
     family: str
-    text: str
+    text: Any
     options: dict[str, Any] = field(default_factory=dict)
     kind: str = ""  # of the mistake
-    source: Any = None  # the claim and how it is set, for mutants
+    source: Any = field(default=None, repr=False)  # the claim and how it is set, for mutants
 
     def __str__(self) -> str:
         told = "".join(f", {x}={y!r}" for x, y in self.options.items())
@@ -42,26 +55,16 @@ class Setting:
 
 
 ENDS = ("", "", "", "", ".", ",", ";")
-WRAPS = ("{}", "{}", "{}", "${}$", "$${}$$", r"\[ {} \]", r"\( {} \)",
-         r"\begin{{equation}} {} \end{{equation}}", r"\begin{{align}} {} \end{{align}}")  # fmt: skip
-PROSE_MARKDOWN = (
-    "# Problem 3\n\nWe take the robot of the figure; gravity acts along $-y$.\n\n$$ {} $$\n\nThis is what was asked for.\n",
-    "The x-axis points to the right, where $l_1$ is the length of the first link.\n\n$${}$$\n",
-    "**Solution.** With $\\theta_1$ measured from the horizontal ($x$-axis), we find\n\n$$\n{}\n$$\n\nas claimed.\n",
-    "Inserting this gives ${}$, which is the result. Positive angles are counterclockwise ($+z$).\n",
-    "- Given: the masses $m_i$ and the lengths $l_i$.\n- Result: ${}$.\n",
-    "We choose $q$ as coordinates and let $g = 9.81\\,\\mathrm{{m/s^2}}$ act downwards ($-y$). Then\n\n$$ {} \\qquad (1) $$\n",
-)
-PROSE_LATEX = (
-    "\\documentclass{{article}}\n\\begin{{document}}\n\\section{{Dynamics}}\nGravity acts along $-y$; the $x$-axis is horizontal.\n\\begin{{equation}}\n{}\n\\label{{eq:a}}\n\\end{{equation}}\nwhere $l_1$ is the length of the first link.\n\\end{{document}}\n",
-    "Let $\\theta_i$ be the joint angles. From the figure we read\n\\[\n{}.\n\\]\nHence the claim follows by (\\ref{{eq:a}}).\n",
-    "\\begin{{align*}}\n{}\n\\end{{align*}}\nin which all angles are in radians.\n",
-    "Therefore, ${}$, where $g$ is the acceleration of gravity along the negative $y$ axis.\n",
-)
-PROSE_TEXT = (
-    "Problem 2. The robot is in a vertical plane, gravity along -y.\n\n{}\n\nwhere l1 is the length of link 1.\n",
-    "We get\n    {}\nas in the book.\n",
-    "Result:\n{}   # checked by hand\n",
+WRAPS = (
+    "{}",
+    "{}",
+    "{}",
+    "${}$",
+    "$${}$$",
+    r"\[ {} \]",
+    r"\( {} \)",
+    r"\begin{{equation}} {} \end{{equation}}",
+    r"\begin{{align}} {} \end{{align}}",
 )
 
 
@@ -78,6 +81,8 @@ def set_line(one: Claim, how: Setting) -> Line:
     """The claim as text, in a setting."""
     s = how.spelling
     rng = random.Random(how.seed)
+    if how.frame == OBJECT:
+        return Line(one.robot, one.family, in_sympy(one, rng), source=(one, how))
     lines = text_of(one, s)
     options: dict[str, Any] = {}
     if s.own:
@@ -95,10 +100,27 @@ def set_line(one: Claim, how: Setting) -> Line:
     return Line(one.robot, one.family, text, options, source=(one, how))
 
 
+def in_sympy(one: Claim, rng: random.Random) -> Any:
+    """The claim as an equation in SymPy, or as an entry of a dict."""
+    s = spelling(rng, rng.choice(("code", "function")))
+    s = replace(s, letters=s.letters | PLAIN, rate=("{}_d", "{}_dd"), argument=False, half="1/2")
+    right = sp.sympify(written(one.right, s))
+    left = written(one.left, s)
+    if left.isidentifier() and rng.random() < 0.5:
+        return {left: right}
+    return sp.Eq(
+        sp.Symbol(left) if left.isidentifier() else sp.sympify(left), right, evaluate=False
+    )
+
+
 OWN = {
-    "l": ("L#", "a#", "b#"), "lc": ("r#", "s#", "lg#", "k#"), "m": ("M#", "mu#"), "I": ("Iz#", "Jc#", "J#"),
-    "th": ("phi#", "alpha#", "psi#", "vartheta#"), "d": ("rho#", "s#"),
-}  # fmt: skip
+    "l": ("L#", "a#", "b#"),
+    "lc": ("r#", "s#", "lg#", "k#"),
+    "m": ("M#", "mu#"),
+    "I": ("Iz#", "Jc#", "J#"),
+    "th": ("phi#", "alpha#", "psi#", "vartheta#"),
+    "d": ("rho#", "s#"),
+}
 
 
 def with_own_names(s: Spelling, one: Claim, rng: random.Random) -> Spelling:
@@ -113,12 +135,39 @@ def with_own_names(s: Spelling, one: Claim, rng: random.Random) -> Spelling:
         new = rng.choice(OWN[letter]).replace("#", key[len(letter) :])
         if new not in own.values() and new not in used:
             own[key] = new
-    return replace(s, own=own, form="code" if s.form not in ("plain", "code") else s.form,
-                   letters=spelling(rng, "plain").letters, short=False,
-                   functions={x: x for x in s.functions}, argument=False)  # fmt: skip
+    return replace(
+        s,
+        own=own,
+        form="code" if s.form not in ("plain", "code") else s.form,
+        letters=spelling(rng, "plain").letters,
+        short=False,
+        functions={x: x for x in s.functions},
+        argument=False,
+    )
 
 
-CANONICAL = {"th": "theta"}
+OBJECT = 4  # neither text nor a document: SymPy's objects
+PLAIN = {
+    "th": "theta#",
+    "d": "d#",
+    "H": "H#",
+    "tau": "tau#",
+    "G": "G#",
+    "c": "c#",
+    "T": "T",
+    "V": "V",
+}
+
+
+def plain_names(one: Claim) -> bool:
+    """Whether all names are letters and digits, which SymPy has as symbols."""
+    used = keys(one.left) | keys(one.right)
+    if any(x.endswith("_d") and x[0] in "TVEH" for x in used):
+        return False
+    return one.left[0] != "mat" and all(x.rstrip("0123456789_d")[:3] in PLAIN_KEYS for x in used)
+
+
+PLAIN_KEYS = ("th", "", "l", "lc", "m", "I", "tau", "H", "G", "c", "T", "V", "L", "g", "J")
 
 
 def setting(one: Claim, rng: random.Random) -> Setting:
@@ -128,6 +177,9 @@ def setting(one: Claim, rng: random.Random) -> Setting:
         s = with_own_names(s, one, rng)
     s = replace(s, coordinates=mechanism(one.robot).coordinates)
     drawn = rng.random()
+    symbolic = not one.defined and not s.own and not two_valued(one.right) and plain_names(one)
+    if symbolic and rng.random() < 0.06:
+        return Setting(s, OBJECT, rng.randrange(10**9))
     frame = 1 if drawn < 0.12 else 2 if drawn < 0.2 else 3 if drawn < 0.24 else 0
     return Setting(s, frame, rng.randrange(10**9))
 
@@ -137,6 +189,7 @@ def claims(robot: str, rng: random.Random) -> list[Claim]:
     found = [_claim(robot, _family(x), x) for x in printed(robot)]
     found += by_mechanics(robot)
     found += derived(robot, rng)
+    found += solved_rates(robot, rng)
     good, seen = [], set()
     for one in found:
         if (one.left, one.right) in seen or one.left == one.right:
@@ -155,25 +208,39 @@ def _family(text: str) -> str:
         return "inverse position"
     if left.endswith("_dd") and left.startswith(("th", "d", "x")):
         return "acceleration solved for"
-    if "_d" in text and "T_d" in text or left == "E_d":
+    if ("_d" in text and "T_d" in text) or left == "E_d":
         return "power"
     if not left.isidentifier():
         return "relation"
     return family_of(left) or "relation"
 
 
-SHARES = {"2R": 3, "3R": 2, "four_bar": 4, "slider_crank": 4, "five_bar": 3, "five_bar_rods": 2,
-          "double_four_bar": 1.5, "3RRR": 1, "gyro": 0.4, "pendulum": 0.8}  # fmt: skip
+SHARES = {
+    "2R": 3,
+    "3R": 2,
+    "four_bar": 4,
+    "slider_crank": 4,
+    "five_bar": 3,
+    "five_bar_rods": 2,
+    "double_four_bar": 1.5,
+    "3RRR": 1,
+    "gyro": 0.4,
+    "pendulum": 0.8,
+}
 
 
 def right_lines(count: int, seed: int = 28) -> list[Line]:
     """Right lines of all robots, drawn."""
+    return of_these(tuple(ROBOTS), count, seed)
+
+
+def of_these(robots: Sequence[str], count: int, seed: int = 28) -> list[Line]:
+    """Right lines of some robots, drawn; the closed chains of books come more often."""
     rng = random.Random(seed)
-    total = sum(SHARES.get(x, 1) for x in ROBOTS)
+    total = sum(SHARES.get(x, 1) for x in robots)
     found: list[Line] = []
-    for robot in ROBOTS:
-        share = round(count * SHARES.get(robot, 1) / total)
-        found += of_robot(robot, share, rng)
+    for robot in robots:
+        found += of_robot(robot, math.ceil(count * SHARES.get(robot, 1) / total), rng)
     rng.shuffle(found)
     return found[:count]
 
@@ -187,6 +254,8 @@ def of_robot(robot: str, count: int, rng: random.Random) -> list[Line]:
     for own in families.values():
         rng.shuffle(own)
     found = numbers[: max(1, count // 12)]
+    own = [Line(robot, x.family, x.answer, x.options) for x in typed(robot)]
+    found += rng.sample(own, min(len(own), max(1, count // 5)))
     taken = dict.fromkeys(families, 0)
     while len(found) < count:
         family = rng.choice(sorted(families))
@@ -200,7 +269,7 @@ def of_robot(robot: str, count: int, rng: random.Random) -> list[Line]:
     return found
 
 
-def mutants(lines: list[Line], count: int, seed: int = 82) -> Iterator[Line]:
+def mutants(lines: Sequence[Line], count: int, seed: int = 82) -> Iterator[Line]:
     """Lines with one mistake, each wrong for certain, in the setting of its right line."""
     rng = random.Random(seed)
     sources = [x for x in lines if x.source]
@@ -220,9 +289,20 @@ def mutants(lines: list[Line], count: int, seed: int = 82) -> Iterator[Line]:
 
 
 UNITS = {
-    "H": "kg m^2", "G": "N m", "c": "N m", "tau": "N m", "T": "J", "V": "J", "x": "m", "y": "m",
-    "z": "m", "omega": "rad/s", "f": "N", "E": "J", "d": "m",
-}  # fmt: skip
+    "H": "kg m^2",
+    "G": "N m",
+    "c": "N m",
+    "tau": "N m",
+    "T": "J",
+    "V": "J",
+    "x": "m",
+    "y": "m",
+    "z": "m",
+    "omega": "rad/s",
+    "f": "N",
+    "E": "J",
+    "d": "m",
+}
 TURNING = ("pendulum", "2R", "3R", "elbow_arm", "pendubot", "slider_crank", "four_bar", "five_bar")
 
 

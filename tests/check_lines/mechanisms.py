@@ -23,8 +23,8 @@ S = symbol
 
 @dataclass(frozen=True)
 class Body:
-    """A body: mass, inertia (about z in the plane, else three principal moments), its centre of mass,
-    its angle in the plane or its rotation."""
+    """A body: mass, inertia (in the plane one number, else three principal moments), centre of
+    mass, and its angle in the plane or its rotation."""
 
     mass: Any
     inertia: Any
@@ -236,7 +236,7 @@ class Mechanism:
                 return env
 
     def _walk(self, env: dict[str, Any], rng: np.random.Generator) -> bool:
-        """From the home along the motions that the loops allow, in steps small enough to stay on the
+        """From the home along the motions that the loops allow, in steps that stay on the
         branch."""
         env |= self.home
         if not self._close(env, 2.0):

@@ -93,7 +93,7 @@ def mistaken(one: Tree, robot: str, rng: random.Random) -> tuple[str, Tree] | No
     found = list(edits(one, robot))
     if one[0] in ("sym", "mul", "fun", "div", "neg", "pow", "add"):
         found.append(("sign", _negative(one)))
-    if not found or not children(one) and one[0] == "num":
+    if not found or (not children(one) and one[0] == "num"):
         return None
     kind = rng.choice(sorted({x for x, _ in found}))
     return kind, rng.choice([y for x, y in found if x == kind])

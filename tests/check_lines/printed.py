@@ -1,3 +1,4 @@
+# ruff: noqa: E501 - a formula is a line
 """Results as books and students have them, robot by robot, in short Python text."""
 
 TWO = """

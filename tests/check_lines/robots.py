@@ -11,7 +11,7 @@ from .mechanisms import Body, Mechanism, S
 sin, cos = sp.sin, sp.cos
 
 
-def _bars(word: str, pole: str = "") -> tuple[tuple[str, ...], list[Body], tuple[sp.Expr, sp.Expr]]:
+def _bars(word: str) -> tuple[tuple[str, ...], list[Body], tuple[sp.Expr, sp.Expr]]:
     """A serial arm of bars in the plane."""
     x = y = phi = sp.Integer(0)
     names, bodies = [], []
@@ -60,6 +60,18 @@ G = {"g": 9.81}
 def _arm(name: str, word: str, values: dict[str, float], passive: Sequence[str] = ()) -> Mechanism:
     names, bodies, tip = _bars(word)
     return Mechanism(name, names, tuple(bodies), G | values, tuple(passive), tip=tip)
+
+
+def arm_of(name: str, word: str) -> Mechanism:
+    """A planar arm of this word, as `fb.planar` describes it: the link of a slide has no length."""
+    names, bodies, tip = _bars(word)
+    zero = {S(f"l{i}"): 0 for i, letter in enumerate(word, 1) if letter == "P"}
+    placed = tuple(
+        Body(b.mass, b.inertia, tuple(sp.sympify(x).subs(zero) for x in b.centre), b.turn)
+        for b in bodies
+    )
+    kept = {x: y for x, y in BARS3.items() if int(x[-1]) <= len(word) and S(x) not in zero}
+    return Mechanism(name, names, placed, G | kept, tip=tuple(x.subs(zero) for x in tip))
 
 
 def _rp() -> Mechanism:
@@ -185,6 +197,7 @@ def _gantry() -> Mechanism:
     bodies = (
         Body(S("m1"), (0, 0, 0), (x, sp.Integer(0), sp.Integer(0))),
         Body(S("m2"), (0, 0, 0), (x, y, sp.Integer(0))),
+        Body(0, (0, 0, 0), (x, y, sp.Integer(0))),  # between the two turns of the hook
         Body(S("m"), (0, 0, 0), tuple(load), turn),
     )
     values = G | {"m1": 120.0, "m2": 40.0, "m": 60.0, "l": 1.5}
@@ -246,9 +259,16 @@ def _four_bar() -> Mechanism:
     values |= {"I3": 0.0572}
     home = {"th1": math.radians(60), "th2": math.radians(-40), "th3": math.radians(90)}
     return Mechanism(
-        "four_bar", ("th1", "th2", "th3"), bodies, values, ("th2", "th3"), loops, end, home,
+        "four_bar",
+        ("th1", "th2", "th3"),
+        bodies,
+        values,
+        ("th2", "th3"),
+        loops,
+        end,
+        home,
         serial=False,
-    )  # fmt: skip
+    )
 
 
 def _slider_crank() -> Mechanism:
@@ -270,9 +290,16 @@ def _slider_crank() -> Mechanism:
     values |= {"m2": 1.5, "I2": 0.045, "m3": 2.0}
     home = {"th1": math.radians(50), "th2": math.radians(-65), "d3": 0.7}
     return Mechanism(
-        "slider_crank", ("th1", "th2", "d3"), bodies, values, ("th2", "d3"), loops, (), home,
+        "slider_crank",
+        ("th1", "th2", "d3"),
+        bodies,
+        values,
+        ("th2", "d3"),
+        loops,
+        (),
+        home,
         serial=False,
-    )  # fmt: skip
+    )
 
 
 def _five_bar() -> Mechanism:
@@ -291,16 +318,27 @@ def _five_bar() -> Mechanism:
         ends.append((pin[0] + S(f"l{k}") * cos(e), pin[1] + S(f"l{k}") * sin(e)))
     loops = tuple(y - x for x, y in zip(*ends, strict=True))
     values = G | {"b": 0.25}
-    for i, l, m, inertia in ((1, 0.4, 0.8, 0.01067), (2, 0.4, 0.8, 0.01067),
-                             (3, 0.6, 0.6, 0.018), (4, 0.6, 0.6, 0.018)):  # fmt: skip
+    for i, l, m, inertia in (
+        (1, 0.4, 0.8, 0.01067),
+        (2, 0.4, 0.8, 0.01067),
+        (3, 0.6, 0.6, 0.018),
+        (4, 0.6, 0.6, 0.018),
+    ):
         values |= {f"l{i}": l, f"lc{i}": l / 2, f"m{i}": m, f"I{i}": inertia}
     home = dict(
         zip(("th1", "th2", "th3", "th4"), map(math.radians, (120, 60, -65, 65)), strict=True)
     )
     return Mechanism(
-        "five_bar", ("th1", "th2", "th3", "th4"), tuple(bodies[i] for i in range(1, 5)), values,
-        ("th3", "th4"), loops, ends[0], home, serial=False,
-    )  # fmt: skip
+        "five_bar",
+        ("th1", "th2", "th3", "th4"),
+        tuple(bodies[i] for i in range(1, 5)),
+        values,
+        ("th3", "th4"),
+        loops,
+        ends[0],
+        home,
+        serial=False,
+    )
 
 
 def _five_bar_rods() -> Mechanism:
@@ -323,9 +361,16 @@ def _five_bar_rods() -> Mechanism:
     values |= {"lc2": 0.2, "m2": 0.8, "I2": 0.01067, "m3": 1.0, "l3": 0.6, "l4": 0.6}
     home = {"th1": math.radians(120), "th2": math.radians(60), "x": 0.0, "y": 0.75}
     return Mechanism(
-        "five_bar_rods", ("th1", "th2", "x", "y"), tuple(bodies), values, ("x", "y"),
-        tuple(loops), (), home, serial=False,
-    )  # fmt: skip
+        "five_bar_rods",
+        ("th1", "th2", "x", "y"),
+        tuple(bodies),
+        values,
+        ("x", "y"),
+        tuple(loops),
+        (),
+        home,
+        serial=False,
+    )
 
 
 def _double_four_bar() -> Mechanism:
@@ -351,12 +396,20 @@ def _double_four_bar() -> Mechanism:
         tips[1][0] + cos(t[2] + t[3]) - tips[2][0],
         tips[1][1] + sin(t[2] + t[3]) - tips[2][1],
     )
-    home = dict(zip((f"th{i}" for i in range(1, 6)),
-                    map(math.radians, (60, -60, 60, -60, 60)), strict=True))  # fmt: skip
+    home = dict(
+        zip((f"th{i}" for i in range(1, 6)), map(math.radians, (60, -60, 60, -60, 60)), strict=True)
+    )
     return Mechanism(
-        "double_four_bar", tuple(f"th{i}" for i in range(1, 6)), bodies, dict(G), (), loops,
-        tips[0], home, serial=False,
-    )  # fmt: skip
+        "double_four_bar",
+        tuple(f"th{i}" for i in range(1, 6)),
+        bodies,
+        dict(G),
+        (),
+        loops,
+        tips[0],
+        home,
+        serial=False,
+    )
 
 
 def _platform() -> Mechanism:
@@ -373,7 +426,11 @@ def _platform() -> Mechanism:
         (R("0.433012701892"), R("-0.25")),
         (sp.Integer(0), R("0.5")),
     )
-    corners = ((R("-0.129903810568"), R("-0.075")), (R("0.129903810568"), R("-0.075")), (sp.Integer(0), R("0.15")))  # fmt: skip
+    corners = (
+        (R("-0.129903810568"), R("-0.075")),
+        (R("0.129903810568"), R("-0.075")),
+        (sp.Integer(0), R("0.15")),
+    )
     for leg, (foot, corner) in enumerate(zip(feet, corners, strict=True)):
         a, e = S(f"th{4 + 2 * leg}"), S(f"th{4 + 2 * leg}") + S(f"th{5 + 2 * leg}")
         pin = (foot[0] + R("0.3") * cos(a), foot[1] + R("0.3") * sin(a))
@@ -384,11 +441,17 @@ def _platform() -> Mechanism:
             centre = (base[0] + length / 2 * cos(turn), base[1] + length / 2 * sin(turn))
             bodies.append(Body(mass, mass * length**2 / 12, centre, turn))
         end = (pin[0] + R("0.35") * cos(e), pin[1] + R("0.35") * sin(e))
-        at = (x + corner[0] * cos(t3) - corner[1] * sin(t3), y + corner[0] * sin(t3) + corner[1] * cos(t3))  # fmt: skip
+        at = (
+            x + corner[0] * cos(t3) - corner[1] * sin(t3),
+            y + corner[0] * sin(t3) + corner[1] * cos(t3),
+        )
         loops += [end[0] - at[0], end[1] - at[1]]
     names = ("x", "y", "th3", *(f"th{i}" for i in range(4, 10)))
     home = {"x": 0.0, "y": 0.0, "th3": 0.0}
-    home |= {f"th{i}": math.radians(v) for i, v in zip(range(4, 10), (75, -60, 195, -60, 315, -60), strict=True)}  # fmt: skip
+    home |= {
+        f"th{i}": math.radians(v)
+        for i, v in zip(range(4, 10), (75, -60, 195, -60, 315, -60), strict=True)
+    }
     return Mechanism(
         "3RRR",
         names,

@@ -5,13 +5,12 @@ A `Spelling` draws one writer's habits; `written` writes a tree in them.
 
 import random
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import Any
 
 from .trees import Tree
 
-GREEK = {"th": ("theta", "θ", r"\theta"), "phi": ("phi", "φ", r"\varphi")}
+GREEK_NAMES = ("kappa", "beta", "sigma")
 SUBSCRIPTS = str.maketrans("0123456789xy", "₀₁₂₃₄₅₆₇₈₉ₓᵧ")
 POWERS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
@@ -38,25 +37,51 @@ LETTERS: dict[str, tuple[list[str], list[str], list[str]]] = {
     "Ti": (["T_#", "K_#", "T#"], ["T#", "K#"], ["T_#", "K_{#}"]),
     "Vi": (["V_#", "U_#", "V#"], ["V#", "U#"], ["V_#", "U_{#}"]),
     "p": (["p_#"], ["∂T/∂@"], [r"\frac{\partial T}{\partial @}", r"\frac{\partial L}{\partial @}"]),
-    "p_d": (["d/dt(dL/d@)"], ["d/dt(∂L/∂@)"], [r"\frac{d}{dt}\frac{\partial L}{\partial @}",
-            r"\frac{d}{dt}\left(\frac{\partial T}{\partial @}\right)"]),  # fmt: skip
-    "dLdq": (["∂L/∂@"], ["∂L/∂@"], [r"\frac{\partial L}{\partial @}", r"\dfrac{\partial L}{\partial @}"]),  # fmt: skip
-    "T_d": (["dT/dt"], ["dT/dt", "Ṫ"], [r"\dot T", r"\frac{dT}{dt}", r"\frac{\mathrm{d}T}{\mathrm{d}t}"]),  # fmt: skip
-    "V_d": (["dV/dt"], ["dV/dt", "V̇"], [r"\dot V", r"\frac{dV}{dt}", r"\frac{\mathrm{d}V}{\mathrm{d}t}"]),  # fmt: skip
+    "p_d": (
+        ["d/dt(dL/d@)"],
+        ["d/dt(∂L/∂@)"],
+        [
+            r"\frac{d}{dt}\frac{\partial L}{\partial @}",
+            r"\frac{d}{dt}\left(\frac{\partial T}{\partial @}\right)",
+        ],
+    ),
+    "dLdq": (
+        ["∂L/∂@"],
+        ["∂L/∂@"],
+        [r"\frac{\partial L}{\partial @}", r"\dfrac{\partial L}{\partial @}"],
+    ),
+    "T_d": (
+        ["dT/dt"],
+        ["dT/dt", "Ṫ"],
+        [r"\dot T", r"\frac{dT}{dt}", r"\frac{\mathrm{d}T}{\mathrm{d}t}"],
+    ),
+    "V_d": (
+        ["dV/dt"],
+        ["dV/dt", "V̇"],
+        [r"\dot V", r"\frac{dV}{dt}", r"\frac{\mathrm{d}V}{\mathrm{d}t}"],
+    ),
     "E_d": (["dE/dt"], ["dE/dt", "Ė"], [r"\dot E", r"\frac{dE}{dt}"]),
     "J": (["J#", "J_#"], ["J#"], ["J_{#}"]),
     "detJ": (["det(J)", "det J", "detJ"], ["det J", "det(J)"], [r"\det J", r"\det(J)", "|J|"]),
     "omega": (["omega_#", "omega#"], ["ω#"], [r"\omega_#", r"\omega_{#}"]),
-    "omega_d": (["omega_#_dot", "alpha_#"], ["ω̇#", "α#"], [r"\dot\omega_#", r"\dot{\omega}_{#}", r"\alpha_#"]),  # fmt: skip
+    "omega_d": (
+        ["omega_#_dot", "alpha_#"],
+        ["ω̇#", "α#"],
+        [r"\dot\omega_#", r"\dot{\omega}_{#}", r"\alpha_#"],
+    ),
     "xc": (["@_c#", "@c#"], ["@_c#"], ["@_{c#}", "@_{C_#}", "@_{c_#}"]),
-    "xc_d": (["v_c#@"], ["ẋ_c#", "v_c#@"], [r"\dot @_{c#}", r"\dot{@}_{c#}", "v_{c#@}", "v_{c_#,@}"]),  # fmt: skip
+    "xc_d": (
+        ["v_c#@"],
+        ["ẋ_c#", "v_c#@"],
+        [r"\dot @_{c#}", r"\dot{@}_{c#}", "v_{c#@}", "v_{c_#,@}"],
+    ),
     "xc_dd": (["a_c#@"], ["a_c#@"], [r"\ddot @_{c#}", r"\ddot{@}_{c#}", "a_{c#@}"]),
     "f": (["f_#@", "F_#@", "f#@"], ["f_#@"], ["f_{#@}", "F_{#@}", "f_{#,@}"]),
     "lam": (["lambda_#", "lambda#"], ["λ#"], [r"\lambda_#", r"\lambda_{#}"]),
     "Phi": (["Phi_#"], ["Φ#"], [r"\Phi_#", r"\Phi_{#}"]),
     "Phi_d": (["Phi_#_dot"], ["Φ̇#"], [r"\dot\Phi_#"]),
     "Phi_dd": (["Phi_#_ddot"], ["Φ̈#"], [r"\ddot\Phi_#"]),
-}  # fmt: skip
+}
 RATES = [
     ("d{}", "dd{}"),
     ("{}_d", "{}_dd"),
@@ -154,8 +179,10 @@ def named(key: str, s: Spelling) -> str:
     column = 2 if s.tex else 1 if s.form == "unicode" else 0
     found = KEY.fullmatch(key)
     if found is None:
-        if key in s.letters:
+        if "#" not in s.letters.get(key, "#"):
             return s.letters[key]
+        if key in GREEK_NAMES and s.tex:
+            return "\\" + key
         return _dotted(base, dots, s) if dots else key
     part = found.groupdict()
     dots = part["dots"]
@@ -188,7 +215,8 @@ def named(key: str, s: Spelling) -> str:
 
 
 def _derivative(kind: str, index: int, s: Spelling) -> str:
-    by = named(s.coordinates[index - 1] + ("" if kind == "dLdq" else "_d"), s)
+    plain = s if s.form in ("tex", "unicode", "sympytex") else replace(s, form="plain")
+    by = named(s.coordinates[index - 1] + ("" if kind == "dLdq" else "_d"), plain)
     return s.letters[kind].replace("@", by).replace("#", str(index))
 
 
@@ -252,7 +280,7 @@ def _bracket(text: str, needed: bool, s: Spelling) -> str:
         return text
     return (
         rf"\left({text}\right)"
-        if s.form == "sympytex" or s.frac == r"\dfrac" and s.tex
+        if s.form == "sympytex" or (s.frac == r"\dfrac" and s.tex)
         else f"({text})"
     )
 
@@ -261,13 +289,17 @@ def _number(number: Fraction, s: Spelling, level: int) -> str:
     if number.denominator == 1:
         return str(number.numerator)
     if set(_factors(number.denominator)) <= {2, 5} and number.denominator not in (2, 4, 8):
-        return f"{float(number):g}" if float(f"{float(number):g}") == float(number) else str(float(number))  # fmt: skip
+        return (
+            f"{float(number):g}"
+            if float(f"{float(number):g}") == float(number)
+            else str(float(number))
+        )
     if s.tex:
         return rf"{s.frac}{{{number.numerator}}}{{{number.denominator}}}"
     if number == Fraction(1, 2) and s.half == "0.5":
         return "0.5"
     text = f"{number.numerator}/{number.denominator}"
-    return f"({text})" if level >= PRODUCT and s.form != "plain" or level >= POWER else text
+    return f"({text})" if (level >= PRODUCT and s.form != "plain") or level >= POWER else text
 
 
 def _factors(number: int) -> list[int]:
@@ -304,10 +336,12 @@ def _bare(one: Tree, s: Spelling) -> bool:
 
 def _product(factors: tuple[Tree, ...], s: Spelling) -> str:
     if s.form in ("plain", "code", "function", "sympy", "matlab"):
-        return "*".join(written(x, s, PRODUCT if i else PRODUCT) for i, x in enumerate(factors))
+        return "*".join(written(x, s, PRODUCT) for x in factors)
     parts = sorted(factors, key=lambda x: (x[0] != "num", _bare(x, s) and x[0] != "num"))
     texts = [written(x, s, PRODUCT) for x in parts]
     joint = s.dot if s.form == "tex" else " "
+    if [x[0] for x in parts].count("num") > 1:
+        joint = r"\cdot " if s.tex else "·"
     return joint.join(texts)
 
 
@@ -350,7 +384,13 @@ def _function(one: Tree, s: Spelling, level: int, raised: str = "") -> str:
     name, arguments = one[1], one[2]
     if name == "sqrt":
         inside = written(arguments[0], s)
-        return rf"\sqrt{{{inside}}}" if s.tex else f"sqrt({inside})" if s.form != "unicode" else f"√({inside})"  # fmt: skip
+        return (
+            rf"\sqrt{{{inside}}}"
+            if s.tex
+            else f"sqrt({inside})"
+            if s.form != "unicode"
+            else f"√({inside})"
+        )
     if name == "abs":
         inside = written(arguments[0], s)
         return rf"\left|{inside}\right|" if s.tex else f"abs({inside})"
@@ -358,7 +398,9 @@ def _function(one: Tree, s: Spelling, level: int, raised: str = "") -> str:
         index = _short(arguments[0])
         if index:
             brace = f"_{{{index}}}" if len(index) > 1 else f"_{index}"
-            text = name[0] + (brace if s.tex else index.translate(SUBSCRIPTS) if s.form == "unicode" else index)  # fmt: skip
+            text = name[0] + (
+                brace if s.tex else index.translate(SUBSCRIPTS) if s.form == "unicode" else index
+            )
             return text + raised
     spelled = s.functions.get(name) or (rf"\{name}" if s.tex else name)
     inside = ", ".join(written(x, s) for x in arguments)
@@ -366,7 +408,11 @@ def _function(one: Tree, s: Spelling, level: int, raised: str = "") -> str:
         return rf"{spelled}{raised}{{\left({inside} \right)}}"
     simple = arguments[0][0] == "sym" and name in ("sin", "cos", "tan")
     if s.form == "tex" and simple and s.dot != r"\cdot ":
-        return f"{spelled}{raised} {inside}" if not inside.startswith("\\") else f"{spelled}{raised}{inside}"  # fmt: skip
+        return (
+            f"{spelled}{raised} {inside}"
+            if not inside.startswith("\\")
+            else f"{spelled}{raised}{inside}"
+        )
     if s.form == "unicode" and simple:
         return f"{spelled}{raised} {inside}"
     return f"{spelled}{raised}({inside})"

@@ -1,0 +1,136 @@
+"""`fb.check` examined from outside: thousands of right lines, mistakes, and results from books.
+
+Lines, spellings and the proof of what is right or wrong come from `check_lines` and `book_results`,
+which know nothing of how `check` reads or judges.
+"""
+
+import functools
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import book_results
+import freebody as fb
+from check_lines.claims import Claim, gap
+from check_lines.lines import Line, mutants, of_these, right_lines
+from check_lines.trees import tree, two_valued
+
+QUICK = ("pendulum", "2R", "RP", "cart_pole", "slider_crank", "four_bar")
+READ, READ_RESULTS, PLACED = 0.97, 0.92, 0.85
+pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
+
+load = functools.cache(fb.load)
+
+
+def judged(model: fb.Model, text: str, options: dict[str, Any]) -> tuple[str, str]:
+    """What `check` says: "right", "unread", "wrong", or "placed" where it also says what is wrong
+    or why it may have been thought; and its words."""
+    try:
+        verdict = fb.check(model, text, **options)
+    except fb.FreebodyError as error:
+        return "unread", str(error)
+    wrong = [one for one in verdict.equations if not one.equal]
+    if not wrong:
+        return ("right" if verdict else "unread"), verdict.text
+    found = [x.message for one in wrong for x in one.findings]
+    place = any(not x.startswith("The whole answer") for x in found)
+    return ("placed" if place or verdict.causes else "wrong"), verdict.text
+
+
+def told(lines: Sequence[tuple[Any, str]]) -> str:
+    return "\n".join(f"{line}\n    {said.splitlines()[0]}" for line, said in lines[:20])
+
+
+def assert_right(lines: Sequence[Line]) -> None:
+    found = [(line, *judged(load(line.robot), line.text, line.options)) for line in lines]
+    wrong = [(line, said) for line, how, said in found if how in ("wrong", "placed")]
+    unread = [(line, said) for line, how, said in found if how == "unread"]
+    assert not wrong, f"{len(wrong)} right lines called wrong:\n{told(wrong)}"
+    assert len(unread) <= (1 - READ) * len(lines), f"{len(unread)} not read:\n{told(unread)}"
+
+
+def assert_caught(lines: Sequence[Line]) -> None:
+    found = [(line, judged(load(line.robot), line.text, line.options)[0]) for line in lines]
+    accepted = [(line, line.kind) for line, how in found if how == "right"]
+    assert not accepted, f"{len(accepted)} mistakes accepted:\n{told(accepted)}"
+    without = [(line, line.kind) for line, how in found if how != "placed"]
+    assert len(without) <= (1 - PLACED) * len(lines), f"{len(without)} without:\n{told(without)}"
+
+
+@functools.cache
+def sample() -> tuple[Line, ...]:
+    return tuple(of_these(QUICK, 120))
+
+
+def test_right_lines_are_right() -> None:
+    assert_right(sample())
+
+
+def test_mistakes_are_caught() -> None:
+    assert_caught(list(mutants(sample(), 150)))
+
+
+@functools.cache
+def all_lines() -> tuple[Line, ...]:
+    return tuple(right_lines(2000))
+
+
+@pytest.mark.long
+def test_all_right_lines_are_right() -> None:
+    assert_right(all_lines())
+
+
+@pytest.mark.long
+def test_all_mistakes_are_caught() -> None:
+    assert_caught(list(mutants(all_lines(), 4000)))
+
+
+@functools.cache
+def proven(robot: str) -> tuple[bool, dict[str, np.ndarray]]:
+    own = book_results.own_mechanism(robot)
+    return bool(own.loops), own.states(8)
+
+
+@pytest.fixture(scope="module")
+def robots(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], fb.Model]:
+    folder: Path = tmp_path_factory.mktemp("robots")
+
+    @functools.cache
+    def robot(name: str) -> fb.Model:
+        if name in book_results.WORDS:
+            return fb.planar(book_results.WORDS[name])
+        if name in book_results.TOML:
+            path = folder / f"{name}.toml"
+            path.write_text(book_results.TOML[name], encoding="utf-8")
+            return fb.load(path)
+        return fb.load(name)
+
+    return robot
+
+
+@pytest.mark.parametrize("one", book_results.RESULTS, ids=lambda x: x.title)
+def test_results_are_right_in_numbers(one: book_results.Result) -> None:
+    left, _, right = one.formula.partition(" = ")
+    claim = Claim(one.robot, "result", tree(left), tree(right))
+    closed, env = proven(one.robot)
+    count = two_valued(claim.left) + two_valued(claim.right)
+    with np.errstate(all="ignore"):
+        gaps = [
+            gap(claim, env, tuple(choice >> i & 1 for i in range(count)))
+            for choice in range(1 if closed else 2**count)
+        ]
+    assert (np.min(gaps, axis=0) < 1e-8).all()
+
+
+def test_results_from_books(robots: Callable[[str], fb.Model]) -> None:
+    results = book_results.RESULTS
+    assert len(results) >= 60
+    assert sum(proven(x.robot)[0] for x in results) >= len(results) / 3
+    found = [(x.title, *judged(robots(x.robot), x.answer, x.options)) for x in results]
+    wrong = [(title, said) for title, how, said in found if how in ("wrong", "placed")]
+    unread = [(title, said) for title, how, said in found if how == "unread"]
+    assert not wrong, told(wrong)
+    assert len(unread) <= (1 - READ_RESULTS) * len(results), told(unread)
