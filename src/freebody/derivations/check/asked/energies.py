@@ -67,14 +67,9 @@ class EnergyQuantities(QuantityGroup):
         """p_θ1, p_q1, p_x, p_1; none where p is a parameter."""
         if {"p", "P"} & self.setting.ring.index.keys():
             return ()
-<<<<<<< HEAD
-        number = re.sub(r"\D", "", coordinate)
+        number = atom(coordinate).figures
         own = (coordinate, *[f"q{number}"] * bool(number))
         return (*(f"{p}{x}" for p in "pP" for x in own), f"p{i}")
-=======
-        number = atom(coordinate).figures
-        return tuple(f"{p}{x}" for p in "pP" for x in (coordinate, *[f"q{number}"] * bool(number)))
->>>>>>> lang
 
     def _momentum(self, i: int) -> Callable[[], Trig]:
         """Σ M_ij q̇_j."""

@@ -44,18 +44,13 @@ _SYNONYMS = {
     "l": (),
     "m": (),
 }
-<<<<<<< HEAD
 _MOST_IN_SUM, _FEW = 6, 3
 """Angles of which sums of any number have names, θ123456; of more angles those of a few."""
-_GLUED = re.compile(r"[MHCDBJ]|˙{0,2}(?:q|theta)|(?:q|th(?:eta)?)(?:dd?|d?dot)|dd?(?:q|th(?:eta)?)")
-=======
-_MOST_IN_SUM = 6
 _BARE = str.maketrans("", "", "_{}\\")
 _GLUED = frozenset("MHCDBJ").union(
     *(spellings(letter, "", dots) for letter in ("q", "theta", "th") for dots in (1, 2)),
     ("q", "theta"),
 )
->>>>>>> lang
 """Matrices and rates that stand side by side, Mq̈."""
 
 
@@ -342,19 +337,13 @@ class Vocabulary:
 
     def _subsets(self) -> Iterator[tuple[str, tuple[str, ...]]]:
         """Angles with rising numbers of one digit."""
-<<<<<<< HEAD
-        angles = sorted(x for x in self.setting.ring.angles if re.fullmatch(r"theta\d", x))
-        sizes = range(1, 1 + (len(angles) if len(angles) <= _MOST_IN_SUM else _FEW))
-        for size in sizes:
-=======
-        angles = [
+        angles = sorted(
             x
             for x in self.setting.ring.angles
             if atom(x).letter == "theta" and atom(x).is_numbered and len(atom(x).figures) == 1
-        ]
-        angles = sorted(angles)[:_MOST_IN_SUM]
-        for size in range(1, len(angles) + 1):
->>>>>>> lang
+        )
+        sizes = range(1, 1 + (len(angles) if len(angles) <= _MOST_IN_SUM else _FEW))
+        for size in sizes:
             for names in itertools.combinations(angles, size):
                 yield "".join(x[-1] for x in names), names
 
