@@ -20,9 +20,16 @@ class LoopQuantities(QuantityGroup):
             (rate,), (c,) = self._tables["Phi_d"][i - 1], self._tables["c"][i - 1]
             yield (f"Phi{i}",), x
             yield tuple(spellings("Phi", str(i), 1)), rate
+            yield tuple(spellings("Phi", str(i), 2)), self._second(rate)
             yield (f"c{i}",), c
             for j, entry in enumerate(self._tables["Phiq"][i - 1], 1):
                 yield (f"Phiq{i}{j}",), entry
+
+    def _second(self, rate: AskedQuantity) -> AskedQuantity:
+        """The second derivative of a loop equation."""
+        words = rate.words.replace("the rate", "the second derivative", 1)
+        value = rate.polynomial().along(self.setting.symbols.rates)
+        return AskedQuantity("Phi_d", rate.index, lambda: value, words=words)
 
     def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
         found = dict(self._tables)

@@ -46,6 +46,10 @@ class SolvedQuantities(FormulaReader):
             return False
         if first.text in self.targets.tables and isinstance(self.parse(line[1]), Matrix):
             return False
+        if self.setting.system is not None and self.numbers.state_at(
+            (line[1][0].start, line[1][-1].end)
+        ):
+            return True  # d3 = 0.74 m at θ1 = 40°
         if self.setting.is_free_body or self.setting.system is not None:
             return bool(names) or (self.setting.is_free_body and moving.endswith((RATE, SECOND)))
         return by_quantities or (moving.endswith(SECOND) and bool(names))

@@ -73,6 +73,7 @@ class UnnamedEquations(FormulaReader):
         vectors = self.setting.system is None and any(map(self._is_vector, sum(line, ())))
         vectors = vectors and all(isinstance(x, Matrix) for x in map(self.parse, line))
         between = (asked or vectors) and not torques and not self._tells_of_motion(line)
+        between = between or (len(torques) > 1 and asked > torques)  # Ṫ + V̇ = τ1 θ̇1 + τ2 θ̇2
         if len(line) == 2 and not torques and self.setting.system is not None:
             if along := self._along_legs(line):
                 return along

@@ -21,6 +21,8 @@ from freebody.derivations.grammar.lexer import Token, tokens
 from freebody.derivations.grammar.patterns import Pattern
 from freebody.derivations.grammar.source import Source, Span
 from freebody.errors import FreebodyError
+from freebody.identifiers import word_set
+from freebody.lazy import cached_property
 
 MOST_SIDES = 6
 MOST_OUTSIDE = 20
@@ -31,6 +33,12 @@ _WHERE = Pattern(
 )
 """Between an equation and one that says what a letter in it stands for."""
 _TABLE = Pattern("= &? < [ | %begin | Matrix | array >")
+
+_ALIGNING = word_set(
+    "begin end equation align aligned split gather gathered multline displaymath math flalign "
+    "eqnarray alignat alignedat quad qquad nonumber notag left right label eq tag displaystyle"
+)
+"""Words of LaTeX between the lines of one equation."""
 
 Line = tuple[tuple[Token, ...], ...]
 """The sides of an equation."""
@@ -106,11 +114,25 @@ class DocumentReader:
         """Whether a word may be made of names of the robot's."""
         if not words.begins(source.lexemes[word.start]):
             return False
+        if self._text_of(source, word) in self._introduced:
+            return True
         try:
             spelt = words.spell(source, word.start)
             return spelt.at == word.stop and self.vocabulary.cut(source, spelt) is not None
         except FreebodyError:  # it may be read in two ways
             return True
+
+    @staticmethod
+    def _text_of(source: AnswerText, word: range) -> str:
+        return source.text[source.lexemes[word.start].start : source.lexemes[word.stop - 1].end]
+
+    @cached_property
+    def _introduced(self) -> frozenset[str]:
+        """Words that are the whole left side of an equation."""
+        stretches = self.document.formulas.replace(";", "\n").replace(",", "\n").split("\n")
+        return frozenset(
+            left.strip() for x in stretches for left, sign, _ in [x.partition("=")] if sign
+        )
 
     def _is_asked(self, source: Source, span: Span) -> bool:
         """Whether the left side of what stands there names one of the robot's quantities. A symbol
@@ -136,7 +158,7 @@ class DocumentReader:
                 found += tokens(self.source, self.vocabulary, (piece.start, piece.end))[:-1]
                 found.append(Token("line", "", piece.end, piece.end))
         lines: list[Line] = []
-        for line in _lines(found):
+        for line in _lines(found, self.document.written):
             span = (line[0].start, line[-1].end)
             with self._lenient(self._is_lenient(span[0]), span):
                 lines.append(_sides(self.source, line))
@@ -213,9 +235,9 @@ def _parted(piece: FormulaPiece, apart: Sequence[Span]) -> Iterator[FormulaPiece
     yield FormulaPiece(at, piece.end, piece.lenient)
 
 
-def _lines(found: Sequence[Token]) -> list[list[Token]]:
+def _lines(found: Sequence[Token], written: str) -> list[list[Token]]:
     """Tokens by equation: a line that begins with an operator, or stands behind one, continues the
-    one before.
+    one before, unless words stand between.
 
     A minus may begin an equation of its own, -a = b.
     """
@@ -235,11 +257,18 @@ def _lines(found: Sequence[Token]) -> list[list[Token]]:
         continues = (piece[0].kind in ("operator", "equals") and not own) or (
             lines and _is_open(lines[-1])
         )
-        if lines and continues:
+        if lines and continues and _goes_on(written[lines[-1][-1].end : piece[0].start]):
             lines[-1] += piece
         else:
             lines.append(piece)
     return lines
+
+
+def _goes_on(between: str) -> bool:
+    """Whether nothing but white space, alignment and signs of formulas stands in a text."""
+    lines = [line.partition("#")[0].partition("%")[0] for line in between.split("\n")]
+    letters = "".join(x if x.isalpha() else " " for x in " ".join(lines))
+    return set(letters.split()) <= _ALIGNING
 
 
 def _in_matrix(token: Token) -> bool:

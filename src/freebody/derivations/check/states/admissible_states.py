@@ -121,9 +121,9 @@ class Drawing:
     def _guesses(self, chance: np.random.Generator, count: int) -> dict[str, Array]:
         """Positions, the first that of the home."""
         found = {}
-        for name, home in zip(self._names, self._home, strict=True):
+        for name, home in zip(self._names, self.home, strict=True):
             far = np.pi if name in self.setting.ring.angles else _FARTHEST * self._length
-            near = -far if name in self.setting.ring.angles or self._loops[0] else _DRAWN[0] * far
+            near = -far if name in self.setting.ring.angles or self.loops[0] else _DRAWN[0] * far
             found[name] = chance.uniform(near, far, count)  # an arm's slides do not reach behind it
             found[name][0] = home
         return found
@@ -133,7 +133,7 @@ class Drawing:
         return self.setting.symbols.coordinates
 
     @cached_property
-    def _home(self) -> Array:
+    def home(self) -> Array:
         """The file's home, in the answer's coordinates."""
         model, turned = self.setting.symbols.model, self.setting.turned
         home, found = dict(model.home), np.zeros(len(self._names))
@@ -163,7 +163,7 @@ class Drawing:
         self, chance: np.random.Generator, drawn: AdmissibleStates
     ) -> AdmissibleStates | None:
         """Regular positions with closed loops, some on each branch that is found."""
-        if not self._loops[0]:
+        if not self.loops[0]:
             return drawn.chosen(np.arange(1, 1 + OF_TREES))  # none is the home's
         rows = self._rows
         closed = self._closed(drawn, rows, self._names, self._scale)
@@ -177,7 +177,7 @@ class Drawing:
         return self._walked(chance, self._apart(regular), rows)
 
     def _closed(
-        self, drawn: AdmissibleStates, rows: _Rows, names: Sequence[str], scale: Array
+        self, drawn: AdmissibleStates, rows: Rows, names: Sequence[str], scale: Array
     ) -> AdmissibleStates:
         """The states nearest to some at which rows vanish, by Newton's method; those that do not
         come to an end are left out."""
@@ -196,17 +196,17 @@ class Drawing:
         ends = (np.abs(rows.at(here)) <= 100 * _CLOSED * self._length).all(1)
         return here.chosen(ends)
 
-    def _ratios(self, states: AdmissibleStates, rows: _Rows) -> Array:
+    def _ratios(self, states: AdmissibleStates, rows: Rows) -> Array:
         """The least of the singular values that generic positions have, by the largest."""
         values = self._singular_values(states, rows)
         rank = int((values > _DEPENDENT).sum(1).max())
         return values[:, rank - 1] if rank else np.ones(states.count)
 
-    def _singular_values(self, states: AdmissibleStates, rows: _Rows) -> Array:
+    def _singular_values(self, states: AdmissibleStates, rows: Rows) -> Array:
         values = np.linalg.svd(self._normed(states, rows), compute_uv=False)
         return values / np.maximum(values[:, :1], 1e-300)
 
-    def _normed(self, states: AdmissibleStates, rows: _Rows) -> Array:
+    def _normed(self, states: AdmissibleStates, rows: Rows) -> Array:
         """Φ_q by turns and lengths, its rows of length 1."""
         slopes = rows.slopes_at(states) * self._scale
         return slopes / np.maximum(np.linalg.norm(slopes, axis=2, keepdims=True), 1e-300)
@@ -224,7 +224,7 @@ class Drawing:
         return states.chosen(np.array(chosen))
 
     def _walked(
-        self, chance: np.random.Generator, starts: AdmissibleStates, rows: _Rows
+        self, chance: np.random.Generator, starts: AdmissibleStates, rows: Rows
     ) -> AdmissibleStates:
         """States along the branches of some, by small steps that keep to them."""
         here, found = starts, list[AdmissibleStates]()
@@ -251,7 +251,7 @@ class Drawing:
                 found.append(here.chosen(reached))
         return _together(found) if found else starts
 
-    def _back(self, moved: AdmissibleStates, rows: _Rows) -> tuple[AdmissibleStates, Array]:
+    def _back(self, moved: AdmissibleStates, rows: Rows) -> tuple[AdmissibleStates, Array]:
         """The nearest positions with closed loops, and how far they are in turns and lengths;
         infinitely where there is none."""
         numbered = replace(moved, branch=np.arange(moved.count))
@@ -272,7 +272,7 @@ class Drawing:
         }
         return replace(states, values={**states.values, **moved})
 
-    def _free(self, states: AdmissibleStates, rows: _Rows, wanted: Array) -> Array:
+    def _free(self, states: AdmissibleStates, rows: Rows, wanted: Array) -> Array:
         """The part of turns and lengths that the loops allow."""
         slopes = self._normed(states, rows)
         held = np.einsum("kij,kj->ki", slopes, wanted)
@@ -285,7 +285,7 @@ class Drawing:
         wanted = chance.normal(size=(states.count, len(self._names)))
         if self.still:
             wanted = 0 * wanted
-        elif self._loops[0]:
+        elif self.loops[0]:
             wanted = self._free(states, self._rows, wanted)
         rates = {
             x + RATE: column * s
@@ -301,7 +301,7 @@ class Drawing:
         unknown = self._unknown
         values = dict(states.values)
         values |= {x + SECOND: np.zeros(states.count) for x in self._names}
-        values |= {x: np.zeros(states.count) for x in self._multipliers}
+        values |= {x: np.zeros(states.count) for x in self.multipliers}
         at_zero = replace(states, values=values)
         rows = self._of_forces
         if not unknown:
@@ -331,19 +331,19 @@ class Drawing:
 
     def _at_rest(self, states: AdmissibleStates) -> AdmissibleStates | None:
         """Positions at which what nothing drives stays where it is."""
-        names = [*self._names, *self._multipliers]
-        scale = np.concatenate([self._scale, np.ones(len(self._multipliers))])
+        names = [*self._names, *self.multipliers]
+        scale = np.concatenate([self._scale, np.ones(len(self.multipliers))])
         found = self._closed(states, self._at_rest_rows, names, scale)
         return found if found.count else None
 
     # ------------------------------------------------------------ equations
     @property
-    def _multipliers(self) -> tuple[str, ...]:
+    def multipliers(self) -> tuple[str, ...]:
         system = self.setting.system
         return () if system is None else multiplier_names(system.loops)
 
     @cached_property
-    def _loops(self) -> tuple[list[Trig], list[Trig], list[Trig]]:
+    def loops(self) -> tuple[list[Trig], list[Trig], list[Trig]]:
         """Φ, Φ̇, Φ̈."""
         system, rates = self.setting.system, self.setting.symbols.rates
         Phi = [] if system is None else [self.setting.element(x) for x in system.loops.Phi]
@@ -351,35 +351,35 @@ class Drawing:
         return Phi, first, [x.along(rates) for x in first]
 
     @cached_property
-    def _rows(self) -> _Rows:
+    def _rows(self) -> Rows:
         """What closes loops."""
-        return _Rows(self._loops[0], self._names)
+        return Rows(self.loops[0], self._names)
 
     @property
     def _unknown(self) -> list[str]:
         """What the equations of motion tell: accelerations and multipliers."""
-        return [*(() if self.still else (x + SECOND for x in self._names)), *self._multipliers]
+        return [*(() if self.still else (x + SECOND for x in self._names)), *self.multipliers]
 
     @cached_property
-    def _of_forces(self) -> _Rows:
+    def _of_forces(self) -> Rows:
         """What tells them."""
-        return _Rows([*([] if self.still else self._loops[2]), *self._passive], self._unknown)
+        return Rows([*([] if self.still else self.loops[2]), *self.passive], self._unknown)
 
     @cached_property
-    def _at_rest_rows(self) -> _Rows:
+    def _at_rest_rows(self) -> Rows:
         """What holds where nothing moves, by itself."""
-        names = [*self._names, *self._multipliers]
-        return _Rows([*self._loops[0], *self._passive], names)
+        names = [*self._names, *self.multipliers]
+        return Rows([*self.loops[0], *self.passive], names)
 
     @cached_property
-    def _passive(self) -> list[Trig]:
+    def passive(self) -> list[Trig]:
         """The generalized forces that nothing gives."""
         forces = self.setting.all_of("tau")
         return [self.setting.element(forces[k]) for k in self.setting.symbols.model.passive]
 
 
 @dataclass(frozen=True, eq=False)
-class _Rows:
+class Rows:
     """Polynomials that are to vanish, and names that may be changed for it."""
 
     polynomials: Sequence[Trig]

@@ -16,6 +16,7 @@ from freebody.derivations.check.numbers.states import State
 from freebody.derivations.check.numbers.units import Unit, unit_of_quantity
 from freebody.derivations.check.numbers.written_units import WrittenUnit, common_units
 from freebody.derivations.check.reading.claim import Claim
+from freebody.derivations.check.states.completed_state import completed
 from freebody.derivations.check.verdicts.rounded_numbers import half_a_unit
 from freebody.derivations.expressions.nodes import Number, nodes
 from freebody.derivations.expressions.nodes import replaced as with_nodes
@@ -59,7 +60,8 @@ class NumberAtState:
                     self.written.said if self.written else self.claim.node.span,
                     f"Check against a robot that has your value, model.bind({name}=…).",
                 )
-        return _with_signs(self.setting, {**known, **{n: x.value for n, x in self.given.items()}})
+        values = {**known, **{n: x.value for n, x in self.given.items()}}
+        return _with_signs(self.setting, {**completed(self.setting, values), **values})
 
     @cached_property
     def right(self) -> float:
