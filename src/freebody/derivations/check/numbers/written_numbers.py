@@ -152,9 +152,12 @@ class _NumberSearch:
 
     def _is_result(self, values: State) -> bool:
         """Whether a value is that of an acceleration of a body that nothing holds, which forces
-        make."""
-        free = self.reader.vocabulary.setting.is_free_body
-        return free and any(name.endswith((RATE, SECOND)) for name in values)
+        make; or of a coordinate that the loops tell where another is given."""
+        setting = self.reader.vocabulary.setting
+        if setting.system is not None and self.standing:
+            moving = {name for name in values if not self._is_constant(name)}
+            return bool(moving) and moving.isdisjoint(self.standing[-1][1])
+        return setting.is_free_body and any(name.endswith((RATE, SECOND)) for name in values)
 
     def _list_behind_words(self, at: int) -> tuple[int, dict[str, GivenValue], int, str]:
         """A list of values behind a few words, where it stands, and the last of the words."""

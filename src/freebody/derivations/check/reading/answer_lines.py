@@ -28,6 +28,8 @@ MOST_SIDES = 6
 MOST_OUTSIDE = 20
 """Lines outside of formulas that are told."""
 _SHOWN = 60
+_OF_AN_AXIS = 2
+"""Tokens of a direction in a sentence, $-y$."""
 _WHERE = Pattern(
     "--%term_end %apart < where | with | and > &< %apart < %letter | %command > ~%in_name{0,12} = >"
 )
@@ -160,7 +162,10 @@ class DocumentReader:
         lines: list[Line] = []
         for line in _lines(found, self.document.written):
             span = (line[0].start, line[-1].end)
-            with self._lenient(self._is_lenient(span[0]), span):
+            lenient = self._is_lenient(span[0])
+            if lenient and len(line) <= _OF_AN_AXIS and line[0].kind == "operator":
+                continue  # a direction, +z
+            with self._lenient(lenient, span):
                 lines.append(_sides(self.source, line))
         return lines
 
