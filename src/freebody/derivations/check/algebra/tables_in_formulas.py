@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from fractions import Fraction
 
 from freebody.derivations.check.algebra.answer_tree import Named
 from freebody.derivations.expressions.evaluate import NoValue
@@ -24,6 +25,8 @@ from freebody.derivations.expressions.nodes import (
     nodes,
 )
 
+MOST_INVERTED = 3
+"""Rows of matrices whose inverses are written out."""
 MOST_PIECES = 20_000
 """Of all entries together."""
 
@@ -222,7 +225,33 @@ class _Tables:
         if node.exponent == 2 and 1 in _shape(base):
             flat = [x for row in base.rows for x in row]
             return self._inner(flat, flat, node.span)
+        rows, columns = _shape(base)
+        if node.exponent == -1 and rows == columns <= MOST_INVERTED:
+            return self._inverse(base, node.span)
         raise NoValue(f"{_size(_shape(base))} has no power {node.exponent} here", node)
+
+    def _inverse(self, base: Matrix, span: Span) -> Matrix:
+        """The inverse by cofactors."""
+        below, n = self._determinant(base.rows, span), range(len(base.rows))
+
+        def entry(i: int, j: int) -> Expression:
+            minor = [[base.rows[r][c] for c in n if c != i] for r in n if r != j]
+            above = self._determinant(minor, span) if minor else Number(Fraction(1), span=span)
+            above = Negative(above, span=span) if (i + j) % 2 else above
+            return Quotient(above, self._new(below), span=span)
+
+        return Matrix(tuple(tuple(entry(i, j) for j in n) for i in n), span=span)
+
+    def _determinant(self, rows: Sequence[Sequence[Expression]], span: Span) -> Expression:
+        """Along the first row."""
+        if len(rows) == 1:
+            return self._new(rows[0][0])
+        terms: list[Expression] = []
+        for k, x in enumerate(rows[0]):
+            minor = [[y for j, y in enumerate(row) if j != k] for row in rows[1:]]
+            term = Product((self._new(x), self._determinant(minor, span)), span=span)
+            terms.append(Negative(term, span=span) if k % 2 else term)
+        return Sum(tuple(terms), span=span)
 
     def _cross(self, node: Cross) -> Expression:
         """a × b; in the plane ω × b of a rate, and a number of two vectors."""

@@ -233,7 +233,7 @@ class QuantitiesOfBodies(QuantityGroup):
         for n in range(1, len(self._bodies) + 1):
             for dots, letter in enumerate(of_rates):
                 for (entry,) in self.vectors.get(f"{letter}c{n}", ()):
-                    names = (spellings(entry.axis, f"{place}{n}", dots) for place in "cG")
+                    names = (spellings(entry.axis, f"{place}{n}", dots) for place in "cGC")
                     yield tuple(itertools.chain.from_iterable(names)), entry
 
     def _in_world(self, n: int, name: str, row: int) -> Callable[[], Trig]:

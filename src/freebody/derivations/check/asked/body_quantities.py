@@ -104,7 +104,7 @@ BODY_QUANTITIES = (
     BodyQuantity(
         "M{n}",
         "the moment on body {n} at its joint",
-        also=(("n{h}{n}", 0),),
+        also=(("n{h}{n}", 0), ("N{h}{n}", 0)),
         reaction="This is the reaction, the moment of body {n} on body {h}.",
         angular=True,
         spaces=(2,),
@@ -113,7 +113,7 @@ BODY_QUANTITIES = (
     BodyQuantity(
         "n{n}",
         "the moment on body {n} at its joint",
-        also=(("n{h}{n}", 0),),
+        also=(("n{h}{n}", 0), ("N{h}{n}", 0)),
         reaction="This is the reaction, the moment of body {n} on body {h}.",
         spaces=(3,),
         soft=True,

@@ -19,6 +19,8 @@ from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
+_OTHER_H = "It has the sign of Spong's h here; the notes' is its negative."
+
 
 class JointQuantities(QuantityGroup):
     """τ_i, M_ij, C_ij, c_i, g_i, whole vectors and matrices, and q."""
@@ -161,10 +163,15 @@ class VelocityCoefficients(QuantityGroup):
                 symbol = equation.lhs
                 if isinstance(symbol, ex.Symbol) and symbol.letter == "h":
                     name = symbol.name.replace("_", "")
-                    yield (
-                        (name,),
-                        AskedQuantity("h", (), lambda x=equation.rhs: polynomial(self.setting, x)),
-                    )
+                    yield (name,), self._coefficient(equation.rhs)
+
+    def _coefficient(self, printed: Expression) -> AskedQuantity:
+        """A coefficient, which some books have with the other sign."""
+
+        def value() -> Trig:
+            return polynomial(self.setting, printed)
+
+        return AskedQuantity("h", (), value, also=((_OTHER_H, lambda: -value()),))
 
 
 def polynomial(setting: RightEquations, node: Expression) -> Trig:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 
+from freebody.derivations.check.algebra.quotients import Value, plus
+from freebody.derivations.check.algebra.quotients import times as multiplied
 from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.inverses import MOST_ROWS, inverse
@@ -37,7 +40,9 @@ class TipQuantities(QuantityGroup):
             found |= {"Js": self._of_twists(self._tip, "s"), "Jb": self._of_twists(self._tip, "b")}
         names = (f"{name}{INVERSE}" for name in ("J", "JP"))
         found |= {x: table for x, table in vectors(self.setting, single).items() if x not in single}
-        return found | (dict.fromkeys(names, self._inverse) if self._inverse else {})
+        if not self._inverse:
+            return found
+        return found | dict.fromkeys(names, self._inverse) | {"Lambda": self._operational}
 
     def _of_twists(self, tip: Kinematics, axes: str) -> Table:
         """The space Jacobian J_s and the body Jacobian J_b of Lynch and Park (5.11), (5.18): above
@@ -84,6 +89,25 @@ class TipQuantities(QuantityGroup):
             "the tip's Jacobian",
         )
 
+    @cached_property
+    def _operational(self) -> Table:
+        """Λ = J⁻ᵀ M J⁻¹, the mass matrix at the tip."""
+        n = range(len(self._inverse))
+
+        def entry(i: int, j: int) -> AskedQuantity:
+            def value() -> Value:
+                total: Value = self.setting.zero
+                for k, m in itertools.product(n, repeat=2):
+                    left, right = self._inverse[k][i].compute(), self._inverse[m][j].compute()
+                    term = multiplied(multiplied(left, self.entry("M", k + 1, m + 1)()), right)
+                    total = plus(total, term)
+                return total
+
+            words = f"entry {i + 1}, {j + 1} of the mass matrix at the tip"
+            return AskedQuantity("inverse", (i + 1, j + 1), value, words=words)
+
+        return [[entry(i, j) for j in n] for i in n]
+
     def _entry(self, i: int, j: int) -> Callable[[], Trig]:
         """An entry of J."""
         assert self._tip is not None
@@ -113,6 +137,10 @@ class TipQuantities(QuantityGroup):
             ]
             for letter in ("r", "rP", *of_vector):
                 found |= dict.fromkeys(spellings(letter, "", dots), column)
+            own = f"{'rva'[dots]}"
+            found |= {f"{own}{place}": column for place in ("P", "E", "tip")}
+            if dots == 2:
+                found |= dict.fromkeys(spellings("vP", "", 1), column)
         rows = []
         for i in range(dim):
             row = []

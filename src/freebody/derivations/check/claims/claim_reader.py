@@ -152,7 +152,18 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             return [self.claim(label, self._energy_or_power(name.text, single, node), node)]
         if table is None and single is not None:
             table = [[single]]
+        if self._is_gravity(name.text, node):
+            table = self.targets.tables["gravity"]
         return self._entries(label, node, table or [])
+
+    def _is_gravity(self, name: str, node: Matrix) -> bool:
+        """Whether g = [0; -g] tells the gravitational acceleration, not the terms of torques."""
+        table = self.targets.tables.get("gravity") if name == "g" else None
+        entries = [x for row in node.rows for x in row]
+        if table is None or len(entries) != len(table):
+            return False
+        rows = zip(entries, table, strict=True)
+        return all(difference(self.quotient(x), y.compute()).is_zero for x, (y,) in rows)
 
     def _energy_or_power(self, name: str, single: AskedQuantity, node: Expression) -> AskedQuantity:
         """What a P is that may be the potential energy or the power of the drives: of which it is

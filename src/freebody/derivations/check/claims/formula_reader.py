@@ -26,9 +26,11 @@ from freebody.derivations.expressions.evaluate import NoValue
 from freebody.derivations.expressions.nodes import Expression, Matrix
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.source import Span
-from freebody.derivations.grammar.words import FRAMES
+from freebody.derivations.grammar.words import FRAMES, PRIME
 from freebody.scalars.trig import Trig
 
+_TYPED_TRANSPOSE = f"J{PRIME}"
+"""The transpose as MATLAB has it, where a force stands behind it."""
 _OF_BODIES = {"g": "gravity", "J": "JP"}
 """What names stand for in equations of bodies."""
 BODY_FAMILIES = frozenset(
@@ -112,6 +114,9 @@ class FormulaReader:
         """The entries of a vector or matrix, each with its name."""
         if name in self.vocabulary.matrices:
             return replace(self.vocabulary.matrices[name], span=span)
+        if name == _TYPED_TRANSPOSE and self.is_loaded:  # J' F
+            J = self.table("J", span)
+            return J and replace(J, rows=tuple(zip(*J.rows, strict=True)))
         meant = _OF_BODIES.get(name, name) if self.of_bodies else name
         if name == "J" and self.is_loaded and not any(x.startswith("n") for x in self.load):
             meant = "JP"

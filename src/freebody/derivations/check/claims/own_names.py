@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from freebody.derivations.check.algebra.answer_tree import Named
 from freebody.derivations.check.algebra.exact_polynomials import PolynomialReader
 from freebody.derivations.check.algebra.quotients import Value
+from freebody.derivations.check.algebra.tables_in_formulas import worked_out
 from freebody.derivations.check.asked.asked_quantities import AMBIGUOUS, Targets
 from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked.right_equations import FAMILIES
+from freebody.derivations.check.claims.formula_reader import entry_label
 from freebody.derivations.check.reading.circular_answers import uses
 from freebody.derivations.check.reading.reading import AnswerParser
 from freebody.derivations.check.reading.vocabulary import FUNCTIONS, Vocabulary
 from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerText
+from freebody.derivations.expressions.nodes import Matrix, Span
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.atoms import atom, numbered
 from freebody.derivations.grammar.lexer import tokens
@@ -94,14 +98,37 @@ def _rename(
     if target in targets.names and target not in {*here.symbols, *here.waves, *AMBIGUOUS}:
         _rename_quantity(vocabulary, targets, plain, target)
         return True
-    source = AnswerText.of(meaning)
+    _define(vocabulary, targets, plain, AnswerText.of(meaning), here)
+    return True
+
+
+def _define(
+    vocabulary: Vocabulary, targets: Targets, plain: str, meaning: AnswerText, here: Vocabulary
+) -> None:
+    """A name of the user's own for an expression and its rates, or for a vector or matrix and a
+    vector's components."""
 
     def quantity(name: str) -> Trig | None:
         return targets.single[name].polynomial() if name in targets.single else None
 
-    node = AnswerParser(source, tokens(source, here)[:-1], here, quantity).side()
-    value = PolynomialReader(source, vocabulary.setting.ring).quotient(node)
+    def table(name: str, span: Span) -> Matrix | None:
+        rows = [
+            tuple(Named(entry_label(name, x), x.compute(), span=span) for x in row)
+            for row in targets.tables.get(name, ())
+        ]
+        return Matrix(tuple(rows), span=span) if rows else None
+
+    written = tokens(meaning, here)[:-1]
+    parser = AnswerParser(meaning, written, here, quantity, targets.single, table)
+    node = worked_out(parser.side(), parser.others)
     given = tuple(use.target for use in uses(node, targets.single, vocabulary))
+    reader = PolynomialReader(meaning, vocabulary.setting.ring)
+    if isinstance(node, Matrix):
+        vocabulary.define_matrix(plain, node, given)
+        for k, row in enumerate(node.rows if len(node.rows[0]) == 1 else (), 1):
+            vocabulary.define(f"{plain}{k}", reader.quotient(row[0]), given)
+        return
+    value = reader.quotient(node)
     vocabulary.define(plain, value, given)
     ring = vocabulary.setting.ring
     for coordinate in vocabulary.setting.symbols.coordinates:
@@ -112,7 +139,6 @@ def _rename(
     for dots, rate in enumerate(_rates(vocabulary, value), 1):
         for spelling in spellings(letter, digits, dots):
             vocabulary.define(spelling, rate, given)
-    return True
 
 
 def _rename_quantity(vocabulary: Vocabulary, targets: Targets, name: str, target: str) -> None:

@@ -29,6 +29,7 @@ _WRAPPERS = re.compile(
 )
 _RATIONAL = re.compile(r"(?<![\w.])(?:Rational|S)\(\s*(\d{1,9})\s*(?:,\s*(\d{1,9})\s*)?\)")
 _RATE = re.compile(r"(?<![\w.])([A-Za-z]\w{0,30})\x1f*\.diff\(\s*t\s*(?:,\s*([12])\s*|,\s*t\s*)?\)")
+_DIFF = ".diff("
 _ENTRY = re.compile(r"(?<![\w.\])])([A-Za-z]+)\[\s?([0-7])\s?(?:(?:,|\]\[)\s?([0-7])\s?)?\]")
 """M[0, 1], tau[0], counted from 0: M12, tau1."""
 _SAME = (
@@ -115,6 +116,35 @@ def _plain(whole: Blanks, start: int, end: int) -> None:
         twice = "," in match[0] and match[2] != "1"
         new = "d" * (1 + twice) + match[1]
         whole.put(start + match.start(), start + match.end(), new)
+    _functions_for_methods(whole, start, end)
+
+
+def _functions_for_methods(whole: Blanks, start: int, end: int) -> None:
+    """diff(x, y) for each x.diff(y)."""
+    while True:
+        inside = "".join(whole.characters[start:end])
+        at = inside.find(_DIFF)
+        if at < 0:
+            return
+        first, behind = _begun(inside, at), at + len(_DIFF)
+        whole.put(start + first, start + behind, f"diff({inside[first:at]},")
+
+
+def _begun(text: str, end: int) -> int:
+    """Where the name or the call begins that ends there."""
+    at = end
+    while at and text[at - 1] == FILL:
+        at -= 1
+    if at and text[at - 1] == ")":
+        depth = 0
+        while at:
+            at -= 1
+            depth += {")": 1, "(": -1}.get(text[at], 0)
+            if depth == 0:
+                break
+    while at and (text[at - 1].isalnum() or text[at - 1] in "_" + FILL):
+        at -= 1
+    return at
 
 
 def _statements(code: str) -> Iterator[Span]:

@@ -15,6 +15,9 @@ from freebody.derivations.expressions.nodes import Expression, Matrix, Span
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.parser import Parser
 
+_HIGHEST = 2
+"""The order up to which derivatives are read."""
+
 
 class DerivativeParser(Parser):
     """Reads derivatives."""
@@ -80,28 +83,44 @@ class DerivativeParser(Parser):
         return names
 
     def derivative(self, token: Token) -> Expression:
-        """Derivative(theta1(t), t), Derivative(theta1(t), (t, 2))."""
+        """Derivative(theta1(t), t), Derivative(theta1(t), (t, 2)), diff(L, dtheta1)."""
         self.expect("open", "'('")
         value = self.reader.read(self.expression())
-        order = 0
+        order, by_time = 0, True
         while self.token.kind == "comma":
             self.take()
-            pair = self.token.kind == "open"
-            if pair:
-                self.take()
-            if self.expect("name", "the time t").text != "t":
-                self.source.fail("only derivatives with respect to the time t are read", token.span)
-            times = 1
-            if pair or (self.token.kind == "comma" and self.ahead(1).kind == "number"):
-                self.expect("comma", "','")
-                times = int(self.expect("number", "the order").value)
-            if pair:
-                self.expect("close", "')'")
+            by, times = self._differentiated_by()
+            by_time = by_time and by == "t"
             order += times
+            for _ in range(times if order <= _HIGHEST else 0):
+                rates = self.vocabulary.setting.symbols.rates
+                value = value.along(rates) if by == "t" else value.derivative(by)
         span = (token.start, self.expect("close", "')'").end)
-        if not 1 <= order <= 2:
-            self.source.fail("a derivative must be the first or second one by t", span)
-        for _ in range(order):
-            value = value.along(self.vocabulary.setting.symbols.rates)
-        own = generator(value) is not None
+        if not 1 <= order <= _HIGHEST:
+            self.source.fail("a derivative must be the first or second one", span)
+        own = by_time and generator(value) is not None
         return Named(self.source[span], value, is_derivative=not own, span=span)
+
+    def _differentiated_by(self) -> tuple[str, int]:
+        """The variable, t for the time, and how often: t, (t, 2), t, 2 or another expression."""
+        pair = self.token.kind == "open" and self.ahead(2).kind == "comma"
+        if pair:
+            self.take()
+        first = self.token
+        if first.text == "t":
+            self.take()
+            by = "t"
+        else:
+            by = generator(self.reader.read(self.expression())) or ""
+        if not by:
+            self.source.fail(
+                "only derivatives by the time t, a coordinate, a rate or a parameter are read",
+                first.span,
+            )
+        times = 1
+        if pair or (self.token.kind == "comma" and self.ahead(1).kind == "number"):
+            self.expect("comma", "','")
+            times = int(self.expect("number", "the order").value)
+        if pair:
+            self.expect("close", "')'")
+        return by, times

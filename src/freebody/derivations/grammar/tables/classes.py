@@ -137,7 +137,8 @@ PATTERNS = {
     "pose_values": "values:< @pose_value < @and_of_poses @pose_value >{0,9} >",
     "number_ends": "!< ~ < %name | . > >",
     "inverse": "< ⁻ ¹ | ^ %minus 1 | ^ { %minus 1 } >",
-    "state": "< %dotting {? >{0,3} %state_letter < ~_? ~d ~d? < ~o ~t >? >? }{0,2}",
+    "state": "< < %dotting {? >{0,3} %state_letter < ~_? ~d ~d? < ~o ~t >? >? }{0,2}"
+    " | d ~d? ~%state_letter >",
     "states": "( < t | @state > < , @state >{0,9} )",
     "several_states": "( < t | @state > < , @state >{1,9} )",
     "marked": "< _ < { %not_brace{1,6} } | %name > | ~%counted{1,2} >? @inverse? ᵀ?",

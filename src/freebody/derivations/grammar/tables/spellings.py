@@ -22,6 +22,14 @@ SPELLINGS: tuple[tuple[str, ...], ...] = (
     # J^{-T}, J^T.
     ("^ { %minus < T | \\top | 1 < \\top | T > > }", "⁻ ¹ ᵀ"),
     ("^ < T %ends | \\top | \\intercal | { < @roman_T | \\top | \\intercal > } >", "ᵀ"),
+    # J.T @ F of NumPy, transpose(J).
+    ("--%name_end ~. ~T @", "ᵀ *"),
+    ("--%name_end ~. ~T %ends", "ᵀ"),
+    ("%fresh transpose ( of:%name{1,4} )", "( $of ) ᵀ"),
+    # \\arctan2 and SymPy's \\operatorname{atan_{2}}.
+    ("\\arctan ~2 &(", "a t a n 2"),
+    ("\\operatorname { < a t a n | atan > _ { 2 } } { of:< %not_brace{1,300} | @nested >{1,9} }",
+     "a t a n 2 $of"),
     # θ ̈_1 and (θ_1 ) ̈, as Word writes θ̈_1 on one line.
     ("( letter:%letter rest:< _? %digit? > ) %apart dots:%mark below:@below?",
      "$letter $dots $rest $below"),
