@@ -103,7 +103,7 @@ class Pattern:
 
 
 # -------------------------------------------------------------------------------- places
-_OF_NAMES = ("letter", "digit", "low")
+_OF_NAMES = frozenset(kind[1:] for kind in CLASSES["name"])
 
 
 def _touches(lexemes: Lexemes, k: int, end: int) -> bool:

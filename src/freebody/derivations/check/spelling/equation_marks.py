@@ -13,6 +13,7 @@ from freebody.derivations.grammar.tables.characters import PRIMES, STARS
 from freebody.errors import FreebodyError
 
 _MARK = Pattern("%equality")
+_FRESH = Pattern("%fresh")
 _BEHIND_NAME = Pattern(
     "< %beside_equality | ( %not_bracket{0,40} ) | [ %not_bracket{0,40} ]"
     " | < %over_equality { %not_brace{0,40} } | \\mathrel >? { > %last"
@@ -87,8 +88,8 @@ def _last_names(source: Source, first: int, end: int) -> Iterator[words.Word]:
     if last.kind in ("sign", "line", "row") and last.text not in _LAST:
         return
     for k in range(first, end):
-        inside = k > first and not lexemes[k].apart and lexemes[k - 1].kind in _OF_NAMES
-        if inside or not (words.begins(lexemes[k]) or lexemes[k].kind == "command"):
+        begins = words.begins(lexemes[k]) or lexemes[k].kind == "command"
+        if not begins or (k > first and _FRESH.at(lexemes, k) is None):
             continue
         word = _spelt(source, k)
         if word is not None and word.at == end:
@@ -106,4 +107,3 @@ def _spelt(source: Source, k: int) -> words.Word | None:
 
 
 _LAST = frozenset((*PRIMES, *STARS, "}", "_"))
-_OF_NAMES = frozenset(("letter", "digit", "low"))

@@ -74,28 +74,30 @@ def _poses(source: AnswerText, targets: Targets) -> Iterator[tuple[Match, AskedQ
     """Poses in sentences that call them singular, and lines of nothing else below a determinant;
     each with the determinant that is to vanish there."""
     lexemes = source.lexemes
-    of_tip = targets.single.get("detJ")
-    told = 0
-    for word in _SINGULAR.all(lexemes) if of_tip is not None else ():
-        if word.start < told:
-            continue
-        begun = lexemes.at(lexemes[word.start].start - 40)
-        if any(_DENIED.at(lexemes, k, word.start) for k in range(begun, word.start)):
-            continue
-        told = _end_of_sentence(lexemes, word.stop)
-        for pose in _POSE.all(lexemes, word.stop, told):
-            if "other" not in pose:
-                yield pose, of_tip
+    if (of_tip := targets.single.get("detJ")) is not None:
+        yield from ((pose, of_tip) for pose in _told(lexemes))
     above: AskedQuantity | None = None
     start = 0
     for end in [*lexemes.places.get("%line", ()), len(lexemes)]:
-        if told := next(_DETERMINANT.all(lexemes, start, end), None):
-            above = targets.single.get(told["name"])
+        if det := next(_DETERMINANT.all(lexemes, start, end), None):
+            above = targets.single.get(det["name"])
         elif above is not None and (pose := _LISTED.at(lexemes, start, end)):
             yield pose, above
         elif end > start:
             above = None
         start = end + 1
+
+
+def _told(lexemes: Lexemes) -> Iterator[Match]:
+    """Poses in sentences that call them singular."""
+    end = 0
+    for word in _SINGULAR.all(lexemes):
+        begun = lexemes.at(lexemes[word.start].start - 40)
+        denied = any(_DENIED.at(lexemes, k, word.start) for k in range(begun, word.start))
+        if word.start < end or denied:
+            continue
+        end = _end_of_sentence(lexemes, word.stop)
+        yield from (x for x in _POSE.all(lexemes, word.stop, end) if "other" not in x)
 
 
 def _end_of_sentence(lexemes: Lexemes, k: int) -> int:

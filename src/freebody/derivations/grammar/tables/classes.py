@@ -6,7 +6,7 @@ _LATIN = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 CLASSES = {
     # letters and figures
-    "name": ("%letter", "%digit", "%low"),
+    "name": ("%letter", "%digit", "%low", "%frame", "%determinant"),
     "latin": tuple(_LATIN),
     "small_letter": tuple(_LATIN[:26]),
     "plain_letter": (*_LATIN, *characters.LETTERS),
