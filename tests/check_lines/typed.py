@@ -275,7 +275,45 @@ FOUR = (
         ("th3 = atan2(l1*sin(th1) + l2*sin(th1 + th2), l1*cos(th1) + l2*cos(th1 + th2) - d)",),
     ),
 )
-TYPED = {"2R": TWO, "slider_crank": CRANK, "four_bar": FOUR}
+BRICARD = (
+    Typed("relation", "cos(theta1) + cos(theta2) + cos(theta1)*cos(theta2) = 0", ()),
+    Typed("relation", "theta3 = theta1", ()),
+    Typed("relation", "theta4 = theta2", ()),
+    Typed("relation", "dtheta5 = dtheta1", ()),
+    Typed("relation", r"\dot\theta_4 = \dot\theta_2", ()),
+    Typed(
+        "relation",
+        r"\sin\theta_1 (1 + \cos\theta_2)\dot\theta_1 = -\sin\theta_2 (1 + \cos\theta_1)\dot\theta_2",
+        (),
+    ),
+)
+QUADROTOR = tuple(
+    Typed("free body", x, ())
+    for x in (
+        r"I_x \dot p = (I_y - I_z) q r + l (f_2 - f_4)",
+        r"I_y \dot q = (I_z - I_x) r p + l (f_3 - f_1)",
+        r"I_z \dot r = (I_x - I_y) p q",
+        r"m\ddot z = -m g + (f_1 + f_2 + f_3 + f_4)\cos\phi\cos\theta",
+        r"m\ddot x = (f_1 + f_2 + f_3 + f_4)(\cos\psi\sin\theta\cos\phi + \sin\psi\sin\phi)",
+        r"\dot\phi = p + q\sin\phi\tan\theta + r\cos\phi\tan\theta",
+        r"\dot\theta = q\cos\phi - r\sin\phi",
+        r"\dot\psi = \frac{q\sin\phi + r\cos\phi}{\cos\theta}",
+        r"5 \dot p = -5 q r + 0.5 (f_2 - f_4)",
+        r"m(\dot u + q w - r v) = m g\sin\theta",
+        r"\dot w = q u - p v + g\cos\theta\cos\phi\cdot(-1) + (f_1 + f_2 + f_3 + f_4)/m",
+        "I_x*dp = (I_y - I_z)*q*r + l*(f_2 - f_4)",
+        r"n = I\dot\omega + \omega\times(I\omega)",
+        r"T = \frac12 m (u^2 + v^2 + w^2) + \frac12 (I_x p^2 + I_y q^2 + I_z r^2)",
+        "V = m*g*z",
+    )
+)
+TYPED = {
+    "bricard": BRICARD,
+    "quadrotor": QUADROTOR,
+    "2R": TWO,
+    "slider_crank": CRANK,
+    "four_bar": FOUR,
+}
 
 
 def typed(robot: str) -> tuple[Typed, ...]:
