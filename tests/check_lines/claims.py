@@ -364,7 +364,7 @@ def _by_loops(x: sp.Expr, m: Mechanism, rng: random.Random) -> sp.Expr | None:
     for term in by.args:
         for own in base.args:
             ratio = own / term
-            if not ratio.has(sp.sin, sp.cos) and sp.fraction(ratio)[1].is_Number:
+            if ratio.free_symbols.isdisjoint(m.q) and sp.fraction(ratio)[1].is_Number:
                 return sp.expand(base - ratio * by)
     return None
 

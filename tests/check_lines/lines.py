@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-import numpy as np
 import sympy as sp
 
 from .claims import (
@@ -21,10 +20,11 @@ from .claims import (
     wrong,
 )
 from .mistakes import mistaken
+from .number_lines import LARGE, number_lines
 from .printed import printed
 from .prose import PROSE_LATEX, PROSE_MARKDOWN, PROSE_TEXT
 from .robots import ROBOTS, mechanism
-from .spellings import Spelling, named, spelling, written
+from .spellings import Spelling, spelling, written
 from .trees import keys, two_valued
 from .typed import typed
 
@@ -117,7 +117,7 @@ OWN = {
     "l": ("L#", "a#", "b#"),
     "lc": ("r#", "s#", "lg#", "k#"),
     "m": ("M#", "mu#"),
-    "I": ("Iz#", "Jc#", "J#"),
+    "I": ("Iz#", "Jc#"),
     "th": ("phi#", "alpha#", "psi#", "vartheta#"),
     "d": ("rho#", "s#"),
 }
@@ -231,7 +231,7 @@ SHARES = {
 
 def right_lines(count: int, seed: int = 28) -> list[Line]:
     """Right lines of all robots, drawn."""
-    return of_these(tuple(ROBOTS), count, seed)
+    return of_these((*ROBOTS, *LARGE, "quadrotor", "bricard"), count, seed)
 
 
 def of_these(robots: Sequence[str], count: int, seed: int = 28) -> list[Line]:
@@ -241,14 +241,25 @@ def of_these(robots: Sequence[str], count: int, seed: int = 28) -> list[Line]:
     found: list[Line] = []
     for robot in robots:
         found += of_robot(robot, math.ceil(count * SHARES.get(robot, 1) / total), rng)
+    while len(found) < count:
+        found += of_robot(rng.choice([x for x in robots if x in ROBOTS]), 20, rng)
     rng.shuffle(found)
     return found[:count]
 
 
+def _numbers(robot: str, rng: random.Random, count: int) -> Iterator[Line]:
+    for text, options in number_lines(robot, rng, count):
+        yield Line(robot, "numbers", text, options)
+
+
 def of_robot(robot: str, count: int, rng: random.Random) -> list[Line]:
     """Right lines of one robot: families in turn, so that small ones come too."""
-    numbers = list(number_lines(robot, rng, max(1, count // 12)))
+    numbers = list(_numbers(robot, rng, count if robot in LARGE else max(1, count // 12)))
     families: dict[str, list[Claim]] = {}
+    if robot not in ROBOTS:
+        return (numbers + [Line(robot, x.family, x.answer, x.options) for x in typed(robot)])[
+            :count
+        ]
     for one in claims(robot, rng):
         families.setdefault(one.family, []).append(one)
     for own in families.values():
@@ -286,81 +297,3 @@ def mutants(lines: Sequence[Line], count: int, seed: int = 82) -> Iterator[Line]
             continue
         made += 1
         yield replace(set_line(changed, how), kind=kind)
-
-
-UNITS = {
-    "H": "kg m^2",
-    "G": "N m",
-    "c": "N m",
-    "tau": "N m",
-    "T": "J",
-    "V": "J",
-    "x": "m",
-    "y": "m",
-    "z": "m",
-    "omega": "rad/s",
-    "f": "N",
-    "E": "J",
-    "d": "m",
-}
-TURNING = ("pendulum", "2R", "3R", "elbow_arm", "pendubot", "slider_crank", "four_bar", "five_bar")
-
-
-def number_lines(robot: str, rng: random.Random, count: int) -> Iterator[Line]:
-    """Numbers at a state, with the values of the robot's file."""
-    if robot not in TURNING:
-        return
-    m = mechanism(robot)
-    wanted = [
-        x for x in m.quantities if x.rstrip("0123456789") in ("H", "G", "tau", "V", "T", "x", "y")
-    ]
-    driven = [x for x in m.coordinates if x not in m.passive] if m.loops else list(m.coordinates)
-    while count:
-        env: dict[str, Any] = {"one": 1.0, **m.values}
-        if m.loops:
-            if robot != "slider_crank":
-                return
-            degrees = {"th1": rng.choice((20, 30, 40, 60, 75, 100, 135))}
-            a = math.radians(degrees["th1"])
-            env["d3"] = 0.2 * math.cos(a) + math.sqrt(0.36 - 0.04 * math.sin(a) ** 2)
-            key, value = "d3", env["d3"]
-        else:
-            degrees = {x: rng.choice((-60, -30, 15, 20, 30, 45, 60, 75, 90, 120)) for x in driven}
-            env |= {x: math.radians(y) for x, y in degrees.items()}
-            rates = {x: rng.choice((0.5, 1, 1.5, 2, -1)) for x in driven}
-            accelerations = {x: rng.choice((0, 0.5, 1, 3)) for x in driven}
-            env |= {x + "_d": y for x, y in rates.items()} | {
-                x + "_dd": y for x, y in accelerations.items()
-            }
-            key = rng.choice(wanted)
-            if key.startswith("tau") and m.passive:
-                continue
-            value = float(np.asarray(m.compiled([key])(env)[0]))
-            if abs(value) < 1e-2:
-                continue
-        state = ", ".join(
-            f"θ{x[2:].translate(str.maketrans('1234', '₁₂₃₄'))} = {y}°" for x, y in degrees.items()
-        )
-        if not m.loops and key.startswith(("tau", "T")):
-            state += "".join(f", dtheta{x[2:]} = {y} rad/s" for x, y in rates.items())
-        if key.startswith("tau"):
-            state += "".join(f", ddtheta{x[2:]} = {y} rad/s^2" for x, y in accelerations.items())
-        unit = UNITS[key.rstrip("0123456789")]
-        digits = rng.choice((3, 4, 5))
-        s = spelling(rng, rng.choice(("plain", "code")))
-        shown = f"{value:.{digits}g}"
-        if "e" in shown:
-            continue
-        count -= 1
-        name = named(key, replace(s, argument=False))
-        where = rng.random()
-        if where < 0.4:
-            yield Line(robot, "numbers", f"{name} = {shown} {unit} at {state}")
-        elif where < 0.7:
-            yield Line(robot, "numbers", f"At {state}:\n{name} = {shown} {unit}")
-        else:
-            at = {x.replace("th", "theta"): f"{y} deg" for x, y in degrees.items()}
-            if not m.loops:
-                at |= {f"theta{x[2:]}_d": y for x, y in rates.items()}
-                at |= {f"theta{x[2:]}_dd": y for x, y in accelerations.items()}
-            yield Line(robot, "numbers", f"{name} = {shown} {unit}", {"at": at})

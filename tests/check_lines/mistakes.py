@@ -28,7 +28,7 @@ def _changed(part: Tree, robot: str) -> Iterator[tuple[str, Tree]]:
             yield "exponent", ("pow", part[1], 3)
         case "num" if part[1] not in (0, 1):
             yield "factor", ("num", part[1] * 2)
-        case "div":
+        case "div" if part[1][0] != "num" and part[2][0] != "num":
             yield "inverse", ("div", part[2], part[1])
         case "fun":
             yield from _functions(part)

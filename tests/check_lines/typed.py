@@ -275,7 +275,232 @@ FOUR = (
         ("th3 = atan2(l1*sin(th1) + l2*sin(th1 + th2), l1*cos(th1) + l2*cos(th1 + th2) - d)",),
     ),
 )
-TYPED = {"2R": TWO, "slider_crank": CRANK, "four_bar": FOUR}
+BRICARD = (
+    Typed("relation", "cos(theta1) + cos(theta2) + cos(theta1)*cos(theta2) = 0", ()),
+    Typed("relation", "theta3 = theta1", ()),
+    Typed("relation", "theta4 = theta2", ()),
+    Typed("relation", "dtheta5 = dtheta1", ()),
+    Typed("relation", r"\dot\theta_4 = \dot\theta_2", ()),
+    Typed(
+        "relation",
+        r"\sin\theta_1 (1 + \cos\theta_2)\dot\theta_1 = -\sin\theta_2 (1 + \cos\theta_1)\dot\theta_2",
+        (),
+    ),
+)
+QUADROTOR = tuple(
+    Typed("free body", x, ())
+    for x in (
+        r"I_x \dot p = (I_y - I_z) q r + l (f_2 - f_4)",
+        r"I_y \dot q = (I_z - I_x) r p + l (f_3 - f_1)",
+        r"I_z \dot r = (I_x - I_y) p q",
+        r"m\ddot z = -m g + (f_1 + f_2 + f_3 + f_4)\cos\phi\cos\theta",
+        r"m\ddot x = (f_1 + f_2 + f_3 + f_4)(\cos\psi\sin\theta\cos\phi + \sin\psi\sin\phi)",
+        r"\dot\phi = p + q\sin\phi\tan\theta + r\cos\phi\tan\theta",
+        r"\dot\theta = q\cos\phi - r\sin\phi",
+        r"\dot\psi = \frac{q\sin\phi + r\cos\phi}{\cos\theta}",
+        r"5 \dot p = -5 q r + 0.5 (f_2 - f_4)",
+        r"m(\dot u + q w - r v) = m g\sin\theta",
+        r"\dot w = q u - p v + g\cos\theta\cos\phi\cdot(-1) + (f_1 + f_2 + f_3 + f_4)/m",
+        "I_x*dp = (I_y - I_z)*q*r + l*(f_2 - f_4)",
+        r"n = I\dot\omega + \omega\times(I\omega)",
+        r"T = \frac12 m (u^2 + v^2 + w^2) + \frac12 (I_x p^2 + I_y q^2 + I_z r^2)",
+        "V = m*g*z",
+    )
+)
+ABSOLUTE = {"absolute": True}
+BOOK_FOUR = {
+    "names": {
+        "a": "l1",
+        "b": "l2",
+        "c": "l3",
+        "alpha": "theta1",
+        "beta": "theta2",
+        "gamma": "theta3",
+    },
+    "absolute": True,
+}
+FREUDENSTEIN = (
+    "d/l1*cos(th3) - d/l3*cos(th1) + (l1**2 - l2**2 + l3**2 + d**2)/(2*l1*l3) = cos(th1 - th3)"
+)
+RATE3 = "th3_d = l1*sin(-th2)/(l3*sin(th3 - th1 - th2))*th1_d"
+FOUR += (
+    Typed(
+        "absolute angles",
+        "l1*cos(theta1) + l2*cos(theta2) - l3*cos(theta3) - d = 0",
+        ("Phi1 = 0",),
+        ABSOLUTE,
+    ),
+    Typed(
+        "absolute angles",
+        r"l_1\sin\theta_1 + l_2\sin\theta_2 = l_3\sin\theta_3",
+        ("Phi2 = 0",),
+        ABSOLUTE,
+    ),
+    Typed(
+        "absolute angles",
+        r"\dot\theta_3 = \frac{l_1\sin(\theta_1-\theta_2)}{l_3\sin(\theta_3-\theta_2)}\dot\theta_1",
+        (RATE3,),
+        ABSOLUTE,
+    ),
+    Typed(
+        "absolute angles",
+        r"\dot\theta_2 = \frac{l_1\sin(\theta_3-\theta_1)}{l_2\sin(\theta_2-\theta_3)}\dot\theta_1",
+        ("omega2 = l1*sin(th3 - th1)/(l2*sin(th1 + th2 - th3))*th1_d",),
+        ABSOLUTE,
+    ),
+    Typed(
+        "book's letters", "a*cos(alpha) + b*cos(beta) = d + c*cos(gamma)", ("Phi1 = 0",), BOOK_FOUR
+    ),
+    Typed(
+        "book's letters",
+        "d/a*cos(gamma) - d/c*cos(alpha) + (a^2 - b^2 + c^2 + d^2)/(2*a*c) = cos(alpha - gamma)",
+        (FREUDENSTEIN,),
+        BOOK_FOUR,
+    ),
+    Typed(
+        "book's letters",
+        "c*sin(gamma)*dgamma = a*sin(alpha)*dalpha + b*sin(beta)*dbeta",
+        ("l3*sin(th3)*th3_d = l1*sin(th1)*th1_d + l2*sin(th1 + th2)*(th1_d + th2_d)",),
+        BOOK_FOUR,
+    ),
+    Typed(
+        "rocker's angle",
+        "theta3 = 2*atan((l1*sin(theta1) + l2*sin(theta1 + theta2))/(l3 + l1*cos(theta1) + l2*cos(theta1 + theta2) - d))",
+        (
+            "th3 = 2*atan((l1*sin(th1) + l2*sin(th1 + th2))/(l3 + l1*cos(th1) + l2*cos(th1 + th2) - d))",
+        ),
+    ),
+    Typed("power", r"P = \tau_1\dot\theta_1", ("P = tau1*th1_d",)),
+)
+CRANK += (
+    Typed(
+        "absolute angles",
+        "d3 = l1*cos(theta1) + l2*cos(theta2)",
+        ("d3 = l1*cos(th1) + l2*cos(th1 + th2)",),
+        ABSOLUTE,
+    ),
+    Typed(
+        "absolute angles",
+        r"\sin\theta_2 = -\frac{l_1}{l_2}\sin\theta_1",
+        ("sin(th1 + th2) = -l1/l2*sin(th1)",),
+        ABSOLUTE,
+    ),
+    Typed(
+        "absolute angles",
+        r"\dot\theta_2 = -\frac{l_1\cos\theta_1}{l_2\cos\theta_2}\dot\theta_1",
+        ("omega2 = -l1*cos(th1)/(l2*cos(th1 + th2))*th1_d",),
+        ABSOLUTE,
+    ),
+    Typed(
+        "absolute angles",
+        r"\dot d_3 = -l_1\dot\theta_1\frac{\sin(\theta_1-\theta_2)}{\cos\theta_2}",
+        ("d3_d = -l1*th1_d*sin(-th2)/cos(th1 + th2)",),
+        ABSOLUTE,
+    ),
+    Typed(
+        "book's letters",
+        "s = r*cos(phi) + sqrt(l^2 - r^2*sin(phi)^2)",
+        ("d3 = l1*cos(th1) + sqrt(l2**2 - l1**2*sin(th1)**2)",),
+        {"names": {"s": "d3", "r": "l1", "l": "l2", "phi": "theta1"}},
+    ),
+    Typed(
+        "book's letters",
+        r"x = r\cos\theta + l\cos\phi, \quad r\sin\theta = l\sin\phi",
+        ("d3 = l1*cos(th1) + l2*cos(-th1 - th2)", "l1*sin(th1) = l2*sin(-th1 - th2)"),
+        {"names": {"x": "d3", "r": "l1", "l": "l2", "theta": "theta1", "phi": "-theta1-theta2"}},
+    ),
+    Typed(
+        "statics",
+        "In equilibrium: tau1 = (m1*lc1 + m2*l1*(1 - lc2/l2))*g*cos(theta1)",
+        (
+            "G1 + G2*(-1 - l1*cos(th1)/(l2*cos(th1 + th2))) = (m1*lc1 + m2*l1*(1 - lc2/l2))*g*cos(th1)",
+        ),
+    ),
+)
+CART = {"names": {"M": "m1", "m": "m2", "l": "l2", "theta": "theta2", "F": "tau1"}}
+CART_POLE = (
+    Typed(
+        "book's letters",
+        "(M + m)*x_dd + m*l*theta_dd*cos(theta) - m*l*theta_d^2*sin(theta) = F",
+        ("(m1 + m2)*x_dd + m2*l2*th2_dd*cos(th2) - m2*l2*th2_d**2*sin(th2) = tau1",),
+        CART,
+    ),
+    Typed(
+        "book's letters",
+        r"(M + m)\ddot x + m l\ddot\theta\cos\theta - m l\dot\theta^2\sin\theta = F",
+        ("(m1 + m2)*x_dd + m2*l2*th2_dd*cos(th2) - m2*l2*th2_d**2*sin(th2) = tau1",),
+        CART,
+    ),
+    Typed(
+        "book's letters",
+        r"l\ddot\theta + \ddot x\cos\theta + g\sin\theta = 0",
+        ("l2*th2_dd + x_dd*cos(th2) + g*sin(th2) = 0",),
+        CART,
+    ),
+)
+PENDULUM = (
+    Typed(
+        "book's letters",
+        "m*l^2*theta_dd + m*g*l*cos(theta) = tau",
+        (),
+        {
+            "names": {"m": "m1", "l": "lc1", "theta": "theta1", "tau": "tau1"},
+            "parameters": {"I1": 0},
+        },
+    ),
+    Typed(
+        "book's letters",
+        r"J\ddot\theta + m g a\cos\theta = \tau",
+        (),
+        {
+            "names": {
+                "m": "m1",
+                "a": "lc1",
+                "theta": "theta1",
+                "tau": "tau1",
+                "J": "(I1 + m1*lc1^2)",
+            }
+        },
+    ),
+)
+POLAR = (
+    Typed(
+        "book's letters",
+        r"m_2\ddot r - m_2 (r + l_{c2})\dot\theta^2 + m_2 g\sin\theta = F",
+        ("m2*d2_dd - m2*(d2 + lc2)*th1_d**2 + m2*g*sin(th1) = tau2",),
+        {"names": {"r": "d2", "theta": "theta1", "F": "tau2"}},
+    ),
+)
+TWO += (
+    Typed(
+        "a name for an expression",
+        "tau_g1 = -(m1*lc1 + m2*l1)*g*cos(theta1) - m2*lc2*g*cos(theta1 + theta2)",
+        (G1,),
+        {"names": {"tau_g": "-G"}},
+    ),
+    Typed("statics", "tau2 = -l2*sin(theta1 + theta2)*F_x + l2*cos(theta1 + theta2)*F_y", ()),
+    Typed("statics", r"\tau = J^T F", ()),
+    Typed(
+        "sum over bodies",
+        r"M = \sum_{i=1}^{2}\left(m_i J_{v_{ci}}^T J_{v_{ci}} + I_i J_{\omega_i}^T J_{\omega_i}\right)",
+        (),
+    ),
+    Typed(
+        "matrix equation",
+        r"\dot M - 2C = \begin{bmatrix} 0 & -n \\ n & 0\end{bmatrix},\quad n = 2 h\dot\theta_1 + h\dot\theta_2,\quad h = -m_2 l_1 l_{c2}\sin\theta_2",
+        (),
+    ),
+)
+TYPED = {
+    "cart_pole": CART_POLE,
+    "pendulum": PENDULUM,
+    "RP": POLAR,
+    "bricard": BRICARD,
+    "quadrotor": QUADROTOR,
+    "2R": TWO,
+    "slider_crank": CRANK,
+    "four_bar": FOUR,
+}
 
 
 def typed(robot: str) -> tuple[Typed, ...]:
