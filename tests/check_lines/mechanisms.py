@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
+from sympy.simplify.fu import TR8
 
 
 def symbol(key: str) -> sp.Symbol:
@@ -92,7 +93,7 @@ class Mechanism:
         value = sp.expand(sp.sympify(value))
         if not self.tidied or len(value.args) > 60 or not value.has(sp.sin):
             return value
-        shorter = sp.expand(sp.trigsimp(value))
+        shorter = sp.expand(TR8(value))
         return shorter if shorter.count_ops() < value.count_ops() else value
 
     def omega(self, body: Body) -> list[sp.Expr]:
