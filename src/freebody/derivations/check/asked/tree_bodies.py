@@ -46,6 +46,8 @@ class BodiesOfTrees(QuantityGroup):
         s = Setting(self.setting.equations.symbols)
         if not (branches(s.tree) or self.setting.system) or self.setting.turned is not None:
             return {}
+        if any(len(body.masses) > 1 for body in s.tree.bodies):  # its centre has no symbol
+            return {}
         found: dict[str, Table] = {}
         for name, vector, n, words in self._told(s):
             plain = spelt(str(name))

@@ -57,6 +57,15 @@ class AdmissibleStates(StateValues):
         """Which states are on the branch of the home."""
         return self.branch == 0
 
+    def with_any_rates(self) -> AdmissibleStates:
+        """The same positions with rates and accelerations that need not keep loops closed."""
+        chance = np.random.default_rng(29)
+        values = {
+            name: chance.normal(size=self.count) if name.endswith((RATE, SECOND)) else x
+            for name, x in self.values.items()
+        }
+        return replace(self, values=values)
+
     def chosen(self, which: Array) -> AdmissibleStates:
         """Some of the states."""
         values = {name: x[which] for name, x in self.values.items()}

@@ -36,8 +36,10 @@ from freebody.scalars.trig import Trig
 if TYPE_CHECKING:
     from freebody.derivations.check.verdicts.equation_verdict import Judge
 
-_APART = frozenset(("Phi", "Phi_d", "Phi_q"))
+_APART = frozenset(("Phi", "Phi_q"))
 """Families that are 0 where loops are closed, or are about them: compared as they stand."""
+_OF_ANY_RATES = "Phi_d"
+"""The family that is 0 where rates keep loops closed: compared at positions, with other rates."""
 _BY_LOOPS = frozenset(("closed", "solved", "q", "drift", "N", LONG))
 """Those that only loops can make right."""
 _UP_TO_A_CONSTANT = frozenset(("V", "L", "Vi", "E"))
@@ -107,7 +109,9 @@ class _AtStates:
         """States in motion; with the model's own values where none of its symbols is written."""
         free_body = self.judge.free_body
         if free_body is None:
-            return self.judge.states.of(own_values=self.is_in_numbers)
+            found = self.judge.states.of(own_values=self.is_in_numbers)
+            of_any_rates = self.claim.target.family == _OF_ANY_RATES
+            return found.with_any_rates() if found is not None and of_any_rates else found
         written = (x.value for x in nodes(self._tree) if isinstance(x, Named))
         images = free_body.motion((*written, self.right)).images
         return Drawing(self.judge.setting, self.is_in_numbers, images=images).states()
