@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from freebody.derivations.check.algebra.answer_tree import Named
 from freebody.derivations.check.algebra.exact_polynomials import PolynomialReader
@@ -112,9 +113,11 @@ def _define(
         return targets.single[name].polynomial() if name in targets.single else None
 
     def table(name: str, span: Span) -> Matrix | None:
+        if name in here.matrices:
+            return replace(here.matrices[name], span=span)
+        asked = () if name in AMBIGUOUS else targets.tables.get(name, ())
         rows = [
-            tuple(Named(entry_label(name, x), x.compute(), span=span) for x in row)
-            for row in targets.tables.get(name, ())
+            tuple(Named(entry_label(name, x), x.compute(), span=span) for x in row) for row in asked
         ]
         return Matrix(tuple(rows), span=span) if rows else None
 
