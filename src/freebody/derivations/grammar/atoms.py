@@ -3,7 +3,7 @@ and takes no name apart itself."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from string import ascii_letters, digits
 
@@ -11,7 +11,6 @@ from freebody.derivations.grammar.tables.characters import DOT, PRIME
 
 _DOTS = {"_dd": 2, "_d": 1}
 """Endings of rates."""
-_FUNCTIONS = ("sin", "cos", "sgn")
 
 
 @dataclass(frozen=True)
@@ -22,8 +21,6 @@ class Atom:
     index: tuple[str, ...] = ()
     dots: int = 0
     primes: int = 0
-    function: str = ""
-    """Of sin_theta1 the sine."""
 
     @property
     def figures(self) -> str:
@@ -49,9 +46,6 @@ class Atom:
 @lru_cache(maxsize=8192)
 def atom(name: str) -> Atom:
     """The atom of a name as code or the plain spelling has it: theta1_d, ˙theta1, R2_1, I2_xy."""
-    function, _, inside = name.partition("_")
-    if function in _FUNCTIONS and inside:
-        return replace(atom(inside), function=function)
     bare = name.lstrip(DOT)
     dots = len(name) - len(bare)
     unprimed = bare.replace(PRIME, "")

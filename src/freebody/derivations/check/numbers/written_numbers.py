@@ -35,7 +35,8 @@ _SENTENCE = Pattern(
     " | (? %name ~%name? < . | ) > %apart >? < %strong | _ ~_ >?"
 )
 _WORD = Pattern(
-    "word:< %letter ~%letter{0,19} > < ~, | ~: >? < ~%strong | ~_ ~_ >? < %apart | %last | &%line >"
+    "word:< %bare_letter ~%bare_letter{0,19} > < ~, | ~: >? < ~%strong | ~_ ~_ >?"
+    " < %apart | %last >"
 )
 _MOST_WORDS = 8
 _KEYWORDS = ("at", "for", "with", "when", "given", "let", "if")
