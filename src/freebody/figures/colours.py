@@ -61,6 +61,7 @@ _RULES = """
 .fig .rail{fill:none;stroke:@link-edge;stroke-width:2}
 .fig .hatch{fill:none;stroke:@soft;stroke-width:1.3}
 .fig .com{fill:@paper;stroke:@ink;stroke-width:1.2}.fig .comq{fill:@ink}
+.fig .leader{fill:none;stroke:@faint;stroke-width:1}
 .fig .angle{fill:none;stroke:@soft;stroke-width:1.3}.fig .angle-head{fill:@soft}
 .fig .frame{fill:none;stroke:@faint;stroke-width:1}.fig .axis{fill:none;stroke:@soft;stroke-width:1}
 .fig .tick{fill:@soft;font-size:11px}.fig .unit{fill:@soft;font-size:11px}

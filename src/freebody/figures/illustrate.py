@@ -28,6 +28,7 @@ from freebody.figures.kinematic import VIEWS
 from freebody.figures.labelling import labels_of
 from freebody.figures.layers import forces, geometry, motion
 from freebody.figures.layers.structure import Layer, drawn
+from freebody.figures.moving import page_figure
 from freebody.figures.snapshot import Snapshot, resting_pose, snapshot, with_values
 from freebody.figures.svg import picture
 from freebody.figures.text import canonical, label
@@ -49,8 +50,11 @@ def derive(model: Model, method: str | None = None, **options: Any) -> Derivatio
 
 
 def _living(derivation: Derivation) -> LivingParts | None:
-    closed = bool(derivation.equations.symbols.model.loops)
-    return living(derivation, _shown(derivation).q.tolist() if closed else ())
+    seen = _lettered(derivation)
+    drawing = _drawn(seen, "overview", forces.scales_of(seen.loads))
+    return drawing and living(
+        derivation, page_figure(derivation, seen, drawing, _spoken(derivation))
+    )
 
 
 def drawings(derivation: Derivation, labels: str = "names") -> Drawings:
@@ -76,9 +80,7 @@ def write_drawings(derivation: Derivation, document: Path, labels: str = "names"
 def illustrations(derivation: Derivation, labels: str = "names") -> dict[str, Drawing]:
     """The same as data; labels: "names", "values" or "both"."""
     labels = labels_of("a derivation's drawings", derivation.equations.symbols.model, labels)
-    moving, spoken = _shown(derivation), _spoken(derivation)
-    naming = replace(moving.names.naming, letters=derivation.lettering)
-    moving = replace(moving, names=replace(moving.names, naming=naming))
+    moving, spoken = _lettered(derivation), _spoken(derivation)
     wanted: dict[str, Step | None] = {"overview": None}
     for step in derivation.steps:
         if step.figure:
@@ -166,6 +168,13 @@ def _shown(derivation: Derivation) -> Snapshot:
     still = np.zeros(model.nv) if METHODS[derivation.method].at_rest else None
     load = _tip_load(model) if "fx" in symbols.extra else None
     return snapshot(model, None if still is None else resting_pose(model, load), still, still, load)
+
+
+def _lettered(derivation: Derivation) -> Snapshot:
+    """The state that is shown, in the letters of the derivation."""
+    seen = _shown(derivation)
+    naming = replace(seen.names.naming, letters=derivation.lettering)
+    return replace(seen, names=replace(seen.names, naming=naming))
 
 
 def _tip_load(model: Model) -> list[float]:

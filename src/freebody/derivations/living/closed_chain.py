@@ -38,7 +38,7 @@ class LoopEnd:
     moment: Any
     """None of a loop that transmits none."""
     sign: int
-    names: tuple[str, str]
+    names: tuple[Expression, Expression]
     """Of force and moment."""
 
 
@@ -116,7 +116,7 @@ class ClosedChain:
 
     def _end(self, loop: TreeLoop, frame: str, i: int) -> LoopEnd:
         force, moment = (vector(self.s, v) for v in self.loops.wrench(loop))
-        names = str(self.loops.force_name(loop)), str(self.loops.moment_name(loop))
+        names = self.loops.force_name(loop), self.loops.moment_name(loop)
         turning = None if not loop.closure.turns else moment[0] if self.s.planar else moment
         sign = 1 if self.loops.acts(loop, i) else -1
         return LoopEnd(self._place(frame), force, turning, sign, names)
