@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from freebody.derivations.closed_chains.absolute import links_of
 from freebody.derivations.derivation import Derivation, Drawings, Step
 from freebody.derivations.derive import undrawn_derivation
 from freebody.derivations.expressions.expression import Expression, Symbol, nodes
@@ -167,7 +168,10 @@ def _shown(derivation: Derivation) -> Snapshot:
     model = with_values(symbols.given if free and symbols.given else symbols.model)
     still = np.zeros(model.nv) if METHODS[derivation.method].at_rest else None
     load = _tip_load(model) if "fx" in symbols.extra else None
-    return snapshot(model, None if still is None else resting_pose(model, load), still, still, load)
+    q = None if still is None else resting_pose(model, load)
+    links = set(links_of(symbols)) if symbols.model.loops else set()
+    unseen = frozenset(k for k, at in enumerate(symbols.tree.body_of) if at in links)
+    return replace(snapshot(model, q, still, still, load), links=unseen)
 
 
 def _lettered(derivation: Derivation) -> Snapshot:
@@ -243,6 +247,9 @@ def _tip(*layers: Layer) -> dict[str, tuple[str, tuple[Layer, ...]]]:
     }
 
 
+_LENGTHS: tuple[Layer, ...] = (
+    geometry.all_lengths, geometry.of_the_ground, geometry.of_rods,
+)  # fmt: skip
 _GEOMETRY: tuple[Layer, ...] = (geometry.angles, geometry.slides, geometry.centres)
 _BESIDE: tuple[Layer, ...] = (
     geometry.centres, partial(geometry.links, aside=geometry.BESIDE),
@@ -252,7 +259,9 @@ _UNHELD = "The body in a pose where its axes are those of the world"
 _PLANE, _SPACE = VIEWS[2], VIEWS[3]
 _RECIPES: dict[int, dict[str, tuple[str, tuple[Layer, ...]]]] = {
     2: {
-        "overview": ("Coordinates, lengths and centres of mass", (*_PLANE["geometry"], _load)),
+        "overview": (
+            "Coordinates, lengths and centres of mass", (*_GEOMETRY, *_LENGTHS, _load)
+        ),
         "vectors": ("The vectors, drawn beside the bodies they lie on", _BESIDE),
         "centres": ("Where the centres of mass are", _PLANE["centres"]),
         "velocities": (
@@ -264,7 +273,10 @@ _RECIPES: dict[int, dict[str, tuple[str, tuple[Layer, ...]]]] = {
         **_tip(geometry.angles, geometry.slides),
     },
     3: {
-        "overview": ("Joint axes and joint variables", _SPACE["frames"]),
+        "overview": (
+            "Joint axes and joint variables",
+            (*_SPACE["frames"], geometry.measured_centres, *_LENGTHS, _load),
+        ),
         "vectors": ("Vectors from joint to joint, and centres of mass", _SPACE["vectors"]),
         **_tip(geometry.variables),
     },

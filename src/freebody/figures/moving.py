@@ -67,7 +67,8 @@ def _names(
     found = {what: name for what, name in lengths.items() if canonical(name) in spoken}
     point = names.point(seen.pose, n)
     found["point"] = point if plane and point in written else ""
-    found["C"] = names.on("C", n) if plane and body.mass > 0 else ""
+    centred = plane or names.naming.centre_length(n) is not None
+    found["C"] = names.on("C", n) if centred and body.mass > 0 else ""
     found["q"] = names.coordinate(body) if plane or body.axis is not None else ""
     if not plane and body.axis is not None:
         found["z"] = names.axis(body) if canonical(names.axis(body)) in spoken else ""

@@ -13,6 +13,7 @@ import unicodedata
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from html import escape
+from itertools import groupby
 
 from freebody.derivations.expressions import expression as ex
 
@@ -108,13 +109,23 @@ def marked(pieces: Iterable[Run], size: float = SIZE) -> str:
     """SVG tspans, of letters of `size` pixels; a subscript under a superscript starts where that
     started."""
     parts, last, stacked = [], 0, 0.0
-    for run in pieces:
+    for run in _joined(pieces):
         dx = f' dx="{-stacked:.2f}em"' if last > 0 and run.level < 0 and stacked else ""
         small = f' font-size="{100 * _SMALL:.0f}%"' if run.level else ""
         parts.append(_span(run, (_shift(run.level) - _shift(last)) * size, dx, small, size))
         stacked = stacked + 0.88 * run.width / _SMALL if run.level > 0 else 0.0
         last = run.level
     return "".join(parts)
+
+
+def _joined(pieces: Iterable[Run]) -> Iterator[Run]:
+    """The pieces with neighbours of one style and level in one, but those with dots."""
+    for (style, level, dotted), alike in groupby(
+        pieces, lambda run: (run.style, run.level, run.text[1:] in _DOTS)
+    ):
+        parts = list(alike)
+        texts = [run.text for run in parts] if dotted else ["".join(run.text for run in parts)]
+        yield from (Run(text, style, level) for text in texts)
 
 
 def _shift(level: int) -> float:

@@ -24,7 +24,7 @@ function grown(points, own) {
   if (!(both && reach(both) < 2.5 * reach(now))) size = own;
   box = both && reach(both) < 2.5 * reach(now) ? both : now;
 }
-const ROOM = [360, 300], EDGE = 44;
+const ROOM = [360, 300], EDGE = 48;
 // Of the box around all places, as figures have it.
 function extent(places) {
   const sides = places[0].map((_, i) => Math.max(...places.map((p) => p[i])) - Math.min(...places.map((p) => p[i])));
@@ -41,7 +41,13 @@ function drawArm(svg, bodies, rods, y) {
   const own = extent(spots), along = plane ? axisShare(bodies, world) : 0.16;
   const frame = nothing.map((_, k) => nothing.map((_, i) => (i === k ? along : 0)));
   const ends = frame.map((axis) => axis.map((u) => own * u));
-  grown([...spots, ...ends].map(seen), own);
+  const arcs = bodies.filter((body) => body.zero && body.names.q >= 0).flatMap((body) => [[body.zero, 1.5], [body.along, 1]]
+    .map(([way, far]) => plus(world(body.joint), world(way), far * ARC * own)));
+  const around = bodies.flatMap(({axis, joint, names}) => (plane || !axis || names.q === undefined ? [] : [0.17, -0.1])
+    .map((far) => plus(world(joint), world(axis), far * own)));
+  const rims = bodies.filter((body) => isRing(body, world)).flatMap((body) => frame.flatMap((axis) =>
+    [RING / along, -RING / along].map((far) => plus(world(body.joint), axis, far * own))));
+  grown([...spots, ...ends, ...arcs, ...around, ...rims].map(seen), own);
   const scale = Math.min(...box.map(([low, high], i) => (ROOM[i] - 2 * EDGE) / Math.max(high - low, 1e-12)));
   const place = (v) => seen(v).map((u, i) => ROOM[i] / 2 + (i ? -1 : 1) * scale * (u - (box[i][0] + box[i][1]) / 2));
   const robot = {y, bodies, world, place, scale, at: (places) => place(world(places))};
@@ -79,6 +85,7 @@ function pushed(sheet, {y, at, scale}, body) {
   }
 }
 
+const closings = () => (page.loop ? page.loop.symbols : []);
 // Segments of a body: from its joint to where it reaches, else to its centre of mass.
 function outline(body, at) {
   const apart = (place) => length(minus(at(place), at(body.joint))) > 0.5;
@@ -88,7 +95,8 @@ function outline(body, at) {
 
 // ---------------------------------------------------------------- the plane
 function drawFlat(sheet, robot, rods, axes) {
-  const {bodies, at, world, scale} = robot, {svg, crowd} = sheet, way = (body) => unit(onPage(world(body.axis)));
+  const {at, world, scale} = robot, {svg, crowd} = sheet, way = (body) => unit(onPage(world(body.axis)));
+  const bodies = robot.bodies.filter((body) => !body.link);
   for (const body of bodies.filter((one) => one.parent < 0 && one.holds)) {
     if (body.slides) guide(sheet, at(body.from), at(body.joint), way(body), scale);
     else ground(sheet, at(body.from));
@@ -101,15 +109,13 @@ function drawFlat(sheet, robot, rods, axes) {
     }
     for (const ends of outline(body, at)) bar(sheet, ...ends, 11);
   }
-  for (const body of bodies) mark(sheet, body.mark, at(body.joint), body.axis && way(body));
+  for (const body of bodies) if (body.held) mark(sheet, body.mark, at(body.joint), body.axis && way(body));
   for (const ends of rods) {
     line(svg, "rail", ...ends.map(at));
     crowd.clear(...ends.map(at));
   }
-  for (const body of bodies) {
-    for (const pin of body.pins) mark(sheet, "joint", at(pin));
-    ring(sheet, at, robot.y, body, RING * size * scale);
-  }
+  for (const body of bodies) ring(sheet, at, robot.y, body, RING * size * scale);
+  for (const closing of closings()) for (const place of closing.at) mark(sheet, closing.mark, at(place));
   for (const body of bodies) if (body.heavy) centre(sheet, at(body.centre));
 }
 // The hatched guide of a slide of the ground.
@@ -126,8 +132,10 @@ function guide({svg, crowd}, from, to, way, scale) {
 }
 // A body without extent that turns: a ring about its axis, which in the plane points at the viewer.
 const RING = 0.09, SIDES = 40;
+const isRing = (body, world) => !body.slides && body.heavy && body.holds && [...body.ends, body.centre].every((place) =>
+  length(minus(world(place), world(body.joint))) < 1e-6);
 function ring({svg, crowd}, at, y, body, radius) {
-  if (body.slides || !body.heavy || !body.holds || outline(body, at).length || length(minus(at(body.centre), at(body.joint))) > 0.5) return;
+  if (!isRing(body, (places) => vector(y, places))) return;
   let across = [[1, 0], [0, 1]];
   if (body.axis) {
     const axis = vector(y, body.axis), first = unit(cross(axis, Math.abs(axis[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
@@ -145,7 +153,7 @@ function ring({svg, crowd}, at, y, body, radius) {
 function heading({bodies, at, world}, body) {
   const next = bodies.find((one) => bodies[one.parent] === body), places = [next && next.joint, ...body.ends, body.centre];
   const far = places.find((place) => place && length(minus(at(place), at(body.joint))) > 0.5);
-  return unit(far ? minus(at(far), at(body.joint)) : body.along ? onPage(world(body.along)) : onPage(world(body.axis)));
+  return unit(far ? minus(at(far), at(body.joint)) : onPage(world(body.along || body.axis)));
 }
 // The direction from a joint in which nothing of the arm lies.
 function clearWay(robot, body) {
@@ -163,12 +171,18 @@ function clearSide(robot, body) {
   const [[a, b], [c, d]] = [body.zero, body.along].map(robot.world);
   return a * d - b * c >= 0 ? 1 : -1;
 }
-const MEASURED = 0.05;
+const MEASURED = 0.05, ARC = 0.15;
 function measured(sheet, robot, a, b, aside, name, least = MEASURED * size * robot.scale) {
   if (name >= 0 && length(minus(b, a)) > Math.max(least, 1)) dimension(sheet, a, b, aside, name);
 }
+function lengths(sheet, robot, {names, joint, from, centre, ends}, side, origin) {
+  const {at} = robot;
+  if (names.lc >= 0) measured(sheet, robot, at(joint), at(centre), 12 * side, names.lc);
+  if (names.l >= 0) measured(sheet, robot, at(joint), at(ends[0]), 46 * side, names.l);
+  if (names.ground >= 0) measured(sheet, robot, origin, at(from), at(from)[0] >= origin[0] ? -34 : 34, names.ground);
+}
 function nameFlat(sheet, robot, rods) {
-  const {bodies, at, world, place} = robot, origin = place([0, 0]);
+  const {at, world, place} = robot, origin = place([0, 0]), bodies = robot.bodies.filter((body) => !body.link);
   for (const body of bodies) {
     const {names} = body, joint = at(body.joint);
     if (names.point >= 0) sheet.want("label-text", names.point, both(joint, clearWay(robot, body)));
@@ -176,18 +190,16 @@ function nameFlat(sheet, robot, rods) {
     if (body.heavy) sheet.want("label-text", names.C, both(at(body.centre), opposite(left(heading(robot, body)))));
   }
   for (const body of bodies) {
-    const {names} = body, side = body.slides || body.zero ? clearSide(robot, body) : 1, joint = at(body.joint), from = at(body.from);
-    if (body.slides) measured(sheet, robot, from, joint, -side * (body.parent < 0 && page.loop ? 50 : 20), names.q, 1);
-    if (body.heavy) measured(sheet, robot, joint, at(body.centre), 12 * side, names.lc);
-    if (body.ends.length) measured(sheet, robot, joint, at(body.ends[0]), 46 * side, names.l);
-    if (names.ground >= 0) measured(sheet, robot, origin, from, from[0] >= origin[0] ? -34 : 34, names.ground);
+    const side = body.slides || body.zero ? clearSide(robot, body) : 1, aside = body.parent < 0 && page.loop ? 50 : 20;
+    if (body.slides) measured(sheet, robot, at(body.from), at(body.joint), -side * aside, body.names.q, 1);
+    lengths(sheet, robot, body, side, origin);
   }
   rods.forEach((ends, k) => measured(sheet, robot, ...ends.map(at), 20, page.figure.rods[k]));
 }
 // From the direction in which it is 0, dashed, an arc with a head where it ends.
 function angle(sheet, {at, world, scale}, body) {
   const [before, now] = [body.zero, body.along].map((places) => { const [x, y] = world(places); return Math.atan2(y, x); });
-  const turned = now - before - 2 * Math.PI * Math.round((now - before) / (2 * Math.PI)), middle = at(body.joint), radius = 0.15 * size * scale;
+  const turned = now - before - 2 * Math.PI * Math.round((now - before) / (2 * Math.PI)), middle = at(body.joint), radius = ARC * size * scale;
   const end = plus(middle, towards(before), 1.5 * radius);
   line(sheet.svg, "guide", middle, end);
   sheet.crowd.clear(middle, end);
@@ -199,9 +211,17 @@ function angle(sheet, {at, world, scale}, body) {
 const CROWDED = 12;
 function drawSolid(sheet, robot, rods, axes) {
   const {bodies, at, world, scale, place} = robot, shown = bodies.filter((body) => !body.link), parts = [];
-  const [width, radius] = bodies.length > CROWDED ? [6, 0.014] : [9, 0.022], viewer = toViewer(), deep = (v) => dot(v, viewer);
+  const [width, radius, least] = bodies.length > CROWDED ? [5, 0.014, 3.5] : [8, 0.022, 6], viewer = toViewer(), deep = (v) => dot(v, viewer);
   const stick = (a, b) => {
     if (length(minus(b, a)) > 1e-6) parts.push({depth: deep(plus(a, b)) / 2, draw: (sheet) => bar(sheet, place(a), place(b), width)});
+  };
+  const symbol = (places, kind, solids) => {
+    for (const {at: middle, axis, size: [wide, half, sides]} of solids) {
+      const r = Math.max(radius * size, least / scale), v = world(middle);
+      parts.push({depth: deep(v) + 2.5 * r * wide, draw: (sheet) =>
+        prism(sheet, place(v), world(axis), wide * r * scale, half * r * scale, sides, viewer)});
+    }
+    for (const v of solids.length || !kind ? [] : places) parts.push({depth: deep(world(v)), draw: (sheet) => mark(sheet, kind, at(v))});
   };
   for (const body of shown) {
     const [from, joint] = [body.from, body.joint].map(world);
@@ -209,13 +229,9 @@ function drawSolid(sheet, robot, rods, axes) {
     if (body.slides) stick(from, joint);
     for (const [, far] of ends(body, world)) stick(joint, far);
     if (!body.held) continue;
-    for (const {at: middle, axis, size: [wide, half, sides]} of body.solids) {
-      const r = radius * size, v = world(middle);
-      parts.push({depth: deep(v) + 2.5 * r * wide, draw: (sheet) =>
-        prism(sheet, place(v), world(axis), wide * r * scale, half * r * scale, sides, viewer)});
-    }
-    if (!body.solids.length && body.mark) parts.push({depth: deep(joint), draw: (sheet) => mark(sheet, body.mark, at(body.joint))});
+    symbol([body.joint], body.mark, body.solids);
   }
+  for (const closing of closings()) symbol(closing.at, closing.mark, closing.solids);
   const depths = parts.map((part) => part.depth), low = Math.min(...depths), high = Math.max(...depths);
   for (const part of parts.sort((a, b) => a.depth - b.depth)) {
     const far = high - low > 1e-9 && part.depth < low + 0.33 * (high - low);
@@ -223,10 +239,7 @@ function drawSolid(sheet, robot, rods, axes) {
   }
   for (const ends of rods) line(sheet.svg, "rail", ...ends.map(at));
   axes();
-  for (const body of shown) {
-    for (const pin of body.pins) mark(sheet, "joint", at(pin));
-    ring(sheet, at, robot.y, body, RING * size * scale);
-  }
+  for (const body of shown) ring(sheet, at, robot.y, body, RING * size * scale);
 }
 // Of the outline in the world.
 function ends(body, world) {
@@ -249,10 +262,12 @@ function nameSolid(sheet, robot, rods) {
     sheet.want("label-text", names.q, both(foot, length(way) > 1 ? way : [1, 0]));
   }
   for (const body of bodies) {
-    const {names} = body, joint = at(body.joint);
-    if (body.heavy) measured(sheet, robot, joint, at(body.centre), 16, names.lc);
-    if (body.ends.length) measured(sheet, robot, joint, at(body.ends[0]), names.lc >= 0 ? 36 : 20, names.l);
-    measured(sheet, robot, place([0, 0, 0]), at(body.from), 20, names.ground);
+    const {names} = body;
+    if (names.C >= 0) {
+      centre(sheet, at(body.centre));
+      sheet.want("label-text", names.C, both(at(body.centre), [0, 1]));
+    }
+    lengths(sheet, robot, body, 1, place([0, 0, 0]));
   }
   rods.forEach((ends, k) => measured(sheet, robot, ...ends.map(at), 20, page.figure.rods[k]));
 }

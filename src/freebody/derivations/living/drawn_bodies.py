@@ -60,11 +60,11 @@ class DrawnBodies:
                 if formula and not link
             },
         }  # fmt: skip
-        if kind.needs_axis and len(self._own(n).axis) == naming.model.dim:
+        if kind.needs_axis and not link and len(self._own(n).axis) == naming.model.dim:
             drawn["axis"] = places(self._axis(n))
         if naming.planar and kind.turns:
             drawn |= {"zero": places(self._zero(n)), "along": places(self._along(n))}
-        return drawn | {"solids": self._solids(n)} if naming.model.dim == 3 else drawn
+        return drawn | ({"solids": self._solids(n)} if naming.model.dim == 3 and not link else {})
 
     def _start(self, n: int) -> Any:
         """Where the slide of joint n begins."""

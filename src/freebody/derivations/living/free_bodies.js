@@ -36,13 +36,13 @@ function drawBodies(svg, bodies, y) {
   const largest = (vectors) => Math.max(...vectors.map(length));
   const longest = round(largest(whole.flatMap((one) => one.forces.map((force) => force.is))));
   const turning = round(largest(whole.flatMap((one) => one.moments.map((moment) => moment.is))));
-  const reached = (body) => [body.joint, ...body.ends, ...(body.heavy ? [body.centre] : []), ...body.pins];
+  const reached = (body) => [body.joint, ...body.ends, ...[...body.forces, ...body.moments].map((one) => one.at)];
   const spots = (body) => reached(body).map((places) => vector(y, places));
   const size = largest(every.flatMap((body) => spots(body).flatMap((one) => spots(body).map((other) => minus(one, other))))) || 1;
   const legend = put(svg, "g", {class: "legend"});
   arrow({svg: legend, crowd: sheet.crowd}, "reaction", [8, 18], [8 + LONGEST_ARROW, 18]);
-  sheet.crowd.boxes.push([0, 0, 90, 24]);
-  Object.assign(put(legend, "text", {class: "tick", x: 8, y: 11}), {textContent: `${significant(longest)} N`});
+  sheet.crowd.boxes.push({l: 0, t: 0, r: 90, d: 24});
+  Object.assign(put(legend, "text", {class: "tick", x: 8, y: 11}), {textContent: `${significant(longest, 2)} N`});
   all.forEach(({body, forces, moments}, k) => {
     const scale = LARGEST_BODY / size, places = spots(body).map(seen);
     const centred = [0, 1].map((i) => (Math.min(...places.map((at) => at[i])) + Math.max(...places.map((at) => at[i]))) / 2);

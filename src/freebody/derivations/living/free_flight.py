@@ -50,12 +50,12 @@ class FreeFlight:
         return self.solved_names
 
     def start(self) -> dict[str, float]:
-        """Tilted a little, with thrusts that would bear the weight of the level body."""
+        """At the origin and level, with thrusts that bear the weight."""
         given = self.s.symbols.given or self.s.symbols.model
         mass = part_with_mass(given.bodies[0]).inertia.mass
         weight = 9.81 * (mass if isinstance(mass, float) else 1.0)
-        tilted = dict(zip(self.s.symbols.coordinates[-3:], (0.4, 0.15, -0.2), strict=True))
-        return tilted | dict.fromkeys(self._thrusts, weight / len(self._thrusts))
+        level = dict.fromkeys(self.s.symbols.coordinates, 0.0)
+        return level | dict.fromkeys(self._thrusts, weight / len(self._thrusts))
 
     def quantities(self) -> dict[str, Any]:
         """What lines do not define themselves: symbols, velocities as vectors, gravity."""

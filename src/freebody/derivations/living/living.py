@@ -101,7 +101,8 @@ def _flying(derivation: Derivation, kernel: PageProgram, labels: Labels) -> Livi
         return None
     bodies = [flight.body(kernel, labels, derivation.lettering)]
     figure = replace(labels.figure, start=flight.start())
-    return _parts(derivation, kernel, found, bodies, flight, replace(labels, figure=figure))
+    labels = replace(labels, figure=figure)
+    return _parts(derivation, kernel, found, bodies, flight, labels, bodies[0]["joint"])
 
 
 def _parts(

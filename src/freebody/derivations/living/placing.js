@@ -32,62 +32,54 @@ class Crowd {
   }
 }
 
-// Middles of the places that a label may have, and what each costs whatever the other labels do.
-function candidates(one, crowd, hits, before) {
-  const half = [one.wide / 2, (RULE.above + RULE.below) / 2], made = [];
-  const [aside, over] = RULE.beside;
-  one.anchors.forEach(([anchor, wanted], rank) => {
-    const [c, s] = length(wanted) ? unit(wanted) : [1, 0];
-    TURNS.forEach(([a, b], turn) => {
-      const u = [a * c - b * s, a * s + b * c];
-      RULE.distances.forEach(([far, price], step) => {
-        const [x, y] = u.map((w, k) => anchor[k] + w * far + half[k] * w * Math.abs(w));
-        const box = [x - half[0], y - half[1], x + half[0], y + half[1]], key = `${rank} ${turn} ${step}`;
-        const beyond = [RULE.edge - box[0], RULE.edge - box[1], box[2] - crowd.wide + RULE.edge, box[3] - crowd.tall + RULE.edge];
-        const outside = beyond.reduce((total, x) => total + Math.max(x, 0), 0);
-        made.push({box, key, cost: RULE.anchor * rank + RULE.turn * turn + price + RULE.outside * outside
-          + (outside > 0 ? RULE.forbidden : 0) + (before && before !== key ? RULE.stay : 0)
-          + RULE.line * hits(box[0] - aside, box[1] - over, box[2] + aside, box[3] + over)});
-      });
-    });
-  });
-  return made.sort((a, b) => a.cost - b.cost);
+// All places by what they cost wherever they are; key: their number.
+const MOST_ANCHORS = 5;
+const PLACES = Array.from({length: MOST_ANCHORS}, (_, rank) => TURNS.flatMap((way, turn) => RULE.distances.map(([far, price]) =>
+  ({rank, way, far, price: RULE.anchor * rank + RULE.turn * turn + price})))).flat()
+  .map((place, key) => ({...place, key})).sort((a, b) => a.price - b.price);
+
+// The box of a label at a place, and what that costs whatever the other labels do.
+function choice(one, {rank, way: [a, b], far, price, key}, crowd, hits) {
+  const [[x, y], wanted] = one.anchors[rank], [c, s] = length(wanted) ? unit(wanted) : [1, 0];
+  const wide = one.wide / 2, tall = (RULE.above + RULE.below) / 2, [aside, over] = RULE.beside, u = a * c - b * s, v = a * s + b * c;
+  const l = x + u * far + wide * (u * Math.abs(u) - 1), t = y + v * far + tall * (v * Math.abs(v) - 1), r = l + 2 * wide, d = t + 2 * tall;
+  const outside = Math.max(RULE.edge - l, 0) + Math.max(RULE.edge - t, 0)
+    + Math.max(r - crowd.wide + RULE.edge, 0) + Math.max(d - crowd.tall + RULE.edge, 0);
+  return {l, t, r, d, key, cost: price + RULE.outside * outside + (outside > 0 ? RULE.forbidden : 0)
+    + RULE.line * hits(l - aside, t - over, r + aside, d + over)};
 }
 // What it costs that a box is near another, or on it.
 function crowding(box, other) {
-  const wide = Math.min(box[2], other[2]) - Math.max(box[0], other[0]), high = Math.min(box[3], other[3]) - Math.max(box[1], other[1]);
-  const [x, y] = [wide + RULE.apart[0], high + RULE.apart[1]];
+  const wide = Math.min(box.r, other.r) - Math.max(box.l, other.l), high = Math.min(box.d, other.d) - Math.max(box.t, other.t);
+  const x = wide + RULE.apart[0], y = high + RULE.apart[1];
   return x > 0 && y > 0 ? RULE.near * x * y + (wide > 0 && high > 0 ? RULE.forbidden : 0) : 0;
-}
-function cheapest(choices, others) {
-  let best = null, least = Infinity;
-  for (const choice of choices) {
-    if (choice.cost >= least) break;
-    let cost = choice.cost;
-    for (const other of others) {
-      if (other) cost += crowding(choice.box, other);
-      if (cost >= least) break;
-    }
-    if (cost < least) [best, least] = [choice, cost];
-  }
-  return best;
 }
 // One label after the other, then each once more among the others, until none moves. last: where
 // they were before.
 function settle(wanted, crowd, last) {
-  const hits = crowd.count(), choices = wanted.map((one) => candidates(one, crowd, hits, last.get(one.key)));
-  const fixed = crowd.boxes, placed = wanted.map(() => null), chosen = [];
+  const hits = crowd.count(), placed = wanted.map(() => null), made = wanted.map(() => []);
+  const cheapest = (one, own, others) => {
+    const before = last.get(one.key), moving = before === undefined ? 0 : RULE.stay;
+    let best = null, least = Infinity;
+    for (const place of PLACES) {
+      if (place.rank >= one.anchors.length) continue;
+      if (place.price >= least) break;
+      const it = (own[place.key] ||= choice(one, place, crowd, hits));
+      let cost = it.cost + (place.key === before ? 0 : moving);
+      for (let k = 0; k < others.length && cost < least; k++) cost += crowding(it, others[k]);
+      if (cost < least) [best, least] = [it, cost];
+    }
+    return best;
+  };
   for (let sweep = 0, moved = true; moved && sweep <= RULE.sweeps; sweep++) {
     moved = false;
-    choices.forEach((own, k) => {
-      placed[k] = null;
-      const best = cheapest(own, [...fixed, ...placed]);
-      moved ||= best !== chosen[k];
-      chosen[k] = best;
-      placed[k] = best.box;
+    wanted.forEach((one, k) => {
+      const best = cheapest(one, made[k], [...crowd.boxes, ...placed.filter((other, i) => other && i !== k)]);
+      moved ||= best !== placed[k];
+      placed[k] = best;
     });
   }
-  wanted.forEach((one, k) => last.set(one.key, chosen[k].key));
+  wanted.forEach((one, k) => last.set(one.key, placed[k].key));
   return placed;
 }
 
@@ -118,11 +110,11 @@ class Sheet {
       if (!ruler.kept) ruler.font = ruler.kept = `12px ${getComputedStyle(after).fontFamily}`;
       one.wide += ruler.measureText(one.after).width;
     }
-    settle(wanted, this.crowd, memory[svg.id]).forEach(([l, t, r, b], k) => {
+    settle(wanted, this.crowd, memory[svg.id]).forEach(({l, t, r, d}, k) => {
       const {text, anchors: [[anchor]]} = wanted[k];
       text.setAttribute("x", (l + r) / 2);
-      text.setAttribute("y", b - RULE.below);
-      const near = [Math.min(Math.max(anchor[0], l), r), Math.min(Math.max(anchor[1], t), b)];
+      text.setAttribute("y", d - RULE.below);
+      const near = [Math.min(Math.max(anchor[0], l), r), Math.min(Math.max(anchor[1], t), d)];
       if (length(minus(near, anchor)) > RULE.leader) svg.insertBefore(line(svg, "leader", anchor, near), text);
     });
   }
