@@ -73,6 +73,7 @@ _RULES = """
 .fig .f{font-family:"STIX Two Text","Cambria Math",Cambria,"Times New Roman","Liberation Serif",
 serif;font-size:15px}
 .fig .f .num{font-family:system-ui,-apple-system,"Segoe UI",Roboto,Arial,sans-serif}
+.fig .l{font-size:70%}
 .fig .f .r{font-style:normal}.fig .f .b{font-weight:700}
 .fig .solid{fill:@solid;stroke:@link-edge;stroke-width:1.6;stroke-linejoin:round}
 .fig .curveline{fill:none;stroke:@link-edge;stroke-width:2}

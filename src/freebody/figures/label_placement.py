@@ -20,8 +20,8 @@ RULE: dict[str, Any] = {
     "distances": [
         [6, 0], [11, 1.5], [18, 4], [28, 9], [42, 18], [60, 32], [84, 55], [115, 85], [160, 130],
     ],
-    "turn": 1, "anchor": 6, "line": 7, "near": 0.6, "forbidden": 1000, "outside": 30, "stay": 8,
-    "above": 14.5, "below": 7, "edge": 3, "apart": [3, 2], "beside": [2, -2], "spacing": 5,
+    "turn": 1, "anchor": 6, "line": 10, "near": 0.6, "forbidden": 1000, "outside": 30, "stay": 8,
+    "above": 13.5, "below": 6, "edge": 3, "apart": [3, 2], "beside": [2, -1], "spacing": 5,
     "sweeps": 6, "leader": 36,
 }  # fmt: skip
 """What drawings on paper and those that move go by. A place is a turn (degrees) from the direction

@@ -291,8 +291,8 @@ def _centred(css: str, at: complex, sentence: str, size: float) -> str:
 
 def _label(wanted: Wanted, box: Box) -> str:
     left, top, right, bottom = box
-    after = f'<tspan class="num">{escape(wanted.after)}</tspan>' if wanted.after else ""
-    shown = text.marked(text.runs(wanted.text)) + after
+    after = [text.Run(wanted.after, "num")] if wanted.after else []
+    shown = text.marked([*text.runs(wanted.text), *after])
     at = complex((left + right) / 2, bottom - RULE["below"])
     anchor = wanted.anchors[0][0]
     near = leader(anchor, box)

@@ -40,7 +40,7 @@ class Run:
 
     text: str
     style: str
-    """v: italic, b: bold, r: upright."""
+    """v: italic, b: bold, r: upright, num: the number after a formula."""
     level: int = 0
 
     @property
@@ -111,8 +111,7 @@ def marked(pieces: Iterable[Run], size: float = SIZE) -> str:
     parts, last, stacked = [], 0, 0.0
     for run in _joined(pieces):
         dx = f' dx="{-stacked:.2f}em"' if last > 0 and run.level < 0 and stacked else ""
-        small = f' font-size="{100 * _SMALL:.0f}%"' if run.level else ""
-        parts.append(_span(run, (_shift(run.level) - _shift(last)) * size, dx, small, size))
+        parts.append(_span(run, (_shift(run.level) - _shift(last)) * size, dx, size))
         stacked = stacked + 0.88 * run.width / _SMALL if run.level > 0 else 0.0
         last = run.level
     return "".join(parts)
@@ -133,17 +132,18 @@ def _shift(level: int) -> float:
     return -0.38 * level if level > 0 else -0.24 * level
 
 
-def _span(run: Run, dy: float, dx: str, small: str, size: float) -> str:
+def _span(run: Run, dy: float, dx: str, size: float) -> str:
+    css = run.style + " l" * (run.level != 0)
     move = f' dy="{dy:.1f}"' if abs(dy) > 0.01 else ""
     dots = _DOTS.get(run.text[1:])
     if dots is None:
-        return f'<tspan class="{run.style}"{dx}{move}{small}>{escape(run.text)}</tspan>'
+        return f'<tspan class="{css}"{dx}{move}>{escape(run.text)}</tspan>'
     # back to the middle of the letter, up, and forward again; italics lean to the right
     letter = run.text[0]
     back = (run.width + _STOP * len(dots)) / 2 - (0.06 if run.style == "v" else 0.0)
     rise = (0.72 if letter in _TALL or letter.isupper() else 0.52) * size
     return (
-        f'<tspan class="{run.style}"{dx}{move}{small}>{escape(letter)}</tspan>'
+        f'<tspan class="{css}"{dx}{move}>{escape(letter)}</tspan>'
         f'<tspan class="{run.style} r" dx="{-back:.2f}em" dy="{-rise:.1f}">{dots}</tspan>'
         f'<tspan dx="{back - _STOP * len(dots):.2f}em" dy="{rise:.1f}">\u200b</tspan>'
     )

@@ -48,20 +48,21 @@ function drawBodies(svg, bodies, y) {
     const centred = [0, 1].map((i) => (Math.min(...places.map((at) => at[i])) + Math.max(...places.map((at) => at[i]))) / 2);
     const middle = [(k % 2 + 0.5) * cell[0], TOP + (Math.floor(k / 2) + 0.5) * cell[1]];
     const at = (places) => seen(vector(y, places)).map((u, i) => middle[i] + (i ? -1 : 1) * scale * (u - centred[i]));
-    alone({svg: put(svg, "g", {}), crowd: sheet.crowd}, body, at, y);
-    const drawn = (v, unit) => onPage(v).map((u) => LONGEST_ARROW * u / unit), own = at(body.joint), arrows = [];
+    const group = {svg: put(svg, "g", {}), crowd: sheet.crowd, want: (...all) => sheet.want(...all)};
+    alone(group, body, at, y);
+    const drawn = (v, unit) => onPage(v).map((u) => LONGEST_ARROW * u / unit), arrows = [];
     for (const {kind, place, is, name} of forces) {
       if (length(is) > longest / LONGEST_ARROW) arrows.push({kind, from: at(place), along: drawn(is, longest), name, heads: 1});
     }
     for (const {place, is: moment, name} of moments) {
       if (length(moment) < NOISE * Math.max(longest, turning)) continue;
       if (moment.length > 1) arrows.push({kind: "moment", from: at(place), along: drawn(moment, turning), name, heads: 2});
-      else turned(sheet, body, at, at(place), moment[0], name);
+      else turned(group, body, at, at(place), moment[0], name);
     }
     spread(arrows.filter((one) => length(one.along) >= 1));
     for (const {kind, from, along, name, heads} of arrows) {
       const to = plus(from, along);
-      arrow({svg: sheet.svg, crowd: sheet.crowd}, kind, from, to, heads);
+      arrow(group, kind, from, to, heads);
       sheet.want(`${kind}-text`, name, tipAnchors(from, to));
     }
   });

@@ -285,6 +285,6 @@ def _script() -> str:
     folder = resources.files("freebody.derivations.living")
     names = SCRIPTS
     text = "\n".join(folder.joinpath(name).read_text(encoding="utf-8") for name in names)
-    lines = filter(None, (line.strip() for line in text.splitlines()))
+    lines = filter(None, (re.sub(r"  // .*", "", line).strip() for line in text.splitlines()))
     code = "\n".join(line for line in lines if not line.startswith("//"))
     return f'(function () {{\n"use strict";\nconst page = PAGE;\n{code}\n}})();\n'

@@ -198,6 +198,7 @@ function predict(on) {
   if (on) document.querySelectorAll(".values").forEach(hide);
 }
 
+// A slider may round its value in the last digit, so that all are read from the first.
 function read() {
   page.inputs.forEach((input, k) => { if (!input.solved) x[k] = Number(find(`in${k}`).value); });
 }
@@ -221,6 +222,7 @@ find("again").addEventListener("click", () => {
   box = null;
   memory.arm.clear();
   memory.bodies.clear();
+  read();
   follow();
 });
 const steps = [...find("try").parentElement.querySelectorAll("section > details")];
@@ -233,4 +235,5 @@ find("fold").addEventListener("click", () => {
 folding();
 find("predict").addEventListener("change", (event) => predict(event.target.checked));
 find("try").hidden = false;
+read();
 follow();

@@ -105,7 +105,8 @@ class Sheet {
       if (!widths.has(one.name)) widths.set(one.name, one.text.getComputedTextLength());
       one.wide = widths.get(one.name) + 2;
       if (!one.after) continue;
-      const after = put(one.text, "tspan", {class: "num"});
+      const risen = [...one.text.childNodes].reduce((total, run) => total - Number(run.getAttribute("dy")), 0);
+      const after = put(one.text, "tspan", {class: "num", dy: risen});
       after.textContent = one.after;
       if (!ruler.kept) ruler.font = ruler.kept = `12px ${getComputedStyle(after).fontFamily}`;
       one.wide += ruler.measureText(one.after).width;
