@@ -120,9 +120,7 @@ def _candidates(wanted: Wanted) -> tuple[Array, Array]:
     return np.array(boxes), np.array(prices)
 
 
-def overlaps(
-    boxes: Array, other: Box, apart: Sequence[float] = tuple(RULE["apart"])
-) -> Array:
+def overlaps(boxes: Array, other: Box, apart: Sequence[float] = tuple(RULE["apart"])) -> Array:
     """Area that each box shares with another, with a margin beside it and above."""
     left, top, right, bottom = boxes.T
     wide = np.minimum(right, other[2]) - np.maximum(left, other[0]) + apart[0]

@@ -16,6 +16,7 @@ from freebody.derivations.methods.method import LOADS
 from freebody.derivations.polynomials.symbols import RATE, SECOND, Symbols
 from freebody.figures.drawing import SAME, Drawing, Label
 from freebody.figures.label_placement import RULE
+from freebody.figures.names import is_letter
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot
 from freebody.figures.text import bold, canonical, label, marked, runs
@@ -27,6 +28,8 @@ def page_figure(
     """A derivation's first figure, and the state that it shows; spoken: names of quantities in the
     equations, the only ones that are written."""
     written = {e.text for e in drawing.elements if isinstance(e, Label)}
+    joints = {seen.names.point(seen.pose, body.number) for body in seen.pose.bodies}
+    joints |= {seen.names.tip}
     rods = list(map(seen.names.rod, range(len(seen.model.loops))))
     view = drawing.view.towards or (1.0, 0.0, 0.0)
     return PageFigure(
@@ -36,6 +39,7 @@ def page_figure(
             for body in seen.pose.bodies
         ],
         tip=seen.names.tip,
+        points={x: x for x in seen.pose.frames if is_letter(x) and x in written - joints},
         rods=[x if canonical(x) in spoken else "" for x in rods],
         start=_start(derivation.plain or derivation, seen),
         view=(math.degrees(math.atan2(view[1], view[0])), math.degrees(math.asin(view[2]))),

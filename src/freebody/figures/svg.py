@@ -290,7 +290,7 @@ def _centred(css: str, at: complex, sentence: str, size: float) -> str:
 
 
 def _label(wanted: Wanted, box: Box) -> str:
-    left, top, right, bottom = box
+    left, _, right, bottom = box
     after = [text.Run(wanted.after, "num")] if wanted.after else []
     shown = text.marked([*text.runs(wanted.text), *after])
     at = complex((left + right) / 2, bottom - RULE["below"])

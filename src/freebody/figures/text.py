@@ -93,16 +93,16 @@ def sentence(text: str) -> Iterator[Run]:
     pieces = _SYMBOL.split(text)
     yield Run(pieces[0], "r")
     for letters, group, single, words in zip(*(pieces[k::4] for k in (1, 2, 3, 4)), strict=True):
-        yield from (Run(letters, "v"), Run(group or single, "r", -1), Run(words, "r"))
+        yield from (Run(letters, "v"), *_letters(group or single, -1), Run(words, "r"))
 
 
 def _letters(text: str, level: int) -> Iterator[Run]:
-    """Letters in italics, with their dots; of what is raised or lowered only indices and axes."""
+    """Letters in italics, with their dots; of what is raised or lowered not words of several."""
     dotted = r"[^\W\d_][\u0307\u0308]"
-    pieces = rf"{dotted}|[^\W\d_]+(?![\u0307\u0308])|." if level == 0 else rf"{dotted}|."
+    pieces = rf"{dotted}|[^\W\d_]+(?![\u0307\u0308])|."
     for piece in re.findall(pieces, unicodedata.normalize("NFD", text)):
-        italic = piece[0].isalpha() and (level == 0 or piece in "inxyz")
-        yield Run(piece, "v" if italic else "r", level)
+        alone = len(piece.rstrip("\u0307\u0308")) == 1
+        yield Run(piece, "v" if piece[0].isalpha() and (alone or not level) else "r", level)
 
 
 def marked(pieces: Iterable[Run], size: float = SIZE) -> str:

@@ -65,6 +65,7 @@ function drawArm(svg, bodies, rods, y) {
     if (tip.name >= 0) sheet.want("label-text", tip.name, both(to, plane && length(minus(to, from)) > 1 ? minus(to, from) : [1, -0.5]));
   }
   if (plane) nameFlat(sheet, robot, rods); else nameSolid(sheet, robot, rods);
+  for (const {at: point, name} of page.figure.points) sheet.want("label-text", name, both(robot.at(point), [-0.6, -0.8]));
   for (const body of bodies) pushed(sheet, robot, body);
   sheet.write();
 }
@@ -76,7 +77,7 @@ const tipAnchors = (a, b) => {
 
 // The force on the tip, the longest arrow of all.
 function pushed(sheet, {y, at, scale}, body) {
-  for (const force of body.forces.filter((one) => one.kind === "external" && page.figure.tip)) {
+  for (const force of body.forces.filter((one) => one.kind === "external" && body.holds)) {
     const a = at(force.at), pull = onPage(vector(y, force.is)), far = length(vector(y, force.is));
     if (!(far > 0)) continue;
     const b = plus(a, pull, Math.min(0.38 * size * scale, EDGE) / far);
@@ -115,7 +116,10 @@ function drawFlat(sheet, robot, rods, axes) {
     crowd.clear(...ends.map(at));
   }
   for (const body of bodies) ring(sheet, at, robot.y, body, RING * size * scale);
-  for (const closing of closings()) for (const place of closing.at) mark(sheet, closing.mark, at(place));
+  for (const closing of closings()) {
+    const [a, b] = closing.at.map(at);
+    for (const place of length(minus(b, a)) > 1 ? [a, b] : [b]) mark(sheet, closing.mark, place);
+  }
   for (const body of bodies) if (body.heavy) centre(sheet, at(body.centre));
 }
 // The hatched guide of a slide of the ground.
@@ -130,10 +134,11 @@ function guide({svg, crowd}, from, to, way, scale) {
     line(svg, "hatch", foot, plus(foot, [-y - 0.7 * x, x - 0.7 * y], pitch));
   }
 }
-// A body without extent that turns: a ring about its axis, which in the plane points at the viewer.
+// A wheel, a body without extent that turns and carries nothing: a ring about its axis, which in the
+// plane points at the viewer.
 const RING = 0.09, SIDES = 40;
-const isRing = (body, world) => !body.slides && body.heavy && body.holds && [...body.ends, body.centre].every((place) =>
-  length(minus(world(place), world(body.joint))) < 1e-6);
+const isRing = (body, world) => !body.slides && body.heavy && body.holds && !page.bodies.some((other) => page.bodies[other.parent] === body)
+  && [...body.ends, body.centre].every((place) => length(minus(world(place), world(body.joint))) < 1e-6);
 function ring({svg, crowd}, at, y, body, radius) {
   if (!isRing(body, (places) => vector(y, places))) return;
   let across = [[1, 0], [0, 1]];

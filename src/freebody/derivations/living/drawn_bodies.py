@@ -143,6 +143,13 @@ class DrawnBodies:
         """Where the tip is, if there is one."""
         return self.kernel.places(self.values["r"]) if "r" in self.values else []
 
+    def points(self) -> list[dict[str, Any]]:
+        """Further frames that are points, with their names."""
+        return [
+            {"at": self.kernel.places(self._frame(frame)), "name": self.labels.number(name)}
+            for frame, name in self.labels.figure.points.items()
+        ]
+
     @property
     def _tip(self) -> int:
         model = self.naming.model
@@ -153,7 +160,15 @@ class DrawnBodies:
         naming, values = self.naming, self.values
         made = [self._reaction(n, 1), *(self._reaction(k, -1) for k in naming.children(n))]
         for end in self.closed.ends(n) if self.closed else ():
-            made.append(self._acting("reaction", end.place, end.force, end.sign, self.labels.of(end.names[0], end.sign)))
+            made.append(
+                self._acting(
+                    "reaction",
+                    end.place,
+                    end.force,
+                    end.sign,
+                    self.labels.of(end.names[0], end.sign),
+                )
+            )
         weight = tuple(values[f"m{n}"] * g for g in values["gravity"])
         made.append(self._acting("weight", values[f"rc{n}"], weight, 1, self._weight(n)))
         if n == self._tip and "fx" in values:
@@ -167,13 +182,23 @@ class DrawnBodies:
     def _reaction(self, n: int, sign: int) -> dict[str, Any]:
         name = self.naming.force(self.naming.parent(n), n)
         force = self._in_world(n, self.values[name.name])
-        return self._acting("reaction", self.values[f"r{n}"], force, sign, self.labels.of(name, sign))
+        return self._acting(
+            "reaction", self.values[f"r{n}"], force, sign, self.labels.of(name, sign)
+        )
 
     def _moments(self, n: int) -> list[dict[str, Any]]:
         made = [self._moment(n, 1), *(self._moment(k, -1) for k in self.naming.children(n))]
         for end in self.closed.ends(n) if self.closed else ():
             if end.moment is not None:
-                made.append(self._acting("moment", end.place, end.moment, end.sign, self.labels.of(end.names[1], end.sign)))
+                made.append(
+                    self._acting(
+                        "moment",
+                        end.place,
+                        end.moment,
+                        end.sign,
+                        self.labels.of(end.names[1], end.sign),
+                    )
+                )
         return made
 
     def _moment(self, n: int, sign: int) -> dict[str, Any]:
@@ -185,11 +210,11 @@ class DrawnBodies:
             name = naming.moment(naming.parent(n), n)
         moment = self.values[f"M{n}" if naming.planar else f"n{n}"]
         place = self.values[f"r{n}"]
-        return self._acting("moment", place, self._in_world(n, moment), sign, self.labels.of(name, sign))
+        return self._acting(
+            "moment", place, self._in_world(n, moment), sign, self.labels.of(name, sign)
+        )
 
-    def _acting(
-        self, kind: str, place: Any, vector: Any, sign: int, name: int
-    ) -> dict[str, Any]:
+    def _acting(self, kind: str, place: Any, vector: Any, sign: int, name: int) -> dict[str, Any]:
         return {
             "kind": kind, "at": self.kernel.places(place), "is": self.kernel.places(vector),
             "sign": sign, "name": name,

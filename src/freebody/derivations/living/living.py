@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cache
 from importlib import resources
@@ -63,6 +63,7 @@ SCRIPTS = (
 Following = ClosedChain | FreeFlight | FreeJoints
 """What follows in a page from what is set."""
 
+
 def living(derivation: Derivation, figure: PageFigure) -> LivingParts | None:
     """The living parts of a derivation's page; None of a robot for which there are none: of closed
     chains they are made where the drives determine the motion and no loop slides."""
@@ -87,7 +88,8 @@ def living(derivation: Derivation, figure: PageFigure) -> LivingParts | None:
     naming = Naming(symbols.model, letters=derivation.lettering)
     bodies = DrawnBodies(kernel, drawn, naming, setting, closed, labels)
     following = closed or FreeJoints(plain, drawn)
-    return _parts(derivation, kernel, found, bodies.all(), following, labels, bodies.tip())
+    places = {"tip": bodies.tip(), "points": bodies.points()}
+    return _parts(derivation, kernel, found, bodies.all(), following, labels, places)
 
 
 def _flying(derivation: Derivation, kernel: PageProgram, labels: Labels) -> LivingParts | None:
@@ -102,7 +104,7 @@ def _flying(derivation: Derivation, kernel: PageProgram, labels: Labels) -> Livi
     bodies = [flight.body(kernel, labels, derivation.lettering)]
     figure = replace(labels.figure, start=flight.start())
     labels = replace(labels, figure=figure)
-    return _parts(derivation, kernel, found, bodies, flight, labels, bodies[0]["joint"])
+    return _parts(derivation, kernel, found, bodies, flight, labels, {"tip": bodies[0]["joint"]})
 
 
 def _parts(
@@ -112,9 +114,9 @@ def _parts(
     bodies: list[dict[str, Any]],
     following: Following,
     labels: Labels,
-    tip: Sequence[int] = (),
+    marked: Mapping[str, Any],
 ) -> LivingParts:
-    """tip: its place in the kernel, if there is one."""
+    """marked: places in the kernel of the tip, if there is one, and of further points."""
     plain, letters = derivation.plain or derivation, derivation.lettering
     page: dict[str, Any] = {
         "bodies": bodies,
@@ -139,9 +141,10 @@ def _parts(
     page |= {"inputs": inputs, "size": kernel.size}
     axes = [labels.number(x) for x in ("xy" if plain.equations.symbols.model.dim == 2 else "XYZ")]
     rods = [labels.number(x) for x in figure.rods]
-    page["figure"] = {"rule": dict(figure.rule), "axes": axes, "rods": rods} | (
-        {"tip": {"at": tip, "name": labels.number(figure.tip)}} if tip else {}
-    )
+    tip = {"at": marked["tip"], "name": labels.number(figure.tip)} if marked["tip"] else None
+    points = marked.get("points", [])
+    page["figure"] = {"rule": dict(figure.rule), "axes": axes, "rods": rods, "points": points}
+    page["figure"] |= {"tip": tip} if tip else {}
     page |= _notation(letters, [*readable, *(x["name"] for x in inputs)])
     own = dict(zip(plain.steps, derivation.steps, strict=True))
     script = _script().replace("PAGE", _json(page), 1)

@@ -20,6 +20,8 @@ class PageFigure:
     """Where each body reaches to: numbers of bodies that hang on it, and names of frames."""
     tip: str
     """The name of the tip."""
+    points: Mapping[str, str]
+    """Names of further frames that are points."""
     rods: Sequence[str]
     """Of each loop its rod's length, or ""."""
     start: Mapping[str, float]

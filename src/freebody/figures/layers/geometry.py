@@ -104,7 +104,9 @@ def of_the_ground(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
     if body.parent < 0 and not body.kind.slides:
         name = seen.names.on_the_ground(body)
         aside = -_BELOW if body.carrier[0] >= 0 else _BELOW
-        _dimension(drawing, np.zeros(seen.model.dim), body.carrier, name, aside, _VISIBLE * seen.size)
+        _dimension(
+            drawing, np.zeros(seen.model.dim), body.carrier, name, aside, _VISIBLE * seen.size
+        )
 
 
 def of_rods(drawing: Drawing, seen: Snapshot) -> None:

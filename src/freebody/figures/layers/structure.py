@@ -119,10 +119,12 @@ def _along(place: DrawnJoint, part: Solid) -> Array | None:
 
 
 def _rings(drawing: Drawing, seen: Snapshot) -> None:
-    """A ring about the joint's axis for a body without extent that turns, such as a wheel."""
+    """A ring about its joint's axis for a wheel: a body without extent that turns and carries
+    nothing."""
     for body in seen.drawn:
-        apart = np.linalg.norm(body.com - body.origin) > SAME
-        if body.outline or apart or not body.mass or not body.kind.turns:
+        apart = bool(body.outline) or np.linalg.norm(body.com - body.origin) > SAME
+        carries = any(end.child is not None for end in body.ends)
+        if apart or carries or not body.mass or not body.kind.turns:
             continue
         u, v = np.eye(seen.model.dim)[:2]
         if body.axis is not None:
