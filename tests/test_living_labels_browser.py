@@ -55,12 +55,12 @@ def opened(driver, folder, derivation) -> None:
     ],
 )
 def test_no_label_lies_on_another_or_is_cut_off(driver, tmp_path, name, states):
-    """And in the long test a drawing is made in less than a frame."""
+    """And a drawing is made in less than a frame."""
     opened(driver, tmp_path, fb.derive(fb.load(name)))
     found = measured(driver, states)
     assert found["labels"] > 5 * states
     assert (found["overlaps"], found["cut"]) == (0, 0), found["examples"]
-    assert states < 100 or found["median"] < FRAME
+    assert found["quick"] < FRAME
     assert not driver.get_log("browser")
 
 
