@@ -96,5 +96,6 @@ def _start(derivation: Derivation, seen: Snapshot) -> dict[str, float]:
 
 def _own(symbols: Symbols, joints: Array, positions: bool) -> Array:
     """Values of the coordinates of the equations, from those of the joints."""
-    own = joints if symbols.turned is None else np.linalg.solve(np.array(symbols.turned), joints)
-    return own - math.pi / 2 * np.array(symbols.quarters) if positions and symbols.quarters else own
+    turned, quarters = symbols.turned, symbols.quarters if positions else ()
+    own = joints if turned is None else np.linalg.solve(np.array(turned, dtype=float), joints)
+    return own - math.pi / 2 * np.array(quarters, dtype=float) if quarters else own

@@ -93,7 +93,7 @@ def sentence(text: str) -> Iterator[Run]:
     pieces = _SYMBOL.split(text)
     yield Run(pieces[0], "r")
     for letters, group, single, words in zip(*(pieces[k::4] for k in (1, 2, 3, 4)), strict=True):
-        yield from (Run(letters, "v"), *_letters(group or single, -1), Run(words, "r"))
+        yield from (Run(letters, "v"), *_joined(_letters(group or single, -1)), Run(words, "r"))
 
 
 def _letters(text: str, level: int) -> Iterator[Run]:

@@ -149,7 +149,7 @@ class ClosedChain:
         ]  # fmt: skip
         return {"at": places, "mark": "" if solids else kind.mark, "solids": solids}
 
-    def _along(self, loop: TreeLoop, axis: Sequence[float]) -> tuple[Any, ...]:
+    def _along(self, loop: TreeLoop, axis: tuple[float, ...]) -> tuple[Any, ...]:
         R, _ = frame_pose(self.s.tree, self.s.world, loop.frames[0])
         return vector(self.s, times(R, axis))
 
