@@ -98,4 +98,4 @@ def _own(symbols: Symbols, joints: Array, positions: bool) -> Array:
     """Values of the coordinates of the equations, from those of the joints."""
     turned, quarters = symbols.turned, symbols.quarters if positions else ()
     own = joints if turned is None else np.linalg.solve(np.array(turned, dtype=float), joints)
-    return own - math.pi / 2 * np.array(quarters, dtype=float) if quarters else own
+    return np.asarray(own - math.pi / 2 * np.array(quarters or 0.0), dtype=float)

@@ -1,5 +1,11 @@
 // The robot as in the figure above: its parts, and the names of its geometry.
 
+// What the page does not say of a body.
+for (const body of page.bodies) {
+  for (const list of ["ends", "pins", "forces", "moments", "solids"]) body[list] ||= [];
+  body.names ||= {};
+}
+
 // A vector of the plane, or one of space as it is seen, y up.
 const view = {turn: 0, tilt: 0};
 function seen(v) {

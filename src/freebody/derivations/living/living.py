@@ -119,7 +119,7 @@ def _parts(
     """marked: places in the kernel of the tip, if there is one, and of further points."""
     plain, letters = derivation.plain or derivation, derivation.lettering
     page: dict[str, Any] = {
-        "bodies": bodies,
+        "bodies": list(map(_said, bodies)),
         "lines": [_line(kernel, found, line, letters) for line in found.lines],
     }
     spoken = dict.fromkeys(name for line in found.lines for name in line.names)
@@ -194,6 +194,11 @@ def _values(
 
 
 # ---------------------------------------------------------------- what the script is given
+def _said(body: Mapping[str, Any]) -> dict[str, Any]:
+    """What a page says of a body: what it lacks is left out."""
+    return {key: x for key, x in body.items() if x or (x == 0 and x is not False)}
+
+
 def _line(
     kernel: PageProgram, found: LineValues, line: ValuedLine, letters: Lettering
 ) -> dict[str, Any]:
