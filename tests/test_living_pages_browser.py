@@ -28,7 +28,7 @@ pytestmark = [
     ),
 ]
 
-LARGEST = 600_000
+LARGEST = 620_000  # bytes
 REQUEST = "Network.requestWillBeSent"
 RANDOM = np.random.default_rng(7)
 NAMES = "return [...document.querySelectorAll('.slider input')].map(e => e.dataset.input)"
@@ -164,7 +164,8 @@ def test_angles_and_parameters_of_a_notation_have_sliders(driver, tmp_path):
     for k in (1, 2):
         np.testing.assert_allclose(np.ravel(shown[f"tau{k}"]), tau[k - 1], rtol=1e-9)
     words = "return [...document.querySelectorAll('#bodies .moment-text')].map(e => e.textContent)"
-    assert {word[:3].strip("−") for word in driver.execute_script(words)} <= {"n₀₁", "n₁₂", "n₁"}
+    said = {word.split(" = ")[0].strip("−") for word in driver.execute_script(words)}
+    assert said == {"n0,1", "n1,2"}
     opened(driver, tmp_path, fb.derive(fb.load("four_bar"), parameters={"lc": "l/2"}))
     assert driver.execute_script(OPEN) == ""
     assert len(values(driver)) > 30
@@ -198,7 +199,7 @@ def test_a_joint_without_motor_moves_as_it_must(driver, tmp_path, name):
     np.testing.assert_allclose(fb.forward_dynamics(arm, *motion[:2], tau), motion[2], rtol=1e-9)
     words = "return [...document.querySelectorAll('#bodies .moment-text')].map(e => e.textContent)"
     if name == "pendubot":  # none at its elbow
-        assert [word.split(" ")[0] for word in driver.execute_script(words)] == ["τ₁"]
+        assert [word.split(" ")[0] for word in driver.execute_script(words)] == ["τ1"]
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -363,7 +364,7 @@ def test_the_quadrotor_follows_its_four_thrusts(driver, tmp_path):
         told = [shown[f"{letter}_{x}"][0][0] for letter in "fn" for x in "xyz"]
         np.testing.assert_allclose(told, right, rtol=1e-9, atol=1e-9)
     shown = driver.find_elements("css selector", "#bodies .external-text")
-    assert [x.text for x in shown] == ["T₂", "T₃", "T₄"]  # T₁ is zero
+    assert [x.text for x in shown] == ["T2", "T3", "T4"]  # T1 is zero
 
 
 def test_an_arm_in_space_is_seen_from_where_one_likes(driver, tmp_path):
@@ -389,18 +390,18 @@ return [x, y, x + width, y + height]"""
 
 
 def test_a_wheel_is_a_ring_about_its_axis(driver, tmp_path):
-    """Bodies without extent: both of the gyro, and the reaction wheel, but no cart. All is drawn as
+    """Bodies without extent: the gyro's rotor, and the reaction wheel, but no cart. All is drawn as
     large as its place lets it, also while it moves."""
     rings = """return ['arm', 'bodies'].map(name =>
       document.querySelectorAll(`#${name} polygon.rail`).length)"""
-    for name, count in (("gyro", 2), ("reaction_wheel", 1), ("cart_pole", 0), ("furuta", 0)):
+    for name, count in (("gyro", 1), ("reaction_wheel", 1), ("cart_pole", 0), ("furuta", 0)):
         opened(driver, tmp_path, fb.derive(fb.load(name), "newton-euler"))
         assert driver.execute_script(rings) == [count, count]
         for angle in (0.9, 2.0, -2.5):
             driver.execute_script(MOVE, "theta2" if name == "cart_pole" else "theta1", angle)
             left, top, right, bottom = driver.execute_script(DRAWN)
-            assert min(left, top, 360 - right, 250 - bottom) > 0
-            assert max((right - left) / 360, (bottom - top) / 250) > 0.4
+            assert min(left, top, 360 - right, 300 - bottom) > 0
+            assert max((right - left) / 360, (bottom - top) / 300) > 0.4
     size = {"width": 1200, "height": 900, "deviceScaleFactor": 1, "mobile": False}
     driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
     left, beside = driver.execute_script("""return [...document.querySelectorAll('#try > div')].map(
@@ -414,7 +415,7 @@ def test_a_slide_is_drawn_along_its_axis(driver, tmp_path):
     """The ball's, which begins beside the joint of the beam, was drawn from that joint."""
     opened(driver, tmp_path, fb.derive(fb.load("ball_and_beam")))
     driver.execute_script(MOVE, "theta1", 0.7)
-    ends = "return ['x1', 'y1', 'x2', 'y2'].map(x => document.querySelector('#arm .rail')[x]"
+    ends = "return ['x1', 'y1', 'x2', 'y2'].map(x => document.querySelectorAll('#arm .rail')[1][x]"
     left, top, right, bottom = driver.execute_script(f"{ends}.baseVal.value)")
     np.testing.assert_allclose(np.arctan2(top - bottom, right - left), 0.7, atol=1e-4)
 
@@ -724,7 +725,7 @@ def test_energies_are_typed_as_they_are_printed(driver, tmp_path):
         ("T1", "1.0.5 (m1 lc1^2 + I1) theta1_d^2", "Cannot be read: Write * or ^ between 1.0"),
         ("T1", "0,5 m1 vc1^2", "Cannot be read: Vectors are written in square brackets"),
         ("rc1", "(lc1 c1, lc1 s1)", "Cannot be read: Vectors are written in square brackets"),
-        ("V1", "9.81 m1 lc1 s1", "Not right: here it is 11.461, as the line, but not with other"),
+        ("V1", "9.81 m1 lc1 s1", "Not right: here it is 16.617, as the line, but not with other"),
     ):
         verdict, _ = driver.execute_script(ANSWER, line, answer)
         assert verdict.startswith(said), (answer, verdict)

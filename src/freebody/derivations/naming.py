@@ -206,6 +206,10 @@ class Naming:
         placed = parts[0].placement
         return self._one(placed.then(Placement((Shift(parts[0].inertia.com),))))
 
+    def rod(self, loop: int) -> Symbol | None:
+        """The model's name for the length of the rod that closes a loop; None where it has none."""
+        return self._named(self.model.loops[loop].distance)
+
     def _one(self, placement: Placement) -> Symbol | None:
         """Of the only length in a placement."""
         shifts = [

@@ -61,6 +61,7 @@ _RULES = """
 .fig .rail{fill:none;stroke:@link-edge;stroke-width:2}
 .fig .hatch{fill:none;stroke:@soft;stroke-width:1.3}
 .fig .com{fill:@paper;stroke:@ink;stroke-width:1.2}.fig .comq{fill:@ink}
+.fig .leader{fill:none;stroke:@faint;stroke-width:1}
 .fig .angle{fill:none;stroke:@soft;stroke-width:1.3}.fig .angle-head{fill:@soft}
 .fig .frame{fill:none;stroke:@faint;stroke-width:1}.fig .axis{fill:none;stroke:@soft;stroke-width:1}
 .fig .tick{fill:@soft;font-size:11px}.fig .unit{fill:@soft;font-size:11px}
@@ -72,6 +73,7 @@ _RULES = """
 .fig .f{font-family:"STIX Two Text","Cambria Math",Cambria,"Times New Roman","Liberation Serif",
 serif;font-size:15px}
 .fig .f .num{font-family:system-ui,-apple-system,"Segoe UI",Roboto,Arial,sans-serif}
+.fig .l{font-size:70%}
 .fig .f .r{font-style:normal}.fig .f .b{font-weight:700}
 .fig .solid{fill:@solid;stroke:@link-edge;stroke-width:1.6;stroke-linejoin:round}
 .fig .curveline{fill:none;stroke:@link-edge;stroke-width:2}

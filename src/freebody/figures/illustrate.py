@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from freebody.derivations.closed_chains.absolute import links_of
 from freebody.derivations.derivation import Derivation, Drawings, Step
 from freebody.derivations.derive import undrawn_derivation
 from freebody.derivations.expressions.expression import Expression, Symbol, nodes
@@ -28,6 +29,7 @@ from freebody.figures.kinematic import VIEWS
 from freebody.figures.labelling import labels_of
 from freebody.figures.layers import forces, geometry, motion
 from freebody.figures.layers.structure import Layer, drawn
+from freebody.figures.moving import page_figure
 from freebody.figures.snapshot import Snapshot, resting_pose, snapshot, with_values
 from freebody.figures.svg import picture
 from freebody.figures.text import canonical, label
@@ -49,8 +51,11 @@ def derive(model: Model, method: str | None = None, **options: Any) -> Derivatio
 
 
 def _living(derivation: Derivation) -> LivingParts | None:
-    closed = bool(derivation.equations.symbols.model.loops)
-    return living(derivation, _shown(derivation).q.tolist() if closed else ())
+    seen = _lettered(derivation)
+    drawing = _drawn(seen, "overview", forces.scales_of(seen.loads))
+    return drawing and living(
+        derivation, page_figure(derivation, seen, drawing, _spoken(derivation))
+    )
 
 
 def drawings(derivation: Derivation, labels: str = "names") -> Drawings:
@@ -76,9 +81,7 @@ def write_drawings(derivation: Derivation, document: Path, labels: str = "names"
 def illustrations(derivation: Derivation, labels: str = "names") -> dict[str, Drawing]:
     """The same as data; labels: "names", "values" or "both"."""
     labels = labels_of("a derivation's drawings", derivation.equations.symbols.model, labels)
-    moving, spoken = _shown(derivation), _spoken(derivation)
-    naming = replace(moving.names.naming, letters=derivation.lettering)
-    moving = replace(moving, names=replace(moving.names, naming=naming))
+    moving, spoken = _lettered(derivation), _spoken(derivation)
     wanted: dict[str, Step | None] = {"overview": None}
     for step in derivation.steps:
         if step.figure:
@@ -165,7 +168,17 @@ def _shown(derivation: Derivation) -> Snapshot:
     model = with_values(symbols.given if free and symbols.given else symbols.model)
     still = np.zeros(model.nv) if METHODS[derivation.method].at_rest else None
     load = _tip_load(model) if "fx" in symbols.extra else None
-    return snapshot(model, None if still is None else resting_pose(model, load), still, still, load)
+    q = None if still is None else resting_pose(model, load)
+    links = set(links_of(symbols)) if symbols.model.loops else set()
+    unseen = frozenset(k for k, at in enumerate(symbols.tree.body_of) if at in links)
+    return replace(snapshot(model, q, still, still, load), links=unseen)
+
+
+def _lettered(derivation: Derivation) -> Snapshot:
+    """The state that is shown, in the letters of the derivation."""
+    seen = _shown(derivation)
+    naming = replace(seen.names.naming, letters=derivation.lettering)
+    return replace(seen, names=replace(seen.names, naming=naming))
 
 
 def _tip_load(model: Model) -> list[float]:
@@ -234,6 +247,9 @@ def _tip(*layers: Layer) -> dict[str, tuple[str, tuple[Layer, ...]]]:
     }
 
 
+_LENGTHS: tuple[Layer, ...] = (
+    geometry.all_lengths, geometry.of_the_ground, geometry.of_rods,
+)  # fmt: skip
 _GEOMETRY: tuple[Layer, ...] = (geometry.angles, geometry.slides, geometry.centres)
 _BESIDE: tuple[Layer, ...] = (
     geometry.centres, partial(geometry.links, aside=geometry.BESIDE),
@@ -243,7 +259,9 @@ _UNHELD = "The body in a pose where its axes are those of the world"
 _PLANE, _SPACE = VIEWS[2], VIEWS[3]
 _RECIPES: dict[int, dict[str, tuple[str, tuple[Layer, ...]]]] = {
     2: {
-        "overview": ("Coordinates, lengths and centres of mass", (*_PLANE["geometry"], _load)),
+        "overview": (
+            "Coordinates, lengths and centres of mass", (*_GEOMETRY, *_LENGTHS, _load)
+        ),
         "vectors": ("The vectors, drawn beside the bodies they lie on", _BESIDE),
         "centres": ("Where the centres of mass are", _PLANE["centres"]),
         "velocities": (
@@ -255,7 +273,10 @@ _RECIPES: dict[int, dict[str, tuple[str, tuple[Layer, ...]]]] = {
         **_tip(geometry.angles, geometry.slides),
     },
     3: {
-        "overview": ("Joint axes and joint variables", _SPACE["frames"]),
+        "overview": (
+            "Joint axes and joint variables",
+            (*_SPACE["frames"], geometry.measured_centres, *_LENGTHS, _load),
+        ),
         "vectors": ("Vectors from joint to joint, and centres of mass", _SPACE["vectors"]),
         **_tip(geometry.variables),
     },

@@ -67,6 +67,11 @@ class Names:
         name = self.naming.length(body.number)
         return label(name) if name is not None else ""
 
+    def rod(self, loop: int) -> str:
+        """The length of the rod that closes a loop; "" where the model has no name for it."""
+        name = self.naming.rod(loop)
+        return label(name) if name is not None else ""
+
     def centre_length(self, body: BodyPlace) -> str:
         """From a joint to the centre of mass."""
         return self._length(self.naming.centre_length(body.number), self.on("l", body.number, "c"))

@@ -49,6 +49,17 @@ class Snapshot:
     qdd: Array
     wrenches: Wrenches
     names: Names
+    links: frozenset[int] = frozenset()
+    """Bodies that stand for nothing, between joints that replace another; they are not drawn."""
+
+    @cached_property
+    def drawn(self) -> tuple[BodyPlace, ...]:
+        """The bodies, but those that stand for nothing."""
+        return tuple(body for body in self.pose.bodies if body.index not in self.links)
+
+    def is_held(self, body: BodyPlace) -> bool:
+        """Whether a body hangs on a joint that is drawn."""
+        return body.parent not in self.links
 
     @cached_property
     def pose(self) -> Skeleton:

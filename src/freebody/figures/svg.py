@@ -28,7 +28,7 @@ from freebody.figures.drawing import (
     Turn,
     places,
 )
-from freebody.figures.label_placement import Box, Crowd, Wanted
+from freebody.figures.label_placement import RULE, Box, Crowd, Wanted, leader
 from freebody.figures.view import View
 from freebody.outputs.numbers import significant
 from freebody.outputs.text import legal
@@ -290,11 +290,14 @@ def _centred(css: str, at: complex, sentence: str, size: float) -> str:
 
 
 def _label(wanted: Wanted, box: Box) -> str:
-    left, top, right, bottom = box
-    after = f'<tspan class="num">{escape(wanted.after)}</tspan>' if wanted.after else ""
-    shown = text.marked(text.runs(wanted.text)) + after
-    at = complex((left + right) / 2, bottom - (bottom - top) * 0.27)
-    return svg_symbols.words(f"halo f {wanted.css}", at, shown, "middle")
+    left, _, right, bottom = box
+    after = [text.Run(wanted.after, "num")] if wanted.after else []
+    shown = text.marked([*text.runs(wanted.text), *after])
+    at = complex((left + right) / 2, bottom - RULE["below"])
+    anchor = wanted.anchors[0][0]
+    near = leader(anchor, box)
+    line = svg_symbols.line("leader", svg_symbols.path([anchor, near])) if near else ""
+    return line + svg_symbols.words(f"halo f {wanted.css}", at, shown, "middle")
 
 
 def _corners(drawing: Drawing, page: Page, height: float) -> list[str]:

@@ -13,6 +13,7 @@ import unicodedata
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from html import escape
+from itertools import groupby
 
 from freebody.derivations.expressions import expression as ex
 
@@ -39,7 +40,7 @@ class Run:
 
     text: str
     style: str
-    """v: italic, b: bold, r: upright."""
+    """v: italic, b: bold, r: upright, num: the number after a formula."""
     level: int = 0
 
     @property
@@ -92,29 +93,38 @@ def sentence(text: str) -> Iterator[Run]:
     pieces = _SYMBOL.split(text)
     yield Run(pieces[0], "r")
     for letters, group, single, words in zip(*(pieces[k::4] for k in (1, 2, 3, 4)), strict=True):
-        yield from (Run(letters, "v"), Run(group or single, "r", -1), Run(words, "r"))
+        yield from (Run(letters, "v"), *_joined(_letters(group or single, -1)), Run(words, "r"))
 
 
 def _letters(text: str, level: int) -> Iterator[Run]:
-    """Letters in italics, with their dots; of what is raised or lowered only indices and axes."""
+    """Letters in italics, with their dots; of what is raised or lowered not words of several."""
     dotted = r"[^\W\d_][\u0307\u0308]"
-    pieces = rf"{dotted}|[^\W\d_]+(?![\u0307\u0308])|." if level == 0 else rf"{dotted}|."
+    pieces = rf"{dotted}|[^\W\d_]+(?![\u0307\u0308])|."
     for piece in re.findall(pieces, unicodedata.normalize("NFD", text)):
-        italic = piece[0].isalpha() and (level == 0 or piece in "inxyz")
-        yield Run(piece, "v" if italic else "r", level)
+        alone = len(piece.rstrip("\u0307\u0308")) == 1
+        yield Run(piece, "v" if piece[0].isalpha() and (alone or not level) else "r", level)
 
 
 def marked(pieces: Iterable[Run], size: float = SIZE) -> str:
     """SVG tspans, of letters of `size` pixels; a subscript under a superscript starts where that
     started."""
     parts, last, stacked = [], 0, 0.0
-    for run in pieces:
+    for run in _joined(pieces):
         dx = f' dx="{-stacked:.2f}em"' if last > 0 and run.level < 0 and stacked else ""
-        small = f' font-size="{100 * _SMALL:.0f}%"' if run.level else ""
-        parts.append(_span(run, (_shift(run.level) - _shift(last)) * size, dx, small, size))
+        parts.append(_span(run, (_shift(run.level) - _shift(last)) * size, dx, size))
         stacked = stacked + 0.88 * run.width / _SMALL if run.level > 0 else 0.0
         last = run.level
     return "".join(parts)
+
+
+def _joined(pieces: Iterable[Run]) -> Iterator[Run]:
+    """The pieces with neighbours of one style and level in one, but those with dots."""
+    for (style, level, dotted), alike in groupby(
+        pieces, lambda run: (run.style, run.level, run.text[1:] in _DOTS)
+    ):
+        parts = list(alike)
+        texts = [run.text for run in parts] if dotted else ["".join(run.text for run in parts)]
+        yield from (Run(text, style, level) for text in texts)
 
 
 def _shift(level: int) -> float:
@@ -122,17 +132,18 @@ def _shift(level: int) -> float:
     return -0.38 * level if level > 0 else -0.24 * level
 
 
-def _span(run: Run, dy: float, dx: str, small: str, size: float) -> str:
+def _span(run: Run, dy: float, dx: str, size: float) -> str:
+    css = run.style + " l" * (run.level != 0)
     move = f' dy="{dy:.1f}"' if abs(dy) > 0.01 else ""
     dots = _DOTS.get(run.text[1:])
     if dots is None:
-        return f'<tspan class="{run.style}"{dx}{move}{small}>{escape(run.text)}</tspan>'
+        return f'<tspan class="{css}"{dx}{move}>{escape(run.text)}</tspan>'
     # back to the middle of the letter, up, and forward again; italics lean to the right
     letter = run.text[0]
     back = (run.width + _STOP * len(dots)) / 2 - (0.06 if run.style == "v" else 0.0)
     rise = (0.72 if letter in _TALL or letter.isupper() else 0.52) * size
     return (
-        f'<tspan class="{run.style}"{dx}{move}{small}>{escape(letter)}</tspan>'
+        f'<tspan class="{css}"{dx}{move}>{escape(letter)}</tspan>'
         f'<tspan class="{run.style} r" dx="{-back:.2f}em" dy="{-rise:.1f}">{dots}</tspan>'
         f'<tspan dx="{back - _STOP * len(dots):.2f}em" dy="{rise:.1f}">\u200b</tspan>'
     )

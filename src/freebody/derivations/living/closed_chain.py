@@ -12,6 +12,7 @@ import numpy as np
 from freebody.algorithms.kinematics import frame_pose
 from freebody.arrays import Array
 from freebody.derivations.closed_chains.first_kind import multiplier_names
+from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.living.body_quantities import vector
 from freebody.derivations.living.kernel import PageProgram
 from freebody.derivations.methods.cut_loops import Loops
@@ -19,7 +20,10 @@ from freebody.derivations.methods.loop_forces import LoopReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.lazy import cached_property
+from freebody.model.joints import KINDS
+from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.tree import TreeLoop
+from freebody.spatial import times
 
 _ASIDE, _STEPS, _CLOSED = 0.05, 20, 1e-10
 
@@ -38,7 +42,7 @@ class LoopEnd:
     moment: Any
     """None of a loop that transmits none."""
     sign: int
-    names: tuple[str, str]
+    names: tuple[Expression, Expression]
     """Of force and moment."""
 
 
@@ -116,7 +120,7 @@ class ClosedChain:
 
     def _end(self, loop: TreeLoop, frame: str, i: int) -> LoopEnd:
         force, moment = (vector(self.s, v) for v in self.loops.wrench(loop))
-        names = str(self.loops.force_name(loop)), str(self.loops.moment_name(loop))
+        names = self.loops.force_name(loop), self.loops.moment_name(loop)
         turning = None if not loop.closure.turns else moment[0] if self.s.planar else moment
         sign = 1 if self.loops.acts(loop, i) else -1
         return LoopEnd(self._place(frame), force, turning, sign, names)
@@ -131,6 +135,23 @@ class ClosedChain:
             for frame, k in zip(loop.frames, self.loops.ends(loop), strict=True)
             if k == i
         ]
+
+    def _symbol(self, kernel: PageProgram, loop: TreeLoop) -> dict[str, Any]:
+        """Of what closes a loop: marks at its places, in space solids."""
+        dim = self.s.symbols.model.dim
+        given = next(x for x in self.s.symbols.model.loops if x.name == loop.name)
+        kind = KINDS[LOOP_KINDS[given.kind].symbol(dim)]
+        places = [kernel.places(self._place(frame)) for frame in loop.frames]
+        solids = [
+            {"at": places[1], "axis": kernel.places(self._along(loop, given.axis)),
+             "size": [part.radius, part.half, part.sides]}
+            for part in (kind.solids if dim == 3 and given.axis else ())
+        ]  # fmt: skip
+        return {"at": places, "mark": "" if solids else kind.mark, "solids": solids}
+
+    def _along(self, loop: TreeLoop, axis: tuple[float, ...]) -> tuple[Any, ...]:
+        R, _ = frame_pose(self.s.tree, self.s.world, loop.frames[0])
+        return vector(self.s, times(R, axis))
 
     # ------------------------------------------------------------ what closes it
     @property
@@ -177,6 +198,7 @@ class ClosedChain:
                 for loop in s.tree.loops
                 if loop.closure.distance
             ],
+            "symbols": [self._symbol(kernel, loop) for loop in s.tree.loops],
             "phi": [kernel.places(x)[0] for x in equations.Phi],
             "jacobian": [kernel.places(tuple(row)) for row in equations.Phi_q],
             "c": [] if self.at_rest else [kernel.places(x)[0] for x in equations.c],

@@ -9,6 +9,7 @@ from typing import Any
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.living.body_quantities import vector
 from freebody.derivations.living.kernel import PageProgram
+from freebody.derivations.living.page_figure import Labels
 from freebody.derivations.methods.free_bodies import velocity_names
 from freebody.derivations.methods.free_body_steps import mass_symbol, part_with_mass, thrusts_of
 from freebody.derivations.methods.setting import Setting
@@ -49,12 +50,12 @@ class FreeFlight:
         return self.solved_names
 
     def start(self) -> dict[str, float]:
-        """Tilted a little, with thrusts that would bear the weight of the level body."""
+        """At the origin and level, with thrusts that bear the weight."""
         given = self.s.symbols.given or self.s.symbols.model
         mass = part_with_mass(given.bodies[0]).inertia.mass
         weight = 9.81 * (mass if isinstance(mass, float) else 1.0)
-        tilted = dict(zip(self.s.symbols.coordinates[-3:], (0.4, 0.15, -0.2), strict=True))
-        return tilted | dict.fromkeys(self._thrusts, weight / len(self._thrusts))
+        level = dict.fromkeys(self.s.symbols.coordinates, 0.0)
+        return level | dict.fromkeys(self._thrusts, weight / len(self._thrusts))
 
     def quantities(self) -> dict[str, Any]:
         """What lines do not define themselves: symbols, velocities as vectors, gravity."""
@@ -75,23 +76,24 @@ class FreeFlight:
             found.append((name, scale(self.s.symbols.ring[name], along), p))
         return found
 
-    def body(self, kernel: PageProgram, letters: Lettering) -> dict[str, Any]:
+    def body(self, kernel: PageProgram, labels: Labels, letters: Lettering) -> dict[str, Any]:
         """What is drawn, seen from the body's origin: its weight and the thrusts."""
         R, at = self.s.world[self._body]
         centre = sub(self.s.centre_position(self._body), at)
         weight = scale(self.s.mass(self._body), self.s.tree.gravity)
         given = self.s.symbols.given or self.s.symbols.model
-        acting = [("weight", f"{letters(mass_symbol(given, 0))} g", weight, centre)]
+        mass = labels.figure.formula(letters(mass_symbol(given, 0)))
+        acting = [("weight", labels.number(f"{mass} *g*"), weight, centre)]
         acting += [
-            ("external", str(letters(sym(name))), times(R, force), times(R, p))
+            ("external", labels.of(letters(sym(name))), times(R, force), times(R, p))
             for name, force, p in self._pushes()
         ]
         return {
-            "joint": kernel.places((0.0, 0.0, 0.0)),
+            "joint": kernel.places((0.0, 0.0, 0.0)), "from": kernel.places((0.0, 0.0, 0.0)),
             "centre": kernel.places(vector(self.s, centre)),
             "ends": [kernel.places(vector(self.s, times(R, p))) for _, _, p in self._pushes()],
             "parent": -1, "slides": False, "pins": [], "alone": True, "link": False, "held": False,
-            "moments": [],
+            "moments": [], "mark": "", "solids": [], "heavy": True, "holds": False, "names": {},
             "forces": [
                 {"kind": kind, "at": kernel.places(vector(self.s, place)),
                  "is": kernel.places(vector(self.s, force)), "sign": 1, "name": name}

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import cache
 from importlib import resources
 from typing import Any
@@ -28,6 +29,7 @@ from freebody.derivations.living.line_values import (
     line_values,
     traced_values,
 )
+from freebody.derivations.living.page_figure import Labels, PageFigure
 from freebody.derivations.living.panel import below, panel
 from freebody.derivations.living.traced import TracedSetting, TracedSymbols
 from freebody.derivations.methods import METHODS
@@ -52,19 +54,19 @@ MOST_BODIES = 30
 _WIDEST: dict[str, float] = {"rad": math.pi, "rad/s": 5.0, "rad/s²": 20.0, "m/s": 3.0, "N": 100.0}
 """The end of a slider, by unit; of other units three times the value, at least 1."""
 
+SCRIPTS = (
+    "formula.js", "symbols.js", "placing.js", "drawing.js", "free_bodies.js", "closing.js",
+    "page.js",
+)  # fmt: skip
+"""The page's own script in its parts."""
+
 Following = ClosedChain | FreeFlight | FreeJoints
 """What follows in a page from what is set."""
 
-_LOAD = dict(zip(LOADS[3], (20.0, -10.0, -10.0), strict=True))
-"""The force on the tip at first, N."""
 
-
-def living(derivation: Derivation, start: Sequence[float] = ()) -> LivingParts | None:
+def living(derivation: Derivation, figure: PageFigure) -> LivingParts | None:
     """The living parts of a derivation's page; None of a robot for which there are none: of closed
-    chains they are made where the drives determine the motion and no loop slides.
-
-    start: coordinates at which the loops of a closed chain are closed; it needs them.
-    """
+    chains they are made where the drives determine the motion and no loop slides."""
     plain = derivation.plain or derivation
     symbols = plain.equations.symbols
     if not 0 < len(symbols.model.bodies) <= MOST_BODIES:
@@ -74,23 +76,23 @@ def living(derivation: Derivation, start: Sequence[float] = ()) -> LivingParts |
     if (flies and symbols.is_rewritten) or (symbols.model.loops and turned):
         return None
     kernel = PageProgram(symbols.ring.names, plain.equations.layout.form)
+    labels = Labels(figure)
     if flies:
-        return _flying(derivation, kernel)
-    if symbols.model.loops and not len(start):
-        return None
+        return _flying(derivation, kernel, labels)
     setting = _setting(plain, kernel)
+    start = [figure.start[x] for x in symbols.coordinates] if symbols.model.loops else []
     closed = ClosedChain(setting, kernel, start) if symbols.model.loops else None
     if closed and not closed.is_served:
         return None
     found, drawn = _values(plain, setting, closed, kernel)
     naming = Naming(symbols.model, letters=derivation.lettering)
-    bodies = DrawnBodies(kernel, drawn, naming, setting, closed).all()
-    given = dict(zip(symbols.coordinates, map(float, start), strict=True)) if closed else {}
+    bodies = DrawnBodies(kernel, drawn, naming, setting, closed, labels)
     following = closed or FreeJoints(plain, drawn)
-    return _parts(derivation, kernel, found, bodies, following, given)
+    places = {"tip": bodies.tip(), "points": bodies.points()}
+    return _parts(derivation, kernel, found, bodies.all(), following, labels, places)
 
 
-def _flying(derivation: Derivation, kernel: PageProgram) -> LivingParts | None:
+def _flying(derivation: Derivation, kernel: PageProgram, labels: Labels) -> LivingParts | None:
     plain = derivation.plain or derivation
     symbols = TracedSymbols.of(plain.equations.symbols, kernel.inputs)
     flight = FreeFlight(TracedSetting(symbols))
@@ -99,8 +101,10 @@ def _flying(derivation: Derivation, kernel: PageProgram) -> LivingParts | None:
     found = traced_values(plain, flight.quantities(), kernel)
     if not flight.need(found.quantities):
         return None
-    bodies = [flight.body(kernel, derivation.lettering)]
-    return _parts(derivation, kernel, found, bodies, flight, flight.start())
+    bodies = [flight.body(kernel, labels, derivation.lettering)]
+    figure = replace(labels.figure, start=flight.start())
+    labels = replace(labels, figure=figure)
+    return _parts(derivation, kernel, found, bodies, flight, labels, {"tip": bodies[0]["joint"]})
 
 
 def _parts(
@@ -109,12 +113,13 @@ def _parts(
     found: LineValues,
     bodies: list[dict[str, Any]],
     following: Following,
-    given: Mapping[str, float],
+    labels: Labels,
+    marked: Mapping[str, Any],
 ) -> LivingParts:
-    """given: first values of some symbols."""
+    """marked: places in the kernel of the tip, if there is one, and of further points."""
     plain, letters = derivation.plain or derivation, derivation.lettering
     page: dict[str, Any] = {
-        "bodies": bodies,
+        "bodies": list(map(_said, bodies)),
         "lines": [_line(kernel, found, line, letters) for line in found.lines],
     }
     spoken = dict.fromkeys(name for line in found.lines for name in line.names)
@@ -125,14 +130,21 @@ def _parts(
     following.page(
         kernel, dict.fromkeys(following.names, 0)
     )  # first: it needs places in the kernel
-    units = units_of_symbols(plain) | dict.fromkeys(_LOAD, "N")
+    units = units_of_symbols(plain) | dict.fromkeys(LOADS[3], "N")
     if isinstance(following, ClosedChain):
         units |= following.units
-    inputs = _inputs(plain, kernel, following, given, units)
+    figure = labels.figure
+    inputs = _inputs(plain, kernel, following, figure.start, units)
     if following.names:
         indices = {x["name"]: k for k, x in enumerate(inputs)}
         page[following.key] = following.page(kernel, indices)
     page |= {"inputs": inputs, "size": kernel.size}
+    axes = [labels.number(x) for x in ("xy" if plain.equations.symbols.model.dim == 2 else "XYZ")]
+    rods = [labels.number(x) for x in figure.rods]
+    tip = {"at": marked["tip"], "name": labels.number(figure.tip)} if marked["tip"] else None
+    points = marked.get("points", [])
+    page["figure"] = {"rule": dict(figure.rule), "axes": axes, "rods": rods, "points": points}
+    page["figure"] |= {"tip": tip} if tip else {}
     page |= _notation(letters, [*readable, *(x["name"] for x in inputs)])
     own = dict(zip(plain.steps, derivation.steps, strict=True))
     script = _script().replace("PAGE", _json(page), 1)
@@ -143,7 +155,7 @@ def _parts(
     exerted = [*map(naming.loop_force, loops), *map(naming.loop_moment, loops)]
     told = below(found.lines, letters, of_lines, {x.name for x in exerted if isinstance(x, Symbol)})
     return LivingParts(
-        panel(inputs, dim, alone, letters),
+        panel(inputs, dim, alone, letters, figure.view) + labels.template(),
         {own[step]: rows for step, rows in told.items()},
         f"{kernel.source([x['name'] for x in inputs])}\n{script}",
     )
@@ -182,6 +194,11 @@ def _values(
 
 
 # ---------------------------------------------------------------- what the script is given
+def _said(body: Mapping[str, Any]) -> dict[str, Any]:
+    """What a page says of a body: what it lacks is left out."""
+    return {key: x for key, x in body.items() if x or (x == 0 and x is not False)}
+
+
 def _line(
     kernel: PageProgram, found: LineValues, line: ValuedLine, letters: Lettering
 ) -> dict[str, Any]:
@@ -229,9 +246,7 @@ def _inputs(
     used = kernel.used | frozenset(following.names)
     moving = [x + dots for dots in ("", RATE, SECOND) for x in symbols.coordinates]
     names = [x for x in dict.fromkeys((*moving, *symbols.ring.names)) if x in used]
-    values = typical(names, derivation.equations.symbols.model.parameters) | {
-        name: value for name, value in _LOAD.items() if name in names
-    }
+    values = typical(names, derivation.equations.symbols.model.parameters)
     values |= {name: 0.0 for name in names if name.startswith(MULTIPLIER)} | dict(start)
     made = []
     for name in names:
@@ -240,7 +255,7 @@ def _inputs(
         signed = force or unit in {*_WIDEST, "m/s²"} or name in symbols.coordinates
         low = min(value, -top if signed or value < 0.0 else 0.0)
         high = max(value, top)
-        if name in start and name in symbols.coordinates:  # it may have turned more than once
+        if symbols.model.loops and name in symbols.coordinates:  # it may have turned more than once
             low, high = value - top, value + top
         made.append(
             {"name": name, "value": value, "low": low, "high": high, "unit": unit}
@@ -276,8 +291,8 @@ def _json(page: dict[str, Any]) -> str:
 def _script() -> str:
     """The page's own script, the same of all pages but for the data; without its comments."""
     folder = resources.files("freebody.derivations.living")
-    names = ("formula.js", "placing.js", "drawing.js", "closing.js", "page.js")
+    names = SCRIPTS
     text = "\n".join(folder.joinpath(name).read_text(encoding="utf-8") for name in names)
-    lines = filter(None, (line.strip() for line in text.splitlines()))
+    lines = filter(None, (line.partition("  // ")[0].strip() for line in text.splitlines()))
     code = "\n".join(line for line in lines if not line.startswith("//"))
-    return f'(function () {{\n"use strict";\n{code}\n}})();\n'
+    return f'(function () {{\n"use strict";\nconst page = PAGE;\n{code}\n}})();\n'

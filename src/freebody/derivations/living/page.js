@@ -1,19 +1,23 @@
 // The page: sliders set x, the kernel computes y, drawing and numbers follow; answers are compared
 // with the kernel at random states.
 
-const page = PAGE;
 const STATES = 8, CLOSE = 1e-9;
 const find = (id) => document.getElementById(id);
 const x = Float64Array.from(page.inputs, (input) => input.value), y = new Float64Array(page.size);
 
-// A number as it is shown, five digits; all of them stand in its title. Loops are closed to 1e-12.
-function shown(value) {
+// A number with so many digits, as `significant` of Python has it; in a title all of them stand.
+// Loops are closed to 1e-12.
+const RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+function significant(value, digits = 3) {
   if (!Number.isFinite(value)) return "no number";
-  const rounded = Math.abs(value) < 1e-11 ? 0 : Number(value.toPrecision(5));
-  return String(rounded).replace("-", "\u2212");
+  const [mantissa, power] = (Math.abs(value) < 1e-11 ? 0 : value).toExponential(digits - 1).split("e");
+  const size = Number(power), signed = (text) => text.replace("-", "\u2212");
+  if (Number(mantissa) === 0) return "0";
+  if (size >= -3 && size < 5) return signed(value.toFixed(Math.max(digits - 1 - size, 0)));
+  return signed(mantissa) + "·10" + (size < 0 ? "⁻" : "") + [...String(Math.abs(size))].map((digit) => RAISED[digit]).join("");
 }
 const valueOf = (places, y) => places.length > 1 ? places.map((k) => y[k]) : y[places[0]];
-const told = (value) => isVector(value) ? `[${value.map(shown).join(", ")}]` : shown(value);
+const told = (value, digits) => isVector(value) ? `[${value.map((one) => significant(one, digits)).join(", ")}]` : significant(value, digits);
 
 const OPEN = "The loops cannot be closed here, or not in one way: no values; the drawing is the last that could.";
 function follow() {
@@ -24,7 +28,7 @@ function follow() {
   find("open").textContent = closed ? "" : OPEN;
   page.inputs.forEach((input, k) => {
     const value = input.solved && !closed ? NaN : x[k], output = find(`out${k}`);
-    output.textContent = shown(value);
+    output.textContent = significant(value);
     output.title = String(value);
   });
   for (const row of rows) {
@@ -34,9 +38,7 @@ function follow() {
   }
   if (!closed) return;
   drawArm(find("arm"), page.bodies, page.loop ? page.loop.rods : [], y);
-  find("scale").textContent = `${shown(drawBodies(find("bodies"), page.bodies.filter((body) => body.alone), y))} N`;
-  const legend = put(find("bodies"), "g", {class: "legend"});
-  line(legend, "reaction", [8, 12], [8 + LONGEST_ARROW, 12]);
+  drawBodies(find("bodies"), page.bodies.filter((body) => body.alone), y);
 }
 
 // Other spellings of a coordinate, an angular velocity and their derivatives: q1, qd1, dtheta1,
@@ -143,7 +145,7 @@ function judged(row, text) {
     if (isSame) return [true, `Right: equal at ${STATES} random states.`];
     const command = `freebody check ROBOT '${line.name} = ${plainly(typed)}'${page.option}`;
     const diagnosis = line.diagnosed && !answer.vector ? ` For the full diagnosis: ${command}` : "";
-    const [yours, right] = [here, valueOf(line.places, y)].map(told);
+    const [yours, right] = [here, valueOf(line.places, y)].map((value) => told(value, 5));
     const differing = yours === right ? "as the line, but not with other values of the sliders" : `the line ${right}`;
     return [false, `Not right: here it is ${yours}, ${differing}.${diagnosis}`];
   } catch (problem) {
@@ -196,20 +198,21 @@ function predict(on) {
   if (on) document.querySelectorAll(".values").forEach(hide);
 }
 
+// A slider may round its value in the last digit, so that all are read from the first.
+function read() {
+  page.inputs.forEach((input, k) => { if (!input.solved) x[k] = Number(find(`in${k}`).value); });
+}
 const rows = [...document.querySelectorAll(".value")].map((element) =>
   ({element, line: page.lines[Number(element.dataset.line)]}));
 page.inputs.forEach((input, k) => {
   if (input.solved) return;
-  find(`in${k}`).addEventListener("input", (event) => {
-    x[k] = Number(event.target.value);
-    follow();
-  });
+  find(`in${k}`).addEventListener("input", () => { read(); follow(); });
 });
 for (const [angle, unit] of [["turn", Math.PI / 180], ["tilt", Math.PI / 180], ["first", 1]]) {
   const slider = find(angle), set = () => { view[angle] = Number(slider.value) * unit; };
   if (!slider) continue;
   set();
-  slider.addEventListener("input", () => { set(); follow(); });
+  slider.addEventListener("input", () => { read(); set(); follow(); });
 }
 find("again").addEventListener("click", () => {
   page.inputs.forEach((input, k) => {
@@ -217,6 +220,9 @@ find("again").addEventListener("click", () => {
     if (!input.solved) find(`in${k}`).value = input.value;
   });
   box = null;
+  memory.arm.clear();
+  memory.bodies.clear();
+  read();
   follow();
 });
 const steps = [...find("try").parentElement.querySelectorAll("section > details")];
@@ -229,4 +235,5 @@ find("fold").addEventListener("click", () => {
 folding();
 find("predict").addEventListener("change", (event) => predict(event.target.checked));
 find("try").hidden = false;
+read();
 follow();

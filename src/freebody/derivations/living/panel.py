@@ -24,20 +24,20 @@ GROUPS = {
     "lam": "Multipliers of the loops",
     "p": "Lengths, masses, forces",
 }
-VIEWS = (("turn", -180, 180, -60), ("tilt", -10, 90, 20))
-"""Of a robot in space: name, range and first value of the angles from which it is seen, degrees."""
-
-
 MOST = 6
 """Bodies up to which all are drawn alone at once; of more so many as stand beside a slider."""
 AT_ONCE = 4
-WIDE, TALL = 360, 250
-"""Of the drawing of the arm, pixels; drawing.js has the same."""
 
 
-def panel(inputs: list[dict[str, Any]], dim: int, alone: int, letters: Lettering) -> str:
+def panel(
+    inputs: list[dict[str, Any]],
+    dim: int,
+    alone: int,
+    letters: Lettering,
+    view: tuple[float, float],
+) -> str:
     """The drawings, the sliders in their groups, and the buttons; alone: how many bodies are drawn
-    alone."""
+    alone; view: azimuth and elevation from which a robot in space is seen at first, degrees."""
     groups = []
     for key, title in GROUPS.items():
         rows = [_slider(k, x, letters) for k, x in enumerate(inputs) if x["group"] == key]
@@ -46,8 +46,9 @@ def panel(inputs: list[dict[str, Any]], dim: int, alone: int, letters: Lettering
             groups.append(f"<details{state}><summary>{title}</summary>{''.join(rows)}</details>")
     turned = "".join(
         f'<p class="slider"><label for="{name}">{name} the view</label><input id="{name}" '
-        f'type="range" min="{low}" max="{high}" value="{value}" step="1"/></p>'
-        for name, low, high, value in (VIEWS if dim == 3 else ())
+        f'type="range" min="{low}" max="{high}" value="{value:.0f}" step="1"/></p>'
+        for name, low, high, value in (("turn", -180, 180, view[0]), ("tilt", -10, 90, view[1]))
+        if dim == 3
     )
     if alone > MOST:
         turned += (
@@ -57,12 +58,11 @@ def panel(inputs: list[dict[str, Any]], dim: int, alone: int, letters: Lettering
     moments = "; moments, with two heads, to another" if dim == 3 else ""
     return (
         '<aside class="try" id="try" hidden=""><h2>Try it</h2><div class="drawn">'
-        f'<svg id="arm" class="fig" viewBox="0 0 {WIDE} {TALL}" role="img" '
+        '<svg id="arm" class="fig" role="img" '
         'aria-label="The arm in the state of the sliders"></svg>'
-        '<svg id="bodies" class="fig" viewBox="0 0 360 190" role="img" '
+        '<svg id="bodies" class="fig" role="img" '
         'aria-label="Its bodies, each alone, with the forces on them"></svg>'
-        '<p class="scale">Forces on all bodies are drawn to one scale: the line at their '
-        f'top left is <output id="scale"></output> long{moments}. '
+        f'<p class="scale">Forces on all bodies are drawn to one scale{moments}. '
         "Values below the equations are in SI units and belong to this state.</p>"
         f'<p id="open" role="status"></p>{turned}</div><div>{"".join(groups)}'
         '<p><button id="again">Back to the first state</button> <button id="fold">Fold all steps'

@@ -113,9 +113,10 @@ class _Document:
             self.heading.format(number, self.prose(step.operation), notes),
             self.reason.format(self.wrap(self.prose(step.reason), "   ")),
         ]
+        blocks.append(self.equations(step) if step.equations else "")
         if left and step.figure in left:
             blocks.append(self.figure.format(left.pop(step.figure)))
-        blocks += [self.equations(step) if step.equations else "", self.end]
+        blocks.append(self.end)
         return self.between.join(filter(None, blocks))
 
 
@@ -263,7 +264,8 @@ body = _Document(
     title="<h1>{}</h1>",
     given="<p>{}</p>",
     row="<tr><td>{}</td><td>{}</td><td>{}</td></tr>",
-    table='<table class="symbols"><tbody>{}</tbody></table>',
+    table='<details><summary>Symbols and units</summary><table class="symbols"><tbody>{}</tbody>'
+    "</table></details>",
     figure="<figure>{}</figure>",
     heading='<section><details open=""><summary><h2><span>{}</span> {}{}</h2></summary>',
     number="{}",

@@ -34,13 +34,16 @@ font-size:.9rem}
 .answer{margin:.6rem 0}.answer p{margin:.2rem 0;overflow-wrap:anywhere}
 .answer.right p{color:#2b7a3d}
 .answer input{font:inherit;width:24rem;max-width:90%}
-@media screen and (min-width:48rem) and (max-width:81.99rem){.living .try{display:grid;
+@media screen and (min-width:48rem){.living:has(>.try:not([hidden]))>figure{display:none}}
+@media screen and (min-width:48rem) and (max-width:79.99rem){.try{max-height:45vh;overflow-y:auto}
+.living .try{display:grid;
 grid-template-columns:1fr 1fr;gap:0 2rem}.living .try h2{grid-column:1/3}
-.living .drawn{position:sticky;top:1rem;align-self:start}}
-@media screen and (min-width:82rem){.living{margin-right:27rem}
+.living .drawn{position:sticky;top:0;align-self:start}}
+@media screen and (min-width:80rem){.living{margin-right:25rem}
 .drawn{display:contents}#arm{position:sticky;top:0}
-.try{position:fixed;top:1rem;right:1rem;width:23rem;margin:0;max-height:calc(100vh - 3rem);
+.try{position:fixed;top:1rem;right:1rem;width:21rem;margin:0;max-height:calc(100vh - 3rem);
 overflow-y:auto}}
+@media screen and (min-width:82rem){.living{margin-right:27rem}.try{width:23rem}}
 @media screen and (prefers-color-scheme:dark){.try{border-color:#48525e}.values{color:#9aa6b5}
 .value output{color:#ff86b3}.answer.right p{color:#74cf8a}}
 """

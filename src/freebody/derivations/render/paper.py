@@ -14,7 +14,8 @@ a table too, but Chromium then forgets their baselines; and within a formula the
 STEPS = """
 @media print{body{font-size:10pt;line-height:1.4}main{max-width:none;padding:0}
 h1{font-size:17pt;margin:0}h2{font-size:11.5pt}section>details>summary{margin:1.1rem 0 .1rem}
-section>details::details-content{content-visibility:visible}
+details::details-content{content-visibility:visible}
+main>details>summary{display:none}
 p{max-width:none;margin:.3rem 0;break-inside:avoid}math{font-size:1.1em}
 .equations{overflow:visible;padding:0}.equations math{font-size:13.8px}
 .result{padding:.2rem .6rem;margin-top:.4rem;box-decoration-break:clone}

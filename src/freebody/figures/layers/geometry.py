@@ -104,7 +104,23 @@ def of_the_ground(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
     if body.parent < 0 and not body.kind.slides:
         name = seen.names.on_the_ground(body)
         aside = -_BELOW if body.carrier[0] >= 0 else _BELOW
-        _dimension(drawing, np.zeros(2), body.carrier, name, aside, _VISIBLE * seen.size)
+        _dimension(
+            drawing, np.zeros(seen.model.dim), body.carrier, name, aside, _VISIBLE * seen.size
+        )
+
+
+def of_rods(drawing: Drawing, seen: Snapshot) -> None:
+    """The lengths of rods that close loops."""
+    for k, loop in enumerate(seen.pose.loops):
+        if loop.rod:
+            _dimension(drawing, loop.carrier, loop.origin, seen.names.rod(k), 20.0, SAME)
+
+
+def measured_centres(drawing: Drawing, seen: Snapshot) -> None:
+    """Centres of mass to which the model has lengths with names."""
+    naming = seen.names.naming
+    bodies = [x for x in seen.drawn if naming.centre_length(x.number) is not None]
+    centres(drawing, seen, bodies)
 
 
 def _dimension(
@@ -116,6 +132,8 @@ def _dimension(
 
 def _clear_side(seen: Snapshot, body: BodyPlace) -> float:
     """1: left of a body, -1: right of it; an angle is drawn behind the turn that made it."""
+    if seen.model.dim == 3:
+        return 1.0
     if body.kind.slides:
         return 1.0 if body.parent < 0 else _clear_side(seen, seen.pose.bodies[body.parent])
     (a, b), (c, d) = body.carrier_rotation[:, 0], body.rotation[:, 0]

@@ -21,6 +21,8 @@ from freebody.model.joints.kind import Solid
 
 _AXIS = 0.3
 """Length of the world's axes in the plane, of the drawing's size."""
+RING, _SIDES = 0.09, 40
+"""Radius of the ring that a body without extent is drawn as, of the drawing's size."""
 _FAR = 0.33  # of the depth: what is farther is paler
 _CROWDED = 12  # bodies; more are drawn thinner
 _PIN, _LARGER = 6.0, 8.0  # pixels: the mark of a joint, and those of others
@@ -37,7 +39,7 @@ def of_each(layer: Callable[..., None]) -> Layer:
     def drawn(
         drawing: Drawing, seen: Snapshot, bodies: Sequence[BodyPlace] | None = None, **how: Any
     ) -> None:
-        for body in seen.pose.bodies if bodies is None else bodies:
+        for body in seen.drawn if bodies is None else bodies:
             layer(drawing, seen, body, **how)
 
     return drawn
@@ -116,6 +118,24 @@ def _along(place: DrawnJoint, part: Solid) -> Array | None:
     return axes[:, "xyz".index(part.along)]
 
 
+def _rings(drawing: Drawing, seen: Snapshot) -> None:
+    """A ring about its joint's axis for a wheel: a body without extent that turns and carries
+    nothing."""
+    for body in seen.drawn:
+        apart = bool(body.outline) or np.linalg.norm(body.com - body.origin) > SAME
+        carries = any(end.child is not None for end in body.ends)
+        if apart or carries or not body.mass or not body.kind.turns:
+            continue
+        u, v = np.eye(seen.model.dim)[:2]
+        if body.axis is not None:
+            u = np.cross(body.axis, np.eye(3)[int(np.argmin(abs(body.axis)))])
+            u /= np.linalg.norm(u)
+            v = np.cross(body.axis, u)
+        angles = 2 * math.pi * np.arange(_SIDES) / _SIDES
+        rim = RING * seen.size * (np.outer(np.cos(angles), u) + np.outer(np.sin(angles), v))
+        drawing.line(body.origin + rim, f"ring {body.number}", "rail", closed=True)
+
+
 def _rods(drawing: Drawing, seen: Snapshot) -> None:
     """What joins the two places of a loop that are apart."""
     for loop in seen.pose.loops:
@@ -126,9 +146,10 @@ def _rods(drawing: Drawing, seen: Snapshot) -> None:
 # ---------------------------------------------------------------- the plane
 def _flat_structure(drawing: Drawing, seen: Snapshot, faint: bool) -> None:
     for root in seen.pose.roots:
-        _support(drawing, root, seen.size)
+        if root in seen.drawn:
+            _support(drawing, root, seen.size)
     axes(drawing, seen.size, share=_axis_share(seen))
-    for body in seen.pose.bodies:
+    for body in seen.drawn:
         if body.kind.slides and body.parent >= 0:
             drawing.line((body.carrier, body.origin), f"rod {body.number}", "rail")
         if faint:
@@ -136,8 +157,9 @@ def _flat_structure(drawing: Drawing, seen: Snapshot, faint: bool) -> None:
                 drawing.line(ends, f"link {body.number}", "ghost")
         else:
             drawing.add(*link(body))
-    for body in seen.pose.bodies:
+    for body in filter(seen.is_held, seen.drawn):
         drawing.add(*joint(body))
+    _rings(drawing, seen)
     _rods(drawing, seen)
     for loop in seen.pose.loops:
         drawing.add(*joint(loop))
@@ -192,7 +214,7 @@ def _points(drawing: Drawing, seen: Snapshot) -> None:
             drawing.write(place, text, direction)
             taken.append(place)
 
-    for body in pose.bodies:
+    for body in seen.drawn:
         write(body.origin, names.point(pose, body.number), clear_way(seen, body))
     for name, place in pose.frames.items():
         if is_letter(name):
@@ -228,6 +250,7 @@ def _solid_structure(drawing: Drawing, seen: Snapshot, faint: bool) -> None:
     for loop in pose.loops:
         elements += joint(loop, radius)
     drawing.add(*_by_depth(elements, drawing.view))
+    _rings(drawing, seen)
     _rods(drawing, seen)
     triad(drawing, np.zeros(3), np.eye(3), 0.16 * seen.size, ("X", "Y", "Z"))
     if pose.tip is not None:

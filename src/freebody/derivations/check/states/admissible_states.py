@@ -178,8 +178,8 @@ class Drawing:
         closed = self._closed(drawn, rows, self._names, self._scale)
         if not closed.count:
             return None
-        ratio = self._ratios(closed, rows)
-        enough = (closed.chosen(np.flatnonzero(ratio >= least)) for least in _REGULAR)
+        ratio: Array = self._ratios(closed, rows)
+        enough = (closed.chosen(np.flatnonzero(ratio >= x)) for x in _REGULAR)
         regular = next((x for x in enough if x.count), None)
         if regular is None:
             return None

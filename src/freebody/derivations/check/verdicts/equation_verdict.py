@@ -85,7 +85,8 @@ class Judge:
             return found
         work = without_values(claim.node)
         for reading in readings(self.setting, self.targets, claim, work):
-            node, whole = (x and replaced(x, reading.new) for x in (claim.node, claim.whole))
+            node = replaced(claim.node, reading.new)
+            whole = claim.whole and replaced(claim.whole, reading.new)
             with suppress(AnswerError):  # too long to be multiplied out
                 value = self._value(claim, node)
                 again = self._as_read(replace(claim, node=node, value=value, whole=whole), False)

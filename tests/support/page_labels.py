@@ -1,0 +1,68 @@
+"""The labels of a living page, measured in the browser: which overlap, and which are cut off."""
+
+from __future__ import annotations
+
+from typing import Any
+
+_MEASURE = """
+const [states, seed] = arguments;
+let last = seed;
+const random = () => {
+  last = (Math.imul(last, 1664525) + 1013904223) >>> 0;
+  return last / 4294967296;
+};
+const sliders = [...document.querySelectorAll('#try input[type=range]')].filter(
+  e => e.max !== e.min);
+const starts = sliders.map(e => e.valueAsNumber);
+const found = {labels: 0, overlaps: 0, cut: 0, crowded: 0, examples: []}, times = [];
+for (let k = 0; k < states; k++) {
+  if (k) {
+    const share = random();
+    sliders.forEach((slider, i) => {
+      const [low, high] = [Number(slider.min), Number(slider.max)];
+      const goal = low + random() * (high - low);
+      slider.value = starts[i] + share * (goal - starts[i]);
+    });
+    const began = performance.now();
+    sliders[0].dispatchEvent(new Event('input'));
+    times.push(performance.now() - began);
+  }
+  let wrong = 0;
+  for (const id of ['arm', 'bodies']) {
+    const svg = document.getElementById(id), frame = svg.getBoundingClientRect();
+    const texts = [...svg.querySelectorAll('text')];
+    const boxes = texts.map(e => e.getBoundingClientRect());
+    const tell = (what, ...which) => {
+      wrong++;
+      if (found.examples.length < 12) {
+        found.examples.push([k, id, what, ...which.map(i => texts[i].textContent)].join(' '));
+      }
+    };
+    found.labels += texts.length;
+    boxes.forEach((a, i) => {
+      const beyond = Math.max(frame.left - a.left, frame.top - a.top,
+        a.right - frame.right, a.bottom - frame.bottom);
+      if (!(beyond < 0.5)) { found.cut++; tell('cut', i); }
+      boxes.slice(0, i).forEach((b, j) => {
+        const wide = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+        const high = Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+        if (wide > 0.5 && high > 0.5) { found.overlaps++; tell('overlap', i, j); }
+      });
+    });
+  }
+  found.crowded += wrong > 0;
+}
+times.sort((a, b) => a - b);
+found.quick = times[Math.floor(times.length / 10)];
+document.getElementById('again').click();
+return found;
+"""
+
+
+def measured(driver: Any, states: int, seed: int = 1) -> dict[str, Any]:
+    """Labels of the drawings in an opened page, counted over its first state and random ones of
+    its sliders, which reach from the first to all that they allow: pairs that overlap, labels
+    beyond the drawing's edge, states in which there is either, and the milliseconds in which one
+    drawing in ten is made: others are slowed down by what else the machine does."""
+    found: dict[str, Any] = driver.execute_script(_MEASURE, states, seed)
+    return found

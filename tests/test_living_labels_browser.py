@@ -1,0 +1,133 @@
+"""The drawings of pages that can be tried, measured in a real browser: no label lies on another or
+is cut off, the moving drawing is the figure above it, and equations are not far down."""
+
+from __future__ import annotations
+
+import shutil
+from collections import Counter
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.derivations.expressions.expression import Symbol, nodes
+from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.living.line_units import units_of_symbols
+from freebody.figures.drawing import Dimension
+from freebody.figures.illustrate import illustrations
+from freebody.figures.text import canonical, label
+from support.browser import browser
+from support.page_labels import measured
+
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning"),
+    pytest.mark.skipif(
+        not (shutil.which("chromium") and shutil.which("chromedriver")),
+        reason="needs chromium and chromedriver",
+    ),
+]
+
+SAMPLE = ("3R", "RP", "four_bar", "elbow_arm")
+FRAME = 16.0  # ms, between two pictures of a screen
+FAR_DOWN = {"stewart"}  # tells its six loops one by one before the first equation
+
+
+@pytest.fixture(scope="module")
+def driver(tmp_path_factory):
+    with browser(tmp_path_factory.mktemp("profile")) as opened:
+        opened.set_window_size(1500, 1000)
+        opened.set_script_timeout(300)
+        yield opened
+
+
+def opened(driver, folder, derivation) -> None:
+    page = folder / "page.html"
+    page.write_text(derivation.html(), encoding="utf-8")
+    driver.get(page.as_uri())
+
+
+@pytest.mark.parametrize(
+    ("name", "states"),
+    [
+        *((name, 20) for name in SAMPLE),
+        *(pytest.param(name, 200, marks=pytest.mark.long) for name in fb.models()),
+    ],
+)
+def test_no_label_lies_on_another_or_is_cut_off(driver, tmp_path, name, states):
+    """And a drawing is made in less than a frame."""
+    opened(driver, tmp_path, fb.derive(fb.load(name)))
+    found = measured(driver, states)
+    assert found["labels"] > 5 * states
+    assert (found["overlaps"], found["cut"]) == (0, 0), found["examples"]
+    assert found["quick"] < FRAME
+    assert not driver.get_log("browser")
+
+
+@pytest.mark.parametrize("method", ["statics", "lagrange", "recursive"])
+def test_nor_under_a_load_or_in_other_letters(driver, tmp_path, method):
+    opened(driver, tmp_path, fb.derive(fb.load("2R"), method, notation="siciliano"))
+    found = measured(driver, 20)
+    assert (found["overlaps"], found["cut"]) == (0, 0), found["examples"]
+
+
+CIRCLES = """return ['main > figure svg', '#arm'].map(svg => arguments[0].map(kind =>
+  [...document.querySelectorAll(`${svg} circle.${kind}`)].map(e =>
+    [e.cx.baseVal.value, e.cy.baseVal.value])))"""
+WRITTEN = """return ['main > figure svg', '#arm'].map(svg =>
+  [...document.querySelectorAll(`${svg} text:not(.n)`)].map(e => e.textContent))"""
+
+
+@pytest.mark.parametrize("name", [*SAMPLE, "ur5e", "five_bar_rods", "furuta", "quadrotor"])
+def test_the_moving_drawing_is_the_figure_above_it(driver, tmp_path, name):
+    """At first: the same names, and joints, centres of mass and the tip at the same places."""
+    opened(driver, tmp_path, fb.derive(fb.load(name)))
+    above, moving = driver.execute_script(WRITTEN)
+    assert Counter(above) == Counter(moving)
+    places = driver.execute_script(CIRCLES, ["pin", "com", "position-head"])
+    still, drawn = (np.array([x for kind in found for x in kind]) for found in places)
+    assert len(still) == len(drawn) > 0
+    a, b = (x - x.mean(axis=0) for x in (still, drawn))
+    scale = np.sqrt((b**2).sum() / max((a**2).sum(), 1e-9)) if len(a) > 1 else 1.0
+    np.testing.assert_allclose(b, scale * a, atol=1.0)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *SAMPLE,
+        *(pytest.param(name, marks=pytest.mark.long) for name in fb.models() if name not in SAMPLE),
+    ],
+)
+def test_every_length_in_the_equations_is_dimensioned(name):
+    model = fb.load(name)
+    derivation = fb.derive(model)
+    units = units_of_symbols(derivation)
+    lines = (line for step in derivation.steps for line in step.equations)
+    spoken = {x.name for line in lines for x in nodes(line) if isinstance(x, Symbol)}
+    lengths = {x for x in model.parameters if x in spoken and units.get(x) == "m"}
+    elements = illustrations(derivation)["overview"].elements
+    drawn = {canonical(x.label) for x in elements if isinstance(x, Dimension)}
+    assert {canonical(label(sym(x))) for x in lengths} <= drawn
+
+
+@pytest.mark.parametrize("size", [(1500, 900), (1280, 720)])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(x, marks=[pytest.mark.long] * (x not in SAMPLE))
+        for x in fb.models()
+        if x not in FAR_DOWN
+    ],
+)
+def test_the_first_equation_stands_within_a_screen_and_a_half(driver, tmp_path, name, size):
+    width, height = size
+    metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    opened(driver, tmp_path, fb.derive(fb.load(name)))
+    first = driver.execute_script(
+        "return [...document.querySelectorAll('.equations')].find(e => e.offsetHeight)"
+        ".getBoundingClientRect().bottom"
+    )
+    driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    assert first < 1.5 * height
