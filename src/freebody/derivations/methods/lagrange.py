@@ -16,6 +16,7 @@ from freebody.derivations.methods.closed_form_steps import closed_form
 from freebody.derivations.methods.energies import Energies, kinetic_step, potential_step
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.squared_speeds import squared_speeds
 from freebody.derivations.methods.term_sources import KINETIC, POTENTIAL, TIME, TermSources
 from freebody.derivations.methods.virtual_work import virtual_work
 from freebody.derivations.polynomials.symbols import RATE
@@ -66,6 +67,7 @@ def lagrangian(s: Setting) -> tuple[Energies, list[Step]]:
     steps = [_positions(s), _angular_velocities(s, moving), _velocities(s)]
     return energies, [
         *steps,
+        *squared_speeds(s),
         kinetic_step(s, energies),
         potential_step(s, energies),
         _lagrangian(s, energies),

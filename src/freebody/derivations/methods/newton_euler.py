@@ -16,6 +16,7 @@ from freebody.derivations.methods.body_by_body import FreeBodies
 from freebody.derivations.methods.body_motion import motion
 from freebody.derivations.methods.closed_form_steps import closed_form
 from freebody.derivations.methods.coupled_joints import shared_motors
+from freebody.derivations.methods.cross_products import angles_between_arms
 from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.method import Method, MethodOption, Worked
 from freebody.derivations.methods.modular import meanings
@@ -51,6 +52,8 @@ def work_out(setting: Setting, route: str) -> Worked:
             geometry(setting),
             *(moving[:1] if route == "pivot" and setting.cited == "R" else moving),
         ]
+        if route == "centre":
+            steps += angles_between_arms(setting)
         told = inward if route == "centre" else filter(setting.is_alone, inward)
         steps += [work.substituted(i, route == "centre") for i in told]
         steps += shared_motors(setting, reactions.drives, tau)
