@@ -51,12 +51,12 @@ def _by_angle(s: Setting) -> dict[object, tuple[Expression, Vector, Directed]]:
 
 
 def _arms(s: Setting) -> Iterator[Arm]:
-    """Those that are named, from joint to joint and to the centres of mass."""
+    """Those to the centres of mass, and from joint to joint."""
+    for i in s.weighted:
+        yield s.centre_name(i), s.centre(i)
     for i in s.order:
         for k in s.tree.children(i):
             yield s.reach_name(i, k), s.to_child(i, k)
-        if i in s.weighted:
-            yield s.centre_name(i), s.centre(i)
 
 
 def _products(

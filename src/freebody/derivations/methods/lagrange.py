@@ -12,7 +12,7 @@ from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.methods import glossary, step_reasons
-from freebody.derivations.methods.closed_form_steps import closed_form
+from freebody.derivations.methods.ending import ending
 from freebody.derivations.methods.energies import Energies, kinetic_step, potential_step
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
@@ -39,7 +39,8 @@ def work_out(setting: Setting) -> Worked:
         equation, torque = _equation(s, i, one, works.get(i, load))
         steps += [one.step, equation]
         tau.append(torque)
-    steps.append(_marked(closed_form(s), [one.sources for one in by_coordinate]))
+    closed, *told = ending(s)
+    steps += [_marked(closed, [one.sources for one in by_coordinate]), *told]
     return Worked(tuple(steps), tuple(tau), symbols(s, energies))
 
 

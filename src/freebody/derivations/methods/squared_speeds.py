@@ -33,7 +33,9 @@ def squared_speeds(s: Setting) -> list[Step]:
             continue
         spelt = _spelt(s, i) if s.planar else None
         mixed |= spelt is not None
-        lines.append(ex.eq(ex.power(s.name("vc", i), 2), *([] if spelt is None else [spelt]), value))
+        lines.append(
+            ex.eq(ex.power(s.name("vc", i), 2), *([] if spelt is None else [spelt]), value)
+        )
     if not lines:
         return []
     reason = "The squares of the components added up"

@@ -43,7 +43,9 @@ def directed(layout: Layout, vector: Sequence[Trig]) -> list[Directed]:
             row[name] = row.get(name, symbols.zero()) + term
     found = []
     for angle, (x, y) in parts.items():
-        one = _turned(angle, *(row.get(f, symbols.zero()) for row in (x, y) for f in ("cos", "sin")))
+        one = _turned(
+            angle, *(row.get(f, symbols.zero()) for row in (x, y) for f in ("cos", "sin"))
+        )
         if one is None:
             return []
         found.append(one)
