@@ -7,9 +7,10 @@ from itertools import combinations
 from freebody.derivations.derivation import Step
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression
-from freebody.derivations.expressions.nodes import Words
+from freebody.derivations.expressions.nodes import Symbol, Words
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.directions import cosine, directed, sine
+from freebody.derivations.render.rows import part
 from freebody.spatial import dot
 
 PAIRS = 3
@@ -27,15 +28,13 @@ def squared_speeds(s: Setting) -> list[Step]:
     """v_ci² of each body: its components squared and added up, then shortened; none where they are
     too long to read, or nothing moves."""
     lines, mixed = [], False
-    for i in s.weighted:
+    for i in s.weighted if s.planar or not s.tree.loops else ():
         value = speed_squared(s, i)
         if value is None:
             continue
         spelt = _spelt(s, i) if s.planar else None
         mixed |= spelt is not None
-        lines.append(
-            ex.eq(ex.power(s.name("vc", i), 2), *([] if spelt is None else [spelt]), value)
-        )
+        lines.append(ex.eq(_square(s, i), *([] if spelt is None else [spelt]), value))
     if not lines:
         return []
     reason = "The squares of the components added up"
@@ -44,11 +43,19 @@ def squared_speeds(s: Setting) -> list[Step]:
     reason += "."
     if mixed:
         reason += (
-            " Of two parts that turn by different angles products of their sines and cosines are "
-            "left, which add up to the cosine of the angle between them (of cos α cos β + sin α "
-            "sin β it is cos(α - β)): first with the products, then so."
+            " Of two parts that turn by different angles two products of sines and cosines are "
+            "left, which add up to the cosine or the sine of the difference of the angles. Such a "
+            "line has first these products, then their sum."
         )
     return [Step("Squares of the velocities", reason, tuple(lines))]
+
+
+def _square(s: Setting, i: int) -> Expression:
+    """v² of body i's centre of mass, in the plane by the components."""
+    name = s.name("vc", i)
+    if not s.planar or not isinstance(name, Symbol):
+        return ex.power(name, 2)
+    return ex.add(*(ex.power(part(name, axis), 2) for axis in "xy"))
 
 
 def _spelt(s: Setting, i: int) -> Expression | None:
