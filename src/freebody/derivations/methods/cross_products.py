@@ -34,8 +34,8 @@ def angles_between_arms(s: Setting) -> list[Step]:
     lines = [line for one, other in pairs for line in _products(s, one, other)]
     reason = (
         "Moments are products of two vectors, each with the angle of its own body. What becomes of "
-        "the products of sines and cosines, two arms show: their lengths times the cosine (a · b) "
-        "or the sine (a × b) of the angle from the one to the other."
+        "the products of sines and cosines, two arms show: a · b and a × b, by components, are "
+        "their lengths times the cosine and the sine of the angle from the one to the other."
     )
     return [Step("Angles between the arms", reason, tuple(lines))]
 
@@ -67,9 +67,10 @@ def _products(
     (a, u, first), (b, v, second) = one, other
     lengths = s.show_moved(first.along), s.show_moved(second.along)
     (moment,) = s.tree.space.moment(u, v)
+    (ax, ay), (bx, by) = ([component(s, x, axis) for axis in "xy"] for x in (a, b))
     for product, value, function in (
-        (ex.dot(a, b), dot(u, v), cosine),
-        (ex.cross(a, b), moment, sine),
+        (ex.add(ex.mul(ax, bx), ex.mul(ay, by)), dot(u, v), cosine),
+        (ex.sub(ex.mul(ax, by), ex.mul(ay, bx)), moment, sine),
     ):
         yield ex.eq(product, ex.mul(*lengths, function(first, second)), s.show_moved(value))
 

@@ -55,7 +55,7 @@ WEIGHTS = Kind("gravity, at {here}", "gravity")
 VISCOUS = Kind("viscous friction of {here}", "viscous friction", "move")
 DRY = Kind("dry friction of {here}", "dry friction", "move")
 SPRING = Kind("spring of {here}", "springs")
-CLOSING = Kind("what closes the loops, at {here}", "what closes the loops")
+CLOSING = Kind("what the closing forces take at {here}", "what the closing forces take")
 
 
 @dataclass(frozen=True)
