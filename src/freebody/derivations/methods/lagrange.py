@@ -14,6 +14,7 @@ from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.methods import glossary, step_reasons
 from freebody.derivations.methods.ending import ending
 from freebody.derivations.methods.energies import Energies, kinetic_step, potential_step
+from freebody.derivations.methods.geometry import rotation_name
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.squared_speeds import squared_speeds
@@ -135,7 +136,7 @@ def _velocities(s: Setting) -> Step:
     for i in s.weighted:
         rate: Expression = ex.d_dt(s.name("rc", i))
         if not s.planar:
-            rate = ex.mul(ex.Symbol(f"R0_{i}", "R", ("0",), high=str(s.numbers[i])), rate)
+            rate = ex.mul(rotation_name(s, -1, i), rate)
         lines.append(eq(s.name("vc", i), rate, s.column(s.centre_velocity(i))))
     reason = "Differentiating the positions with respect to time gives the velocities"
     axes = (

@@ -21,41 +21,55 @@ MANY = 12
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of term: words for one, with {here} for the joint in whose equation it stands and
-    {others} for what it comes from, and for all that there are."""
+    """A kind of term: its name; words for one, with {here} for the joint in whose equation it
+    stands and {others} for what it comes from, and for all that there are."""
 
+    name: str
     one: str
     all: str
     when: str = ""
     """When such terms are there, of those that are not always."""
 
 
-INERTIA = Kind("inertia felt at {here}", "inertia felt at a joint that accelerates", "accelerate")
+INERTIA = Kind(
+    "inertia", "inertia felt at {here}", "inertia felt at a joint that accelerates", "accelerate"
+)
 COUPLING = Kind(
+    "coupling",
     "coupling: what the acceleration of {others} takes at {here}",
     "coupling: what the acceleration of one joint takes at another",
     "accelerate",
 )
 CENTRIFUGAL = Kind(
+    "centrifugal",
     "centrifugal, at {here} by the rate of {others}",
     "centrifugal with the square of one rate",
     "move",
 )
 CORIOLIS = Kind(
+    "Coriolis",
     "Coriolis, at {here} by the rates of {others} together",
     "Coriolis with the rates of two joints",
     "move",
 )
 GYROSCOPIC = Kind(
-    "gyroscopic, at {here} by the rates of {others}", "gyroscopic, by the rates", "move"
+    "gyroscopic", "gyroscopic, at {here} by the rates of {others}", "gyroscopic, by rates", "move"
 )
-RATES = Kind("velocity terms, at {here} by the rate of {others}", "velocity terms", "move")
-WEIGHT = Kind("gravity: the weight of {others}, at {here}", "gravity: the weights")
-WEIGHTS = Kind("gravity, at {here}", "gravity")
-VISCOUS = Kind("viscous friction of {here}", "viscous friction", "move")
-DRY = Kind("dry friction of {here}", "dry friction", "move")
-SPRING = Kind("spring of {here}", "springs")
-CLOSING = Kind("what the closing forces take at {here}", "what the closing forces take")
+RATES = Kind(
+    "velocity terms", "velocity terms, at {here} by the rate of {others}", "velocity terms", "move"
+)
+WEIGHT = Kind("gravity", "gravity: the weight of {others}, at {here}", "gravity: the weights")
+WEIGHTS = Kind("gravity", "gravity, at {here}", "gravity")
+VISCOUS = Kind("viscous friction", "viscous friction of {here}", "viscous friction", "move")
+DRY = Kind("dry friction", "dry friction of {here}", "dry friction", "move")
+SPRING = Kind("spring", "spring of {here}", "springs")
+CLOSING = Kind(
+    "closing forces", "what the closing forces take at {here}", "what the closing forces take"
+)
+_ORDER = (
+    INERTIA, COUPLING, CENTRIFUGAL, CORIOLIS, GYROSCOPIC, RATES, WEIGHT, WEIGHTS, VISCOUS, DRY,
+    SPRING, CLOSING,
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -99,7 +113,7 @@ def _by_kind(terms: Iterable[Term]) -> Iterator[Meaning]:
         kinds.setdefault(term.symbol, {})[term.kind] = None
     symbols: dict[tuple[Kind, ...], list[Expression]] = {}
     for symbol, found in kinds.items():
-        symbols.setdefault(tuple(found), []).append(symbol)
+        symbols.setdefault(tuple(sorted(found, key=_ORDER.index)), []).append(symbol)
     for found, those in symbols.items():
         yield Meaning(tuple(those), "; ".join(kind.all for kind in found), "")
 
@@ -108,11 +122,10 @@ def _reason(terms: Iterable[Term]) -> str:
     when: dict[str, dict[str, None]] = {}
     for term in terms:
         if term.kind.when:
-            when.setdefault(term.kind.when, {})[term.kind.one.split()[0].strip(",:")] = None
+            when.setdefault(term.kind.when, {})[term.kind.name] = None
     told = [f"{listed(list(names))} only while joints {verb}" for verb, names in when.items()]
-    return "The terms of the equations above by name." + (
-        f" Of these there are {'; '.join(told)}." if told else ""
-    )
+    more = "; ".join(told)
+    return "The terms of the equations above by name" + (f": {more}." if more else ".")
 
 
 class _Terms:
