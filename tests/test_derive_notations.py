@@ -48,8 +48,9 @@ def read_in_the_notes(robot: str, method: str) -> tuple[list[int], int]:
     """The lines before the closed form that `check` reads in the notes' own letters, by place."""
     model = fb.load(robot)
     told = fb.derive(model, method)
-    closed = told.steps[-1].operation == "The closed form"
-    before = lines(told)[: -len(told.steps[-1].equations) if closed else None]
+    names = [step.operation for step in told.steps]
+    end = names.index("The closed form") if "The closed form" in names else len(names)
+    before = [str(line) for step in told.steps[:end] for line in step.equations]
     return [k for k, line in enumerate(before) if is_right(model, line)], len(before)
 
 
@@ -229,7 +230,7 @@ def test_zeros_are_zeros_and_numbers_are_numbers():
     """Point masses at the ends of the links."""
     told = fb.derive(ARM, "lagrange", parameters={"lc": "l", "I": 0})
     assert "H₂₂ = m₂ l₂²" in lines(told)
-    assert "T₂ = ½ m₂ vc₂² = " in " ".join(told.steps[4].text().split())
+    assert "T₂ = ½ m₂ vc₂² = " in " ".join(told.text().split())
     assert "H₂₂ = ¼ m₂ + I₂" in lines(fb.derive(ARM, parameters={"lc2": 0.5, "l1": 1}))
 
 

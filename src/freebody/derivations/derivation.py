@@ -3,7 +3,7 @@ why."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -30,7 +30,8 @@ class Step(InWords):
     to it: "vectors", "centres", "velocities", "accelerations", "tip", "tip velocity", "tip
     acceleration", "free-body N" of body N from 1, "carried N" of it with all that hangs on it,
     "partial N" of the velocities when joint N alone moves, or "free N" of body N that nothing
-    holds. result: whether this is what was sought.
+    holds. result: whether this is what was sought. terms: what terms of the
+    equations are, a row each.
     """
 
     operation: str
@@ -39,6 +40,7 @@ class Step(InWords):
     notes: tuple[str, ...] = ()
     figure: str | None = None
     result: bool = False
+    terms: tuple[Meaning, ...] = ()
 
     def _title(self) -> str:
         return f"Step: {self.operation}; {counted(len(self.equations), 'equation')}"
@@ -164,20 +166,19 @@ def written_in(lettering: Lettering, made: Derivation) -> Derivation:
     if lettering is PLAIN:
         return made
     lines = [line for step in made.steps for line in step.equations]
-    own = lettered_for(lettering, [*lines, *(x for row in made.glossary for x in row.symbols)])
+    rows = [*made.glossary, *(row for step in made.steps for row in step.terms)]
+    own = lettered_for(lettering, [*lines, *(x for row in rows for x in row.symbols)])
     steps = tuple(
         replace(
             step,
             operation=own.sentence(step.operation),
             reason=own.sentence(step.reason),
             equations=tuple(map(own.line, step.equations)),
+            terms=_lettered(own, step.terms),
         )
         for step in made.steps
     )
-    table = tuple(
-        Meaning(tuple(map(own, row.symbols)), own.sentence(row.words), row.unit)
-        for row in made.glossary
-    )
+    table = _lettered(own, made.glossary)
     given = own.sentence(made.given)
     if own.taken:
         given += (
@@ -185,6 +186,12 @@ def written_in(lettering: Lettering, made: Derivation) -> Derivation:
         )
     new = {"steps": steps, "glossary": table, "given": given}
     return replace(made, **new, lettering=own, plain=made)
+
+
+def _lettered(own: Lettering, table: Iterable[Meaning]) -> tuple[Meaning, ...]:
+    return tuple(
+        Meaning(tuple(map(own, row.symbols)), own.sentence(row.words), row.unit) for row in table
+    )
 
 
 @dataclass(frozen=True)

@@ -236,6 +236,13 @@ class Equation(Expression):
         return self.sides[-1]
 
 
+class Conditioned(Expression):
+    """What an operand is under conditions, each an equation: `m₂ = 0, I₂ = 0: τ₁`."""
+
+    conditions: tuple[Expression, ...]
+    operand: Expression
+
+
 class Sourced(Expression):
     """A term, and a word for where it came from; pages show that by colour and underline."""
 

@@ -3,15 +3,21 @@ found for a motion (3.5-3.15)."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from freebody.derivations.derivation import Step
 from freebody.derivations.expressions import expression as ex
-from freebody.derivations.expressions.expression import Expression, eq
+from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.methods import step_reasons
+from freebody.derivations.methods.cross_products import crossed
 from freebody.derivations.methods.geometry import moment_of
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.scalars.trig import Trig
+from freebody.spatial import scale, sub
+
+_BY_COMPONENTS = "First each cross product by components, a × b = a_x b_y - a_y b_x."
 
 
 class FreeBodies:
@@ -124,10 +130,25 @@ class FreeBodies:
         return ex.add(*terms, *map(ex.neg, self.turned(i)))
 
     # ------------------------------------------------------------ values
+    def crossed(self, i: int) -> Iterator[Equation]:
+        """The cross products of the moment at joint i by components; none in space, nor of closed
+        chains, whose forces have unknown parts."""
+        s = self.s
+        if not s.planar or s.tree.loops:
+            return
+        if i in s.weighted and s.column(s.centre(i)) != ex.ZERO:
+            force = scale(s.mass(i), sub(s.centre_acceleration(i), s.gravity(i)))
+            yield crossed(s, (s.centre_name(i), s.centre(i)), (s.needed(i), force))
+        for k in s.tree.children(i):
+            if s.column(s.to_child(i, k)) != ex.ZERO:
+                arm = s.reach_name(i, k), s.to_child(i, k)
+                yield crossed(s, arm, (self.passed(k), self.reactions.f[k]))
+
     def substituted(self, i: int, reactions: bool) -> Step:
         """Reaction and torque at joint i, the motion put in."""
         s, n = self.s, self.s.numbers[i]
-        lines = []
+        lines = list(self.crossed(i))
+        reason = "" if s.tree.children(i) or not lines else f"{_BY_COMPONENTS} "
         if reactions:
             (force, moment), pin = self.reactions.borne[i], s.is_pin(i)
             lines.append(eq(s.force_name(s.tree.bodies[i].parent, i), s.column(force)))
@@ -135,7 +156,7 @@ class FreeBodies:
                 lines.append(eq(s.joint_moment(i), s.angular(moment)))
         if s.is_alone(i):
             lines.append(eq(s.motor(i), s.show(self.tau[i])))
-        reason = step_reasons.substituted(s, i, reactions)
+        reason += step_reasons.substituted(s, i, reactions)
         if reactions:
             given = self.reactions.f[i] if pin else (*self.reactions.f[i], *self.reactions.n[i])
             left = force if pin else (*force, *moment)

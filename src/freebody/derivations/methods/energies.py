@@ -12,11 +12,14 @@ from freebody.derivations.expressions.expression import Equation, eq
 from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.methods.geometry import measured
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.squared_speeds import speed_squared
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import add, dot, times
 
 HALF = ex.num(Fraction(1, 2))
+FEW = 6
+"""Terms of a v² up to which it is put in."""
 
 
 class Energies:
@@ -111,7 +114,8 @@ def kinetic_step(s: Setting, energies: Energies) -> Step:
         turning = ex.ZERO if s.is_point(i) else ex.mul(HALF, spin)
         lines += measured(s, i, True)
         rule = ex.add(ex.mul(HALF, s.mass_name(i), ex.power(v, 2)), turning)
-        lines.append(s.with_value(f"T{s.numbers[i]}", rule, energies.kinetic(i)))
+        line = s.with_value(f"T{s.numbers[i]}", rule, energies.kinetic(i))
+        lines.append(_with_squares(s, i, energies, line))
     if energies.has_rotors:
         lines.append(eq("T_r", s.show(energies.rotors)))
     reason = (
@@ -121,6 +125,17 @@ def kinetic_step(s: Setting, energies: Energies) -> Step:
     rotors = "; the motors' rotors add T_r" if energies.has_rotors else ""
     numbers = {"RR": ("5.3", "5.11", "5.13", "5.17", "5.19")}.get(s.cited, ("5.3",))
     return Step("Kinetic energies", f"{reason}{rotors}.", tuple(lines), numbers)
+
+
+def _with_squares(s: Setting, i: int, energies: Energies, line: Equation) -> Equation:
+    """T of a body of the plane with v² and ω² put in between, where these are sums."""
+    v, w = speed_squared(s, i), s.angular(energies.moving.w[i])
+    many = isinstance(v, ex.Sum) and len(v.terms) > FEW
+    if not s.planar or v is None or many or not any(isinstance(x, ex.Sum) for x in (v, w)):
+        return line
+    turning = ex.ZERO if s.is_point(i) else ex.mul(HALF, s.inertia_name(i), ex.power(w, 2))
+    put_in = ex.add(ex.mul(HALF, s.mass_name(i), v), turning)
+    return eq(*line.sides[:2], put_in, *line.sides[2:])
 
 
 def potential_step(s: Setting, energies: Energies) -> Step:

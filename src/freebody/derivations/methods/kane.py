@@ -17,8 +17,8 @@ from freebody.derivations.expressions.expression import Expression, eq
 from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods import glossary, step_reasons
 from freebody.derivations.methods.body_motion import motion
-from freebody.derivations.methods.closed_form_steps import closed_form
 from freebody.derivations.methods.coupled_joints import joints
+from freebody.derivations.methods.ending import ending
 from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.reactions import rotor_part
@@ -36,7 +36,7 @@ def work_out(setting: Setting) -> Worked:
     steps = [_speeds(s), geometry(s), *motion(s), _inertia_forces(s)]
     for joint in joints:
         steps += [joint.partial_velocities(), joint.forces(), joint.equation()]
-    steps.append(closed_form(s))
+    steps += ending(s)
     return Worked(tuple(steps), tuple(joint.torque for joint in joints), _symbols(s))
 
 

@@ -12,10 +12,12 @@ from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.methods import glossary, step_reasons
-from freebody.derivations.methods.closed_form_steps import closed_form
+from freebody.derivations.methods.ending import ending
 from freebody.derivations.methods.energies import Energies, kinetic_step, potential_step
+from freebody.derivations.methods.geometry import rotation_name
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.methods.squared_speeds import squared_speeds
 from freebody.derivations.methods.term_sources import KINETIC, POTENTIAL, TIME, TermSources
 from freebody.derivations.methods.virtual_work import virtual_work
 from freebody.derivations.polynomials.symbols import RATE
@@ -38,7 +40,8 @@ def work_out(setting: Setting) -> Worked:
         equation, torque = _equation(s, i, one, works.get(i, load))
         steps += [one.step, equation]
         tau.append(torque)
-    steps.append(_marked(closed_form(s), [one.sources for one in by_coordinate]))
+    closed, *told = ending(s)
+    steps += [_marked(closed, [one.sources for one in by_coordinate]), *told]
     return Worked(tuple(steps), tuple(tau), symbols(s, energies))
 
 
@@ -66,6 +69,7 @@ def lagrangian(s: Setting) -> tuple[Energies, list[Step]]:
     steps = [_positions(s), _angular_velocities(s, moving), _velocities(s)]
     return energies, [
         *steps,
+        *squared_speeds(s),
         kinetic_step(s, energies),
         potential_step(s, energies),
         _lagrangian(s, energies),
@@ -132,7 +136,7 @@ def _velocities(s: Setting) -> Step:
     for i in s.weighted:
         rate: Expression = ex.d_dt(s.name("rc", i))
         if not s.planar:
-            rate = ex.mul(ex.Symbol(f"R0_{i}", "R", ("0",), high=str(s.numbers[i])), rate)
+            rate = ex.mul(rotation_name(s, -1, i), rate)
         lines.append(eq(s.name("vc", i), rate, s.column(s.centre_velocity(i))))
     reason = "Differentiating the positions with respect to time gives the velocities"
     axes = (

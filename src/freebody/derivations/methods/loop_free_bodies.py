@@ -17,8 +17,8 @@ from freebody.derivations.expressions.printed_names import entry, sym
 from freebody.derivations.methods import glossary
 from freebody.derivations.methods.body_by_body import FreeBodies
 from freebody.derivations.methods.body_motion import motion
-from freebody.derivations.methods.closed_form_steps import closed_form
 from freebody.derivations.methods.cut_loops import LONG, Loops
+from freebody.derivations.methods.ending import ending
 from freebody.derivations.methods.loop_forces import (
     FEW,
     LoopForces,
@@ -51,7 +51,7 @@ def work_out(s: Setting, route: str) -> Worked:
     steps += [work.loop_forces.geometry(), *(without_links(s, step) for step in motion(s))]
     steps += [loops.closed(), loops.rates(), loops.seconds()]
     steps += [work.substituted(i, True) if s.is_held(i) else work.freed(i) for i in inward]
-    steps += [*work.unknowns(), closed_form(s, work.through_loops())]
+    steps += [*work.unknowns(), *ending(s, work.through_loops())]
     efforts = Efforts.of(s)
     unknown = [f"the {efforts.words}"] if efforts.count else []
     unknown += [f"the forces in {loops.named}", "those in the joints"]

@@ -14,8 +14,9 @@ from freebody.derivations.derivation import Meaning
 from freebody.derivations.methods import free_bodies, glossary, loop_free_bodies, recursive
 from freebody.derivations.methods.body_by_body import FreeBodies
 from freebody.derivations.methods.body_motion import motion
-from freebody.derivations.methods.closed_form_steps import closed_form
 from freebody.derivations.methods.coupled_joints import shared_motors
+from freebody.derivations.methods.cross_products import angles_between_arms
+from freebody.derivations.methods.ending import ending
 from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.method import Method, MethodOption, Worked
 from freebody.derivations.methods.modular import meanings
@@ -51,10 +52,12 @@ def work_out(setting: Setting, route: str) -> Worked:
             geometry(setting),
             *(moving[:1] if route == "pivot" and setting.cited == "R" else moving),
         ]
+        if route == "centre":
+            steps += angles_between_arms(setting)
         told = inward if route == "centre" else filter(setting.is_alone, inward)
         steps += [work.substituted(i, route == "centre") for i in told]
         steps += shared_motors(setting, reactions.drives, tau)
-        steps.append(closed_form(setting))
+        steps += ending(setting)
     title = f"{METHOD.title}, moments about the pivots" if route == "pivot" else ""
     return Worked(tuple(steps), torques, symbols, title)
 

@@ -12,7 +12,7 @@ from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.nodes import Words
 from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods import glossary
-from freebody.derivations.methods.closed_form_steps import closed_form
+from freebody.derivations.methods.ending import ending
 from freebody.derivations.methods.geometry import geometry, rotation_name
 from freebody.derivations.methods.inward_recursion import Inward, worked
 from freebody.derivations.methods.method import Method, MethodOption, Worked
@@ -36,7 +36,7 @@ def work_out(setting: Setting, gravity: str, values: str) -> Worked:
         names += meanings(not base and not setting.planar)
     else:
         steps = _steps(setting, record, base)
-        steps.append(closed_form(setting))
+        steps += ending(setting)
     title = "" if base else f"{METHOD.title}, gravity as weights"
     return Worked(tuple(steps), tau, names, title)
 
@@ -53,7 +53,7 @@ def modular_steps(setting: Setting, gravity: str) -> list[Step]:
     shown = setting if setting.planar else ModularSetting.of(setting)
     steps = _steps(shown, shown.recursion(gravity), base, rules=setting.planar)
     long = not setting.planar and not setting.equations.is_short
-    steps.append(last_step(steps, setting.equations.length) if long else closed_form(setting))
+    steps += [last_step(steps, setting.equations.length)] if long else ending(setting)
     return steps
 
 

@@ -33,13 +33,7 @@ class TermSources:
     """
 
     def __init__(self, symbols: Symbols, polynomials: Mapping[str, Trig]):
-        self._moving = frozenset(
-            (
-                *(x + dots for x in symbols.coordinates for dots in (RATE, SECOND)),
-                *(f"sgn_{x}{RATE}" for x in symbols.coordinates),
-                *symbols.extra,
-            )
-        )
+        self._moving = moving(symbols)
         self._sources: dict[Pattern, set[str]] = {}
         for source, polynomial in polynomials.items():
             for powers, _ in polynomial.terms():
@@ -58,42 +52,55 @@ class TermSources:
         if isinstance(term, Negative):
             return Negative(self._marked(term.operand))
         found = {
-            source for pattern in self._patterns(term) for source in self._sources.get(pattern, ())
+            source
+            for pattern in patterns(term, self._moving)
+            for source in self._sources.get(pattern, ())
         }
         if not found & {TIME, KINETIC, POTENTIAL}:
             return term
         return Sourced(term, found.pop() if len(found) == 1 else SEVERAL)
 
-    def _patterns(self, term: Expression) -> Collection[Pattern]:
-        try:
-            return evaluate(term, self._rules)
-        except NoValue:
-            return ()
 
-    @property
-    def _rules(self) -> Rules:
-        nothing: frozenset[Pattern] = frozenset({()})
-        return {
-            **arithmetic(
-                lambda number: nothing,
-                total=lambda terms: frozenset().union(*terms),
-                product=_product,
-                negative=lambda operand: operand,
-                quotient=lambda above, below: above,
-                power=lambda base, exponent: _product([base] * max(exponent, 0)),
-            ),
-            Symbol: lambda node, at: (
-                frozenset({(node.name,)}) if node.name in self._moving else nothing
-            ),
-            Function: self._function,
-        }
+def moving(symbols: Symbols) -> frozenset[str]:
+    """Names of rates, accelerations, signs of rates, and of what the model itself does not hold."""
+    names = symbols.coordinates
+    return frozenset(
+        (
+            *(x + dots for x in names for dots in (RATE, SECOND)),
+            *(f"sgn_{x}{RATE}" for x in names),
+            *symbols.extra,
+        )
+    )
 
-    def _function(
-        self, node: Function, at: Callable[[Expression], Collection[Pattern]]
+
+def patterns(term: Expression, names: Collection[str]) -> Collection[Pattern]:
+    """The products of these names that occur in a printed term; none where it is no product or sum
+    of scalars."""
+    nothing: frozenset[Pattern] = frozenset({()})
+
+    def function(
+        node: Function, at: Callable[[Expression], Collection[Pattern]]
     ) -> Collection[Pattern]:
         if node.name == "sgn":
             return frozenset((f"sgn_{name}",) for pattern in at(node.argument) for name in pattern)
-        return frozenset({()})
+        return nothing
+
+    rules: Rules = {
+        **arithmetic(
+            lambda number: nothing,
+            total=lambda terms: frozenset().union(*terms),
+            product=_product,
+            negative=lambda operand: operand,
+            quotient=lambda above, below: above,
+            power=lambda base, exponent: _product([base] * max(exponent, 0)),
+        ),
+        Symbol: lambda node, at: frozenset({(node.name,)}) if node.name in names else nothing,
+        Function: function,
+    }
+    try:
+        return evaluate(term, rules)
+    except NoValue:
+        return ()
 
 
 def _product(factors: Iterable[Collection[Pattern]]) -> Collection[Pattern]:

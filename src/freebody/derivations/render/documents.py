@@ -29,7 +29,7 @@ from freebody.outputs.page import SHEETS, math_style, policy
 from freebody.outputs.text import legal
 
 if TYPE_CHECKING:
-    from freebody.derivations.derivation import Derivation, Step
+    from freebody.derivations.derivation import Derivation, Meaning, Step
 
 Figures = Mapping[str, str]
 """SVG text by the name that a step gives its figure."""
@@ -62,6 +62,8 @@ class _Document:
     row: str = ""
     """Of the table of symbols."""
     table: str = "{}"
+    terms: str = "{}"
+    """The table of what terms are, without unit."""
     figure: str = ""
     opening: str = ""
     """What stands before the first step."""
@@ -95,11 +97,7 @@ class _Document:
         if "overview" in left:
             blocks.append(self.figure.format(left.pop("overview")))
         if derivation.given:
-            rows = [
-                (self.listed(list(map(self.symbol, m.symbols))), prose(m.words), prose(m.unit))
-                for m in derivation.glossary
-            ]
-            blocks.append(self.table.format(self.rows(self, rows)))
+            blocks.append(self.table.format(self._rows(derivation.glossary)))
         blocks.append(self.opening)
         for number, step in enumerate(derivation.steps, 1):
             blocks.append(self.step(step, self.number.format(number), left))
@@ -116,8 +114,16 @@ class _Document:
         blocks.append(self.equations(step) if step.equations else "")
         if left and step.figure in left:
             blocks.append(self.figure.format(left.pop(step.figure)))
-        blocks.append(self.end)
-        return self.between.join(filter(None, blocks))
+        blocks.append(self.terms.format(self._rows(step.terms)) if step.terms else "")
+        return self.between.join(filter(None, [*blocks, self.end]))
+
+    def _rows(self, table: Sequence[Meaning]) -> str:
+        prose = self.prose
+        rows = [
+            (self.listed(list(map(self.symbol, m.symbols))), prose(m.words), prose(m.unit))
+            for m in table
+        ]
+        return self.rows(self, rows)
 
 
 # ---------------------------------------------------------------- text
@@ -144,6 +150,7 @@ def _terminal(width: int) -> _Document:
         underline="=",
         given="\n{}",
         table="\n{}",
+        terms="\n{}",
         heading="\n{}{}{}",
         notes="  [notes {}]",
         source="\n{}",
@@ -202,6 +209,7 @@ _MARKDOWN = _Document(
     title="# {}",
     row="\n| {} | {} | {} |",
     table="| symbol | meaning | unit |\n|---|---|---|{}",
+    terms="| term | what it is | |\n|---|---|---|{}",
     figure="![]({})",
     heading="## {}{}{}",
     notes=" — notes {}",
@@ -217,6 +225,8 @@ _LATEX = _Document(
     given="{}\n",
     row="\n{} & {} & {} \\\\",
     table="\\begin{{center}}\\small\n\\begin{{tabular}}{{lp{{70mm}}l}}{}\n\\end{{tabular}}\n"
+    "\\end{{center}}",
+    terms="\\begin{{center}}\\small\n\\begin{{tabular}}{{lp{{70mm}}l}}{}\n\\end{{tabular}}\n"
     "\\end{{center}}",
     heading=r"\section{{{1}{2}}}",
     notes=r"\hfill{{\normalfont\small notes {}}}",
@@ -266,6 +276,7 @@ body = _Document(
     row="<tr><td>{}</td><td>{}</td><td>{}</td></tr>",
     table='<details><summary>Symbols and units</summary><table class="symbols"><tbody>{}</tbody>'
     "</table></details>",
+    terms='<table class="symbols"><tbody>{}</tbody></table>',
     figure="<figure>{}</figure>",
     heading='<section><details open=""><summary><h2><span>{}</span> {}{}</h2></summary>',
     number="{}",

@@ -97,6 +97,7 @@ LATEX = Typesetter(
         cross=" \\times ",
         dot=" \\cdot ",
         tenfold="\\cdot ",
+        colon=":\\quad ",
         differentials=("\\mathrm{d}", "\\partial "),
         transposed="^{\\mathsf{T}}",
         inverse_transposed="^{-\\mathsf{T}}",

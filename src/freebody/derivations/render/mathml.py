@@ -125,6 +125,7 @@ MATHML = Typesetter(
         dot="<mo>·</mo>",
         equals="<mo>=</mo>",
         comma="<mo>,</mo>",
+        colon='<mo lspace="0">:</mo><mspace width=".4em"/>',
         tenfold="<mo>·</mo>",
         differentials=('<mi mathvariant="normal">d</mi>', "<mo>∂</mo>"),
         transposed="<mi>T</mi>",

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 
 from freebody.derivations.expressions.nodes import (
     Arguments,
+    Conditioned,
     Cross,
     Derivative,
     Dot,
@@ -109,6 +110,8 @@ class Notation:
     dot: str = " · "
     equals: str = " = "
     comma: str = ", "
+    colon: str = ": "
+    """Behind the conditions under which something holds."""
     tenfold: str = "·"
     """Between a decimal's digits and its power of ten."""
     differentials: tuple[str, str] = ("d", "∂")
@@ -271,6 +274,10 @@ class Typesetter:
         n, rows = self.notation, [[entry] for entry in node.entries]
         return self._array(rows, n.column or n.matrix)
 
+    def _conditioned(self, node: Conditioned) -> str:
+        n = self.notation
+        return n.comma.join(map(self.whole, node.conditions)) + n.colon + self(node.operand)
+
     _rules: ClassVar[dict[type, Callable[[Any, Any], str]]] = {
         Number: _number,
         Symbol: lambda self, node: self.notation.symbol(node, ""),
@@ -290,6 +297,7 @@ class Typesetter:
         Vector: _column,
         Matrix: lambda self, node: self._array(node.rows, self.notation.matrix),
         Equation: lambda self, node: self.notation.equals.join(self(x, SUM) for x in node.sides),
+        Conditioned: _conditioned,
         Sourced: lambda self, node: self.notation.sourced(node.source, self(node.operand)),
         Words: lambda self, node: self.notation.words(node.text),
     }

@@ -203,7 +203,7 @@ class Drawing:
                 values[name] = values[name] - steps[:, i]
         here = replace(drawn, values=values)
         ends = (np.abs(rows.at(here)) <= 100 * _CLOSED * self._length).all(1)
-        return here.chosen(ends)
+        return here.chosen(np.flatnonzero(ends))
 
     def _ratios(self, states: AdmissibleStates, rows: Rows) -> Array:
         """The least of the singular values that generic positions have, by the largest."""
