@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 
 from freebody.derivations.check.algebra.answer_tree import Named
-from freebody.derivations.check.algebra.quotients import Value, difference, pair
+from freebody.derivations.check.algebra.quotients import Value, difference, generator, pair
 from freebody.derivations.check.algebra.tables_in_formulas import Shape
 from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity
 from freebody.derivations.check.claims.formula_reader import BODY_FAMILIES, entry_label
@@ -18,6 +18,7 @@ from freebody.derivations.check.numbers.units import unit_of_quantity
 from freebody.derivations.check.reading.answer_lines import Line
 from freebody.derivations.check.reading.behind_names import inverse_behind, turn_behind
 from freebody.derivations.check.reading.claim import Claim
+from freebody.derivations.check.verdicts.rounded_numbers import half_a_unit
 from freebody.derivations.expressions.nodes import Expression, Matrix, Number
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.polynomials.symbols import RATE, SECOND
@@ -33,6 +34,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         """What one equation states, after others."""
         self.of_bodies = self.is_about_bodies(line)
         self.begin(line)
+        if self._restates_a_parameter(line):
+            return []
         if self.is_solved(line):
             return [self.solved_for(line)]
         subjects = [self._subject(side) for side in line]
@@ -59,6 +62,22 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             whole = [*(x for x in named if isinstance(x, Token)), *side]
             found += self.in_some_axes(whole, stated)
         return found
+
+    def _restates_a_parameter(self, line: Line) -> bool:
+        """Whether a line says of a parameter what its value is, let g = 9.81 m/s²: nothing is
+        checked."""
+        own = [x.text for x in line[0]] if len(line) == 2 else []
+        name = generator(self.vocabulary.symbols.get(own[0], self.setting.zero)) if own else None
+        value = self.setting.symbols.model.parameters.get(name or "")
+        if len(own) != 1 or value is None or any(x.kind == "name" for x in line[1]):
+            return False
+        node = self.parse(line[1])
+        written = self.numbers.of(node.span)
+        if not isinstance(node, Number):
+            return False
+        factor = written.unit.factor if written is not None and written.unit else 1.0
+        half = half_a_unit(self.source.plain(node.span), node.value, True)
+        return abs(float(node.value) * factor - value) <= float(half) * factor
 
     def _stated(
         self, named: Sequence[Token | Named | Matrix], side: Sequence[Token], as_vector: bool

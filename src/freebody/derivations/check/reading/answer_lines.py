@@ -157,7 +157,8 @@ class DocumentReader:
             if not self._says_something(piece):
                 continue
             with self._lenient(piece.lenient, (piece.start, piece.end)):
-                found += tokens(self.source, self.vocabulary, (piece.start, piece.end))[:-1]
+                read = tokens(self.source, self.vocabulary, (piece.start, piece.end))[:-1]
+                found += _without_time(read)
                 found.append(Token("line", "", piece.end, piece.end))
         lines: list[Line] = []
         for line in _lines(found, self.document.written):
@@ -238,6 +239,15 @@ def _parted(piece: FormulaPiece, apart: Sequence[Span]) -> Iterator[FormulaPiece
             yield FormulaPiece(start, end, lenient=True)
             at = end
     yield FormulaPiece(at, piece.end, piece.lenient)
+
+
+def _without_time(found: Sequence[Token]) -> Iterator[Token]:
+    """Tokens without the arguments of functions of time: theta1(t) is theta1."""
+    k = 0
+    while k < len(found):
+        yield found[k]
+        behind = [x.text for x in found[k + 1 : k + 4]]
+        k += 4 if found[k].kind == "name" and behind == ["(", "t", ")"] else 1
 
 
 def _lines(found: Sequence[Token], written: str) -> list[list[Token]]:
