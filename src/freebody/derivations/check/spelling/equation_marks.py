@@ -4,6 +4,7 @@ answers understands the rest or not."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 from freebody.derivations.grammar import words
@@ -88,9 +89,6 @@ def _last_names(source: Source, first: int, end: int) -> Iterator[words.Word]:
     if last.kind in ("sign", "line", "row") and last.text not in _LAST:
         return
     for k in range(first, end):
-        begins = words.begins(lexemes[k]) or lexemes[k].kind == "command"
-        if not begins or (k > first and _FRESH.at(lexemes, k) is None):
-            continue
         word = _spelt(source, k)
         if word is not None and word.at == end:
             yield word
@@ -99,10 +97,10 @@ def _last_names(source: Source, first: int, end: int) -> Iterator[words.Word]:
 def _spelt(source: Source, k: int) -> words.Word | None:
     """The word that begins there, which several marks may ask for."""
     if k not in source.words:
-        try:
-            source.words[k] = words.spell(source, k)
-        except FreebodyError:  # it begins as a name does and is none
-            source.words[k] = None
+        x, source.words[k] = source.lexemes[k], None
+        if (words.begins(x) or x.kind == "command") and _FRESH.at(source.lexemes, k):
+            with suppress(FreebodyError):  # it begins as a name does and is none
+                source.words[k] = words.spell(source, k)
     return source.words[k]
 
 
