@@ -107,7 +107,7 @@ def check(
             verdict = judge.verdict(claim, explain)
             place = claim.source.where(claim.node.span[0]) if document.tells_lines else ""
             judged.append(replace(verdict, where=place))
-    for span in numbers.unused(said.claims):
+    for span in numbers.unused(said.claims, said.told):
         source = said.claims[0].source
         with _leaving_out(document, source, span, unread):
             source.fail("a unit, a tolerance or a state follows what is not a result", span)

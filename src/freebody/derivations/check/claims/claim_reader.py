@@ -77,7 +77,10 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             return False
         factor = written.unit.factor if written is not None and written.unit else 1.0
         half = half_a_unit(self.source.plain(node.span), node.value, True)
-        return abs(float(node.value) * factor - value) <= float(half) * factor
+        if abs(float(node.value) * factor - value) > float(half) * factor:
+            return False
+        self.told.append(node.span)
+        return True
 
     def _stated(
         self, named: Sequence[Token | Named | Matrix], side: Sequence[Token], as_vector: bool

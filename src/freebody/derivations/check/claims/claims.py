@@ -27,7 +27,7 @@ from freebody.derivations.check.verdicts import singular_poses
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.patterns import Pattern
-from freebody.derivations.grammar.source import Source
+from freebody.derivations.grammar.source import Source, Span
 from freebody.derivations.notations.notation import BookNotation
 from freebody.errors import FreebodyError, listed
 
@@ -43,6 +43,8 @@ class Statements:
     unused: tuple[str, ...]
     unread: tuple[UnreadEquation, ...] = ()
     numbers: WrittenNumbers = WrittenNumbers()
+    told: tuple[Span, ...] = ()
+    """Where values of parameters are told."""
 
 
 def statements(
@@ -119,7 +121,8 @@ def statements(
     else:
         found = _without_circles(reading, found)
     unread = sorted(reading.unread, key=lambda row: row.at)
-    return Statements([*found, *poses], _unused(source, own, lines), tuple(unread), numbers)
+    unused, told = _unused(source, own, lines), tuple(claimed.told)
+    return Statements([*found, *poses], unused, tuple(unread), numbers, told)
 
 
 def _definitions(

@@ -66,6 +66,8 @@ class FormulaReader:
         self.source, self.vocabulary, self.targets = source, vocabulary, targets
         self.numbers = numbers
         self.setting = vocabulary.setting
+        self.told: list[Span] = []
+        """Where the answer says what the value of a parameter is, which is known."""
         self.replaced: dict[AskedQuantity, Trig] = {}
         """Values that quantities have for a while."""
         self.letters_of_vectors: frozenset[str] = frozenset()

@@ -3,7 +3,7 @@ positions, and what nothing drives obeying the equations of motion."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -57,11 +57,14 @@ class AdmissibleStates(StateValues):
         """Which states are on the branch of the home."""
         return self.branch == 0
 
-    def with_any_rates(self) -> AdmissibleStates:
-        """The same positions with rates and accelerations that need not keep loops closed."""
+    def with_any(self, coordinates: Collection[str]) -> AdmissibleStates:
+        """The same with rates, accelerations and some coordinates that need not keep loops
+        closed."""
         chance = np.random.default_rng(29)
         values = {
-            name: chance.normal(size=self.count) if name.endswith((RATE, SECOND)) else x
+            name: chance.normal(size=self.count)
+            if name.endswith((RATE, SECOND)) or name in coordinates
+            else x
             for name, x in self.values.items()
         }
         return replace(self, values=values)

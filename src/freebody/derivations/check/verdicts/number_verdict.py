@@ -147,9 +147,10 @@ class NumberJudge:
             found[key] = found.get(key, 0.0) + point.term(known, coefficient)
         return found
 
-    def unused(self, claims: Sequence[Claim]) -> Iterator[Span]:
-        """Where something is said of numbers that are no result of the robot's."""
-        spans = [claim.node.span for claim in claims]
+    def unused(self, claims: Sequence[Claim], told: Sequence[Span]) -> Iterator[Span]:
+        """Where something is said of numbers that are no result of the robot's; told: values of
+        parameters."""
+        spans = [*(claim.node.span for claim in claims), *told]
         for x in self.numbers.numbers:
             if not any(x.begun <= start and end <= x.span[1] for start, end in spans):
                 yield x.said

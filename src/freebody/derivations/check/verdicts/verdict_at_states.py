@@ -77,7 +77,7 @@ def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> Equation
         return None
     of_loops = claim.target.family in _BY_LOOPS
     says_nothing = claim.value.is_zero and (of_loops or right.is_zero)
-    if claim.target.family in _APART or (says_nothing and not functions):
+    if not functions and (claim.target.family in _APART or says_nothing):
         return None
     if at_states.moving is None:
         if claim.target.family == LONG or functions:
@@ -110,8 +110,10 @@ class _AtStates:
         free_body = self.judge.free_body
         if free_body is None:
             found = self.judge.states.of(own_values=self.is_in_numbers)
-            of_any_rates = self.claim.target.family == _OF_ANY_RATES
-            return found.with_any_rates() if found is not None and of_any_rates else found
+            family, moving = self.claim.target.family, self.judge.setting.symbols.coordinates
+            if found is not None and family in (*_APART, _OF_ANY_RATES):
+                return found.with_any(() if family == _OF_ANY_RATES else moving)
+            return found
         written = (x.value for x in nodes(self._tree) if isinstance(x, Named))
         images = free_body.motion((*written, self.right)).images
         return Drawing(self.judge.setting, self.is_in_numbers, images=images).states()
@@ -178,7 +180,8 @@ class _AtStates:
         if not (only_here or self._goes_another_way):
             return None
         mistake = next(self._mistakes(found), None) if explain else None
-        if mistake is None and (not only_here or self.claim.target.family == "closed"):
+        unexplained = not only_here or self.claim.target.family == "closed"
+        if mistake is None and unexplained and not by_functions:
             return None
         findings = (mistake,) if isinstance(mistake, Mistake) else ()
         told = f"Compared in numbers at {states.count} states{', on every branch' * by_functions}."
