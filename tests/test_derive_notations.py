@@ -29,6 +29,11 @@ def lines(derivation: Derivation) -> list[str]:
     return [str(line) for step in derivation.steps for line in step.equations]
 
 
+def closed_form(derivation: Derivation) -> list[str]:
+    step = next(x for x in derivation.steps if x.operation == "The closed form")
+    return list(map(str, step.equations))
+
+
 def is_right(model: fb.Model, text: str, notation: str | BookNotation | None = None) -> bool:
     try:
         return bool(fb.check(model, text, notation=notation))
@@ -81,7 +86,7 @@ CLOSED = {
 @pytest.mark.parametrize("notation", PRESETS)
 def test_each_book_has_its_letters(notation: str):
     told = fb.derive(ARM, "lagrange", notation=notation)
-    assert set(CLOSED[notation]) <= set(lines(told)[-10:])
+    assert set(CLOSED[notation]) <= set(closed_form(told))
     own = fb.equations(ARM).text(names=notation).splitlines()
     assert set(CLOSED[notation]) <= set(own)
 
@@ -99,7 +104,7 @@ def test_sentences_tables_and_documents_have_the_letters_too():
     assert r"\begin{aligned}" in told.latex()
     assert r"b_{22} &= m_{l2} l_2^2 + I_{l2}" in told.latex()
     spong = fb.derive(ARM, "lagrange", notation="spong")
-    assert "10. Derivatives for q₂" in spong.text()
+    assert "11. Derivatives for q₂" in spong.text()
     assert "θ" not in spong.text()
 
 
@@ -198,7 +203,7 @@ def test_greek_letters_are_letters():
     assert any(x.startswith("Ψ₁₁ = ") for x in lines(told))
     assert "The equation of ψ₂" in told.text()
     assert "joint 2 (prismatic, displacement ψ₂" in " ".join(told.text().split())
-    assert all(is_right(fb.load("RP"), x, style) for x in lines(told)[-4:])
+    assert all(is_right(fb.load("RP"), x, style) for x in closed_form(told)[-4:])
 
 
 @pytest.mark.parametrize("method", ["newton-euler", "recursive", "lagrange", "kane"])
@@ -206,7 +211,7 @@ def test_parameters_by_formulas_are_put_in(method: str):
     """Uniform bars: the mass matrix of a textbook, and everything that is printed is right."""
     told = fb.derive(ARM, method, parameters=ROD)
     assert "Here lc₁ = ½ l₁, lc₂ = ½ l₂, I₁ = 1/12 m₁ l₁² and I₂ = 1/12 m₂ l₂²." in told.given
-    closed = lines(told)[-8:]
+    closed = closed_form(told)
     assert "H₂₂ = ⅓ m₂ l₂²" in closed
     assert "G₂ = ½ m₂ g l₂ cos(θ₁+θ₂)" in closed
     assert fb.check(ARM, closed, parameters=ROD)
