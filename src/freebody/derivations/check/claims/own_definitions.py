@@ -53,6 +53,11 @@ class OwnDefinitions(SolvedQuantities):
                     found.add(name)
         return found
 
+    def own_coefficients(self, lines: Sequence[Line]) -> set[str]:
+        """Names of velocity coefficients that lines give and others use, wherever these stand."""
+        given = {x[0][0].text: x for x in lines if len(x[0]) == 1 and len(x) > 1}
+        return {name for name, line in given.items() if self._is_own_h(name, line, lines)}
+
     def definitions(self, line: Line, lines: Sequence[Line]) -> list[Line]:
         """The line, if it introduces a name of the user's own, or an h that other lines use: its
         value is noted."""

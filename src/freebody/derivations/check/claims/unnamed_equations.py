@@ -77,7 +77,7 @@ class UnnamedEquations(FormulaReader):
         if len(line) == 2 and not torques and self.setting.system is not None:
             if along := self._along_legs(line):
                 return along
-            vectors = any(isinstance(x, Matrix) for x in map(self.parse, line))
+            vectors = any(map(self._is_vector, sum(line, ())))
             if between or vectors or (asked and self._is_reduced(line)):
                 return self._identities(line)
             closing = self._closing(line)

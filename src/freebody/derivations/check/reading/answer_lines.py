@@ -98,15 +98,15 @@ class DocumentReader:
     def _asks(self, source: Source, span: Span) -> bool:
         """Whether one of the robot's quantities stands before a sign of equality there, as it is
         written or as it is read."""
+        own = (source, source.lexemes.between(*span))
         begun = self.document.written.rfind("\n", 0, span[0]) + 1
-        written = AnswerText(self.document.written[begun : span[1]])
-        texts = (
-            (source, source.lexemes.between(*span)),
-            (written, written.lexemes.between(span[0] - begun, len(written.text))),
-        )
-        return any(
-            True for text, within in texts for _ in asked_marks(text, within, self._is_quantity)
-        )
+        stretch = self.document.written[begun : span[1]]
+        texts = [own]
+        if stretch != source.text[begun : span[1]]:
+            written = AnswerText(stretch)
+            within = written.lexemes.between(span[0] - begun, len(written.text))
+            texts.append((written, within))
+        return any(True for x in texts for _ in asked_marks(*x, self._is_quantity))
 
     def _is_quantity(self, name: str) -> bool:
         """Whether a name is that of one of the robot's quantities, and no symbol too."""

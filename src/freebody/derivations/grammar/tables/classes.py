@@ -109,6 +109,8 @@ PATTERNS = {
     "symbol": "< %font { < %command | %latin{1,8} > } | %greek_command | %plain_letter >"
     " < @subscript | < ~%digit | ~%low_digit >{1,2} >?",
     "typed": "%letter ~%letter{0,6} ~_? < ~%digit | ~%low_digit | ~P >{0,2}",
+    "name_of_sympy": "%letter < ~%name | ~_ >{0,24}",
+    "of_time": "( t )",
     "below": "< ~_ ~{? >? ~%digit{1,2} ~}?",
     "by_time": "{ @d t @squared? }",
     "asterisk": "^ < { %star } | %star >",
