@@ -99,7 +99,7 @@ def statements(
     claimed.letters_of_vectors = claimed.letters_given_as_vectors(lines)
     claimed.load = loaded_lines.loads(lines, vocabulary, targets)
     pending |= claimed.own_scalars(lines) | claimed.own_coordinates(lines)
-    pending |= claimed.own_coefficients(lines)
+    pending |= claimed.own_coefficients(lines, pending)
     own = _definitions(claimed, reading, lines, pending)
     stated = [line[1:] if line in own else line for line in lines if line not in reading.failed]
     by_line: dict[Line, list[Claim]] = {}

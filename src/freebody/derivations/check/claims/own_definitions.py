@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 
 from freebody.derivations.check.algebra.answer_tree import Wave
@@ -53,10 +53,16 @@ class OwnDefinitions(SolvedQuantities):
                     found.add(name)
         return found
 
-    def own_coefficients(self, lines: Sequence[Line]) -> set[str]:
-        """Names of velocity coefficients that lines give and others use, wherever these stand."""
+    def own_coefficients(self, lines: Sequence[Line], pending: Collection[str]) -> set[str]:
+        """Names of velocity coefficients that lines give and others use, wherever these stand;
+        pending: names that wait for their own lines."""
         given = {x[0][0].text: x for x in lines if len(x[0]) == 1 and len(x) > 1}
-        return {name for name, line in given.items() if self._is_own_h(name, line, lines)}
+        return {
+            name
+            for name, line in given.items()
+            if self._is_own_h(name, line, lines)
+            and not any(x.text in pending for side in line[1:] for x in side)
+        }
 
     def definitions(self, line: Line, lines: Sequence[Line]) -> list[Line]:
         """The line, if it introduces a name of the user's own, or an h that other lines use: its

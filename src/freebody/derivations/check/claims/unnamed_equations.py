@@ -77,7 +77,8 @@ class UnnamedEquations(FormulaReader):
         if len(line) == 2 and not torques and self.setting.system is not None:
             if along := self._along_legs(line):
                 return along
-            vectors = any(map(self._is_vector, sum(line, ())))
+            waves = self.vocabulary.waves
+            vectors = any(self._is_vector(t) and t.text not in waves for t in sum(line, ()))
             if between or vectors or (asked and self._is_reduced(line)):
                 return self._identities(line)
             closing = self._closing(line)
