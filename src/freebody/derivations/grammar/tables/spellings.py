@@ -73,10 +73,10 @@ SPELLINGS: tuple[tuple[str, ...], ...] = (
     ("%frac { @d } @by_time name:@symbol !< ~ %goes_on >", "\\dot { $name }"),
     ("%fresh d < ^ 2 | ² | 2 ~ &%letter > name:@typed / dt < ^? 2 | ² >? %ends", "d d $name"),
     ("%fresh d name:@typed / dt < ^? 2 | ² >? %ends", "d $name"),
-    # Derivative(theta1(t), (t, 2)), diff(theta1, t, t), as SymPy prints them.
+    # Derivative(theta1(t), (t, 2)) = …, as SymPy prints it.
     ("%fresh < Derivative | diff > ( name:@name_of_sympy @of_time? ,"
-     " < t , < 2 | t > | ( t , 2 ) > )", "d d $name"),
-    ("%fresh < Derivative | diff > ( name:@name_of_sympy @of_time? , < t | ( t , 1 ) > )",
+     " < t , < 2 | t > | ( t , 2 ) > ) &< &? = >", "d d $name"),
+    ("%fresh < Derivative | diff > ( name:@name_of_sympy @of_time? , < t | ( t , 1 ) > ) &< &? = >",
      "d $name"),
     # \\frac{\\partial L}{\\partial \\dot{\\theta}_1}.
     ("%frac { \\partial of:< @content{0,30} > } { \\partial by:< @content{1,40} > }",
