@@ -732,8 +732,9 @@ def test_energies_are_typed_as_they_are_printed(driver, tmp_path):
     shown = """return [...document.querySelectorAll('section')].filter(step =>
       [...step.querySelectorAll('.equations')].some(e => e.offsetHeight)).length"""
     assert driver.execute_script(shown) == 0
-    assert "on paper" in driver.find_elements("css selector", "section")[7].text
-    driver.find_elements("css selector", "section")[7].find_element("tag name", "button").click()
+    sections = driver.find_elements("css selector", "section")
+    on_paper = next(section for section in sections if "on paper" in section.text)
+    on_paper.find_element("tag name", "button").click()
     assert driver.execute_script(shown) == 1
 
 
