@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import TypeGuard
 
 from freebody.derivations.closed_chains.first_kind import MULTIPLIER
 from freebody.derivations.derivation import Meaning, Step
@@ -151,7 +152,8 @@ class _Terms:
         """The terms of the equation of coordinate i."""
         drives = _terms(self.s.layout.form(self.s.equations.drives[i]))
         for term in _terms(line.rhs):
-            for part in _terms(self.defined.get(term, term)):
+            meant = self.defined.get(term, term) if isinstance(term, Symbol) else term
+            for part in _terms(meant):
                 yield self._term(i, part, term, part in drives)
 
     def _term(self, i: int, part: Expression, term: Expression, is_drive: bool) -> Term:
@@ -189,7 +191,7 @@ class _Terms:
         return tuple(map(self._joint, places))
 
 
-def _is_in(x: Expression, names: dict[str, str]) -> bool:
+def _is_in(x: Expression, names: dict[str, str]) -> TypeGuard[Symbol]:
     return isinstance(x, Symbol) and x.name in names
 
 

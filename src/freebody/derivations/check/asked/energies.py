@@ -45,7 +45,9 @@ class EnergyQuantities(QuantityGroup):
 
         yield ("E",), AskedQuantity("E", (), lambda: self.setting.element(eq.T + eq.V))
         for family, value in {"T": eq.T, "V": eq.V, "L": eq.T - eq.V, "E": eq.T + eq.V}.items():
-            letters = ("E",) if family == "E" else filter(str.istitle, self.letters[family])
+            letters = (
+                ("E",) if family == "E" else (x for x in self.letters[family] if x[0].isupper())
+            )
             names = tuple(name for x in letters for name in spellings(x, "", 1))
             words = f"the rate of {_ENERGIES[family]}"
             yield names, AskedQuantity("power", (), self._rate(value), words=words)

@@ -125,7 +125,7 @@ class DocumentReader:
             return True
 
     @staticmethod
-    def _text_of(source: AnswerText, word: range) -> str:
+    def _text_of(source: Source, word: range) -> str:
         return source.text[source.lexemes[word.start].start : source.lexemes[word.stop - 1].end]
 
     @cached_property
