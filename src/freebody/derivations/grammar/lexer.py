@@ -9,7 +9,7 @@ from typing import Protocol
 
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexemes import Lexeme, plain
-from freebody.derivations.grammar.patterns import Pattern
+from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.grammar.source import Source, Span
 from freebody.derivations.grammar.tables import characters as table
 
@@ -50,7 +50,7 @@ class Grammar(Protocol):
         ...
 
 
-_NUMBER = Pattern("@number")
+_NUMBER = LexemePattern("@number")
 _LONGEST_NUMBER, _LARGEST_EXPONENT = 40, 30
 _SIGNS = {
     "∂": "partial", "\\partial": "partial", "ᵀ": "transpose", "=": "equals", "==": "equals",

@@ -59,7 +59,7 @@ class Match:
         return at, self.lexemes[self.stop - 1].end if self.stop > self.start else at
 
 
-class Pattern:
+class LexemePattern:
     """A pattern that is ready to be looked for."""
 
     def __init__(self, text: str):
@@ -144,7 +144,7 @@ _ITEM = re.compile(
 
 
 @dataclass
-class _Item:
+class _PatternItem:
     step: _Step
     firsts: _Firsts
     nullable: bool = False
@@ -162,28 +162,28 @@ class _Reader:
         self.words = text.split()
         self.at = 0
 
-    def whole(self) -> _Item:
+    def whole(self) -> _PatternItem:
         item = self._either()
         if self.at < len(self.words):
             raise ValueError(f"{self.words[self.at]!r} closes nothing in {self.text!r}")
         return item
 
-    def _either(self) -> _Item:
+    def _either(self) -> _PatternItem:
         ways = [self._sequence()]
         while self.at < len(self.words) and self.words[self.at] == "|":
             self.at += 1
             ways.append(self._sequence())
         return ways[0] if len(ways) == 1 else _either(ways)
 
-    def _sequence(self) -> _Item:
-        items: list[_Item] = []
+    def _sequence(self) -> _PatternItem:
+        items: list[_PatternItem] = []
         while self.at < len(self.words) and self.words[self.at] != "|":
             if self.words[self.at][0] == ">" and self.words[self.at] != ">=":
                 break
             items.append(self._item())
         return _sequence(items)
 
-    def _item(self) -> _Item:
+    def _item(self) -> _PatternItem:
         match = _ITEM.fullmatch(self.words[self.at])
         assert match, self.words[self.at]
         self.at += 1
@@ -212,7 +212,7 @@ _TIMES = {"?": (0, 1), "*": (0, MANY), "+": (1, MANY)}
 
 
 # -------------------------------------------------------------------------------- steps
-def _one(test: _Test, firsts: _Firsts, glued: bool = False) -> _Item:
+def _one(test: _Test, firsts: _Firsts, glued: bool = False) -> _PatternItem:
     def step(next_: _Next) -> _Next:
         def run(lexemes: Lexemes, k: int, end: int, kept: Captures) -> int:
             if k < end and test(x := lexemes.items[k]) and not (glued and x.apart):
@@ -222,23 +222,23 @@ def _one(test: _Test, firsts: _Firsts, glued: bool = False) -> _Item:
         return run
 
     needs = frozenset() if firsts is None else frozenset((firsts,))
-    return _Item(step, firsts, needs=needs, single=(test, glued))
+    return _PatternItem(step, firsts, needs=needs, single=(test, glued))
 
 
-def _zero(test: Callable[[Lexemes, int, int], bool]) -> _Item:
+def _zero(test: Callable[[Lexemes, int, int], bool]) -> _PatternItem:
     def step(next_: _Next) -> _Next:
         def run(lexemes: Lexemes, k: int, end: int, kept: Captures) -> int:
             return next_(lexemes, k, end, kept) if test(lexemes, k, end) else -1
 
         return run
 
-    return _Item(step, frozenset(), nullable=True)
+    return _PatternItem(step, frozenset(), nullable=True)
 
 
 _ZERO = {name: _zero(test) for name, test in _PLACES.items()}
 
 
-def _single(body: str, glued: bool) -> _Item:
+def _single(body: str, glued: bool) -> _PatternItem:
     """A class, another pattern or a text."""
     if body == "~":
         return _ZERO["glued"]
@@ -292,16 +292,16 @@ def _members(name: str) -> set[str]:
 
 
 _DOTS = frozenset("\u0307\u0308˙¨")
-_patterns: dict[str, _Item] = {}
+_patterns: dict[str, _PatternItem] = {}
 
 
-def _named_pattern(name: str) -> _Item:
+def _named_pattern(name: str) -> _PatternItem:
     if name not in _patterns:
         _patterns[name] = _Reader(PATTERNS[name]).whole()
     return _patterns[name]
 
 
-def _sequence(items: list[_Item]) -> _Item:
+def _sequence(items: list[_PatternItem]) -> _PatternItem:
     if len(items) == 1:
         return items[0]
 
@@ -315,11 +315,11 @@ def _sequence(items: list[_Item]) -> _Item:
     for item in items:
         firsts = None if firsts is None or item.firsts is None else firsts | item.firsts
         if not item.nullable:
-            return _Item(step, firsts, needs=needs)
-    return _Item(step, firsts, nullable=True, needs=needs)
+            return _PatternItem(step, firsts, needs=needs)
+    return _PatternItem(step, firsts, nullable=True, needs=needs)
 
 
-def _either(ways: list[_Item]) -> _Item:
+def _either(ways: list[_PatternItem]) -> _PatternItem:
     def step(next_: _Next) -> _Next:
         runs = [way.step(next_) for way in ways]
 
@@ -338,10 +338,10 @@ def _either(ways: list[_Item]) -> _Item:
     needs = frozenset.intersection(*(way.needs for way in ways))
     if firsts is not None and not any(way.nullable for way in ways):
         needs |= {firsts}
-    return _Item(step, firsts, any(way.nullable for way in ways), needs)
+    return _PatternItem(step, firsts, any(way.nullable for way in ways), needs)
 
 
-def _repeated(item: _Item, low: int, high: int) -> _Item:
+def _repeated(item: _PatternItem, low: int, high: int) -> _PatternItem:
     """As often as it can be, else less often."""
     if item.single is not None:
         return _repeated_single(item, item.single, low, high)
@@ -367,10 +367,12 @@ def _repeated(item: _Item, low: int, high: int) -> _Item:
         return lambda lexemes, k, end, kept: from_there(lexemes, k, end, kept, 0)
 
     needs = item.needs if low else frozenset[frozenset[str]]()
-    return _Item(step, item.firsts, item.nullable or low == 0, needs)
+    return _PatternItem(step, item.firsts, item.nullable or low == 0, needs)
 
 
-def _repeated_single(item: _Item, single: tuple[_Test, bool], low: int, high: int) -> _Item:
+def _repeated_single(
+    item: _PatternItem, single: tuple[_Test, bool], low: int, high: int
+) -> _PatternItem:
     test, glued = single
 
     def step(next_: _Next) -> _Next:
@@ -388,10 +390,10 @@ def _repeated_single(item: _Item, single: tuple[_Test, bool], low: int, high: in
         return run
 
     needs = item.needs if low else frozenset[frozenset[str]]()
-    return _Item(step, item.firsts, low == 0, needs)
+    return _PatternItem(step, item.firsts, low == 0, needs)
 
 
-def _kept(name: str, item: _Item) -> _Item:
+def _kept(name: str, item: _PatternItem) -> _PatternItem:
     begun = f"{name} begun"
 
     def step(next_: _Next) -> _Next:
@@ -415,7 +417,7 @@ def _kept(name: str, item: _Item) -> _Item:
 
         return run
 
-    return _Item(step, item.firsts, item.nullable, item.needs)
+    return _PatternItem(step, item.firsts, item.nullable, item.needs)
 
 
 def _put_back(kept: Captures, name: str, before: tuple[int, int] | None) -> None:
@@ -425,12 +427,12 @@ def _put_back(kept: Captures, name: str, before: tuple[int, int] | None) -> None
         kept[name] = before
 
 
-def _looked(item: _Item, follows: bool) -> _Item:
+def _looked(item: _PatternItem, follows: bool) -> _PatternItem:
     found = item.step(lambda lexemes, k, end, kept: k)
     return _zero(lambda lexemes, k, end: (found(lexemes, k, end, {}) >= 0) == follows)
 
 
-def _behind(body: str, mark: str) -> _Item:
+def _behind(body: str, mark: str) -> _PatternItem:
     wanted, anywhere = mark[0] != "!", "--" in mark
     if body[0] == "%" and len(body) > 1:
         test, _ = _class(body[1:])

@@ -6,16 +6,16 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
 from freebody.derivations.grammar.lexemes import Lexeme, Lexemes, scanned
-from freebody.derivations.grammar.patterns import Match, Pattern
+from freebody.derivations.grammar.patterns import LexemePattern, Match
 from freebody.derivations.grammar.tables.characters import HIGH
 from freebody.derivations.grammar.tables.spellings import LABEL, SPELLINGS
 
 
-class _Spelling:
+class _SpellingRow:
     """A row of the table."""
 
     def __init__(self, find: str, put: str, remark: str = ""):
-        self.pattern = Pattern(find)
+        self.pattern = LexemePattern(find)
         self.put = put.split()
         self.is_wide = remark != LABEL
         self.literal = {x: scanned(x) for x in self.put if x[0] not in "$#␣" and "$" not in x}
@@ -68,7 +68,7 @@ class _Spelling:
             yield from self.literal[item]
 
 
-_ROWS = [_Spelling(*row) for row in SPELLINGS]
+_ROWS = [_SpellingRow(*row) for row in SPELLINGS]
 
 
 @lru_cache(maxsize=4)

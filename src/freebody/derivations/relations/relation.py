@@ -11,7 +11,7 @@ import numpy as np
 
 from freebody.derivations.expressions.expression import Equation
 from freebody.derivations.grammar.lexemes import Lexemes
-from freebody.derivations.grammar.patterns import Pattern
+from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.polynomials.typical_values import occurs, typical
 from freebody.derivations.relations.formula import FormulaError, names_in, parse
 from freebody.derivations.relations.formula_values import (
@@ -184,7 +184,7 @@ def _numbers(side: Value, values: Mapping[str, float]) -> Any:
 
 
 # ---------------------------------------------------------------- numbers as printed
-_NUMBER = Pattern("< - | + >? @number")
+_NUMBER = LexemePattern("< - | + >? @number")
 
 
 def printed_numbers(text: str) -> list[tuple[float, float]]:

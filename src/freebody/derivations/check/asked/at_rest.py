@@ -12,13 +12,13 @@ from freebody.derivations.check.asked.group import Named
 from freebody.derivations.check.asked.load_names import JOINT_FORCE, MOMENT, VECTORS
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.grammar.lexemes import Lexemes
-from freebody.derivations.grammar.patterns import Pattern
+from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.relations.quantities import QuantityValues, branches
 from freebody.lazy import cached_property
 
-MOVES = Pattern(
+MOVES = LexemePattern(
     "%dotted_letter | %mark | \\dot | \\ddot | _ ~d | !-%small_letter d ~d? ~o ~t %ends"
     " | !-%latin d ~d? < ~q | ~t ~h < ~e ~t ~a >? > ~%digit | ω | \\omega"
 )

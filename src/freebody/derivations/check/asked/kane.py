@@ -10,13 +10,13 @@ from freebody.derivations.check.asked.bodies import QuantitiesOfBodies
 from freebody.derivations.check.asked.group import Named
 from freebody.derivations.check.asked.quantity import AskedQuantity, Mistaken, Table
 from freebody.derivations.grammar.lexemes import Lexemes
-from freebody.derivations.grammar.patterns import Pattern
+from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.grammar.words import PRIME
 from freebody.derivations.polynomials.symbols import RATE
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
-_TOLD = Pattern(
+_TOLD = LexemePattern(
     "!-%latin F _? {? < %digit | %low_digit >{1,2} }? %prime"
     " | < v | ω > }? _? {? < c | G > < ~%digit | ~%low_digit > _? ,? < %digit | %low_digit >"
     " | < ∂ | \\partial > < %font { >? < v | ω | \\omega >"

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from freebody.derivations.grammar.lexemes import Lexemes
-from freebody.derivations.grammar.patterns import Pattern
+from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.methods.free_body_steps import thrusts_of
 from freebody.model.bodies import Frame
 from freebody.model.model import Model
@@ -20,7 +20,7 @@ LETTERS = ("Ix", "Ixy", "Ixz", "Iy", "Iyz", "Iz")
 MASS, ARM = "m", "l"
 
 
-_LETTERED = Pattern("< I | J > < ~_ ~{? ~%axis | ~%axis{1,2} !~%small_letter >")
+_LETTERED = LexemePattern("< I | J > < ~_ ~{? ~%axis | ~%axis{1,2} !~%small_letter >")
 
 
 def as_written(model: Model, formulas: Lexemes) -> Model:

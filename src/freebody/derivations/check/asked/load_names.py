@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.grammar.lexemes import Lexemes
-from freebody.derivations.grammar.patterns import Pattern
+from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.polynomials.symbols import symbols as symbols_of
 from freebody.model.model import Model
 from freebody.scalars.trig import Trig
@@ -14,17 +14,17 @@ from freebody.scalars.trig import Trig
 LOADS = {2: ("fx", "fy", "nz"), 3: ("fx", "fy", "fz", "nx", "ny", "nz")}
 """Force and moment at the tip, in the order of the Jacobian's rows."""
 _POINT = "< ~P | ~p | ~E | ~e | ~t ~i ~p >"
-_COMPONENT = Pattern(
+_COMPONENT = LexemePattern(
     f"!-%latin < letter:< F | f > ~_? ~{{? {_POINT}? ~_? ~{{? | letter:< M | n | N > ~_? ~{{? >"
     " ~%axis"
 )
-_HAND = Pattern("!-%latin < a | o | s > ~_? ~{? ~%axis ~}? &? =")
+_HAND = LexemePattern("!-%latin < a | o | s > ~_? ~{? ~%axis ~}? &? =")
 """An axis of the hand: n_x beside it is one too."""
-_VECTOR = Pattern(f"!-%latin < < F | f > < ~_? ~{{? {_POINT} ~}}? >? | W > %ends !~_")
+_VECTOR = LexemePattern(f"!-%latin < < F | f > < ~_? ~{{? {_POINT} ~}}? >? | W > %ends !~_")
 """A force without its components: in an answer with the Jacobian."""
-JOINT_FORCE = Pattern("< !-%latin f | %font { f } > ~_? ~{? < ~%digit | ~%low_digit >")
+JOINT_FORCE = LexemePattern("< !-%latin f | %font { f } > ~_? ~{? < ~%digit | ~%low_digit >")
 """The force in a joint, f_12."""
-MOMENT = Pattern("!-%latin < M | n | N > ~_? ~{? ~%axis")
+MOMENT = LexemePattern("!-%latin < M | n | N > ~_? ~{? ~%axis")
 """A moment at the tip."""
 _SPELT = {"f": ("f", "F", "fP", "FP", "fE", "FE", "fe", "Fe", "ftip", "Ftip"), "n": ("n", "M", "N")}
 VECTORS = tuple(name for name in _SPELT["f"] if not name.endswith("tip"))

@@ -14,7 +14,7 @@ from freebody.derivations.closed_chains.input_output import ROWS, ClosedInputOut
 from freebody.derivations.closed_chains.linear import Entries
 from freebody.derivations.equations.kinematics import Kinematics
 from freebody.derivations.grammar.lexemes import Lexemes
-from freebody.derivations.grammar.patterns import Pattern
+from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.polynomials.arithmetic import inner
 from freebody.derivations.polynomials.symbols import RATE
 from freebody.errors import FreebodyError
@@ -42,13 +42,15 @@ class ParallelQuantities(QuantityGroup):
     def is_told(cls, formulas: Lexemes) -> bool:
         """Whether an answer is about J_a and J_b by these names, or has A ẋ = B θ̇."""
         *pairs, (A, B) = _PAIRS.values()
-        told = any(Pattern(x).found_in(formulas) for pair in pairs for x in pair)
+        told = any(LexemePattern(x).found_in(formulas) for pair in pairs for x in pair)
         both = f"{A} %not_equals{{1,40}} = %not_equals{{0,6}} {B}"
-        return told or Pattern(both).found_in(formulas)
+        return told or LexemePattern(both).found_in(formulas)
 
     @cached_property
     def _names(self) -> tuple[str, str]:
-        told = (x for x, own in _PAIRS.items() for y in own if Pattern(y).found_in(self.formulas))
+        told = (
+            x for x, own in _PAIRS.items() for y in own if LexemePattern(y).found_in(self.formulas)
+        )
         return next(told)
 
     @cached_property
@@ -56,10 +58,10 @@ class ParallelQuantities(QuantityGroup):
         """1 of J_a ẋ + J_b θ̇ = 0, -1 of J_a ẋ = J_b θ̇, 0 where the answer says neither."""
         a, b = _PAIRS[self._names]
         ways = f"{a} %not_equals{{0,30}} = &? {b} | = &? {a} @inverse {b}"
-        if Pattern(ways).found_in(self.formulas):
+        if LexemePattern(ways).found_in(self.formulas):
             return -1
         sum_of_both = f"{a} %any{{0,40}} < %joins {b} | %apart {b} >"
-        return int(Pattern(sum_of_both).found_in(self.formulas))
+        return int(LexemePattern(sum_of_both).found_in(self.formulas))
 
     @cached_property
     def _found(self) -> ClosedInputOutput | None:

@@ -12,13 +12,13 @@ from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.closed_chains.first_kind import Reduction
 from freebody.derivations.grammar.lexemes import Lexemes
-from freebody.derivations.grammar.patterns import Pattern
+from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
-_N = Pattern("!-%latin N !~%latin")
-_H, _M = (Pattern(f"!-%latin {letter} _? {{? < %counted | %low_digit >") for letter in "HM")
+_N = LexemePattern("!-%latin N !~%latin")
+_H, _M = (LexemePattern(f"!-%latin {letter} _? {{? < %counted | %low_digit >") for letter in "HM")
 
 
 class ReducedQuantities(QuantityGroup):

@@ -12,7 +12,7 @@ from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.grammar.lexemes import Lexemes
-from freebody.derivations.grammar.patterns import Pattern
+from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.grammar.words import spelt
 from freebody.derivations.methods.cut_loops import Loops
 from freebody.derivations.methods.loop_forces import LoopForces, LoopReactions, needs_of
@@ -23,7 +23,7 @@ from freebody.derivations.relations.quantities import branches
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
-_SYSTEM = Pattern("!-%latin A < λ | \\lambda | %font { < \\lambda | λ > >")
+_SYSTEM = LexemePattern("!-%latin A < λ | \\lambda | %font { < \\lambda | λ > >")
 _Told = tuple[Expression, Iterable[Any], int, str]
 """Name, components, body and words."""
 

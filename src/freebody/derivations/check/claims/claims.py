@@ -26,7 +26,7 @@ from freebody.derivations.check.verdict import UnreadEquation
 from freebody.derivations.check.verdicts import singular_poses
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import Token
-from freebody.derivations.grammar.patterns import Pattern
+from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.grammar.source import Source, Span
 from freebody.derivations.notations.notation import BookNotation
 from freebody.errors import FreebodyError, listed
@@ -227,8 +227,8 @@ def _new_names(source: Source, pieces: Sequence[FormulaPiece], vocabulary: Vocab
     return found
 
 
-_BEFORE_NAME = Pattern("%line | , | ; | %row")
-_ALIGNED = Pattern("&?")
-_IS = Pattern("&? =")
-_COEFFICIENTS = Pattern("!-%latin h !~%small_letter")
+_BEFORE_NAME = LexemePattern("%line | , | ; | %row")
+_ALIGNED = LexemePattern("&?")
+_IS = LexemePattern("&? =")
+_COEFFICIENTS = LexemePattern("!-%latin h !~%small_letter")
 """h, h_112 of the notes' form."""

@@ -11,14 +11,14 @@ from dataclasses import dataclass
 from unicodedata import category
 
 from freebody.derivations.grammar.lexemes import Lexemes
-from freebody.derivations.grammar.patterns import Match, Pattern
+from freebody.derivations.grammar.patterns import LexemePattern, Match
 from freebody.derivations.grammar.source import Span
 
-_WORDS = Pattern("@words")
-_EQUALS = Pattern("< = | == >")
+_WORDS = LexemePattern("@words")
+_EQUALS = LexemePattern("< = | == >")
 _OPERATORS = frozenset("+-−–*·×/=")
 _BRACKETS = {"(": 1, "[": 1, "{": 1, ")": -1, "]": -1, "}": -1}
-_IN_FORMULAS = Pattern("%in_formulas | %apart < %minus | – > %apart | -%name ~(")
+_IN_FORMULAS = LexemePattern("%in_formulas | %apart < %minus | – > %apart | -%name ~(")
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerT
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import tokens
-from freebody.derivations.grammar.patterns import Pattern
+from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.grammar.source import Source, Span
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.errors import FreebodyError
@@ -28,18 +28,18 @@ from freebody.model.parameter_formulas import inertial_names
 from freebody.outputs.display import counted
 from freebody.outputs.numbers import shortest
 
-_VALUE = Pattern("@value")
-_BETWEEN = Pattern("< & | %line >*")
-_EQUALS = Pattern("< & | %line >* = < & | %line >*")
-_OPENING = Pattern("( | [ | %begin")
-_CLOSING = Pattern("< ) | ] | %end > ᵀ?")
-_SEPARATOR = Pattern("< %line | & | , | ; | %row >*")
-_GOES_ON = Pattern("~%name_or_power | ~( | ~_ | %joining | %minus ~")
-_AT_REST = Pattern(
+_VALUE = LexemePattern("@value")
+_BETWEEN = LexemePattern("< & | %line >*")
+_EQUALS = LexemePattern("< & | %line >* = < & | %line >*")
+_OPENING = LexemePattern("( | [ | %begin")
+_CLOSING = LexemePattern("< ) | ] | %end > ᵀ?")
+_SEPARATOR = LexemePattern("< %line | & | , | ; | %row >*")
+_GOES_ON = LexemePattern("~%name_or_power | ~( | ~_ | %joining | %minus ~")
+_AT_REST = LexemePattern(
     "still:< < In | in >? static? equilibrium | < Held | held > < still | at rest > > | at? rest"
 )
-_COMMA = Pattern("~, ~%digit")
-_NEXT = Pattern("%line* < , | ; | and >? %line* and?")
+_COMMA = LexemePattern("~, ~%digit")
+_NEXT = LexemePattern("%line* < , | ; | and >? %line* and?")
 
 
 @dataclass(frozen=True)

@@ -18,42 +18,42 @@ from freebody.derivations.check.numbers.written_units import WrittenUnit, unit_a
 from freebody.derivations.check.spelling.answer_text import AnswerText
 from freebody.derivations.check.spelling.equation_marks import asked_marks, quantity_before
 from freebody.derivations.grammar.lexemes import Lexemes
-from freebody.derivations.grammar.patterns import Match, Pattern
+from freebody.derivations.grammar.patterns import LexemePattern, Match
 from freebody.derivations.grammar.source import Span
 from freebody.derivations.grammar.tables.characters import FILL
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 
-_RESULT = Pattern(
+_RESULT = LexemePattern(
     "number:< !-%no_result_behind @result_number | %list_end | %end < ] | ) >? > pm:@tolerance?"
 )
 """The end of a number or of a vector, and a tolerance behind it."""
-_CLAUSE = Pattern(
+_CLAUSE = LexemePattern(
     "< %line | %text_font { >* < ,? < @keyword | &@still > | @ | , | ; | begun:( > < } | %line >*"
 )
-_SENTENCE = Pattern(
+_SENTENCE = LexemePattern(
     "< %first | --%stop %apart > < < - | * | %quote > %apart"
     " | (? %name ~%name? < . | ) > %apart >? < %strong | _ ~_ >?"
 )
-_WORD = Pattern(
+_WORD = LexemePattern(
     "word:< %bare_letter ~%bare_letter{0,19} > < ~, | ~: >? < ~%strong | ~_ ~_ >?"
     " < %apart | %last >"
 )
 _MOST_WORDS = 8
 _KEYWORDS = ("at", "for", "with", "when", "given", "let", "if")
-_WHERE = Pattern("--%term_end %line? %apart < @keyword %apart | @still >")
-_COLON = Pattern("%line? :")
-_SENTENCE_END = Pattern("< } | %line >* < . | : | , | ; | ) > | }* %last")
-_LONE = Pattern(
+_WHERE = LexemePattern("--%term_end %line? %apart < @keyword %apart | @still >")
+_COLON = LexemePattern("%line? :")
+_SENTENCE_END = LexemePattern("< } | %line >* < . | : | , | ; | ) > | }* %last")
+_LONE = LexemePattern(
     "= < & | [ | ( | { >{0,6} %sign? @result_number }* < . | , | ; | ] | & | ) | %row | %last >"
 )
-_EQUALS = Pattern("%line? &? =")
-_GOES_ON = Pattern("%continuing")
-_IN_HEAD = Pattern(
+_EQUALS = LexemePattern("%line? &? =")
+_GOES_ON = LexemePattern("%continuing")
+_IN_HEAD = LexemePattern(
     "< < [ | ( > unit:< %not_head_end{1,30} > < ] | ) >"
     " | < / | in > unit:< %not_head_end{1,30} > > &? ="
 )
 """A unit in front of the sign of equality: τ1 [N m] = …, τ1 / N m = …"""
-_STOP = Pattern("}* < . | , | ; | ] | & | ) | %row | %within_sign | +/- | +- | %last >")
+_STOP = LexemePattern("}* < . | , | ; | ] | & | ) | %row | %within_sign | +/- | +- | %last >")
 _LONGEST = 600
 """Characters of an equation in front of a result."""
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from freebody.derivations.check.numbers.units import Unit, unit_text
 from freebody.derivations.grammar.lexemes import Lexemes
-from freebody.derivations.grammar.patterns import Pattern
+from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.grammar.tables.characters import BRACKETS
 
 _DEGREE = math.pi / 180
@@ -39,17 +39,17 @@ _TOGETHER = {
     for parts in itertools.product(_FORCES, _ALONG, _BEHIND)
 }
 """Units written without blanks, and their parts: Nm, Nms, kgm."""
-_WORD = Pattern("< word:@unit_letters raised:~%two_or_three? !~%unit_goes_on | word:° >")
-_LONG_WORD = Pattern("word:@unit_letters")
-_POWER = Pattern(
+_WORD = LexemePattern("< word:@unit_letters raised:~%two_or_three? !~%unit_goes_on | word:° >")
+_LONG_WORD = LexemePattern("word:@unit_letters")
+_POWER = LexemePattern(
     "^ < { power:< %minus? %digit > } | power:< %minus? %digit > > | ~ power:%two_or_three"
     " | ~ power:< ⁻? %raised > | power:%raised_word"
 )
 _RAISED = {"²": 2, "³": 3, "¹": 1, "⁻¹": -1, "⁻²": -2, "⁻³": -3, "squared": 2, "cubed": 3}
-_BLANK = Pattern("%line*")
-_TIMES = Pattern("%times_of_units | - &~%latin")
-_PER = Pattern("/ | \\per | per")
-_OPEN = Pattern("%unit_font { | { | [ | (")
+_BLANK = LexemePattern("%line*")
+_TIMES = LexemePattern("%times_of_units | - &~%latin")
+_PER = LexemePattern("/ | \\per | per")
+_OPEN = LexemePattern("%unit_font { | { | [ | (")
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from freebody.derivations.check.spelling.equation_marks import asked_marks
 from freebody.derivations.check.verdict import UnreadEquation
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexer import Token, tokens
-from freebody.derivations.grammar.patterns import Pattern
+from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.grammar.source import Source, Span
 from freebody.errors import FreebodyError
 from freebody.identifiers import word_set
@@ -30,11 +30,11 @@ MOST_OUTSIDE = 20
 _SHOWN = 60
 _OF_AN_AXIS = 2
 """Tokens of a direction in a sentence, $-y$."""
-_WHERE = Pattern(
+_WHERE = LexemePattern(
     "--%term_end %apart < where | with | and > &< %apart < %letter | %command > ~%in_name{0,12} = >"
 )
 """Between an equation and one that says what a letter in it stands for."""
-_TABLE = Pattern("= &? < [ | %begin | Matrix | array >")
+_TABLE = LexemePattern("= &? < [ | %begin | Matrix | array >")
 
 _ALIGNING = word_set(
     "begin end equation align aligned split gather gathered multline displaymath math flalign "

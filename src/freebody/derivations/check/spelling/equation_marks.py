@@ -8,14 +8,14 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from freebody.derivations.grammar import words
-from freebody.derivations.grammar.patterns import Pattern
+from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.grammar.source import Source
 from freebody.derivations.grammar.tables.characters import PRIMES, STARS
 from freebody.errors import FreebodyError
 
-_MARK = Pattern("%equality")
-_FRESH = Pattern("%fresh")
-_BEHIND_NAME = Pattern(
+_MARK = LexemePattern("%equality")
+_FRESH = LexemePattern("%fresh")
+_BEHIND_NAME = LexemePattern(
     "< %beside_equality | ( %not_bracket{0,40} ) | [ %not_bracket{0,40} ]"
     " | < %over_equality { %not_brace{0,40} } | \\mathrel >? { > %last"
 )

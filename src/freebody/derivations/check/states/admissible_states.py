@@ -85,7 +85,7 @@ def _together(parts: Sequence[AdmissibleStates]) -> AdmissibleStates:
 
 
 @dataclass(frozen=True, eq=False)
-class Drawing:
+class StateSampler:
     """Draws the states of a model; own_values: with the values of its parameters, which otherwise
     vary; still: positions at which it is held."""
 

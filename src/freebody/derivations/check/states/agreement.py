@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from freebody.derivations.check.asked.right_equations import RightEquations
-from freebody.derivations.check.states.admissible_states import AdmissibleStates, Drawing
+from freebody.derivations.check.states.admissible_states import AdmissibleStates, StateSampler
 from freebody.derivations.check.states.running import Array, Running
 from freebody.derivations.check.states.state_values import (
     Known,
@@ -140,7 +140,7 @@ class StatesOfModel:
     def of(self, own_values: bool = False, still: bool = False) -> AdmissibleStates | None:
         """States with the model's own values, or with others near them; moving, or held."""
         if (own_values, still) not in self._drawn:
-            drawing = Drawing(self.setting, own_values, still)
+            drawing = StateSampler(self.setting, own_values, still)
             self._drawn[own_values, still] = drawing.states()
         return self._drawn[own_values, still]
 

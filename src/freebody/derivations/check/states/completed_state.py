@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from freebody.derivations.check.asked.right_equations import RightEquations
-from freebody.derivations.check.states.admissible_states import Drawing, Rows
+from freebody.derivations.check.states.admissible_states import Rows, StateSampler
 from freebody.derivations.check.states.running import Array
 from freebody.derivations.check.states.state_values import StateValues
 from freebody.derivations.polynomials.symbols import RATE, SECOND
@@ -22,7 +22,7 @@ def completed(setting: RightEquations, given: Mapping[str, float]) -> dict[str, 
     """What follows for other names; nothing of what is not determined, or of loops that cannot be
     closed. The assembly is that of the home: the given coordinates are led from there to their
     values."""
-    drawing = Drawing(setting)
+    drawing = StateSampler(setting)
     names = setting.symbols.coordinates
     if setting.system is None or not any(x in given for x in names):
         return {}

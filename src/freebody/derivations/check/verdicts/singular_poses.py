@@ -19,34 +19,34 @@ from freebody.derivations.check.verdict import EquationVerdict
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.parser import PI
-from freebody.derivations.grammar.patterns import Match, Pattern
+from freebody.derivations.grammar.patterns import LexemePattern, Match
 from freebody.derivations.grammar.source import Span
 from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import Trig
 
 FAMILY = "singular"
 MOST_POSES = 100
-_POSE = Pattern(
+_POSE = LexemePattern(
     "< %fresh function:< \\sin | \\cos | sin | cos > (? | other:< %operating | tan | cot > (? >?"
     " %fresh @angle )? = @pose_values"
 )
 """A pose among words; an angle that is part of a formula is none."""
-_MORE = Pattern("sign:< %minus | + > @angle")
-_LISTED = Pattern(
+_MORE = LexemePattern("sign:< %minus | + > @angle")
+_LISTED = LexemePattern(
     "%first < & | [ | ] >* function:< \\sin | \\cos | sin | cos >? first:%minus? @angle"
     " more:< < < %minus | + > @other_angle >{0,5} > = @pose_values < & | . | , | ] >* %last"
 )
 """A line with a pose and nothing else, also of a sum of angles."""
-_DETERMINANT = Pattern("%fresh name:< d ~e ~t < ~J ~%chain_letter? | ~A | ~B > > %ends")
-_DENIED = Pattern(
+_DETERMINANT = LexemePattern("%fresh name:< d ~e ~t < ~J ~%chain_letter? | ~A | ~B > > %ends")
+_DENIED = LexemePattern(
     "< not | Not | n ~%prime ~t | non -? | Non -? | never | Never >"
     " < %letter ~%letter{0,20} >{0,2} %last"
 )
-_SINGULAR = Pattern(
+_SINGULAR = LexemePattern(
     "< singular | Singular | singularity | Singularity | singularities | Singularities >"
     " !< unless | except >"
 )
-_VALUE = Pattern("@pose_value")
+_VALUE = LexemePattern("@pose_value")
 
 
 def taken_from(

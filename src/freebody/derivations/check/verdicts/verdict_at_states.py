@@ -17,7 +17,7 @@ from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reasons.small_changes import Repair, SmallChanges
 from freebody.derivations.check.reasons.swapped_functions import swapped
-from freebody.derivations.check.states.admissible_states import AdmissibleStates, Drawing
+from freebody.derivations.check.states.admissible_states import AdmissibleStates, StateSampler
 from freebody.derivations.check.states.agreement import Agreement, Equal, agreement, few
 from freebody.derivations.check.states.running import Running
 from freebody.derivations.check.states.state_values import (
@@ -116,7 +116,7 @@ class _AtStates:
             return found
         written = (x.value for x in nodes(self._tree) if isinstance(x, Named))
         images = free_body.motion((*written, self.right)).images
-        return Drawing(self.judge.setting, self.is_in_numbers, images=images).states()
+        return StateSampler(self.judge.setting, self.is_in_numbers, images=images).states()
 
     @property
     def is_in_numbers(self) -> bool:
