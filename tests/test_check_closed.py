@@ -222,3 +222,12 @@ def test_an_example_is_a_state_that_closes_the_loops():
         at = fb.check(BAR, line).equations[0].example.values
         crank, rocker = (at[f"l{k}"] * np.exp(1j * at[f"theta{k}"]) for k in (1, 3))
         assert abs(at["d"] + rocker - crank) == pytest.approx(at["l2"], abs=2e-3)
+
+
+def test_numbers_of_a_closed_chain_follow_from_its_loops_and_nothing_is_taken_for_zero():
+    assert fb.check(CRANK, "d3 = 0.739 m at θ1 = 40°")
+    assert not fb.check(CRANK, "d3 = 0.75 m at θ1 = 40°")
+    assert fb.check(CRANK, "At θ₁ = 30°:\nd3 = 0.76481 m")
+    for line in ("τ1 = 3 N m at θ1 = 40°", "d̈3 = 1 m/s² at θ1 = 40°, θ̇1 = 2 rad/s"):
+        with pytest.raises(fb.FreebodyError, match="not given"):
+            fb.check(CRANK, line)

@@ -105,3 +105,22 @@ def test_two_lines_are_of_one_posture():
 def test_what_is_no_position_is_refused(line: str, words: str):
     with pytest.raises(AnswerError, match=words):
         fb.check(ARM, line)
+
+
+@pytest.mark.parametrize(
+    ("robot", "line"),
+    [
+        ("2R", "θ2 = arccos(1)"),
+        ("2R", "θ1 = arcsin(1)"),
+        ("2R", "τ1 = arccos(1)"),
+        ("2R", "θ1 = atan2(0, 0)"),
+        ("slider_crank", "τ1 = tan(arccos(1)) + 3"),
+        ("slider_crank", "τ1 = 5/(l1 s1 + l2 s12)"),
+        ("slider_crank", "d3 = 1/(l1 s1 + l2 s12)"),
+        ("slider_crank", "θ̇2 = θ̇1/(d3 - l1 c1 - l2 c12)"),
+    ],
+)
+def test_where_a_function_is_steep_or_loops_divide_by_nothing_wrong_is_wrong(robot, line):
+    verdict = fb.check(fb.load(robot), line)
+    assert not verdict
+    assert "another assembly" not in verdict.text

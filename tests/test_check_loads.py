@@ -52,7 +52,9 @@ def test_the_force_in_a_joint_of_an_arm_at_rest_is_that_at_its_tip():
 def test_lines_of_one_answer_have_one_sense():
     verdict = fb.check(ARM, f"{FIRST}\ntau_2 = l2 s12 Fx - l2 c12 Fy")
     assert [x.equal for x in verdict.equations] == [True, False]
-    assert verdict.causes == ("The force at the tip has the other sense here than in other lines.",)
+    assert verdict.causes == (
+        "What has either sense, as a force at the tip, has another one here than in other lines.",
+    )
 
 
 def test_what_is_left_out_is_told():

@@ -24,6 +24,8 @@ from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.scalars.trig import Trig
 
+_EXACT = 1e-12
+"""The share by which floating point may be off."""
 _ACROSS = "a component that a plane does not have"
 
 
@@ -76,8 +78,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         if not isinstance(node, Number):
             return False
         factor = written.unit.factor if written is not None and written.unit else 1.0
-        half = half_a_unit(self.source.plain(node.span), node.value, True)
-        if abs(float(node.value) * factor - value) > float(half) * factor:
+        half = half_a_unit(self.source.plain(node.span), node.value)
+        if abs(float(node.value) * factor - value) > float(half) * factor + _EXACT * abs(value):
             return False
         self.told.append(node.span)
         return True

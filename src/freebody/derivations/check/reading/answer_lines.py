@@ -28,8 +28,8 @@ MOST_SIDES = 6
 MOST_OUTSIDE = 20
 """Lines outside of formulas that are told."""
 _SHOWN = 60
-_OF_AN_AXIS = 2
-"""Tokens of a direction in a sentence, $-y$."""
+_AXES = ["x"], ["y"], ["z"]
+"""What a direction in a sentence is made of, $-y$."""
 _WHERE = LexemePattern(
     "--%term_end %apart < where | with | and > &< %apart < %letter | %command > ~%in_name{0,12} = >"
 )
@@ -164,7 +164,7 @@ class DocumentReader:
         for line in _lines(found, self.document.written):
             span = (line[0].start, line[-1].end)
             lenient = self._is_lenient(span[0])
-            if lenient and len(line) <= _OF_AN_AXIS and line[0].kind == "operator":
+            if lenient and line[0].kind == "operator" and [x.text for x in line[1:]] in _AXES:
                 continue  # a direction, +z
             with self._lenient(lenient, span):
                 lines.append(_sides(self.source, line))

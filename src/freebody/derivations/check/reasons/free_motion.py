@@ -12,11 +12,9 @@ from freebody.scalars.trig import Trig
 
 @dataclass(frozen=True)
 class FreeMotion:
-    """What some generators are where the equations hold, by the others; `note`, what is said of an
-    answer that holds with them put in."""
+    """What some generators are where the equations hold, by the others."""
 
     images: Mapping[str, Value]
-    note: str = ""
 
     def concerns(self, x: Value) -> bool:
         """Whether one of the generators occurs."""

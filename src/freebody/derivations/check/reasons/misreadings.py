@@ -136,5 +136,5 @@ def _numbers(setting: RightEquations, claim: Claim, work: Workspace) -> Iterator
     text = f"‘{written}’ must be the symbol {g}: its value is not known here."
     if value is None:
         yield Misreading({}, text, "")
-    elif round(value, len(written.partition(".")[2])) == float(written):
+    elif "." in written and round(value, len(written.partition(".")[2])) == float(written):
         yield Misreading(found, text, f"‘{written}’ is read as {g}.", False)

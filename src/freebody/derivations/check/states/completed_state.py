@@ -10,8 +10,9 @@ import numpy as np
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.states.admissible_states import Rows, StateSampler
 from freebody.derivations.check.states.running import Array
-from freebody.derivations.check.states.state_values import StateValues
+from freebody.derivations.check.states.state_values import SIGN, StateValues
 from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.scalars.trig import Trig
 
 _STRIDE, _STEPS = 0.05, 30
 """Radians or metres of a step from the home to the state, and Newton's steps at each."""
@@ -31,6 +32,8 @@ def completed(setting: RightEquations, given: Mapping[str, float]) -> dict[str, 
     free = [x for x in names if x not in given]
     far = max(abs(given[x] - home[x]) for x in names if x in given)
     rows, found = Rows(drawing.loops[0], free), dict[str, float]()
+    if not _names(drawing.loops[0]) <= {*names, *given}:
+        return {}
     values |= {x: home[x] for x in free}
     count = 1 + int(far / _STRIDE)
     for k in range(count + 1):
@@ -39,11 +42,30 @@ def completed(setting: RightEquations, given: Mapping[str, float]) -> dict[str, 
             return {}
     values |= {x: given[x] for x in names if x in given}
     found |= {x: values[x] for x in _determined(rows, free, values)}
+    if len(found) < len(free):  # nothing is taken for 0
+        return found
     for order, ending in enumerate((RATE, SECOND), 1):
         free = [x + ending for x in names if x + ending not in given]
-        found |= _solved(Rows(drawing.loops[order], free), free, values)
+        more = _solved(Rows(drawing.loops[order], free), free, values)
+        found |= more
+        if len(more) < len(free):
+            return found
     unknown = list(drawing.multipliers)
+    if not _names(drawing.passive) <= {*_moving(names), *given, *unknown}:
+        return found
     return found | _solved(Rows(drawing.passive, unknown), unknown, values)
+
+
+def _moving(coordinates: Sequence[str]) -> list[str]:
+    """Coordinates, rates and accelerations."""
+    return [x + ending for x in coordinates for ending in ("", RATE, SECOND)]
+
+
+def _names(rows: Sequence[Trig]) -> set[str]:
+    """The symbols in polynomials; signs of rates apart."""
+    found = {name for x in rows for powers, _ in x.terms() for name in powers}
+    plain = (name.removeprefix("sin_").removeprefix("cos_") for name in found)
+    return {name for name in plain if not name.startswith(SIGN)}
 
 
 def _closed(

@@ -11,6 +11,9 @@ import numpy as np
 EQUAL = 1e-9
 """The share of a number's terms below which a difference counts as rounding: right equations need
 1.5e-13 at regular states."""
+_STEEPEST = 100.0
+"""Slope of a function up to which it counts: arccos and roots are infinitely steep somewhere, but
+rounding changes them by some 1e-8 at most."""
 
 Array = np.ndarray[Any, np.dtype[Any]]
 
@@ -42,24 +45,29 @@ class Running:
         return Running(self.value * other.value, size)
 
     def __truediv__(self, other: Running) -> Running:
-        value = self.value / other.value
+        """A quotient; no number where the divisor is 0 but for rounding."""
+        value = self.value / np.where(other.vanishes, np.nan, other.value)
         return Running(value, (self.size + np.abs(value) * other.size) / np.abs(other.value))
 
     def __pow__(self, exponent: int) -> Running:
-        value, below = self.value**exponent, np.asarray(self.value, float) ** (exponent - 1)
-        return Running(value, abs(exponent) * np.abs(below) * self.size)
+        if exponent < 0:
+            return Running.exact(np.ones_like(self.value)) / self**-exponent
+        below = np.asarray(self.value, float) ** max(exponent - 1, 0)
+        return Running(self.value**exponent, exponent * np.abs(below) * self.size)
 
     def by(self, value: Any, slope: Any) -> Running:
         """A function of the numbers, of which value and derivative are given."""
-        return Running(value, np.abs(slope) * self.size + np.abs(value))
+        return Running(value, np.minimum(np.abs(slope), _STEEPEST) * self.size + np.abs(value))
 
     @property
     def vanishes(self) -> Array:
         """Where they are 0 but for rounding; nowhere where they are no numbers."""
-        return np.isfinite(self.value) & (np.abs(self.value) <= EQUAL * self.size)
+        known = np.isfinite(self.value) & np.isfinite(self.size)
+        return known & (np.abs(self.value) <= EQUAL * self.size)
 
     @property
     def worst(self) -> int:
         """Where they are farthest from 0, by their size; not where they are no numbers."""
-        share = np.abs(self.value) / np.maximum(self.size, 1e-300)
+        with np.errstate(invalid="ignore"):
+            share = np.abs(self.value) / np.maximum(self.size, 1e-300)
         return int(np.argmax(np.where(np.isfinite(share), share, -1.0)))

@@ -169,7 +169,8 @@ class StateValues:
         def function(node: Function, at: Callable[[Expression], Any]) -> Running:
             if node.name == "atan2":
                 y, x = at(node.argument)
-                return (y / x).by(np.arctan2(y.value, x.value), 1 / (1 + (y.value / x.value) ** 2))
+                value, far = np.arctan2(y.value, x.value), np.hypot(x.value, y.value)
+                return Running(value, (x.size + y.size) / far + np.abs(value))
             if node.name in _WAVES:
                 return _WAVES[node.name](at(node.argument))
             first, second = _FUNCTIONS[node.name]

@@ -44,7 +44,9 @@ from freebody.derivations.expressions.printed_names import sym
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
-_OTHER_SENSE = "The force at the tip has the other sense here than in other lines."
+_OTHER_SENSE = (
+    "What has either sense, as a force at the tip, has another one here than in other lines."
+)
 _STILL = (
     "It is right where nothing moves: write ‘In equilibrium:’ in front of it if that is meant; "
     "otherwise the terms with rates and accelerations are missing."

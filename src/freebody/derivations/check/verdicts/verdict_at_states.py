@@ -214,12 +214,14 @@ class _AtStates:
         """What is said of a claim that is right; "" of one that is not."""
         closed = self.judge.setting.system is not None
         passive = self.judge.setting.symbols.model.passive
-        where = "states that close the loops" if closed else "positions"
+        of_loops = self.claim.target.family in (*_APART, _OF_ANY_RATES)
+        where = "states that close the loops" if closed and not of_loops else "positions"
         compared = f"Compared in numbers at {found.states.count} {where}"
         if passive and not closed and not functions_of(self._tree) and found.is_everywhere:
             joints = " and ".join(f"joint {k + 1}" for k in passive)
             return f"It holds with what follows from no drive at {joints}."
-        if found.is_everywhere and not closed and not functions_of(self._tree):
+        polynomial = not closed and not functions_of(self._tree)
+        if found.is_everywhere and polynomial and self.is_in_numbers:
             return f"In numbers, with the values of {self.judge.setting.symbols.model.name!r}."
         if found.is_everywhere:
             plain = agreement(found.states, self._tree, self._sought(found.states))
