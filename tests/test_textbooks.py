@@ -16,7 +16,8 @@ import pytest
 
 import freebody as fb
 from freebody.derivations.derive import compare
-from freebody.derivations.notations.notation import FAMILIES, BookNotation
+from freebody.derivations.notations.notation import BookNotation
+from freebody.derivations.quantities.kinds import LETTERED
 from freebody.formats import toml
 from freebody.model.build import build_model
 
@@ -51,7 +52,8 @@ def model(result: dict[str, Any]) -> fb.Model:
 
 def answered(result: dict[str, Any], lines: list[str]) -> Any:
     text, absolute = "\n".join(lines), result.get("absolute", False)
-    letters = {FAMILIES[x]: tuple(y.split()) for x, y in result.get("letters", {}).items()}
+    names = {kind.key: kind.name for kind in LETTERED}
+    letters = {names[x]: tuple(y.split()) for x, y in result.get("letters", {}).items()}
     notation = BookNotation("book", parameters=result.get("parameters", {}), letters=letters)
     return fb.check(
         model(result), text, names=result["names"] or None, absolute=absolute, notation=notation

@@ -96,7 +96,7 @@ def check(
     loads = named_in(written, formulas)
     where = in_notation(equations_of(written, loads), style, absolute)
     said = statements(where, document, names or {}, style, at)
-    velocity = any(claim.target.family == "h" for claim in said.claims)
+    velocity = any(claim.target.kind.is_coefficient for claim in said.claims)
     targets = Targets(where, velocity, style.all_letters)
     numbers = NumberJudge(where, targets, said.numbers, tolerance)
     judge = Judge(where, targets, said.claims, numbers)

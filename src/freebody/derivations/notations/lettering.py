@@ -22,21 +22,15 @@ from freebody.derivations.grammar.atoms import atom, numbered
 from freebody.derivations.grammar.words import spelt
 from freebody.derivations.notations.notation import BookNotation, preset
 from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.quantities.kinds import LETTERED
 from freebody.derivations.render.literal import MARK, in_parts
 from freebody.errors import FreebodyError, shown
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.values import ByValue
 
-FAMILY_OF = {
-    "tau": "tau", "Q": "tau", "H": "M", "M": "M", "C": "C", "velocity": "c", "G": "g",
-    "bias": "bias", "J": "J", "T": "T", "V": "V", "L": "L",
-}  # fmt: skip
+KIND_OF = {letter: kind for kind in LETTERED for letter in kind.printed}
 """The letters of derivations as they are made, and what they stand for."""
-MATRICES = ("H", "M", "C", "J")
-"""Those that stand for matrices without a number, which are called by capitals."""
-ALONE = ("T", "V", "L")
-"""Those that stand without a number."""
 
 _IN_WORDS = re.compile(
     r"(?<![\w.])([A-Za-zα-ωΑ-Ω])([\u0307\u0308]?)([A-Za-z]{0,3})([₀-₉]+|_(?:\d|[a-z])(?!\w))"
@@ -58,7 +52,7 @@ class Lettering(ByValue):
     parameters: frozenset[str] = frozenset()
     coordinates: tuple[str, ...] = ()
     kept: frozenset[str] = frozenset()
-    """Letters of `FAMILY_OF` that stay as they are."""
+    """Letters of `KIND_OF` that stay as they are."""
 
     @cached_property
     def taken(self) -> tuple[str, ...]:
@@ -84,7 +78,9 @@ class Lettering(ByValue):
     def alone(self) -> frozenset[str]:
         """Letters of the energies: no name of a parameter is one of them."""
         letters = self.notation.all_letters
-        return frozenset(letter for family in ALONE for letter in letters[family][:1])
+        return frozenset(
+            letter for kind in LETTERED if kind.is_energy for letter in letters[kind.name][:1]
+        )
 
     def printable(self) -> Self:
         """Itself; raises FreebodyError for a name that cannot be printed, and for one name of two
@@ -116,13 +112,13 @@ class Lettering(ByValue):
 
     @cached_property
     def letters(self) -> Mapping[str, str]:
-        """By the letters of `FAMILY_OF` those of the notation."""
+        """By the letters of `KIND_OF` those of the notation."""
         given, others = self.notation.letters, self.notation.all_letters
         taken = {letter for letters in given.values() for letter in letters}
         found = {}
-        for old, family in FAMILY_OF.items():
+        for old, kind in KIND_OF.items():
             stays = old not in taken and len(old) == 1
-            own = given.get(family) or ((old,) if stays else others[family])
+            own = given.get(kind.name) or ((old,) if stays else others[kind.name])
             found[old] = own[0] if own and old not in self.kept else old
         return {old: new for old, new in found.items() if old != new}
 
@@ -170,7 +166,8 @@ class Lettering(ByValue):
             return None
         letter, rest = own.letter, name.removeprefix(own.letter)
         if letter in self.letters:
-            own = self.notation.letters.get(FAMILY_OF[letter], ()) if letter in MATRICES else ()
+            kind = KIND_OF[letter]
+            own = self.notation.letters.get(kind.name, ()) if kind.is_matrix else ()
             large = next(filter(str.isupper, own), self.letters[letter])
             return (self.letters[letter] if rest else large) + rest
         if rest[:1] == "_":
@@ -254,10 +251,10 @@ def _with_another(lettering: Lettering, one: Symbol, other: Symbol) -> Lettering
     """The same with the next letter for one of two symbols that are called alike."""
     notation = lettering.notation
     for symbol in (one, other):
-        family = FAMILY_OF.get(symbol.letter, "")
-        own = notation.letters.get(family, ())
-        if symbol.name not in lettering.parameters and len(own) > 1:
-            letters = {**notation.letters, family: own[1:]}
+        kind = KIND_OF.get(symbol.letter)
+        own = notation.letters.get(kind.name, ()) if kind else ()
+        if kind and symbol.name not in lettering.parameters and len(own) > 1:
+            letters = {**notation.letters, kind.name: own[1:]}
             return replace(lettering, notation=replace(notation, letters=letters))
     raise FreebodyError(
         f"the notation {notation.name!r} calls both {other} and {one} {lettering.symbol(one)} "

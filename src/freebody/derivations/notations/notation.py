@@ -11,6 +11,14 @@ from os import PathLike, fspath
 from pathlib import Path
 
 from freebody.derivations.grammar.words import spelt
+from freebody.derivations.quantities.kinds import (
+    BIAS,
+    CORIOLIS,
+    GRAVITY,
+    LETTERED,
+    USUAL_LETTERS,
+    VELOCITY,
+)
 from freebody.errors import FreebodyError, UnknownNameError, shown
 from freebody.formats import read_file
 from freebody.formats.toml import table_of
@@ -22,30 +30,14 @@ PRESETS = (
 )  # fmt: skip
 """Names of the notations that come with freebody, each a file."""
 
-FAMILIES = {
-    "torque": "tau", "mass": "M", "coriolis": "C", "velocity": "c", "gravity": "g", "bias": "bias",
-    "jacobian": "J", "kinetic": "T", "potential": "V", "lagrangian": "L",
-}  # fmt: skip
-"""What a file may give letters to: the torques, mass matrix, Coriolis matrix, vectors of velocity
-terms and of gravity, both together, the Jacobian, the energies and the Lagrangian."""
-
-USUAL_LETTERS = {
-    "tau": ("tau", "Q", "Gamma"),
-    "M": ("M", "H", "m", "D", "d", "B", "b"),
-    "C": ("C",),
-    "c": ("c", "C", "v", "b"),
-    "g": ("g", "G", "phi"),
-    "J": ("J",),
-    "T": ("T", "K", "KE", "Ek", "Ekin"),
-    "V": ("V", "U", "P", "PE", "Ep", "Epot"),
-    "L": ("L",),
-    "bias": (),
-}
-"""Letters that `check` reads where a notation gives none."""
-
 TERMS = ("coefficients", "vector", "matrix", "bias")
 """How torques are written by terms without accelerations: by coefficients h of products of rates, a
 vector of velocity terms, the matrix C times the rates, or a vector with gravity in it."""
+
+_PRINTED = {
+    "vector": (VELOCITY, GRAVITY), "matrix": (CORIOLIS, GRAVITY), "bias": (BIAS,),
+}  # fmt: skip
+_KEYS = {kind.key: kind for kind in LETTERED}
 
 ZEROS = {"x axis": 0, "down": -1, "up": 1}
 """The direction in which angles are 0, and by how many right angles it is turned from x."""
@@ -69,7 +61,7 @@ class BookNotation(ByValue):
     parameters: Mapping[str, str | float] = field(default_factory=dict[str, str | float])
     """Parameters given by formulas, {"lc": "l/2"} for all links or {"lc1": "l1/2"}."""
     letters: Mapping[str, tuple[str, ...]] = field(default_factory=dict[str, tuple[str, ...]])
-    """Letters of quantities by the keys of `FAMILIES`; what is not given has the usual ones."""
+    """Letters of quantities by the names of kinds; what is not given has the usual ones."""
 
     terms: str = "coefficients"
     """One of `TERMS`: how what is printed is sorted."""
@@ -87,7 +79,7 @@ class BookNotation(ByValue):
 
     @property
     def all_letters(self) -> Mapping[str, tuple[str, ...]]:
-        """The letters of all families: those that are given to one are no other's."""
+        """The letters of all kinds: those that are given to one are no other's."""
         taken = {letter for letters in self.letters.values() for letter in letters}
         usual = {
             family: tuple(letter for letter in letters if letter not in taken)
@@ -96,10 +88,10 @@ class BookNotation(ByValue):
         return {**usual, **self.letters}
 
     @property
-    def printed_families(self) -> tuple[str, ...]:
-        """The families without accelerations whose letters are printed, and so read as these."""
-        own = {"vector": ("c", "g"), "matrix": ("C", "g"), "bias": ("bias",)}.get(self.terms, ())
-        return tuple(family for family in own if family in self.letters)
+    def printed_kinds(self) -> tuple[str, ...]:
+        """The kinds without accelerations whose letters are printed, and so read as these."""
+        own = _PRINTED.get(self.terms, ())
+        return tuple(kind.name for kind in own if kind.name in self.letters)
 
     @property
     def quarter_turns(self) -> int:
@@ -113,11 +105,11 @@ def read(file: str, text: str, name: str = "") -> BookNotation:
     top.only("title", "source", "angles", "zero", "names", "parameters", "letters", "terms")
     letters: dict[str, tuple[str, ...]] = {}
     if "letters" in top:
-        table = _part(top, "letters").only(*FAMILIES)
+        table = _part(top, "letters").only(*_KEYS)
         given: dict[str, str] = {}
         for key in table.data:
-            letters[FAMILIES[key]] = tuple(table.text(key).split())
-            for letter in letters[FAMILIES[key]]:
+            letters[_KEYS[key].name] = tuple(table.text(key).split())
+            for letter in letters[_KEYS[key].name]:
                 if given.setdefault(letter, key) != key:
                     table.refuse(f"{letter} stands for {given[letter]} and {key}.", key)
     return BookNotation(

@@ -24,7 +24,7 @@ from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.asked.tip import TipQuantities
 from freebody.derivations.check.asked.tree_bodies import BodiesOfTrees, LoopForceSystem
 from freebody.derivations.grammar.lexemes import NOTHING, Lexemes
-from freebody.derivations.notations.notation import USUAL_LETTERS
+from freebody.derivations.quantities.kinds import USUAL_LETTERS
 from freebody.lazy import cached_property
 
 AMBIGUOUS = frozenset(("B", "D", "E", "b", "d", "f", "k", "phi", "v"))
@@ -60,7 +60,7 @@ class Targets:
     setting: RightEquations
     velocity: bool = False
     letters: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: USUAL_LETTERS)
-    """Letters of the families."""
+    """Letters of the kinds, by their names."""
     based: bool = False
     """Whether the base is accelerated by -g, which then is in all accelerations."""
     framed: bool = False

@@ -15,6 +15,7 @@ from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.quantities import kinds
 from freebody.derivations.relations.quantities import QuantityValues, branches
 from freebody.lazy import cached_property
 
@@ -60,7 +61,7 @@ class BodiesAtRest(QuantitiesOfBodies):
         for i in self._setting.leaders:
             k = self._setting.index(i) + 1
             asked = AskedQuantity(
-                "load", (k,), self.element(lambda i=i: reactions.motor(i)), k in self.passive,
+                kinds.LOAD, (k,), self.element(lambda i=i: reactions.motor(i)), k in self.passive,
                 words=f"the torque or force at joint {k} that holds the arm at rest",
             )  # fmt: skip
             yield (f"tau{k}",), asked
@@ -69,7 +70,7 @@ class BodiesAtRest(QuantitiesOfBodies):
         if not self._is_known:
             return {}
         names = [x for x in self.setting.loads if x.startswith("f")]
-        asked = AskedQuantity("load", (), lambda: self.setting.zero, words="the load")
+        asked = AskedQuantity(kinds.LOAD, (), lambda: self.setting.zero, words="the load")
         ring = self.setting.ring
         force = [[replace(asked, compute=lambda x=x: ring[x], axis=x[1])] for x in names]
         return {**self.vectors, **dict.fromkeys(VECTORS, force)}

@@ -12,6 +12,7 @@ from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.quantity import AskedQuantity, Mistaken, Table
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.quantities import kinds
 from freebody.derivations.relations.quantities import QuantityValues, branches
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
@@ -96,7 +97,7 @@ class QuantitiesOfBodies(QuantityGroup):
         letter, does = ("z", "turns about") if s.turns(i) else ("u", "slides along")
         words, element = f"the axis that joint {n} {does}", self.setting.equations.symbols.element
         own = [self.element(lambda x=x: element(x)) for x in s.axis(i)]
-        asked = AskedQuantity("of body", (n,), own[0], words=words)
+        asked = AskedQuantity(kinds.OF_BODY, (n,), own[0], words=words)
         table = [[replace(asked, compute=x, axis=k)] for x, k in zip(own, "xyz", strict=False)]
         R, one = s.world[i][0], self.setting.equations.symbols
         for k, (row, (told,)) in enumerate(zip(table, found.get(f"z{n}", ()), strict=False)):
@@ -136,7 +137,7 @@ class QuantitiesOfBodies(QuantityGroup):
         return [
             [
                 AskedQuantity(
-                    "of body", (i + 1, j + 1), entry(i, j), words=f"the rotation {words}",
+                    kinds.OF_BODY, (i + 1, j + 1), entry(i, j), words=f"the rotation {words}",
                     thoughts=((_TRANSPOSED, entry(j, i)),),
                 )
                 for j in range(3)
@@ -148,7 +149,7 @@ class QuantitiesOfBodies(QuantityGroup):
         element = self.setting.equations.symbols.element
         values = [self.element(lambda x=x: element(x)) for x in vector]
         return [
-            [AskedQuantity("of body", (), value, axis=axis, words=words)]
+            [AskedQuantity(kinds.OF_BODY, (), value, axis=axis, words=words)]
             for axis, value in zip("xyz", values, strict=False)
         ]
 
@@ -170,7 +171,7 @@ class QuantitiesOfBodies(QuantityGroup):
                 world = self._in_world(n, known, at[0])
                 thoughts.append((_WORLD.format(n), world))
             return AskedQuantity(
-                "of body", index, own, axis=axis, in_world=world, words=words,
+                kinds.OF_BODY, index, own, axis=axis, in_world=world, words=words,
                 thoughts=tuple(thoughts),
             )  # fmt: skip
 

@@ -12,15 +12,12 @@ from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.methods.energies import Energies
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import RATE
+from freebody.derivations.quantities import kinds
+from freebody.derivations.quantities.kinds import Kind
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
-_ENERGIES = {
-    "T": "the kinetic energy",
-    "V": "the potential energy",
-    "L": "the Lagrangian",
-    "E": "the total energy",
-}
+_OF_BODIES = {kinds.KINETIC: kinds.BODY_KINETIC, kinds.POTENTIAL: kinds.BODY_POTENTIAL}
 
 
 class EnergyQuantities(QuantityGroup):
@@ -29,41 +26,48 @@ class EnergyQuantities(QuantityGroup):
     def single(self) -> Iterator[Named]:
         eq = self.setting.equations
         bodies = len(eq.symbols.model.bodies)
-        for family in ("T", "V"):
-            yield self.letters[family], AskedQuantity(family, (), self.entry(family))
+        for kind, of_body in _OF_BODIES.items():
+            letters = self.letters[kind.name]
+            yield letters, AskedQuantity(kind, (), self.entry(kind.name))
+            letters = (*letters, *["k"] * (kind is kinds.KINETIC))
             for i in range(1, bodies + 1):
-                letters = (*self.letters[family], *["k"] * (family == "T"))
                 names = tuple(f"{x}{i}" for x in letters)
-                yield names, AskedQuantity(f"{family}i", (i,), self._of_body(family, i - 1))
+                yield names, AskedQuantity(of_body, (i,), self._of_body(kind, i - 1))
         sum_of_both = ("L = T − V, not T + V.", lambda: self.setting.element(eq.T + eq.V))
         yield (
             self.letters["L"],
             AskedQuantity(
-                "L", (), lambda: self.setting.element(eq.T - eq.V), thoughts=(sum_of_both,)
+                kinds.LAGRANGIAN,
+                (),
+                lambda: self.setting.element(eq.T - eq.V),
+                thoughts=(sum_of_both,),
             ),
         )
 
-        yield ("E",), AskedQuantity("E", (), lambda: self.setting.element(eq.T + eq.V))
-        for family, value in {"T": eq.T, "V": eq.V, "L": eq.T - eq.V, "E": eq.T + eq.V}.items():
-            letters = (
-                ("E",) if family == "E" else (x for x in self.letters[family] if x[0].isupper())
-            )
+        yield ("E",), AskedQuantity(kinds.ENERGY, (), lambda: self.setting.element(eq.T + eq.V))
+        for kind, value in (
+            (kinds.KINETIC, eq.T), (kinds.POTENTIAL, eq.V),
+            (kinds.LAGRANGIAN, eq.T - eq.V), (kinds.ENERGY, eq.T + eq.V),
+        ):  # fmt: skip
+            letters = (x for x in self.letters.get(kind.name, kind.letters) if x[0].isupper())
             names = tuple(name for x in letters for name in spellings(x, "", 1))
-            words = f"the rate of {_ENERGIES[family]}"
-            yield names, AskedQuantity("power", (), self._rate(value), words=words)
+            words = f"the rate of {kind.words}"
+            yield names, AskedQuantity(kinds.POWER, (), self._rate(value), words=words)
         for i, x in enumerate(self.setting.symbols.coordinates, 1):
             words = f"the momentum that belongs to {sym(x)}"
             yield (
                 self._momentum_names(i, x),
-                AskedQuantity("momentum", (i,), self._momentum(i), words=words, soft=True),
+                AskedQuantity(kinds.MOMENTUM, (i,), self._momentum(i), words=words, soft=True),
             )
         yield (
             ("power",),
-            AskedQuantity("power", (), self._power(*self.numbers), words="the power of the drives"),
+            AskedQuantity(
+                kinds.POWER, (), self._power(*self.numbers), words="the power of the drives"
+            ),
         )
         for i in self.numbers:
             words = f"the power of the drive of {self.joint(i)}"
-            yield (f"power{i}",), AskedQuantity("power", (i,), self._power(i), words=words)
+            yield (f"power{i}",), AskedQuantity(kinds.POWER, (i,), self._power(i), words=words)
 
     def _momentum_names(self, i: int, coordinate: str) -> tuple[str, ...]:
         """p_θ1, p_q1, p_x, p_1; none where p is a parameter."""
@@ -93,14 +97,14 @@ class EnergyQuantities(QuantityGroup):
         """What an energy grows by."""
         return lambda: self.setting.element(energy.along(self.setting.equations.symbols.rates))
 
-    def _of_body(self, family: str, body: int) -> Callable[[], Trig]:
+    def _of_body(self, kind: Kind, body: int) -> Callable[[], Trig]:
         """An energy of a body with all that is fixed to it."""
 
         def value() -> Trig:
             s = self._setting
             energies, i = Energies(s, s.motion), s.tree.body_of[body]
             return self.setting.element(
-                energies.kinetic(i) if family == "T" else energies.potential(i)
+                energies.kinetic(i) if kind is kinds.KINETIC else energies.potential(i)
             )
 
         return value

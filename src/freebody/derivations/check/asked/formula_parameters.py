@@ -8,6 +8,7 @@ from functools import partial
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.quantity import AskedQuantity, Mistaken
 from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.quantities import kinds
 from freebody.scalars.trig import Trig
 
 _ABOUT_THE_JOINT = (
@@ -21,7 +22,7 @@ class FormulaParameters(QuantityGroup):
     def single(self) -> Iterator[Named]:
         for name, value in self.setting.given.items():
             thoughts = self._thoughts(name)
-            yield (name,), AskedQuantity("parameter", (), lambda x=value: x, thoughts=thoughts)
+            yield (name,), AskedQuantity(kinds.PARAMETER, (), lambda x=value: x, thoughts=thoughts)
 
     def _thoughts(self, name: str) -> tuple[Mistaken, ...]:
         """Of a link's moment of inertia: that about its joint."""

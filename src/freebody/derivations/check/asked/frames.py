@@ -11,6 +11,7 @@ from freebody.derivations.check.asked.body_quantities import BODY_QUANTITIES, nu
 from freebody.derivations.check.asked.group import Named
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.grammar.words import FRAMES
+from freebody.derivations.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
@@ -75,7 +76,7 @@ class QuantitiesInFrames(QuantitiesOfBodies):
         return [
             [
                 AskedQuantity(
-                    "of body", (n,), component(k), axis=entry.axis, words=text,
+                    kinds.OF_BODY, (n,), component(k), axis=entry.axis, words=text,
                     thoughts=((_WORLD.format(frame), world[k]),) if frame else (),
                 )
             ]

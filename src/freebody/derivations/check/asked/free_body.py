@@ -13,6 +13,7 @@ from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity, Ta
 from freebody.derivations.methods.free_body_steps import XYZ, FreeBody
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
@@ -35,9 +36,12 @@ class FreeBodyQuantities(QuantityGroup):
 
     def single(self) -> Iterator[Named]:
         eq = self.setting.equations
-        yield self.letters["T"], AskedQuantity("T", (), self.entry("T"))
-        yield self.letters["V"], AskedQuantity("V", (), self.entry("V"))
-        yield self.letters["L"], AskedQuantity("L", (), self.element(lambda: eq.T - eq.V))
+        yield self.letters["T"], AskedQuantity(kinds.KINETIC, (), self.entry("T"))
+        yield self.letters["V"], AskedQuantity(kinds.POTENTIAL, (), self.entry("V"))
+        yield (
+            self.letters["L"],
+            AskedQuantity(kinds.LAGRANGIAN, (), self.element(lambda: eq.T - eq.V)),
+        )
 
     def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
         ring, body = self.setting.ring, self._body
@@ -71,7 +75,7 @@ class FreeBodyQuantities(QuantityGroup):
 
 def _column(values: Iterable[Trig], words: str) -> Table:
     return [
-        [AskedQuantity("of body", (), _constant(x), axis=axis, words=words)]
+        [AskedQuantity(kinds.OF_BODY, (), _constant(x), axis=axis, words=words)]
         for axis, x in zip(XYZ, values, strict=True)
     ]
 
@@ -79,7 +83,7 @@ def _column(values: Iterable[Trig], words: str) -> Table:
 def _matrix(rows: Iterable[Iterable[Any]], element: Callable[[Any], Trig], words: str) -> Table:
     return [
         [
-            AskedQuantity("of body", (i, j), _constant(element(x)), words=words)
+            AskedQuantity(kinds.OF_BODY, (i, j), _constant(element(x)), words=words)
             for j, x in enumerate(row, 1)
         ]
         for i, row in enumerate(rows, 1)

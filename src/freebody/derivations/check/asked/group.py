@@ -15,7 +15,7 @@ Named = tuple[tuple[str, ...], AskedQuantity]
 
 
 class QuantityGroup:
-    """Some quantities of a model; `letters` are those of their families, `based` says that the base
+    """Some quantities of a model; `letters` are those of their kinds, `based` says that the base
     is accelerated by -g, which then is in all accelerations; formulas: the answer's."""
 
     def __init__(

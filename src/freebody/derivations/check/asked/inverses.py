@@ -10,6 +10,7 @@ from freebody.derivations.check.asked.quantity import AskedQuantity, Mistaken, T
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.spelling.answer_text import AnswerError
 from freebody.derivations.closed_chains.linear import Entries, solved
+from freebody.derivations.quantities import kinds
 from freebody.scalars.trig import Trig
 
 MOST_ROWS = 3
@@ -41,7 +42,7 @@ def inverse(
         if i != j:
             thoughts.insert(0, (_TRANSPOSED, lambda: over(made()[0][j][i], made()[1])))
         return AskedQuantity(
-            "inverse", (i + 1, j + 1), value, joint=words, thoughts=tuple(thoughts)
+            kinds.INVERSE_ENTRY, (i + 1, j + 1), value, joint=words, thoughts=tuple(thoughts)
         )
 
     return [[entry(i, j) for j in n] for i in n]

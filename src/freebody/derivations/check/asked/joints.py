@@ -16,9 +16,13 @@ from freebody.derivations.expressions.evaluate import arithmetic, evaluate
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.polynomials.determinant import determinant
 from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
+_VECTORS = (kinds.GRAVITY, kinds.BIAS, kinds.VELOCITY)
+"""Of the terms of the equations of motion: where two have a letter the last has it."""
+_MATRICES = (kinds.CORIOLIS, kinds.MASS)
 _OTHER_H = "It has the sign of Spong's h here; the notes' is its negative."
 
 
@@ -38,28 +42,29 @@ class JointQuantities(QuantityGroup):
         for i in self.numbers:
             yield (
                 self._torque_names(i),
-                AskedQuantity("tau", (i,), self.entry("tau", i), i in self.passive, self.joint(i)),
+                AskedQuantity(
+                    kinds.TORQUE, (i,), self.entry("tau", i), i in self.passive, self.joint(i)
+                ),
             )
-            for family in ("c", "g", "bias"):
-                letters = self.letters[family]
+            for kind in _VECTORS:
+                letters = self.letters[kind.name]
                 names = [f"{x}{i}" for x in letters] + ([*letters] if alone else [])
                 yield (
                     tuple(names),
-                    AskedQuantity(family, (i,), self.entry(family, i), False, self.joint(i)),
+                    AskedQuantity(kind, (i,), self.entry(kind.name, i), False, self.joint(i)),
                 )
             for j in self.numbers:
-                for family in ("M", "C"):
-                    names = [f"{x}{i}{j}" for x in self.letters[family]] + (
-                        ["M", "H", "m", "D"] if alone and family == "M" else []
-                    )
-                    yield tuple(names), AskedQuantity(family, (i, j), self.entry(family, i, j))
+                for kind in _MATRICES:
+                    names = [f"{x}{i}{j}" for x in self.letters[kind.name]]
+                    names += ["M", "H", "m", "D"] if alone and kind.is_symmetric else []
+                    yield tuple(names), AskedQuantity(kind, (i, j), self.entry(kind.name, i, j))
                 letters = filter(str.isupper, self.letters["M"])
                 rates = (x for letter in letters for x in spellings(letter, f"{i}{j}", 1))
                 yield tuple(rates), self._rate_of_mass(i, j)
         yield from self._christoffel()
         if 1 < self.count <= MOST_ROWS:
             names = ("detM", "detH", "detD", "detB")
-            yield names, AskedQuantity("det M", (), self._determinant)
+            yield names, AskedQuantity(kinds.MASS_DETERMINANT, (), self._determinant)
         for row in self._inverse:
             for x in row:
                 i, j = x.index
@@ -83,18 +88,21 @@ class JointQuantities(QuantityGroup):
         return [x + INVERSE for x in self.letters["M"] if x.isupper()]
 
     def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
-        asked = {(target.family, target.index): target for _, target in self._named}
+        asked = {(target.kind, target.index): target for _, target in self._named}
         n = self.numbers
         found: dict[str, Table] = {}
-        for family in ("tau", "g", "bias", "c"):
-            column = [[asked[family, (i,)]] for i in n if self.letters[family]]
-            names = [x for x in self.letters[family] if self.setting.system is None or x != "c"]
+        for kind in (kinds.TORQUE, *_VECTORS):
+            letters = self.letters[kind.name]
+            column = [[asked[kind, (i,)]] for i in n if letters]
+            names = [x for x in letters if self.setting.system is None or x != "c"]
             found |= dict.fromkeys(names, column) if column else {}  # c of loops: Φ_q q̈ = c
         if self.letters["c"] and n:
-            found["V"] = [[asked["c", (i,)]] for i in n]  # the potential energy is no vector
-        for family in ("C", "M"):
-            for letter in filter(str.isupper, self.letters[family]):
-                found[letter] = [[asked[family, (i, j)] for j in n] for i in n]
+            found["V"] = [
+                [asked[kinds.VELOCITY, (i,)]] for i in n
+            ]  # the potential energy is no vector
+        for kind in _MATRICES:
+            for letter in filter(str.isupper, self.letters[kind.name]):
+                found[letter] = [[asked[kind, (i, j)] for j in n] for i in n]
         for letter in filter(str.isupper, self.letters["M"]):
             rates = [[self._rate_of_mass(i, j) for j in n] for i in n]
             found |= dict.fromkeys(spellings(letter, "", 1), rates)
@@ -126,14 +134,14 @@ class JointQuantities(QuantityGroup):
         """An entry of Ṁ."""
         entry, rates = self.entry("M", i, j), self.setting.symbols.rates
         words = f"entry {i}, {j} of the rate of the mass matrix"
-        return AskedQuantity("M_d", (i, j), lambda: entry().along(rates), words=words)
+        return AskedQuantity(kinds.MASS_RATE, (i, j), lambda: entry().along(rates), words=words)
 
     def _christoffel(self) -> Iterator[Named]:
         """Spong's c_ijk, of which C_kj is the sum over i of c_ijk q̇_i, and Γ_ijk of Murray, Li and
         Sastry, of which C_ij is the sum over k of Γ_ijk q̇_k: Γ_kji = c_ijk."""
         for i, j, k in itertools.product(self.numbers, repeat=3):
             value = self._symbol_of_christoffel(i - 1, j - 1, k - 1)
-            target = AskedQuantity("christoffel", (k, j, i), value)
+            target = AskedQuantity(kinds.CHRISTOFFEL, (k, j, i), value)
             yield (f"c{i}{j}{k}", f"Gamma{k}{j}{i}"), target
 
     def _symbol_of_christoffel(self, i: int, j: int, k: int) -> Callable[[], Trig]:
@@ -149,7 +157,7 @@ class JointQuantities(QuantityGroup):
 
     def _coordinate(self, name: str, k: int) -> AskedQuantity:
         """An entry of q, q̇ or q̈."""
-        return AskedQuantity("q", (k,), lambda: self.setting.ring[name])
+        return AskedQuantity(kinds.COORDINATE, (k,), lambda: self.setting.ring[name])
 
 
 class VelocityCoefficients(QuantityGroup):
@@ -171,7 +179,7 @@ class VelocityCoefficients(QuantityGroup):
         def value() -> Trig:
             return polynomial(self.setting, printed)
 
-        return AskedQuantity("h", (), value, also=((_OTHER_H, lambda: -value()),))
+        return AskedQuantity(kinds.COEFFICIENT, (), value, also=((_OTHER_H, lambda: -value()),))
 
 
 def polynomial(setting: RightEquations, node: Expression) -> Trig:

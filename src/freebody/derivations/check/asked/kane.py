@@ -13,6 +13,7 @@ from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.grammar.words import PRIME
 from freebody.derivations.polynomials.symbols import RATE
+from freebody.derivations.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
@@ -92,7 +93,7 @@ class KaneQuantities(QuantitiesOfBodies):
         if plain is None:
             thoughts.append(("The torque or force of the drive is missing.", applied))
         return AskedQuantity(
-            "active", (i,), lambda: motor() + applied(), joint=self.joint(i),
+            kinds.ACTIVE, (i,), lambda: motor() + applied(), joint=self.joint(i),
             thoughts=tuple(thoughts),
         )  # fmt: skip
 
@@ -102,7 +103,11 @@ class KaneQuantities(QuantitiesOfBodies):
         law = "The inertia force is the opposite: F* = −(Σ m a · ∂v/∂q̇ + …)."
         opposite = (law, lambda: tau() + applied())
         return AskedQuantity(
-            "inertia", (i,), lambda: -tau() - applied(), joint=self.joint(i), thoughts=(opposite,)
+            kinds.INERTIA_FORCE,
+            (i,),
+            lambda: -tau() - applied(),
+            joint=self.joint(i),
+            thoughts=(opposite,),
         )
 
     def _parts(self, i: int) -> tuple[Callable[[], Trig], Callable[[], Trig]]:

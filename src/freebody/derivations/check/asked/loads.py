@@ -10,6 +10,7 @@ from functools import cache
 from freebody.derivations.check.asked.load_names import VECTORS
 from freebody.derivations.check.asked.quantity import AskedQuantity, Mistaken, Table
 from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.quantities import kinds
 from freebody.scalars.trig import Trig
 
 _SENSES = (
@@ -17,8 +18,6 @@ _SENSES = (
     "F is a force on the tip, from outside.",
 )
 _UNTURNED = "This is J F: torques follow from the transpose, τ = Jᵀ F, as velocities from v = J q̇."
-_MOTION = frozenset(("M", "c", "C", "bias", "rate", "q"))
-"""Families of quantities that tell that the motion of the links counts."""
 
 
 def vectors(setting: RightEquations, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
@@ -27,7 +26,7 @@ def vectors(setting: RightEquations, single: Mapping[str, AskedQuantity]) -> dic
 
     def component(name: str) -> AskedQuantity:
         return AskedQuantity(
-            "load",
+            kinds.LOAD,
             (),
             lambda: ring[name],
             axis=name[1],
@@ -70,13 +69,13 @@ def held(
     single: Mapping[str, AskedQuantity],
     target: AskedQuantity,
     load: Collection[str],
-    families: Collection[str],
+    besides: Collection[str],
 ) -> AskedQuantity:
-    """The torque at a joint that holds the components of a load; in a line about quantities of
-    some families also the weights and the motion."""
+    """The torque at a joint that holds the components of a load; besides: whether the line tells of
+    motion and of weights, which then count too."""
     (i,) = target.index
     names = [name for name in setting.loads if name in load]
-    has_motion, has_weight = bool(_MOTION & set(families)), "g" in families
+    has_motion, has_weight = "motion" in besides, "weight" in besides
 
     @cache
     def gravity() -> Trig:
@@ -106,7 +105,7 @@ def held(
             thoughts.append((_UNTURNED, lambda sign=sign: base() + product("J{i}{k}") * sign))
     return replace(
         target,
-        family="load",
+        kind=kinds.LOAD,
         compute=lambda: base() + product("J{k}{i}"),
         note=_SENSES[0] + note,
         also=((_SENSES[1] + note, lambda: base() - product("J{k}{i}")),),

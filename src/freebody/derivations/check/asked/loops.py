@@ -8,6 +8,7 @@ from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.closed_chains.first_kind import multiplier_names
+from freebody.derivations.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
@@ -29,7 +30,7 @@ class LoopQuantities(QuantityGroup):
         """The second derivative of a loop equation."""
         words = rate.words.replace("the rate", "the second derivative", 1)
         value = rate.polynomial().along(self.setting.symbols.rates)
-        return AskedQuantity("Phi_d", rate.index, lambda: value, words=words)
+        return AskedQuantity(kinds.LOOP_RATE, rate.index, lambda: value, words=words)
 
     def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
         found = dict(self._tables)
@@ -57,20 +58,28 @@ class LoopQuantities(QuantityGroup):
             )
             told = _in_words(name)
             columns = {
-                "Phi": ("Phi", phi, f"the loop equation of {told}"),
-                "Phi_d": ("Phi_d", phi.along(rates), f"the rate of the loop equation of {told}"),
-                "c": ("closing", c, f"what row {i} of Φ_q q̈ must be"),
-                "lam": ("lam", ring[lam], f"the multiplier of the loop equation of {told}"),
+                "Phi": (kinds.LOOP, phi, f"the loop equation of {told}"),
+                "Phi_d": (
+                    kinds.LOOP_RATE,
+                    phi.along(rates),
+                    f"the rate of the loop equation of {told}",
+                ),
+                "c": (kinds.LOOP_REST, c, f"what row {i} of Φ_q q̈ must be"),
+                "lam": (
+                    kinds.MULTIPLIER,
+                    ring[lam],
+                    f"the multiplier of the loop equation of {told}",
+                ),
             }
-            for key, (family, value, words) in columns.items():
-                asked = AskedQuantity(family, (i,), lambda value=value: value, words=words)
+            for key, (kind, value, words) in columns.items():
+                asked = AskedQuantity(kind, (i,), lambda value=value: value, words=words)
                 found[key].append([asked])
             whole = "the Jacobian of the loop equations"
             for key, of in (("Phiq", whole), ("Phiq_d", f"the rate of {whole}")):
                 found[key].append(
                     [
                         AskedQuantity(
-                            "Phi_q", (i, j),
+                            kinds.LOOP_JACOBIAN, (i, j),
                             lambda x=x, dots=key[4:]: x.along(rates) if dots else x,
                             words=f"entry {i}, {j} of {of}",
                         )

@@ -17,11 +17,11 @@ from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.polynomials.arithmetic import inner
 from freebody.derivations.polynomials.symbols import RATE
+from freebody.derivations.quantities import kinds
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
-FAMILY = "parallel"
 _PAIRS = {
     ("Ja", "Jb"): tuple(f"J _? {{? < \\mathrm {{ >? {x} !~%no_end }}{{0,2}}" for x in "ab"),
     ("Jx", "Jq"): (
@@ -100,7 +100,7 @@ class ParallelQuantities(QuantityGroup):
         return [
             [
                 AskedQuantity(
-                    FAMILY,
+                    kinds.INPUT_OUTPUT,
                     (i + 1, k + 1),
                     value(rows, i, k),
                     words=f"entry {i + 1}, {k + 1} of {_shown(name)}",
@@ -123,7 +123,7 @@ class ParallelQuantities(QuantityGroup):
         words = f"entry {i + 1}, {k + 1} of J, ẋ = J θ̇"
         law = "It has the wrong sign: J_a ẋ + J_b θ̇ = 0 gives J = −J_a⁻¹ J_b."
         thoughts = ((law, lambda: negative(value())),)
-        return AskedQuantity("solved", (i + 1, k + 1), value, words=words, thoughts=thoughts)
+        return AskedQuantity(kinds.SOLVED, (i + 1, k + 1), value, words=words, thoughts=thoughts)
 
     def single(self) -> Iterator[Named]:
         for name, table in self._tables.items():
@@ -135,7 +135,7 @@ class ParallelQuantities(QuantityGroup):
             for name, found in ((a, self._found.second), (b, self._found.first)):
                 value = self.element(lambda found=found: found.polynomial)
                 words = f"the determinant of {_shown(name)}"
-                yield (f"det{name}",), AskedQuantity("det", (), value, words=words)
+                yield (f"det{name}",), AskedQuantity(kinds.DETERMINANT, (), value, words=words)
 
     def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
         if self._found is None:
@@ -155,7 +155,7 @@ class ParallelQuantities(QuantityGroup):
 
     def _rate(self, k: int, name: str) -> AskedQuantity:
         """A rate of the drives."""
-        return AskedQuantity("q", (k,), lambda: self.setting.ring[name])
+        return AskedQuantity(kinds.COORDINATE, (k,), lambda: self.setting.ring[name])
 
     def _rate_of_tip(self, k: int, row: str) -> AskedQuantity:
         """A rate of the tip."""
@@ -163,7 +163,7 @@ class ParallelQuantities(QuantityGroup):
         symbols = self.setting.equations.symbols
         J = Kinematics(symbols, self._found.frame).J[ROWS[symbols.model.dim].index(row)]
         value = self.element(lambda: inner(J, symbols.own(RATE), symbols))
-        return AskedQuantity("tip_d", (k,), value, words="a velocity of the tip")
+        return AskedQuantity(kinds.TIP_TWIST, (k,), value)
 
 
 def _shown(name: str) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from freebody.derivations.check.algebra.quotients import Value
+from freebody.derivations.quantities.kinds import Kind
 from freebody.scalars.trig import Trig
 
 Mistaken = tuple[str, Callable[[], Value]]
@@ -14,10 +15,9 @@ Mistaken = tuple[str, Callable[[], Value]]
 
 @dataclass(frozen=True)
 class AskedQuantity:
-    """One quantity: its family ("tau", "M", …), indices from 1, and how to compute the right
-    value."""
+    """One quantity: its kind, indices from 1, and how to compute the right value."""
 
-    family: str
+    kind: Kind
     index: tuple[int, ...]
     compute: Callable[[], Value]
     idle: bool = False
@@ -29,7 +29,7 @@ class AskedQuantity:
     in_world: Callable[[], Trig] | None = None
     """The same component in the world's axes, of a vector that has those of its own body."""
     words: str = ""
-    """What it is, where its family alone does not tell."""
+    """What it is, where its kind alone does not tell."""
     thoughts: tuple[Mistaken, ...] = ()
     """What it is often mistaken for: a sentence that says so, and its value."""
     note: str = ""
@@ -48,47 +48,11 @@ class AskedQuantity:
     @property
     def title(self) -> str:
         """What it is, in words."""
-        return self.words or _TITLES[self.family].format(*self.index, joint=self.joint)
+        return self.words or self.kind.titled(self.index, self.joint)
 
 
-LONG = "long"
-"""The family of an equation of a closed chain that is too long to be multiplied out: its sides are
-compared in numbers."""
 INVERSE = "inv"
 """What the name of a matrix ends with where its inverse is meant."""
 
 Table = list[list[AskedQuantity]]
 """A vector (one column) or a matrix of quantities."""
-
-_TITLES = {
-    "tau": "the drive's torque or force at {joint}",
-    "0": "which nothing drives",
-    "M": "entry {}, {} of the mass matrix",
-    "C": "entry {}, {} of the Coriolis matrix of Christoffel symbols",
-    "christoffel": "the Christoffel symbol of the mass matrix of row {}, column {} and rate {}",
-    "c": "the velocity term of {joint}",
-    "bias": "the velocity and gravity terms of {joint}",
-    "g": "the gravity term of {joint}",
-    "J": "entry {}, {} of the tip's Jacobian",
-    "T": "the kinetic energy",
-    "V": "the potential energy",
-    "L": "the Lagrangian",
-    "E": "the total energy",
-    "Ti": "the kinetic energy of body {}",
-    "Vi": "the potential energy of body {}",
-    "h": "the velocity coefficient",
-    "tip": "a coordinate of the tip",
-    "tip_d": "a velocity of the tip",
-    "tip_dd": "an acceleration of the tip",
-    "det": "the determinant of the tip's Jacobian",
-    "det M": "the determinant of the mass matrix",
-    "derivative": "a derivative of the robot's quantities",
-    "q": "one of the coordinates and their rates",
-    "solved": "solved for it",
-    "inverse": "entry {}, {} of the inverse of {joint}",
-    "active": "the generalized active force of {joint}",
-    "inertia": "the generalized inertia force of {joint}",
-    "parameter": "which a formula gives",
-    LONG: "an equation between the robot's quantities",
-    "identity": "an equation between the robot's quantities",
-}

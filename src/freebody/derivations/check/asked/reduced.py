@@ -14,6 +14,7 @@ from freebody.derivations.closed_chains.first_kind import Reduction
 from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
@@ -32,7 +33,7 @@ class ReducedQuantities(QuantityGroup):
         for k, of_loop in enumerate(self.setting.system.loops.c, 1):
             also = (("It is read as c of Φ_q q̈ = c.", self.element(lambda x=of_loop: x)),)
             asked = AskedQuantity(
-                "closing", (k,), also[0][1], words=f"what row {k} of Φ_q q̈ must be"
+                kinds.LOOP_REST, (k,), also[0][1], words=f"what row {k} of Φ_q q̈ must be"
             )
             yield (
                 (f"gamma{k}",),
@@ -53,7 +54,7 @@ class ReducedQuantities(QuantityGroup):
         for dots, ending in enumerate(("", RATE, SECOND)):
             names = [self.setting.symbols.coordinates[k - 1] + ending for k in own]
             column = [
-                [AskedQuantity("q", (k,), lambda x=x: self.setting.ring[x])]
+                [AskedQuantity(kinds.COORDINATE, (k,), lambda x=x: self.setting.ring[x])]
                 for k, x in zip(own, names, strict=True)
             ]
             found |= dict.fromkeys(spellings("u", "", dots), column)
@@ -72,7 +73,7 @@ class ReducedQuantities(QuantityGroup):
             return (self.setting.zero if idle else tau()) - sum(rest, self.setting.zero)
 
         words = f"the generalized force of joint {i} without what accelerations and loops need"
-        return AskedQuantity("applied", (i,), value, words=words)
+        return AskedQuantity(kinds.APPLIED, (i,), value, words=words)
 
     def _entry(self, k: int, j: int) -> AskedQuantity:
         def value(k: int = k, j: int = j) -> Value:
@@ -80,7 +81,9 @@ class ReducedQuantities(QuantityGroup):
             above = self._reduction.scaled[k - 1][j - 1]
             return over(self.setting.element(above), self.setting.element(self._reduction.delta))
 
-        return AskedQuantity("N", (k, j), value, words=f"entry {k}, {j} of N, q̇ = N u̇")
+        return AskedQuantity(
+            kinds.OF_INDEPENDENT, (k, j), value, words=f"entry {k}, {j} of N, q̇ = N u̇"
+        )
 
     @cached_property
     def _drift(self) -> Table:
@@ -94,7 +97,7 @@ class ReducedQuantities(QuantityGroup):
             return over(self.setting.element(above), self.setting.element(below))
 
         return AskedQuantity(
-            "drift", (k,), value, words=f"entry {k} of γ, q̈ = N ü + γ",
+            kinds.DRIFT, (k,), value, words=f"entry {k} of γ, q̈ = N ü + γ",
             thoughts=(("It has the wrong sign: Φ_q γ = c = −Φ̇_q q̇.", lambda: negative(value())),),
         )  # fmt: skip
 
@@ -123,7 +126,7 @@ class ReducedMass(QuantityGroup):
             return over(self.setting.element(reduction.mass[i][j]), below * below)
 
         words = f"entry {i + 1}, {j + 1} of the mass matrix in independent coordinates, NᵀM N"
-        return AskedQuantity("N", (i + 1, j + 1), value, words=words)
+        return AskedQuantity(kinds.OF_INDEPENDENT, (i + 1, j + 1), value, words=words)
 
 
 def reduction_of(setting: RightEquations) -> Reduction | None:

@@ -16,11 +16,17 @@ from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity, Ta
 from freebody.derivations.equations.kinematics import Kinematics
 from freebody.derivations.grammar.words import DETERMINANT
 from freebody.derivations.polynomials.determinant import determinant
+from freebody.derivations.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import sub, times, transposed
 
 _TIP = {x: (x, *(x + end for end in ("P", "p", "E", "e", "tip")), f"p{x}", f"P{x}") for x in "xyz"}
+
+_MOTION = (
+    (kinds.TIP, "position"), (kinds.TIP_VELOCITY, "velocity"),
+    (kinds.TIP_ACCELERATION, "acceleration"),
+)  # fmt: skip
 
 
 class TipQuantities(QuantityGroup):
@@ -67,7 +73,7 @@ class TipQuantities(QuantityGroup):
         return [
             [
                 AskedQuantity(
-                    "J_s",
+                    kinds.TWIST_JACOBIAN,
                     (i + 1, j),
                     self.element(lambda i=i, j=j: self.setting.forces(rows()[i])[j - 1]),
                     words=f"entry {i + 1}, {j} of {words}",
@@ -104,7 +110,7 @@ class TipQuantities(QuantityGroup):
                 return total
 
             words = f"entry {i + 1}, {j + 1} of the mass matrix at the tip"
-            return AskedQuantity("inverse", (i + 1, j + 1), value, words=words)
+            return AskedQuantity(kinds.INVERSE_ENTRY, (i + 1, j + 1), value, words=words)
 
         return [[entry(i, j) for j in n] for i in n]
 
@@ -123,15 +129,12 @@ class TipQuantities(QuantityGroup):
         """r, ṙ, r̈ and J̇, whose rows are those of the position."""
         dim = self.setting.symbols.model.dim
         found: dict[str, Table] = {}
-        for dots, vector, words in (
-            (0, "position", "the position of the tip"),
-            (1, "velocity", "the velocity of the tip"),
-            (2, "acceleration", "the acceleration of the tip"),
-        ):
+        for dots, (kind, vector) in enumerate(_MOTION):
+            words = f"the {vector} of the tip"
             column = []
             for k in range(dim):
                 value = self.element(lambda k=k, x=vector: getattr(tip, x)[k])
-                column.append([AskedQuantity("tip", (), value, axis="xyz"[k], words=words)])
+                column.append([AskedQuantity(kind, (), value, axis="xyz"[k], words=words)])
             of_vector = [
                 x for x in ("x", "X") if dots and x not in self.setting.symbols.coordinates
             ]
@@ -147,7 +150,7 @@ class TipQuantities(QuantityGroup):
             for j in range(self.count):
                 value = self.element(lambda i=i, j=j: self.setting.forces(tip.J_dot[i])[j])
                 words = f"entry {i + 1}, {j + 1} of the rate of the tip's Jacobian"
-                row.append(AskedQuantity("J_d", (i + 1, j + 1), value, words=words))
+                row.append(AskedQuantity(kinds.JACOBIAN_RATE, (i + 1, j + 1), value, words=words))
             rows.append(row)
         return found | dict.fromkeys(spellings("J", "", 1), rows)
 
@@ -159,7 +162,7 @@ class TipQuantities(QuantityGroup):
     def _of_tip(self, tip: Kinematics) -> Iterator[Named]:
         for i in self._rows:
             for j in self.numbers:
-                yield (f"J{i}{j}",), AskedQuantity("J", (i, j), self._entry(i, j))
+                yield (f"J{i}{j}",), AskedQuantity(kinds.JACOBIAN, (i, j), self._entry(i, j))
         for row in self._inverse:
             for x in row:
                 yield (f"J{INVERSE}{x.index[0]}{x.index[1]}",), x
@@ -167,19 +170,19 @@ class TipQuantities(QuantityGroup):
             own = self.setting.symbols.coordinates
             taken = {*own, *(f"{p}{x}" for p in "pP" for x in own)}  # x of a cart, and its momentum
             names = tuple(name for name in _TIP["xyz"[k]] if name not in taken)
-            yield names, AskedQuantity("tip", (), self.element(lambda k=k: tip.position[k]))
-            for dots, family, vector in ((1, "tip_d", "velocity"), (2, "tip_dd", "acceleration")):
-                dotted = tuple(s for name in names[:5] for s in spellings(name, "", dots))
-                dotted += ("va"[dots - 1] + "xyz"[k],)
+            yield names, AskedQuantity(kinds.TIP, (), self.element(lambda k=k: tip.position[k]))
+            for kind, vector in _MOTION[1:]:
+                dotted = tuple(s for name in names[:5] for s in spellings(name, "", kind.dots))
+                dotted += (" va"[kind.dots] + "xyz"[k],)
                 value = self.element(lambda k=k, vector=vector: getattr(tip, vector)[k])
-                yield dotted, AskedQuantity(family, (), value)
+                yield dotted, AskedQuantity(kind, (), value)
         yield from self._axes(tip)
         rows = self._square(tip)
         if rows is not None:
             value = self.element(
                 lambda: determinant([tip.J[i] for i in rows], self.setting.equations.symbols)
             )
-            yield ("detJ", f"J{DETERMINANT}"), AskedQuantity("det", (), value)
+            yield ("detJ", f"J{DETERMINANT}"), AskedQuantity(kinds.DETERMINANT, (), value)
 
     def _axes(self, tip: Kinematics) -> Iterator[Named]:
         """n, o or s, and a: the axes of the hand, columns of its orientation; a_x is an
@@ -191,7 +194,7 @@ class TipQuantities(QuantityGroup):
                 value = self.element(lambda i=i, j=j: tip.rotation[i][j])
                 words = f"component {axis} of the hand's {'xyz'[j]} axis"
                 names = tuple(letter + axis for letter in letters)
-                yield names, AskedQuantity("of body", (), value, words=words)
+                yield names, AskedQuantity(kinds.OF_BODY, (), value, words=words)
 
     def _square(self, tip: Kinematics) -> range | None:
         """The rows of the Jacobian that make it square: in space of three joints those of the

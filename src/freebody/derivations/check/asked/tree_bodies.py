@@ -19,6 +19,7 @@ from freebody.derivations.methods.loop_forces import LoopForces, LoopReactions, 
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.determinant import determinant
+from freebody.derivations.quantities import kinds
 from freebody.derivations.relations.quantities import branches
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
@@ -87,7 +88,7 @@ class BodiesOfTrees(QuantityGroup):
     def _table(self, vector: list[Any], n: int, words: str) -> Table:
         axes = "xyz" if len(vector) > 1 else ("",)
         element = self.setting.equations.symbols.element
-        asked = AskedQuantity("of body", (n,), lambda: self.setting.zero, words=words)
+        asked = AskedQuantity(kinds.OF_BODY, (n,), lambda: self.setting.zero, words=words)
         return [
             [replace(asked, compute=self.element(lambda x=x: element(x)), axis=k)]
             for x, k in zip(vector, axes, strict=False)
@@ -109,7 +110,7 @@ class LoopForceSystem(QuantityGroup):
             rows = [[x.polynomial() for x in row] for row in self._tables["A"]]
             words = "the determinant of A, A λ = k"
             det = AskedQuantity(
-                "det", (), lambda: determinant(rows, self.setting.symbols), words=words
+                kinds.DETERMINANT, (), lambda: determinant(rows, self.setting.symbols), words=words
             )
             yield ("detA",), det
 
@@ -133,4 +134,4 @@ class LoopForceSystem(QuantityGroup):
 
     def _entry(self, x: Trig, name: str, *at: int) -> AskedQuantity:
         words = f"entry {', '.join(map(str, at))} of {name}, A λ = k"
-        return AskedQuantity("N", at, self.element(lambda: x), words=words)
+        return AskedQuantity(kinds.OF_INDEPENDENT, at, self.element(lambda: x), words=words)

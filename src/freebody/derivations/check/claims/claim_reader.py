@@ -11,7 +11,7 @@ from freebody.derivations.check.algebra.answer_tree import Named
 from freebody.derivations.check.algebra.quotients import Value, difference, generator, pair
 from freebody.derivations.check.algebra.tables_in_formulas import Shape
 from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity
-from freebody.derivations.check.claims.formula_reader import BODY_FAMILIES, entry_label
+from freebody.derivations.check.claims.formula_reader import entry_label
 from freebody.derivations.check.claims.own_definitions import OwnDefinitions
 from freebody.derivations.check.claims.unnamed_equations import UnnamedEquations
 from freebody.derivations.check.numbers.units import unit_of_quantity
@@ -22,6 +22,7 @@ from freebody.derivations.check.verdicts.rounded_numbers import half_a_unit
 from freebody.derivations.expressions.nodes import Expression, Matrix, Number
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.quantities import kinds
 from freebody.scalars.trig import Trig
 
 _EXACT = 1e-12
@@ -105,15 +106,14 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             return False
         table = self.targets.tables.get(subject.text, [[None]])
         asked = self.targets.single.get(subject.text, table[0][0])
-        own = asked is not None and asked.family in ("Phi", "Phi_d", "det")
+        own = asked is not None and asked.kind.may_be_zero
         return own and count > 1 and len(side) == 1 and side[0].text == "0"
 
     def _is_of_joints(self, subject: Token | Named | Matrix) -> bool:
         """Whether it is a whole vector or matrix of the equations of motion, in which g is too."""
         if not isinstance(subject, Token) or subject.text in self.targets.single:
             return False
-        family = self.targets.tables[subject.text][0][0].family
-        return family != "q" and family not in BODY_FAMILIES
+        return self.targets.tables[subject.text][0][0].kind.of == "joints"
 
     def _shape_of(self, subject: Token | Named | Matrix, as_vector: bool) -> Shape | None:
         """The shape of a vector or matrix, if it cannot be one number."""
@@ -159,7 +159,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         if isinstance(name, Matrix):
             return self._entry_by_entry(name, node)
         if isinstance(name, Named):
-            derivative = AskedQuantity("derivative", (), lambda: name.value)
+            derivative = AskedQuantity(kinds.DERIVATIVE, (), lambda: name.value)
             asked = derivative if name.is_derivative else self.targets.single[name.name]
             return [self.claim(label, asked, node)]
         single, table = self.targets.single.get(name.text), self.targets.tables.get(name.text)
@@ -193,11 +193,11 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         """What a P is that may be the potential energy or the power of the drives: of which it is
         right, or has the units; with rates in it the power. What a_x is that may be an acceleration
         or of an axis of the hand: with rates in it the first."""
-        if single.family == "tip_dd" and name[:-1] == "a":
+        if single.kind.dots == 2 and name[:-1] == "a":
             axis = self.targets.single.get(name.replace("a", "approach"))
             return axis if axis is not None and not self._moves(self.quotient(node)) else single
         power = self.targets.single.get(name.replace("P", "power"))
-        if not name.startswith("P") or single.family not in ("V", "Vi") or power is None:
+        if not name.startswith("P") or not single.kind.up_to_a_constant or power is None:
             return single
         value, written = self.quotient(node), self.numbers.of(node.span)
         if written is not None and written.unit is not None:
@@ -234,7 +234,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         if len(rows) == 1 and table and len(table[0]) == 1:
             rows = [[entry] for entry in rows[0]]  # a vector written as a row
         if self.setting.is_planar and len(rows) == 3 and _is_of_body(table):
-            none = AskedQuantity("of body", (), lambda: self.setting.zero, words=_ACROSS)
+            none = AskedQuantity(kinds.OF_BODY, (), lambda: self.setting.zero, words=_ACROSS)
             across = [*table, [none]] if len(table) == 2 else [[none], [none], *table]
             table = [[replace(x, axis=k)] for k, (x,) in zip("xyz", across, strict=True)]
         if label == "J" and len(rows) < len(table):
@@ -253,4 +253,4 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
 
 def _is_of_body(table: list[list[AskedQuantity]]) -> bool:
     """Whether it is a vector in the plane, or an angular one, which is one number there."""
-    return len(table) < 3 and all(len(x) == 1 and x[0].family in BODY_FAMILIES for x in table)
+    return len(table) < 3 and all(len(x) == 1 and x[0].kind.of == "bodies" for x in table)

@@ -33,24 +33,6 @@ _TYPED_TRANSPOSE = f"J{PRIME}"
 """The transpose as MATLAB has it, where a force stands behind it."""
 _OF_BODIES = {"g": "gravity", "J": "JP"}
 """What names stand for in equations of bodies."""
-BODY_FAMILIES = frozenset(
-    (
-        "of body",
-        "tip",
-        "tip_d",
-        "tip_dd",
-        "T",
-        "V",
-        "L",
-        "E",
-        "Ti",
-        "Vi",
-        "J_d",
-        "active",
-        "inertia",
-    )
-)
-"""Families that only equations of bodies have."""
 
 
 class FormulaReader:
@@ -76,7 +58,7 @@ class FormulaReader:
         """The components of a force at the tip that the answer has."""
         self.is_loaded = False
         """Whether the line has some of them."""
-        self.families: frozenset[str] = frozenset()
+        self.besides: frozenset[str] = frozenset()
         """Of the line's quantities."""
         self.common_axes = False
         """Whether vectors are in the world's axes, not each in those of its body."""
@@ -106,11 +88,11 @@ class FormulaReader:
             return False
         single = self.targets.single.get(token.text)
         if single is not None:
-            return single.family in BODY_FAMILIES
+            return single.kind.of == "bodies"
         if token.text in self.vocabulary.waves:
             return False
         table = self.targets.tables.get(token.text)
-        return table is not None and table[0][0].family in BODY_FAMILIES
+        return table is not None and table[0][0].kind.of == "bodies"
 
     def table(self, name: str, span: Span) -> Matrix | None:
         """The entries of a vector or matrix, each with its name."""
@@ -195,15 +177,15 @@ class FormulaReader:
 
     def with_load(self, target: AskedQuantity) -> AskedQuantity:
         """Of a torque in a line that has a force at the tip, the torque that holds it."""
-        if not self.is_loaded or target.family != "tau" or target.idle:
+        if not self.is_loaded or not target.kind.is_drive or target.idle:
             return target
-        return held(self.setting, self.targets.single, target, self.load, self.families)
+        return held(self.setting, self.targets.single, target, self.load, self.besides)
 
     def begin(self, line: Line) -> None:
         """Note what a line is about."""
         if self.load:
             self.is_loaded = bool(loaded_lines.loads([line], self.vocabulary, self.targets))
-            self.families = loaded_lines.families(line, self.vocabulary, self.targets)
+            self.besides = loaded_lines.told(line, self.vocabulary, self.targets)
 
     def claim(self, label: str, target: AskedQuantity, node: Expression) -> Claim:
         """What a tree says of a quantity."""
@@ -216,10 +198,14 @@ class FormulaReader:
 
     def along_legs(self, target: AskedQuantity) -> list[AskedQuantity]:
         """A coordinate of a closed chain's tip along its other legs, where it is x + Φ or x - Φ."""
-        if target.family != "tip" or self.setting.system is None:
+        if not target.kind.has_legs or self.setting.system is None:
             return []
         x, note = target.polynomial(), "Along the other leg: it holds where the loops are closed."
-        loops = {t: t.polynomial() for t in self.targets.single.values() if t.family == "Phi"}
+        loops = {
+            t: t.polynomial()
+            for t in self.targets.single.values()
+            if t.kind.of_loops == "positions"
+        }
         ways = [x + sign * Phi for Phi in loops.values() for sign in (1, -1)]
         return [replace(target, compute=lambda y=y: y, note=note) for y in ways]
 

@@ -24,7 +24,6 @@ _BY_FORMULA = (
     "Parameters that formulas give, as lc = l/2 of uniform bars, are told by parameters=, "
     "--parameter lc=l/2, or stand below [parameters] in the robot's file or a notation of your own."
 )
-_MATRICES = ("M", "C", "J", "J_s")
 """Families whose letter alone is one's own where it is one number, as an inertia J."""
 _NO_QUOTIENTS = ("K", "gamma")
 """Letters of quantities that are no quotients, which name ratios in other lines."""
@@ -166,14 +165,14 @@ class OwnDefinitions(SolvedQuantities):
         units."""
         letter, _ = numbered(name)
         table = self.targets.tables.get(name)
-        is_matrix = name not in self.targets.single and table and table[0][0].family in _MATRICES
+        is_matrix = name not in self.targets.single and table and table[0][0].kind.is_matrix
         soft = letter in AMBIGUOUS or name in self.targets.soft or bool(is_matrix)
         soft = soft or self.setting.is_free_body
         target = self.targets.single.get(name)
         soft = soft or (target is not None and target.soft)
         if not (soft or letter in _NO_QUOTIENTS) or self.is_matrix(line[1]):
             return False
-        if target is not None and target.family == "parameter":
+        if target is not None and target.kind.is_given:
             return False
         if target is None:
             return name in AMBIGUOUS or (
@@ -184,7 +183,7 @@ class OwnDefinitions(SolvedQuantities):
             )
         given = self._given(line[1])
         if isinstance(given, Ratio):
-            return target.family != "drift"
+            return not target.kind.is_quotient
         if target.soft and isinstance(given, Trig):
             return is_of_another_kind(self.setting, given, target.polynomial())
         if not soft:
@@ -217,7 +216,10 @@ class OwnDefinitions(SolvedQuantities):
 
     def _is_own_h(self, name: str, line: Line, lines: Sequence[Line]) -> bool:
         """Whether a line defines a velocity coefficient that other lines are written with."""
-        if self.targets.single.get(name) is None or self.targets.single[name].family != "h":
+        if (
+            self.targets.single.get(name) is None
+            or not self.targets.single[name].kind.is_coefficient
+        ):
             return False
         return self._is_used(name, line, lines)
 

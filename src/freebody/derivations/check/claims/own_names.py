@@ -54,8 +54,8 @@ def of_notation(vocabulary: Vocabulary, targets: Targets, notation: BookNotation
 
 def _is_printed(name: str, target: AskedQuantity, notation: BookNotation) -> bool:
     """Whether a notation prints a quantity by that name."""
-    letters = notation.letters.get(target.family, ())
-    printed = target.family in notation.printed_families
+    letters = notation.letters.get(target.kind.name, ())
+    printed = target.kind.name in notation.printed_kinds
     return printed and name == f"{letters[0]}{atom(name).figures}" != letters[0]
 
 

@@ -16,6 +16,7 @@ from freebody.derivations.check.reasons.free_bodies import FreeBodyMotion
 from freebody.derivations.closed_chains.first_kind import multiplier_names
 from freebody.derivations.expressions.nodes import Expression, Function, Matrix, nodes
 from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.quantities import kinds
 from freebody.scalars.trig import Trig
 
 _IN_NUMBERS = "by the forces on the body"
@@ -38,7 +39,7 @@ class SolvedQuantities(FormulaReader):
         )
         if first.text in self.vocabulary.waves:
             tip = (x for x in names if x in self.targets.single)
-            return any(self.targets.single[x].family == "tip" for x in tip)
+            return any(self.targets.single[x].kind.has_legs for x in tip)
         value = self.vocabulary.symbols.get(first.text)
         moving = self._moving(value)
         is_asked = first.text in self.targets.single and not self.is_own(first.text)
@@ -100,10 +101,10 @@ class SolvedQuantities(FormulaReader):
         if any(isinstance(x, Function) for x in nodes(node)):
             return self._position(line, name, value, node)
         words = "solved for it by the robot's quantities"
-        target = AskedQuantity("solved", (), lambda: value, words=words)
+        target = AskedQuantity(kinds.SOLVED, (), lambda: value, words=words)
         if self.setting.is_free_body and not any(isinstance(x, Named) for x in nodes(node)):
             motion = FreeBodyMotion(self.setting).motion((value,))
-            target = AskedQuantity("solved", (), lambda: motion.of(value), words=_IN_NUMBERS)
+            target = AskedQuantity(kinds.SOLVED, (), lambda: motion.of(value), words=_IN_NUMBERS)
         return self.claim(self.source[first.span], target, node)
 
     def _position(self, line: Line, name: str, value: Value, node: Expression) -> Claim:
@@ -112,6 +113,8 @@ class SolvedQuantities(FormulaReader):
         for part in nodes(node):
             if isinstance(part, Wave) and any(x == name for x, _ in part.angle):
                 self.source.fail(f"{label} stands on both sides: solve for it", part.span)
-        target = AskedQuantity("position", (), lambda: value, words="given by the robot's position")
+        target = AskedQuantity(
+            kinds.POSTURE, (), lambda: value, words="given by the robot's position"
+        )
         used = tuple(uses(node, self.targets.single, self.vocabulary))
         return Claim(label, target, node, value, self.source, used)

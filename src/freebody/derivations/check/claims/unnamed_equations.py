@@ -16,7 +16,7 @@ from freebody.derivations.check.algebra.quotients import (
     plus,
     times,
 )
-from freebody.derivations.check.asked.quantity import LONG, AskedQuantity
+from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.claims.formula_reader import FormulaReader, all_right, entries_of
 from freebody.derivations.check.reading.answer_lines import Line
 from freebody.derivations.check.reading.circular_answers import uses
@@ -36,6 +36,7 @@ from freebody.derivations.expressions.nodes import (
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.parser import around
 from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.quantities import kinds
 from freebody.scalars.trig import Trig
 
 _LONGEST_LABEL = 60
@@ -62,7 +63,7 @@ class UnnamedEquations(FormulaReader):
         }
         inside -= {*self.vocabulary.symbols, *self.vocabulary.waves}
         asked = {self.targets.single[name] for name in inside}
-        torques = {target for target in asked if target.family == "tau" and not target.idle}
+        torques = {target for target in asked if target.kind.is_drive and not target.idle}
         if len(line) == 2 and self._says_nothing(line):
             self.source.fail(
                 "both sides are the same, whatever its quantities are: there is nothing to check",
@@ -151,8 +152,10 @@ class UnnamedEquations(FormulaReader):
 
     def _is_vector(self, token: Token) -> bool:
         """Whether it is the name of a vector or matrix, such as C in C q̇ = …"""
-        own = token.text in self.targets.tables and token.text not in self.vocabulary.symbols
-        return own and token.kind == "name" and self.targets.tables[token.text][0][0].family != "q"
+        table = self.targets.tables.get(token.text)
+        if table is None or token.text in self.vocabulary.symbols:
+            return False
+        return token.kind == "name" and not table[0][0].kind.is_coordinate
 
     def _tells_of_motion(self, line: Line) -> bool:
         """Whether accelerations of coordinates or multipliers stand in it, as in an equation of
@@ -177,14 +180,20 @@ class UnnamedEquations(FormulaReader):
         if any(x.startswith("lam") for x in used) or (self.setting.order.gravity or "") in used:
             return None
         dots = 2 * any(x.endswith(SECOND) for x in used) or any(x.endswith(RATE) for x in used)
-        loops = {x: x.polynomial() for x in self.targets.single.values() if x.family == "Phi"}
+        loops = {
+            x: x.polynomial()
+            for x in self.targets.single.values()
+            if x.kind.of_loops == "positions"
+        }
         for _ in range(dots):
             rates = self.setting.symbols.rates
             loops = {x: Phi.along(rates) for x, Phi in loops.items()}
         near = {x: undriven_joints.alike(self.setting, above, Phi) for x, Phi in loops.items()}
         loop, right = min(near.items(), key=lambda row: len(difference(above, row[1])))
         of_loop = ("", "the rate of ", "the second derivative of ")[dots] + loop.words
-        target = AskedQuantity("closed", (), lambda: times(right, inverted(below)), words=of_loop)
+        target = AskedQuantity(
+            kinds.LOOP_EQUATION, (), lambda: times(right, inverted(below)), words=of_loop
+        )
         return self.claim(f"The loop equation {self.source[node.span]}", target, node)
 
     def _along_legs(self, line: Line) -> list[Claim]:
@@ -192,7 +201,7 @@ class UnnamedEquations(FormulaReader):
         (x - l1 c1)² + (y - l1 s1)² = l3²; nothing where it holds along none."""
         single = self.targets.single
         inside = {t.text for side in line for t in side if t.text in single}
-        tip = sorted(name for name in inside if single[name].family == "tip")[:_MOST_COORDINATES]
+        tip = sorted(name for name in inside if single[name].kind.has_legs)[:_MOST_COORDINATES]
         legs = [[single[name], *self.along_legs(single[name])] for name in tip]
         ways = [[x.polynomial() for x in way] for way in product(*legs)]
         anywhere = [x + k for k, x in enumerate(ways[0], 1)]
@@ -256,15 +265,27 @@ class UnnamedEquations(FormulaReader):
         whole = Sum((left, Negative(right, span=right.span)), span=around(left, right))
         if functions_of(whole):
             zero = self.setting.zero
-            return Claim(label, AskedQuantity(LONG, (), lambda: zero), whole, zero, self.source)
+            return Claim(
+                label,
+                AskedQuantity(kinds.LONG_EQUATION, (), lambda: zero),
+                whole,
+                zero,
+                self.source,
+            )
         try:
             value, other = self.quotient(left), self.quotient(right)
         except AnswerError:  # too long to be multiplied out
             if self.setting.system is None:
                 raise
             zero = self.setting.zero
-            return Claim(label, AskedQuantity(LONG, (), lambda: zero), whole, zero + 1, self.source)
-        target = AskedQuantity("identity", (), lambda: value)
+            return Claim(
+                label,
+                AskedQuantity(kinds.LONG_EQUATION, (), lambda: zero),
+                whole,
+                zero + 1,
+                self.source,
+            )
+        target = AskedQuantity(kinds.IDENTITY, (), lambda: value)
         used = uses(left, self.targets.single, self.vocabulary)
         known = any(isinstance(x, Named) for side in (left, right) for x in nodes(side))
         if not known and not list(used):
@@ -280,10 +301,10 @@ class UnnamedEquations(FormulaReader):
         taken = [
             claim.target.index
             for claim in before
-            if claim.target.family == "0" or claim.target.idle
+            if claim.target.kind.is_equation or claim.target.idle
         ]
         joint, right = undriven_joints.equation(self.targets, above, taken)
-        target = AskedQuantity("0", joint, lambda: times(right, inverted(below)))
+        target = AskedQuantity(kinds.UNDRIVEN, joint, lambda: times(right, inverted(below)))
         return self.claim(f"The equation of joint {joint[0]}", target, node)
 
     def _solved(self, line: Line, target: AskedQuantity) -> Value | None:

@@ -220,7 +220,7 @@ class StateReader:
         value = self.vocabulary.symbols.get(word.plain)
         table = self.targets.tables.get(word.plain)
         values = [value] if value is not None else []
-        if value is None and table is not None and table[0][0].family == "q":
+        if value is None and table is not None and table[0][0].kind.is_coordinate:
             values = [row[0].compute() for row in table]
         names = [generator(value) for value in values]
         own = [name for name in names if name]

@@ -9,10 +9,8 @@ from freebody.derivations.check.algebra.quotients import Value
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.grammar.atoms import atom
+from freebody.derivations.quantities.kinds import Unit
 from freebody.scalars.trig import Trig
-
-Unit = tuple[int, int, int]
-"""Powers of kg, m and s."""
 
 _UNITS: dict[str, Unit] = {
     "l": (0, 1, 0),
@@ -66,17 +64,9 @@ def unit_of_quantity(setting: RightEquations, target: AskedQuantity, right: Valu
         for k in target.index
         if 0 < k <= len(setting.symbols.coordinates)
     ]
-    match target.family:
-        case "tau" | "c" | "g" | "bias" | "0":
-            return 1, 1 + turns[0], -2
-        case "M":
-            return 1, sum(turns), 0
-        case "T" | "V" | "L" | "Ti" | "Vi":
-            return 1, 2, -2
-        case "power":
-            return 1, 2, -3
-        case "tip" | "tip_d" | "tip_dd" if target.words == "":
-            return 0, 1, -("tip", "tip_d", "tip_dd").index(target.family)
+    unit = target.kind.unit_of(turns)
+    if unit is not None:
+        return unit
     return _common_unit(setting, right) if isinstance(right, Trig) else None
 
 

@@ -7,10 +7,11 @@ import itertools
 import math
 from dataclasses import dataclass
 
-from freebody.derivations.check.numbers.units import Unit, unit_text
+from freebody.derivations.check.numbers.units import unit_text
 from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.grammar.tables.characters import BRACKETS
+from freebody.derivations.quantities.kinds import Unit
 
 _DEGREE = math.pi / 180
 _BASE: dict[str, tuple[float, Unit]] = {

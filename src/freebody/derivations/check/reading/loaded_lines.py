@@ -17,28 +17,28 @@ def loads(lines: Iterable[Line], vocabulary: Vocabulary, targets: Targets) -> fr
     return frozenset(x for name in names for x in _of_name(name, vocabulary, targets)[1])
 
 
-def families(line: Line, vocabulary: Vocabulary, targets: Targets) -> frozenset[str]:
-    """The families of a line's quantities; "rate" of rates and "g" of weights."""
+def told(line: Line, vocabulary: Vocabulary, targets: Targets) -> frozenset[str]:
+    """What a line's quantities tell of: "motion" and "weight"."""
     return frozenset(x for name in _names(line) for x in _of_name(name, vocabulary, targets)[0])
 
 
 def _of_name(name: str, vocabulary: Vocabulary, targets: Targets) -> tuple[set[str], set[str]]:
-    """The families that a name belongs to, and the components of the load that it holds."""
+    """What a name tells of, and the components of the load that it holds."""
     setting, value = targets.setting, vocabulary.symbols.get(name)
     table = targets.tables.get(name)
     if name in vocabulary.waves:
         return set(), set()
     if isinstance(value, Trig):
         used = {x for powers, _ in value.terms() for x in powers}
-        found = {"rate"} if any(x.endswith((RATE, SECOND)) for x in used) else set[str]()
-        found |= {"g"} if setting.order.gravity in used else set()
+        found = {"motion"} if any(x.endswith((RATE, SECOND)) for x in used) else set[str]()
+        found |= {"weight"} if setting.order.gravity in used else set()
         return found, used & set(setting.loads)
     if name in targets.single:
-        return {targets.single[name].family}, set()
+        return {targets.single[name].kind.tells}, set()
     if table is None:
         return set(), set()
-    own = table[0][0].family == "load"
-    return {table[0][0].family}, set(setting.loads[: len(table)]) if own else set()
+    kind = table[0][0].kind
+    return {kind.tells}, set(setting.loads[: len(table)]) if kind.is_load else set()
 
 
 def _names(line: Line) -> list[str]:

@@ -41,7 +41,7 @@ def advice(setting: RightEquations, claim: Claim, claims: Sequence[Claim]) -> st
     """A sentence about an entry whose row is not given."""
     return (
         _ALONE
-        if claim.target.family == "C" and claim.target.index[0] - 1 not in _rows(setting, claims)
+        if claim.target.kind.by_rates and claim.target.index[0] - 1 not in _rows(setting, claims)
         else ""
     )
 
@@ -51,7 +51,7 @@ def _rows(setting: RightEquations, claims: Sequence[Claim]) -> dict[int, list[Tr
     n = len(setting.symbols.coordinates)
     given: dict[tuple[int, ...], list[Trig]] = {}
     for claim in claims:
-        if claim.target.family == "C" and isinstance(claim.value, Trig):
+        if claim.target.kind.by_rates and isinstance(claim.value, Trig):
             given.setdefault(claim.target.index, []).append(claim.value)
     single = {index: values[0] for index, values in given.items() if len(values) == 1}
     return {

@@ -102,7 +102,7 @@ class Misconceptions(PlanarThoughts):
 
     def _velocity(self) -> Iterator[Thought]:
         """Mistakes in all terms with products of rates, and friction left out."""
-        if self.target.family not in ("tau", "c"):
+        if not self.target.kind.has_velocity_products:
             return
         there = {_part(powers) for powers, _ in self.right.terms()}
         for parts, factor, text in _BY_PART:
@@ -111,7 +111,7 @@ class Misconceptions(PlanarThoughts):
 
     def _inertia(self) -> Iterator[Thought]:
         """Bodies and accelerations left out."""
-        own = self.target.index[0] - 1 if self.target.family == "tau" else None
+        own = self.target.index[0] - 1 if self.target.kind.is_drive else None
         if own is not None:
             for name in self.setting.symbols.coordinates:
                 missing = f"The terms with {sym(name + '_dd')} are missing{_RIGHT_BESIDES}"
@@ -166,13 +166,13 @@ class Misconceptions(PlanarThoughts):
 
 def related(targets: Targets, target: AskedQuantity) -> dict[str, Trig]:
     """The other entries of a quantity's family, by name."""
-    letter = {"tau": "tau", "M": "H", "c": "v", "g": "G", "J": "J"}.get(target.family)
+    letter = target.kind.usual
     others = [
         (name, other)
         for name, other in targets.single.items()
-        if letter and other.family == target.family and other.index != target.index
+        if letter and other.kind is target.kind and other.index != target.index
     ]
-    usual = [row for row in others if row[0].startswith(letter or "")]
+    usual = [row for row in others if row[0].startswith(letter)]
     found: dict[str, Trig] = {}
     seen = set()
     for name, other in usual or others:

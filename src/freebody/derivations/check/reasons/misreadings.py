@@ -53,19 +53,19 @@ def doubt_about(setting: RightEquations, targets: Targets, claim: Claim, work: W
 
 def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator[Misreading]:
     """c1 or V1 as a term of its own beside torques: read as cos θ1, and as an energy."""
-    if claim.target.family not in ("tau", "solved", "identity", "0"):
+    if not claim.target.kind.has_velocity_terms:
         return
     names = sorted(targets.single, key=lambda name: (name[0] == "c", name[0] != "v"))
     terms: dict[str, str] = {}
     for name in names:
-        if targets.single[name].family == "c":
+        if targets.single[name].kind.is_velocity_term:
             terms.setdefault(str(targets.single[name].index[0]), name)
     found: dict[Expression, Expression] = {}
     for node in work.values:
         wave = atom(spelt(claim.source[node.span]))
         own = targets.single.get(node.name) if isinstance(node, Named) else None
         k = wave.figures if wave.letter == "c" and isinstance(node, Wave) else ""
-        k = str(own.index[0]) if own is not None and own.family == "Vi" else k
+        k = str(own.index[0]) if own is not None and own.kind.of_one_body else k
         if k in terms and isinstance(work.parents.get(node), Sum | Negative):
             name = terms[k]
             found[node] = Named(name, targets.single[name].compute(), span=node.span)
@@ -111,7 +111,7 @@ def _slides(setting: RightEquations, targets: Targets, work: Workspace) -> Itera
     for node in work.values:
         target = targets.single.get(node.name) if isinstance(node, Named) else None
         if target is not None and isinstance(node, Named) and node.name in _TIPS:
-            name = slide + {"tip": "", "tip_d": RATE, "tip_dd": SECOND}[target.family]
+            name = slide + ("", RATE, SECOND)[target.kind.dots]
             found[node] = Named(name, setting.ring[name], span=node.span)
     if found:
         text = (

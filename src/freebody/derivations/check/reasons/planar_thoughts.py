@@ -118,10 +118,10 @@ class PlanarThoughts(Thoughts):
 
     def _combined(self) -> Iterator[tuple[int, Trig]]:
         """The quantity in coordinates φ_k = θ_1 + … + θ_k: τ_k - τ_{k+1}, and so M."""
-        if self.target.family not in ("tau", "c", "g", "M"):
+        if not self.target.kind.turns_with_coordinates:
             yield 1, self.right
             return
-        letter = {"tau": "tau", "c": "v", "g": "G", "M": "H"}[self.target.family]
+        letter = self.target.kind.usual
         rows: list[tuple[int, tuple[int, ...]]] = [(1, ())]
         for i in self.target.index:
             rows = [(s * t, (*index, k)) for s, index in rows for t, k in ((1, i), (-1, i + 1))]

@@ -15,7 +15,7 @@ from freebody.derivations.check.algebra.finite_field_tree import Workspace, with
 from freebody.derivations.check.algebra.quotients import Value, difference
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.at_rest import MOVES
-from freebody.derivations.check.asked.quantity import LONG, AskedQuantity
+from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.numbers.units import misfit, unit_text
 from freebody.derivations.check.reading.claim import Claim
@@ -41,6 +41,7 @@ from freebody.derivations.check.verdicts.rounded_numbers import MEASURED, Rounde
 from freebody.derivations.check.verdicts.verdict_sentences import Wording, quoted
 from freebody.derivations.expressions.nodes import Expression, Number, nodes, replaced
 from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.quantities.kinds import Kind
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
@@ -51,7 +52,6 @@ _STILL = (
     "It is right where nothing moves: write ‘In equilibrium:’ in front of it if that is meant; "
     "otherwise the terms with rates and accelerations are missing."
 )
-_OF_FORCES = frozenset(("tau", "of body", "identity"))
 
 
 @dataclass(frozen=True)
@@ -98,13 +98,13 @@ class Judge:
 
     def _value(self, claim: Claim, node: Expression) -> Value:
         """The value of a tree that is read in another way."""
-        if functions_of(node) or claim.target.family == LONG:
+        if functions_of(node) or claim.target.kind.is_long:
             return claim.value
         return PolynomialReader(claim.source, self.setting.ring).quotient(node)
 
     def _as_read(self, claim: Claim, explain: bool) -> EquationVerdict:
         """The verdict on a claim as it is read first."""
-        if claim.target.family == singular_poses.FAMILY:
+        if claim.target.kind.is_pose:
             return singular_poses.verdict(claim)
         if functions_of(claim.node if claim.whole is None else claim.whole):
             found = verdict_at_states.verdict(self, claim, claim.target.compute(), explain)
@@ -121,7 +121,7 @@ class Judge:
             meant = f"It is read as {title}." if re.fullmatch(r"P[_{}0-9]*", claim.label) else ""
             note = " ".join(filter(None, (meant, claim.target.note, self._zeros(claim))))
             return EquationVerdict(claim.label, title, True, note=note)
-        if claim.target.family in ("Phi", "Phi_d") and claim.value.is_zero:
+        if claim.target.kind.of_loops in ("positions", "rates") and claim.value.is_zero:
             return EquationVerdict(
                 claim.label, title, True, note="It says that the loop is closed."
             )
@@ -133,7 +133,7 @@ class Judge:
             return special
         assert isinstance(claim.value, Trig)
         assert isinstance(right, Trig)
-        if claim.target.family in ("V", "L", "Vi", "E") and self._is_constant(claim.value - right):
+        if claim.target.kind.up_to_a_constant and self._is_constant(claim.value - right):
             note = (
                 f"It differs by the constant {self.setting.form(claim.value - right)}: the zero "
                 f"level of V is arbitrary."
@@ -167,19 +167,19 @@ class Judge:
         if not target.also:
             return target
         ((note, other),) = target.also
-        senses = self._senses(target.family)
+        senses = self._senses(target.kind)
         second = senses.index(max(senses)) if any(senses) else self._nearer(claim)
-        if target.family == "of body":
+        if target.kind.has_own_sense:
             return replace(target, compute=other, note=note) if second else target
         if not second:
             return replace(target, thoughts=((_OTHER_SENSE, other), *target.thoughts))
         first = (_OTHER_SENSE, target.compute)
         return replace(target, compute=other, note=note, thoughts=(first, *target.thoughts))
 
-    def _senses(self, family: str) -> tuple[int, int]:
-        """How many claims about a family are right in the first sense, and in the second."""
-        of = {"of body"} if family == "of body" else {x.target.family for x in self.claims}
-        told = [x for x in self.claims if x.target.also and x.target.family in of]
+    def _senses(self, kind: Kind) -> tuple[int, int]:
+        """How many claims about a kind are right in the first sense, and in the second."""
+        of = {kind} if kind.has_own_sense else {x.target.kind for x in self.claims}
+        told = [x for x in self.claims if x.target.also and x.target.kind in of]
         first = sum(_is_right(claim, claim.target.compute) for claim in told)
         return first, sum(_is_right(claim, claim.target.also[0][1]) for claim in told)
 
@@ -199,7 +199,7 @@ class Judge:
 
     def _is_meant_still(self, claim: Claim, yours: Trig, right: Trig) -> bool:
         """Whether an answer without anything that moves is right in equilibrium."""
-        if claim.target.family not in _OF_FORCES or self.numbers.has_motion(claim):
+        if not claim.target.kind.may_be_still or self.numbers.has_motion(claim):
             return False
         lexemes = claim.source.lexemes
         within = lexemes.between(*claim.node.span)
@@ -212,12 +212,12 @@ class Judge:
     def _unsymmetric(self, claim: Claim) -> list[str]:
         """A sentence about an entry of the mass matrix that the answer gives in two ways."""
         mirrored = claim.target.index[::-1]
-        if claim.target.family != "M" or mirrored == claim.target.index:
+        if not claim.target.kind.is_symmetric or mirrored == claim.target.index:
             return []
         return [
             f"The mass matrix is symmetric, so {claim.label} = {other.label}."
             for other in self.claims
-            if other.target.family == "M"
+            if other.target.kind is claim.target.kind
             and other.target.index == mirrored
             and other.value != claim.value
         ][:1]
@@ -245,7 +245,7 @@ class Judge:
     def _other_ways(self, claim: Claim, yours: Trig, right: Trig) -> EquationVerdict | None:
         """The verdict on what is right though it is not the same: torques of passive joints, other
         matrices C."""
-        note = self.coriolis.get(claim.target.index, "") if claim.target.family == "C" else ""
+        note = self.coriolis.get(claim.target.index, "") if claim.target.kind.by_rates else ""
         if claim.target.idle and (
             yours.is_zero or undriven_joints.is_same(self.setting, yours, right)
         ):

@@ -47,9 +47,7 @@ class NumberJudge:
         given = self.numbers.state_at(claim.node.span)
         if not (isinstance(claim.value, Trig) and claim.value.is_constant):
             return self._in_symbols(claim, written, given)
-        no_result = (
-            claim.target.family in ("identity", "0") and claim.value.is_zero and written is None
-        )
+        no_result = claim.target.kind.is_equation and claim.value.is_zero and written is None
         if no_result or claim.target.idle:
             return None
         number = NumberAtState(self.setting, claim, written, given, self.tolerance)
@@ -65,8 +63,8 @@ class NumberJudge:
     def _lacks_state(self, number: NumberAtState) -> bool:
         """Whether a number without unit is a result whose state was left out: it has decimals, or
         states are given elsewhere."""
-        claim = number.claim
-        if claim.target.family in ("identity", "0", "Phi") or claim.value.is_zero:
+        claim, kind = number.claim, number.claim.target.kind
+        if kind.is_equation or kind.of_loops == "positions" or claim.value.is_zero:
             return False
         text = claim.source.plain(claim.node.span)
         stated = bool(self.numbers.numbers or self.numbers.standing)
@@ -92,7 +90,7 @@ class NumberJudge:
             return None
         same = self._is_same(claim.value, right, given)
         own = _names(claim.value) & set(given)
-        by_others = claim.target.family == "identity" or bool(claim.uses)  # whose motion is in it
+        by_others = claim.target.kind.is_equation or bool(claim.uses)  # whose motion is in it
         if own and (not by_others or self.has_motion(claim)):
             return None
         if not same or (claim.value - right).is_zero:
@@ -179,7 +177,7 @@ class _NumberVerdict:
             causes = reasons(number, targets) if targets else []
             values = {x: number.values[x] for x in number.used if x in number.values}
             example = Example(values, number.yours, number.right)
-        if not causes and claim.target.family in ("V", "L", "Vi"):
+        if not causes and claim.target.kind.up_to_a_constant:
             causes = ["Here V is 0 at the height of the base's origin; yours may be 0 elsewhere."]
         return EquationVerdict(
             claim.label, claim.target.title, False, (self._mistake(),), tuple(causes), example
@@ -231,7 +229,7 @@ class _NumberVerdict:
         claim, needed = self.number.claim, self.number.needed
         if needed is None:
             return "a unit that is not known here"
-        if claim.target.family in ("T", "V", "L", "Ti", "Vi"):
+        if claim.target.kind.is_energy:
             return "J"
         return si_text(needed, claim.label.lstrip("\\")[:1] in "ωαoaw")
 

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from freebody.derivations.check.algebra.quotients import Value, inverted, negative, times
-from freebody.derivations.check.asked.parallel import FAMILY
 from freebody.derivations.check.reading.claim import Claim
 
 Same = Callable[[Value, Value], bool]
@@ -20,9 +19,9 @@ def in_its_scale(claim: Claim, claims: Sequence[Claim], same: Same) -> Claim:
     """The claim with the right value times the factor of its row, and in the sense of the answer's
     J_b. Raises AnswerError for an entry that is wrong as it stands and alone in its row, for with
     another factor it may be right."""
-    if claim.target.family != FAMILY:
+    if not claim.target.kind.up_to_rows:
         return claim
-    own = [x for x in claims if x.target.family == FAMILY]
+    own = [x for x in claims if x.target.kind.up_to_rows]
     numbers = sorted({x.target.index[0] for x in own})
     rows = {sign: {k: _row(own, k, sign) for k in numbers} for sign in (1, -1)}
     free = any(x.target.also for x in own)

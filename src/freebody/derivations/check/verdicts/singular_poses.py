@@ -21,10 +21,10 @@ from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.parser import PI
 from freebody.derivations.grammar.patterns import LexemePattern, Match
 from freebody.derivations.grammar.source import Span
+from freebody.derivations.quantities import kinds
 from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import Trig
 
-FAMILY = "singular"
 MOST_POSES = 100
 _POSE = LexemePattern(
     "< %fresh function:< \\sin | \\cos | sin | cos > (? | other:< %operating | tan | cot > (? >?"
@@ -134,7 +134,7 @@ def _claims(
         written = source[pose.span[0], begin].strip()
         label = f"singular at {written} {source[span].strip()}".replace("$", "")
         target = AskedQuantity(
-            FAMILY, (), lambda: setting.zero, words="where det J must be 0",
+            kinds.SINGULAR, (), lambda: setting.zero, words="where det J must be 0",
             note=f"det J = {setting.form(det)}.",
         )  # fmt: skip
         node = Named("", there, span=span)

@@ -12,7 +12,6 @@ import numpy as np
 from freebody.derivations.check.algebra.answer_tree import Named
 from freebody.derivations.check.algebra.finite_field_tree import without_values
 from freebody.derivations.check.algebra.quotients import Value, pair
-from freebody.derivations.check.asked.quantity import LONG
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reasons.small_changes import Repair, SmallChanges
@@ -36,13 +35,6 @@ from freebody.scalars.trig import Trig
 if TYPE_CHECKING:
     from freebody.derivations.check.verdicts.equation_verdict import Judge
 
-_APART = frozenset(("Phi", "Phi_q"))
-"""Families that are 0 where loops are closed, or are about them: compared as they stand."""
-_OF_ANY_RATES = "Phi_d"
-"""The family that is 0 where rates keep loops closed: compared at positions, with other rates."""
-_BY_LOOPS = frozenset(("closed", "solved", "q", "drift", "N", LONG))
-"""Those that only loops can make right."""
-_UP_TO_A_CONSTANT = frozenset(("V", "L", "Vi", "E"))
 _MOST_NODES = 150
 """Pieces of an answer up to which changes are tried."""
 
@@ -75,12 +67,12 @@ def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> Equation
     at_states = _AtStates(judge, claim, right)
     if not (functions or _has_conditions(judge.setting) or at_states.is_quotient_in_numbers):
         return None
-    of_loops = claim.target.family in _BY_LOOPS
-    says_nothing = claim.value.is_zero and (of_loops or right.is_zero)
-    if not functions and (claim.target.family in _APART or says_nothing):
+    kind = claim.target.kind
+    says_nothing = claim.value.is_zero and (kind.holds_by_loops or right.is_zero)
+    if not functions and (kind.of_loops in ("positions", "slopes") or says_nothing):
         return None
     if at_states.moving is None:
-        if claim.target.family == LONG or functions:
+        if kind.is_long or functions:
             claim.source.fail(
                 "this robot's loops could not be closed anywhere, and so nothing can be compared",
                 claim.node.span,
@@ -110,9 +102,12 @@ class _AtStates:
         free_body = self.judge.free_body
         if free_body is None:
             found = self.judge.states.of(own_values=self.is_in_numbers)
-            family, moving = self.claim.target.family, self.judge.setting.symbols.coordinates
-            if found is not None and family in (*_APART, _OF_ANY_RATES):
-                return found.with_any(() if family == _OF_ANY_RATES else moving)
+            of_loops, moving = (
+                self.claim.target.kind.of_loops,
+                self.judge.setting.symbols.coordinates,
+            )
+            if found is not None and of_loops:
+                return found.with_any(() if of_loops == "rates" else moving)
             return found
         written = (x.value for x in nodes(self._tree) if isinstance(x, Named))
         images = free_body.motion((*written, self.right)).images
@@ -134,8 +129,9 @@ class _AtStates:
         """Whether it is a quotient written without symbols; of polynomials in numbers the digits
         count."""
         value = self.claim.value
-        solved = self.claim.target.family in ("solved", "q", "identity")
-        return (solved or isinstance(value, Ratio)) and self.is_in_numbers
+        return (
+            self.claim.target.kind.takes_quotients or isinstance(value, Ratio)
+        ) and self.is_in_numbers
 
     @property
     def _tree(self) -> Expression:
@@ -151,9 +147,9 @@ class _AtStates:
     @property
     def _equal(self) -> Equal:
         """In which sense."""
-        ring, family = self.judge.setting.ring, self.claim.target.family
+        ring, kind = self.judge.setting.ring, self.claim.target.kind
         is_angle = isinstance(self.right, Trig) and _is_angle(self.right, ring.angles)
-        return Equal(is_angle and self.claim.whole is None, family in _UP_TO_A_CONSTANT)
+        return Equal(is_angle and self.claim.whole is None, kind.up_to_a_constant)
 
     def _agreement(self, states: AdmissibleStates) -> Agreement:
         return agreement(states, self._tree, self._sought(states), self._equal)
@@ -180,7 +176,7 @@ class _AtStates:
         if not (only_here or self._goes_another_way):
             return None
         mistake = next(self._mistakes(found), None) if explain else None
-        unexplained = not only_here or self.claim.target.family == "closed"
+        unexplained = not only_here or self.claim.target.kind.is_equation
         if mistake is None and unexplained and not by_functions:
             return None
         findings = (mistake,) if isinstance(mistake, Mistake) else ()
@@ -192,7 +188,7 @@ class _AtStates:
     def _is_by_loops(self) -> bool:
         """Whether only loops can make it right: no polynomial is a quotient."""
         claim = self.claim
-        return claim.target.family in _BY_LOOPS or (
+        return claim.target.kind.holds_by_loops or (
             isinstance(claim.value, Ratio) and not isinstance(self.right, Ratio)
         )
 
@@ -214,7 +210,7 @@ class _AtStates:
         """What is said of a claim that is right; "" of one that is not."""
         closed = self.judge.setting.system is not None
         passive = self.judge.setting.symbols.model.passive
-        of_loops = self.claim.target.family in (*_APART, _OF_ANY_RATES)
+        of_loops = self.claim.target.kind.of_loops
         where = "states that close the loops" if closed and not of_loops else "positions"
         compared = f"Compared in numbers at {found.states.count} {where}"
         if passive and not closed and not functions_of(self._tree) and found.is_everywhere:
@@ -240,7 +236,7 @@ class _AtStates:
         too."""
         claims, right = self.judge.claims, found.right.copy()
         for other in claims[: claims.index(self.claim)]:
-            if other.target.family != "position" or other.label == self.claim.label:
+            if not other.target.kind.is_posture or other.label == self.claim.label:
                 continue
             before = _AtStates(self.judge, other, other.target.compute())
             if before.moving is found.states:
