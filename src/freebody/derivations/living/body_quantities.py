@@ -8,7 +8,8 @@ from typing import Any
 from freebody.derivations.methods.energies import Energies
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
-from freebody.spatial import transposed
+from freebody.derivations.quantities.bodies import BODY_QUANTITIES, numbers
+from freebody.derivations.quantities.body_values import BodyValues
 
 
 def body_quantities(s: Setting, reactions: SolvedReactions) -> dict[str, Any]:
@@ -40,27 +41,12 @@ def vector(s: Setting, v: Any) -> tuple[Any, ...]:
 
 
 def _of_body(s: Setting, reactions: SolvedReactions, i: int) -> dict[str, Any]:
-    n, above = s.numbers[i], s.numbers[s.tree.bodies[i].parent]
-    turning = {
-        f"omega{n}": s.motion.w[i], f"omega{n}_d": s.motion.wd[i],
-        f"{'M' if s.planar else 'n'}{n}": reactions.n[i],
-    }  # fmt: skip
-    found = {
-        f"r{n}": s.world[i][1], f"rc{n}": s.centre_position(i), f"vc{n}": s.centre_velocity(i),
-        f"vc{n}_d": s.centre_acceleration(i), f"sc{n}": s.centre(i),
-        s.naming.force(above, n).name: reactions.f[i],
-    }  # fmt: skip
-    made: dict[str, Any] = {name: vector(s, v) for name, v in (found | turning).items()}
-    if s.planar:
-        made |= {name: made[name][0] for name in turning}
-        made[f"I{n}"] = s.symbols.element(s.inertia(i))
-    else:
-        R = s.motion.joints[i][0]
-        for name, matrix in (
-            (f"R{n}", s.world[i][0]), (f"R{above}_{n}", transposed(R)), (f"R{n}_{above}", R),
-        ):  # fmt: skip
-            made[name] = tuple(vector(s, row) for row in matrix)
-        made[f"I{n}"] = tuple(vector(s, row) for row in s.inertia(i))
-        made[f"n{above}_{n}"] = made[f"n{n}"]
-    made |= {f"m{n}": s.symbols.element(s.mass(i))}
+    b = BodyValues(s, i, reactions)
+    above = s.numbers[s.tree.bodies[i].parent] if s.tree.bodies[i].parent >= 0 else 0
+    at = numbers(b.n, above)
+    rows = (x for x in BODY_QUANTITIES if x.shown and x.exists(b))
+    made = {x.known.format(**at): x.value(b) for x in rows}
+    made[s.naming.force(above, b.n).name] = b.vector(b.force)
+    if not s.planar:
+        made[f"n{above}_{b.n}"] = made[f"n{b.n}"]
     return made if s.follows(i) else made | {f"tau{s.index(i) + 1}": reactions.motor(i)}

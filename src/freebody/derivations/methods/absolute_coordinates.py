@@ -26,6 +26,7 @@ from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.shown_mechanism import LONGEST
 from freebody.derivations.methods.step_reasons import Efforts
 from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.quantities.bodies import meanings
 from freebody.errors import FreebodyError, listed
 from freebody.scalars.trig import Trig
 
@@ -88,7 +89,7 @@ class _Absolute:
         yield Meaning((sym("T"), sym("V")), "kinetic and potential energy", glossary.JOULE)
         yield Meaning((sym("Phi_k"),), "a constraint, zero where joint or loop hold together", "")
         yield Meaning((sym("lam_k"),), "its multiplier: a force in a joint or a loop", "")
-        yield glossary.joint_forces()
+        yield from meanings(self.s, "f{h}{n}")
         yield from glossary.joint_moments(self.s)
 
     def show(self, x: Trig) -> Expression:

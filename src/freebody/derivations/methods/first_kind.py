@@ -22,6 +22,7 @@ from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import Efforts
 from freebody.derivations.methods.virtual_work import virtual_work
 from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.quantities.bodies import meanings
 from freebody.scalars.trig import Trig
 
 SHORT = 14
@@ -70,7 +71,7 @@ def _symbols(s: Setting, energies: Energies) -> Iterator[Meaning]:
     yield from lagrange.symbols(s, energies)
     yield glossary.loop_equations(s)
     yield glossary.multipliers(s)
-    yield glossary.joint_forces()
+    yield from meanings(s, "f{h}{n}")
     yield Meaning(
         (sym("u"), sym("N")), "independent coordinates; matrix that gives all rates from theirs", ""
     )

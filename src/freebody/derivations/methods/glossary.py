@@ -16,6 +16,7 @@ from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import joints_that
 from freebody.derivations.naming import sym_of
 from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.quantities.bodies import meanings
 from freebody.derivations.render.literal import literal
 from freebody.errors import listed
 from freebody.model.joints import JointWords
@@ -220,18 +221,11 @@ _DRIVE = {
 
 # ---------------------------------------------------------------- rows that several methods
 # introduce
-def reach() -> Meaning:
-    """The vector along a body."""
-    return Meaning((sym("s_i", True),), "vector from joint i to the next joint or the tip", METER)
-
-
 def vectors(s: Setting) -> Iterator[Meaning]:
     """The vectors along the bodies, and the directions of the joints."""
     if s.load or any(map(s.tree.children, s.order)):
-        yield reach()
-    yield Meaning(
-        (sym("s_ci", True),), "vector from joint i to the centre of mass of body i", METER
-    )
+        yield from meanings(s, "s{n}")
+    yield from meanings(s, "sc{n}")
     if not s.planar:
         turning = joints_that(s, turn=True)
         if turning:
@@ -241,32 +235,10 @@ def vectors(s: Setting) -> Iterator[Meaning]:
         yield Meaning((sym("u_i", True),), f"direction of a {sliding} joint's slide", "")
 
 
-def moving(s: Setting) -> Iterator[Meaning]:
-    """How the bodies move."""
-    yield Meaning((sym("omega_i", not s.planar),), "angular velocity of body i", "rad/s")
-    yield Meaning((sym("v_ci", True),), "velocity of the centre of mass of body i", SPEED)
-
-
-def inertia_forces(s: Setting) -> Iterator[Meaning]:
-    """What forces and moments on a body add up to."""
-    what = "mass of body i times the acceleration of its centre"
-    yield Meaning((sym("f_ci", True),), what, NEWTON)
-    yield Meaning(
-        (sym("n_ci", not s.planar),), "rate of body i's angular momentum about its centre", MOMENT
-    )
-
-
-def joint_forces() -> Meaning:
-    """The force in a joint."""
-    return Meaning((sym("f_i,k", True),), "force of body i on body k at their joint", NEWTON)
-
-
 def joint_moments(s: Setting) -> Iterator[Meaning]:
     """Those that are not a motor's torque and no more."""
     if not all(map(s.is_pin, s.order)):
-        yield Meaning(
-            (sym("n_i,k", not s.planar),), "moment of body i on body k at their joint", MOMENT
-        )
+        yield from meanings(s, "M{n}")
 
 
 def loop_equations(s: Setting) -> Meaning:

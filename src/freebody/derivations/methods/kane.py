@@ -24,6 +24,7 @@ from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.reactions import rotor_part
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import RATE
+from freebody.derivations.quantities.bodies import meanings
 from freebody.errors import listed
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, dot, scale
@@ -272,8 +273,8 @@ def _some(v: Vector) -> bool:
 
 def _symbols(s: Setting) -> Iterator[Meaning]:
     yield from glossary.vectors(s)
-    yield from glossary.moving(s)
-    yield from glossary.inertia_forces(s)
+    yield from meanings(s, "omega{n}", "vc{n}")
+    yield from meanings(s, "fc{n}", "Mc{n}")
     yield Meaning(
         (sym("v_ci,r", True),), "factor of joint r's rate in v_ci: a partial velocity", "m or 1"
     )

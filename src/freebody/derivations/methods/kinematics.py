@@ -14,11 +14,12 @@ from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods import loop_kinematics
-from freebody.derivations.methods.glossary import METER, reach
+from freebody.derivations.methods.glossary import METER
 from freebody.derivations.methods.inverse_position import inverse_position
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.quantities.bodies import meanings
 from freebody.lazy import cached_property
 
 
@@ -44,7 +45,7 @@ def work_out(setting: Setting) -> Worked:
 def _symbols(s: Setting) -> Iterator[Meaning]:
     yield Meaning((sym("r_P", True),), "position of the tip, from the base's origin", METER)
     if s.planar:
-        yield reach()
+        yield from meanings(s, "s{n}")
         if len(s.leaders) > 2:
             yield Meaning((sym("phi"),), "angle of the last body from the x axis", "rad")
     yield Meaning((sym("J"),), "Jacobian of the tip", "m or 1")

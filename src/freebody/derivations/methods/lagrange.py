@@ -21,6 +21,7 @@ from freebody.derivations.methods.squared_speeds import squared_speeds
 from freebody.derivations.methods.term_sources import KINETIC, POTENTIAL, TIME, TermSources
 from freebody.derivations.methods.virtual_work import virtual_work
 from freebody.derivations.polynomials.symbols import RATE
+from freebody.derivations.quantities.bodies import meanings
 from freebody.scalars.trig import Trig
 
 
@@ -47,8 +48,8 @@ def work_out(setting: Setting) -> Worked:
 
 def symbols(s: Setting, energies: Energies) -> Iterator[Meaning]:
     """What the energies bring in."""
-    yield Meaning((sym("r_ci", True),), "position of the centre of mass of body i", glossary.METER)
-    yield from glossary.moving(s)
+    yield from meanings(s, "rc{n}")
+    yield from meanings(s, "omega{n}", "vc{n}")
     yield Meaning(
         (sym("T_i"), sym("V_i")), "kinetic and potential energy of body i", glossary.JOULE
     )

@@ -29,6 +29,7 @@ from freebody.derivations.methods.loop_forces import (
 from freebody.derivations.methods.method import Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import Efforts
+from freebody.derivations.quantities.bodies import meanings
 from freebody.errors import FreebodyError, listed
 
 
@@ -62,10 +63,10 @@ def work_out(s: Setting, route: str) -> Worked:
 
 def _symbols(s: Setting) -> Iterator[Meaning]:
     yield from glossary.vectors(s)
-    yield from glossary.moving(s)
+    yield from meanings(s, "omega{n}", "vc{n}")
     yield glossary.loop_equations(s)
     yield glossary.multipliers(s)
-    yield glossary.joint_forces()
+    yield from meanings(s, "f{h}{n}")
     yield from glossary.joint_moments(s)
 
 

@@ -16,11 +16,10 @@ from typing import Self
 
 from freebody.algorithms.kinematics import BodyMotions
 from freebody.algorithms.rnea import Recursion, rnea
-from freebody.derivations.derivation import Meaning, Step
+from freebody.derivations.derivation import Step
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression, Symbol
 from freebody.derivations.expressions.printed_names import sym, vec
-from freebody.derivations.methods.glossary import ACCELERATION
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import symbols
 from freebody.derivations.polynomials.textbook_form import Layout, Poly, starts_with_minus
@@ -235,12 +234,6 @@ class ModularSetting(Setting):
 def generator(quantity: str, n: int, axis: str) -> str:
     """A name in the ring that no parameter has."""
     return f"{quantity}.{n}.{axis}"
-
-
-def meanings(weights: bool) -> Iterator[Meaning]:
-    """What only a modular recursion has; weights: whether gravity acts as such."""
-    if weights:
-        yield Meaning((sym("g_i", True),), "gravity in the axes of body i", ACCELERATION)
 
 
 def last_step(steps: Iterable[Step], full: str) -> Step:

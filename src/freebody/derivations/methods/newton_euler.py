@@ -19,10 +19,10 @@ from freebody.derivations.methods.cross_products import angles_between_arms
 from freebody.derivations.methods.ending import ending
 from freebody.derivations.methods.geometry import geometry
 from freebody.derivations.methods.method import Method, MethodOption, Worked
-from freebody.derivations.methods.modular import meanings
 from freebody.derivations.methods.moments_about_pivots import about_pivots, arms_of_pivots
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
+from freebody.derivations.quantities.bodies import meanings
 
 
 def work_out(setting: Setting, route: str) -> Worked:
@@ -42,7 +42,7 @@ def work_out(setting: Setting, route: str) -> Worked:
     symbols = list(_symbols(setting, route))
     if not recursive.is_readable(setting, torques):
         steps = [*about, *recursive.modular_steps(setting, "explicit")]
-        more = [*recursive.symbols(setting), *meanings(setting.weighs)]
+        more = [*recursive.symbols(setting), *meanings(setting, *["gravity{n}"] * setting.weighs)]
         symbols = list(dict.fromkeys([*symbols, *more]))
     else:
         moving = motion(setting)
@@ -64,11 +64,11 @@ def work_out(setting: Setting, route: str) -> Worked:
 
 def _symbols(s: Setting, route: str) -> Iterator[Meaning]:
     yield from glossary.vectors(s)
-    yield from glossary.moving(s)
+    yield from meanings(s, "omega{n}", "vc{n}")
     if route == "pivot":
         yield from arms_of_pivots(s)
     else:
-        yield glossary.joint_forces()
+        yield from meanings(s, "f{h}{n}")
         yield from glossary.joint_moments(s)
 
 

@@ -16,9 +16,10 @@ from freebody.derivations.methods.ending import ending
 from freebody.derivations.methods.geometry import geometry, rotation_name
 from freebody.derivations.methods.inward_recursion import Inward, worked
 from freebody.derivations.methods.method import Method, MethodOption, Worked
-from freebody.derivations.methods.modular import ModularSetting, last_step, meanings
+from freebody.derivations.methods.modular import ModularSetting, last_step
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import coriolis
+from freebody.derivations.quantities.bodies import meanings
 from freebody.scalars.trig import Trig
 
 GRAVITIES = ("base", "explicit")
@@ -33,7 +34,7 @@ def work_out(setting: Setting, gravity: str, values: str) -> Worked:
     names = list(symbols(setting))
     if values == "modular" or not is_readable(setting, tau):
         steps = modular_steps(setting, gravity)
-        names += meanings(not base and not setting.planar)
+        names += meanings(setting, *["gravity{n}"] * (not base and not setting.planar))
     else:
         steps = _steps(setting, record, base)
         steps += ending(setting)
@@ -71,12 +72,10 @@ def _steps(s: Setting, record: Recursion, base: bool, rules: bool = False) -> li
 def symbols(s: Setting) -> Iterator[Meaning]:
     """What the recursion brings in."""
     yield from glossary.vectors(s)
-    yield from glossary.moving(s)
-    yield Meaning((sym("v_i", True),), "velocity of the point of body i at joint i", glossary.SPEED)
+    yield from meanings(s, "omega{n}", "vc{n}", "v{n}")
     if s.planar:
         yield Meaning((vec("z"),), "unit vector at right angles to the plane", "")
-    yield from glossary.inertia_forces(s)
-    yield glossary.joint_forces()
+    yield from meanings(s, "fc{n}", "Mc{n}", "f{h}{n}")
     yield from glossary.joint_moments(s)
 
 

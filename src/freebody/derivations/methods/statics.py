@@ -14,6 +14,7 @@ from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import Efforts
+from freebody.derivations.quantities.bodies import meanings
 
 
 def work_out(setting: Setting) -> Worked:
@@ -40,7 +41,7 @@ def work_out(setting: Setting) -> Worked:
 
 def _symbols(s: Setting) -> Iterator[Meaning]:
     yield from glossary.vectors(s)
-    yield glossary.joint_forces()
+    yield from meanings(s, "f{h}{n}")
     yield from glossary.joint_moments(s)
 
 

@@ -7,12 +7,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-Unit = tuple[int, int, int]
-"""Powers of kg, m and s."""
+from freebody.derivations.quantities import units
+from freebody.derivations.quantities.units import Unit
+
 OfJoints = Callable[[Sequence[bool]], Unit]
 """A unit by whether each of some joints turns."""
 
-JOULE: Unit = (1, 2, -2)
 _EQUATION = "an equation between the robot's quantities"
 
 
@@ -111,7 +111,7 @@ class Kind:
     @property
     def is_energy(self) -> bool:
         """Whether it is told in joules."""
-        return self.unit == JOULE
+        return self.unit == units.ENERGY
 
 
 def _force(turns: Sequence[bool]) -> Unit:
@@ -177,28 +177,32 @@ COORDINATE = Kind(
 
 # ---------------------------------------------------------------- energies
 KINETIC = Kind(
-    "T", "the kinetic energy", JOULE,
+    "T", "the kinetic energy", units.ENERGY,
     "kinetic", ("T", "K", "KE", "Ek", "Ekin"), ("T",), of="bodies",
 )  # fmt: skip
 POTENTIAL = Kind(
-    "V", "the potential energy", JOULE,
+    "V", "the potential energy", units.ENERGY,
     "potential", ("V", "U", "P", "PE", "Ep", "Epot"), ("V",), of="bodies", up_to_a_constant=True,
 )  # fmt: skip
 LAGRANGIAN = Kind(
-    "L", "the Lagrangian", JOULE,
+    "L", "the Lagrangian", units.ENERGY,
     "lagrangian", ("L",), ("L",), of="bodies", up_to_a_constant=True,
 )  # fmt: skip
-ENERGY = Kind("E", "the total energy", JOULE, letters=("E",), of="bodies", up_to_a_constant=True)
-BODY_KINETIC = Kind("T_i", "the kinetic energy of body {}", JOULE, of="bodies", of_one_body=True)
+ENERGY = Kind(
+    "E", "the total energy", units.ENERGY, letters=("E",), of="bodies", up_to_a_constant=True
+)
+BODY_KINETIC = Kind(
+    "T_i", "the kinetic energy of body {}", units.ENERGY, of="bodies", of_one_body=True
+)
 BODY_POTENTIAL = Kind(
     "V_i",
     "the potential energy of body {}",
-    JOULE,
+    units.ENERGY,
     of="bodies",
     up_to_a_constant=True,
     of_one_body=True,
 )
-POWER = Kind("power", unit=(1, 2, -3))
+POWER = Kind("power", unit=units.POWER)
 MOMENTUM = Kind("momentum", unit=_momentum)
 
 # ---------------------------------------------------------------- tip and bodies
@@ -209,10 +213,13 @@ JACOBIAN = Kind(
 TWIST_JACOBIAN = Kind("J_s", is_matrix=True, of="joints")
 JACOBIAN_RATE = Kind("J_d", of="bodies")
 DETERMINANT = Kind("det", "the determinant of the tip's Jacobian", may_be_zero=True)
-TIP = Kind("tip", "a coordinate of the tip", (0, 1, 0), of="bodies", has_legs=True)
-TIP_VELOCITY = Kind("tip_d", "a velocity of the tip", (0, 1, -1), of="bodies", dots=1)
-TIP_ACCELERATION = Kind("tip_dd", "an acceleration of the tip", (0, 1, -2), of="bodies", dots=2)
+TIP = Kind("tip", "a coordinate of the tip", units.LENGTH, of="bodies", has_legs=True)
+TIP_VELOCITY = Kind("tip_d", "a velocity of the tip", units.SPEED, of="bodies", dots=1)
+TIP_ACCELERATION = Kind(
+    "tip_dd", "an acceleration of the tip", units.ACCELERATION, of="bodies", dots=2
+)
 TIP_TWIST = Kind("twist", "a velocity of the tip", of="bodies", dots=1)
+MASS_OF_BODY = Kind("m", unit=units.MASS)
 OF_BODY = Kind("of body", of="bodies", has_own_sense=True, may_be_still=True)
 LOAD = Kind("load", is_load=True)
 

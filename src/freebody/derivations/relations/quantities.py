@@ -13,19 +13,20 @@ from freebody.derivations.equations.kinematics import Kinematics
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.grammar.atoms import atom
-from freebody.derivations.methods.energies import Energies
 from freebody.derivations.methods.method import LOADS
 from freebody.derivations.methods.recursive import GRAVITIES
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.whole_bodies import symbols_of_bodies
 from freebody.derivations.polynomials.textbook_form import Layout
+from freebody.derivations.quantities.bodies import values_of
+from freebody.derivations.quantities.body_values import RecursionValues
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.outputs.display import Titled, counted
 from freebody.scalars.trig import Trig
-from freebody.spatial import Vector, neg, times, transposed
+from freebody.spatial import Vector
 
 Values = dict[str, Any]
 
@@ -104,10 +105,8 @@ class QuantityValues:
         return found
 
     def of_body(self, i: int) -> Values:
-        """Of one body; of one whose parts are not made one nothing about its centre of mass."""
-        found = self._motion(i) | self._forces(i) | self._geometry(i)
-        is_whole = len(self.s.tree.bodies[i].masses) < 2
-        return found | self._centre(i) if is_whole else found
+        """Of one body."""
+        return values_of(RecursionValues(self.s, i, self.record, self.base))
 
     @cached_property
     def record(self) -> Recursion:
@@ -119,12 +118,6 @@ class QuantityValues:
 
     def _vector(self, v: Vector) -> tuple[Trig, ...]:
         return tuple(map(self._element, v))
-
-    def _axes(self, i: int, v: Vector) -> tuple[Trig, ...]:
-        return self._vector(self.s.axes(i, v))
-
-    def _angular(self, v: Vector) -> Any:
-        return self._element(v[0]) if self.s.planar else self._vector(v)
 
     # ------------------------------------------------------------ groups
     def _symbols(self) -> Values:
@@ -163,84 +156,6 @@ class QuantityValues:
         axes = ("x", "y") if dim == 2 else ("x", "y", "zP")
         for dots, name in (("", "r"), ("_d", "r_d"), ("_dd", "r_dd")):
             found |= {axis + dots: x for axis, x in zip(axes, found[name], strict=True)}
-        return found
-
-    def _motion(self, i: int) -> Values:
-        n, s = self.s.numbers[i], self.s
-        motion = self.record.motion
-        found: Values = {
-            f"omega{n}": self._angular(motion.w[i]), f"omega{n}_d": self._angular(motion.wd[i]),
-            f"v{n}": self._axes(i, motion.v[i]), f"v{n}_d": self._axes(i, motion.vd[i]),
-        }  # fmt: skip
-        nothing = self._vector(s.tree.space.zero)
-        if n == 1:
-            start = neg(s.tree.gravity) if self.base else s.tree.space.zero
-            found |= {
-                "v0": nothing,
-                "v0_d": self._vector(start),
-                "s0": self._vector(motion.joints[i][1]),
-            }
-            found |= {f"omega0{d}": self._angular(s.tree.space.zero_angular) for d in ("", "_d")}
-        return found if s.planar else found | self._turns(i)
-
-    def _turns(self, i: int) -> Values:
-        """Rotations between neighbours, R2_1 from body 1 to 2, and p1_2, where frame 2 is in frame
-        1."""
-        n, s = self.s.numbers[i], self.s
-        R, p = self.record.motion.joints[i]
-        E, one = transposed(R), ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-        found: Values = {
-            f"R{n}_{n - 1}": tuple(map(self._vector, E)),
-            f"R{n - 1}_{n}": tuple(map(self._vector, R)),
-            f"R{n}": tuple(map(self._vector, s.world[i][0])),
-            f"w{n}": self._vector(times(s.world[i][0], self.record.motion.w[i])),
-            f"z{n}": self._vector(tuple(row[2] for row in s.world[i][0])),
-            f"p{n - 1}_{n}": self._vector(p), f"p{n}_{n - 1}": self._vector(neg(times(E, p))),
-        }  # fmt: skip
-        if n == 1:
-            found |= {"R0": one, "w0": self._vector(s.tree.space.zero)}
-        if s.ends_in_tip(i):
-            found |= {f"R{n}_{n + 1}": one, f"p{n}_{n + 1}": self._vector(s.to_tip(i))}
-        return found
-
-    def _geometry(self, i: int) -> Values:
-        n, s = self.s.numbers[i], self.s
-        children = s.tree.children(i)
-        found: Values = {f"r{n}": self._vector(s.world[i][1])}
-        if children or s.ends_in_tip(i):
-            reach = s.to_child(i, children[0]) if children else s.to_tip(i)
-            found[f"s{n}"] = self._vector(reach)
-        return found
-
-    def _centre(self, i: int) -> Values:
-        """Mass and inertia, and what is told of the centre of mass: of a body without mass its
-        joint's origin stands for it."""
-        n, s, space = self.s.numbers[i], self.s, self.s.tree.space
-        record, spin = self.record, "M" if s.planar else "n"
-        acceleration = (record.vd_com[i] or [record.motion.vd[i]])[0]
-        force, moment = (record.F[i] or [space.zero])[0], (record.N[i] or [space.zero_angular])[0]
-        inertia = s.inertia(i)
-        return {
-            f"m{n}": self._element(s.mass(i)),
-            f"I{n}": self._element(inertia) if s.planar else tuple(map(self._vector, inertia)),
-            f"sc{n}": self._vector(s.centre(i)), f"rc{n}": self._vector(s.centre_position(i)),
-            f"vc{n}": self._vector(s.centre_velocity(i)), f"vc{n}_d": self._axes(i, acceleration),
-            f"fc{n}": self._axes(i, force), f"{spin}c{n}": self._angular(moment),
-        }  # fmt: skip
-
-    def _forces(self, i: int) -> Values:
-        n, s, record = self.s.numbers[i], self.s, self.record
-        spin, energies = "M" if s.planar else "n", Energies(s, s.motion)
-        found: Values = {
-            f"f{n - 1}{n}": self._axes(i, record.f[i]), f"{spin}{n}": self._angular(record.n[i]),
-            f"T{n}": energies.kinetic(i), f"V{n}": energies.potential(i),
-        }  # fmt: skip
-        if not s.planar:
-            found[f"gravity{n}"] = self._vector(s.gravity(i))
-        if not s.tree.children(i):
-            load = tuple(s.symbols.ring[name] for name in s.load)
-            found[f"f{n}{n + 1}"] = self._vector(neg(load) if load else s.tree.space.zero)
-            found[f"{spin}{n + 1}"] = self._angular(s.tree.space.zero_angular)
         return found
 
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from freebody.derivations.check.asked import load_names
 from freebody.derivations.check.asked.at_rest import BodiesAtRest
 from freebody.derivations.check.asked.bodies import QuantitiesOfBodies
-from freebody.derivations.check.asked.body_quantities import soft_names
 from freebody.derivations.check.asked.energies import EnergyQuantities
 from freebody.derivations.check.asked.formula_parameters import FormulaParameters
 from freebody.derivations.check.asked.frames import QuantitiesInFrames
@@ -24,6 +23,7 @@ from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.asked.tip import TipQuantities
 from freebody.derivations.check.asked.tree_bodies import BodiesOfTrees, LoopForceSystem
 from freebody.derivations.grammar.lexemes import NOTHING, Lexemes
+from freebody.derivations.quantities.bodies import soft_names
 from freebody.derivations.quantities.kinds import USUAL_LETTERS
 from freebody.lazy import cached_property
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any
 
 from freebody.derivations.check.asked.bodies import QuantitiesOfBodies
-from freebody.derivations.check.asked.body_quantities import BODY_QUANTITIES
 from freebody.derivations.check.asked.group import Named
 from freebody.derivations.check.asked.load_names import JOINT_FORCE, MOMENT, VECTORS
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
@@ -16,6 +15,7 @@ from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.quantities import kinds
+from freebody.derivations.quantities.bodies import BODY_QUANTITIES
 from freebody.derivations.relations.quantities import QuantityValues, branches
 from freebody.lazy import cached_property
 

@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from freebody.derivations.check.asked.body_quantities import BODY_QUANTITIES, BodyQuantity, numbers
-from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.quantity import AskedQuantity, Mistaken, Table
+from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.quantities import kinds
+from freebody.derivations.quantities.bodies import BODY_QUANTITIES, BodyQuantity, numbers
 from freebody.derivations.relations.quantities import QuantityValues, branches
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
@@ -25,7 +25,7 @@ _TRANSPOSED = "This is its transpose, which turns the other way."
 class QuantitiesOfBodies(QuantityGroup):
     """ω_2, r_c2, v_c2, f_12, …, whole and by components."""
 
-    records = BODY_QUANTITIES
+    records = tuple(x for x in BODY_QUANTITIES if x.kind is kinds.OF_BODY)
 
     def single(self) -> Iterator[Named]:
         yield from self.entries_of(self.vectors)
@@ -51,18 +51,13 @@ class QuantitiesOfBodies(QuantityGroup):
         tree = self.setting.equations.symbols.tree
         chain = not branches(tree) and self.setting.system is None
         dim = self.setting.symbols.model.dim
+        records = [x for x in self.records if dim == 3 or not x.matrix]  # I_1 is a parameter there
         found = {"gravity": self._constants("the gravitational acceleration", tree.gravity)}
         found["z"] = self._constants("the world's z axis", (0.0, 0.0, 1.0))
         for n in range(1, len(tree.bodies) + 1):
-            for record in self.records:
-                whole = len(tree.bodies[tree.body_of[n - 1]].masses) < 2
+            for record in records:
                 known = record.known.format(**numbers(n)) in self._bodies[n - 1]
-                is_told = known and (chain or record.of_motion)
-                if (
-                    is_told
-                    and record.exists(n, len(tree.bodies), dim)
-                    and (whole or not record.of_centre)
-                ):
+                if known and (chain or record.of_motion):
                     table = self._table_of(record, n, dim)
                     found |= dict.fromkeys(
                         (name for name in record.spelt(n) if name not in found), table
@@ -155,7 +150,7 @@ class QuantitiesOfBodies(QuantityGroup):
 
     def _table_of(self, record: BodyQuantity, n: int, dim: int) -> Table:
         """The entries of one quantity of body n."""
-        known, words = record.known.format(**numbers(n)), record.title.format(n=n)
+        known, words = record.known.format(**numbers(n)), record.told(n)
 
         def entry(*at: int, axis: str = "") -> AskedQuantity:
             index = (n,) if axis or not at else tuple(k + 1 for k in at)
@@ -163,9 +158,9 @@ class QuantitiesOfBodies(QuantityGroup):
             if record.reaction:
                 text = record.reaction.format(**numbers(n))
                 thoughts.append((text, lambda: own() * -1))
-            if record.turns and known[0] == "R":
+            if record.matrix == "rotation":
                 thoughts.append((_TRANSPOSED, self._part(n, known, *at[::-1])))
-            if known == f"I{n}" and record.turns:
+            if record.matrix == "tensor":
                 world = self._inertia_in_world(n, *at)
             if axis and record.own_axes and dim == 3:
                 world = self._in_world(n, known, at[0])
@@ -175,7 +170,7 @@ class QuantitiesOfBodies(QuantityGroup):
                 thoughts=tuple(thoughts),
             )  # fmt: skip
 
-        if record.turns:
+        if record.matrix:
             return [[entry(i, j) for j in range(3)] for i in range(3)]
         axes = record.axes(dim)
         return [[entry(k, axis=axis)] for k, axis in enumerate(axes)] if axes else [[entry()]]

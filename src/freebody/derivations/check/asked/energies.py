@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar.atoms import atom
+from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.methods.energies import Energies
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import RATE

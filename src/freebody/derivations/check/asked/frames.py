@@ -7,18 +7,14 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from freebody.derivations.check.asked.bodies import QuantitiesOfBodies
-from freebody.derivations.check.asked.body_quantities import BODY_QUANTITIES, numbers
 from freebody.derivations.check.asked.group import Named
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.grammar.words import FRAMES
 from freebody.derivations.quantities import kinds
+from freebody.derivations.quantities.bodies import BODY_QUANTITIES, numbers
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
-_CRAIG = {"f{h}{n}": ("f{n}",), "fc{n}": ("F{n}",), "nc{n}": ("N{n}",), "Mc{n}": ("N{n}",),
-          "M{n}": ("n{n}",)}  # fmt: skip
-"""Further names, where a frame tells what they mean."""
-_PLACES = {"r{n}": ("P{n}", "p{n}", "P{n}ORG"), "rc{n}": ("PC{n}", "Pc{n}", "pc{n}", "pC{n}")}
 _WORLD = "This would be right in the world's axes; here the components are along those of body {}."
 
 
@@ -42,12 +38,11 @@ class QuantitiesInFrames(QuantitiesOfBodies):
             for record in BODY_QUANTITIES:
                 own = next(iter(record.spelt(n)), "")
                 table = self.vectors.get(own)
-                places = _PLACES.get(record.known, ())
-                if table is None or record.turns or record.known[:1] in ("p", "z") or record.only:
+                if table is None or record.matrix or record.framed is None or record.only:
                     continue
-                further = [x.format(**numbers(n)) for x in (*_CRAIG.get(record.known, ()), *places)]
+                further = [x.format(**numbers(n)) for x in record.framed]
                 for frame in range(min(count, len(FRAMES) - 1) + 1):
-                    told = self._seen(table, n, frame, bool(places))
+                    told = self._seen(table, n, frame, record.is_place)
                     for name in dict.fromkeys((*record.spelt(n), *further)):
                         found.setdefault(name + FRAMES[frame], told)
         ground = {x: y for x, y in self.vectors.items() if x.strip("˙'d") in ("v0", "omega0")}

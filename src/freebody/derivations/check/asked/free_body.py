@@ -6,10 +6,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
-from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.inverses import inverse
 from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity, Table
+from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.methods.free_body_steps import XYZ, FreeBody
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import RATE, SECOND

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from freebody.derivations.check.algebra.answer_tree import Angle
-from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.methods.free_body_steps import PLACES, XYZ
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.scalars.trig import Trig

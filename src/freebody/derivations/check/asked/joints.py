@@ -6,7 +6,6 @@ import itertools
 from collections.abc import Callable, Iterator, Mapping
 from fractions import Fraction
 
-from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.inverses import MOST_ROWS, inverse
 from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity, Table
@@ -14,6 +13,7 @@ from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.evaluate import arithmetic, evaluate
 from freebody.derivations.expressions.expression import Expression
+from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.polynomials.determinant import determinant
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.quantities import kinds

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.closed_chains.first_kind import multiplier_names
+from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig

@@ -6,13 +6,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 
 from freebody.derivations.check.algebra.quotients import Value, negative, over
-from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.inverses import MOST_ROWS, inverse
 from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity, Table
 from freebody.derivations.closed_chains.input_output import ROWS, ClosedInputOutput
 from freebody.derivations.closed_chains.linear import Entries
 from freebody.derivations.equations.kinematics import Kinematics
+from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.polynomials.arithmetic import inner

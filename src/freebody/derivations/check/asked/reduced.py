@@ -6,11 +6,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from freebody.derivations.check.algebra.quotients import Value, negative, over
-from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.closed_chains.first_kind import Reduction
+from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.polynomials.symbols import RATE, SECOND

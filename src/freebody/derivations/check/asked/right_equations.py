@@ -33,13 +33,11 @@ from freebody.derivations.polynomials.symbols import (
     symbols,
 )
 from freebody.derivations.polynomials.textbook_form import Layout
+from freebody.derivations.quantities.links import COORDINATES, PARAMETERS
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.model.number_names import catalogue
 from freebody.scalars.trig import Trig, TrigRing
-
-FAMILIES = ("l", "lc", "m", "I")
-"""Parameters that every link of a planar arm has in the notes."""
 
 FORCES = tuple(f"{letter}_{axis}" for letter in "fn" for axis in XYZ)
 """Force and moment on a free body."""
@@ -243,12 +241,12 @@ def setting(
     foreign: list[str] = []
     if symbols.model.dim == 2:
         numbers = [atom(x).figures for x in symbols.coordinates]
-        family = [f"{letter}{k}" for k in numbers for letter in FAMILIES]
-        moving = [f"{x}{k}" for k in numbers for x in ("theta", "d")]
+        listed = [f"{x.letter}{k}" for k in numbers for x in PARAMETERS]
+        moving = [f"{x}{k}" for k in numbers for x in COORDINATES]
         still = set(ring.index) - set(symbols.coordinates)  # a length may be called d1
-        family += [x + e for x in moving if x not in still for e in ("", RATE, SECOND)]
+        listed += [x + e for x in moving if x not in still for e in ("", RATE, SECOND)]
         foreign = [
-            name for name in dict.fromkeys(family) if name not in ring.index and name not in zeros
+            name for name in dict.fromkeys(listed) if name not in ring.index and name not in zeros
         ]
     angles = [x for x in foreign if atom(x).letter == "theta" and not atom(x).dots]
     others = [name for name in foreign if name not in angles]

@@ -8,12 +8,12 @@ from functools import cache
 
 from freebody.derivations.check.algebra.quotients import Value, plus
 from freebody.derivations.check.algebra.quotients import times as multiplied
-from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.inverses import MOST_ROWS, inverse
 from freebody.derivations.check.asked.loads import vectors
 from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity, Table
 from freebody.derivations.equations.kinematics import Kinematics
+from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.grammar.words import DETERMINANT
 from freebody.derivations.polynomials.determinant import determinant
 from freebody.derivations.quantities import kinds

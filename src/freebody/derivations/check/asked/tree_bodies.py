@@ -20,11 +20,14 @@ from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.determinant import determinant
 from freebody.derivations.quantities import kinds
+from freebody.derivations.quantities.bodies import BY_NAME
+from freebody.derivations.quantities.body_values import BodyValues
 from freebody.derivations.relations.quantities import branches
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
 _SYSTEM = LexemePattern("!-%latin A < λ | \\lambda | %font { < \\lambda | λ > >")
+_OF_CENTRE = (BY_NAME["sc{n}"], BY_NAME["fc{n}"])
 _Told = tuple[Expression, Iterable[Any], int, str]
 """Name, components, body and words."""
 
@@ -64,20 +67,18 @@ class BodiesOfTrees(QuantityGroup):
             for arm, vector in LoopForces(s, loops).ways(i):
                 yield arm, vector, s.numbers[i], f"the way on body {s.numbers[i]} to a loop's force"
         for i in s.order:
-            n, parent = s.numbers[i], s.tree.bodies[i].parent
+            b, parent = BodyValues(s, i, reactions), s.tree.bodies[i].parent
+            n = b.n
             h = s.numbers[parent] if parent >= 0 else 0
             for k in s.tree.children(i):
                 yield s.naming.reach(n, s.numbers[k]), s.to_child(i, k), n, f"a way along body {n}"
             if s.ends_in_tip(i):
-                yield s.naming.to_tip(n), s.to_tip(i), n, f"the vector along body {n}"
+                yield s.naming.to_tip(n), s.to_tip(i), n, BY_NAME["s{n}"].told(n)
             if i in s.weighted:
-                words = f"the vector to the centre of mass of body {n}"
-                yield vec(f"sc{n}"), s.centre(i), n, words
-                force = (s.mass(i) * x for x in s.centre_acceleration(i))
-                yield vec(f"fc{n}"), force, n, f"mass times acceleration of body {n}"
-            words = f"the force on body {n} at its joint"
-            yield s.naming.force(h, n), reactions.f[i], n, words
-            yield s.naming.moment(h, n), reactions.n[i], n, words.replace("force", "moment")
+                for record in _OF_CENTRE:
+                    yield vec(record.known.format(n=n)), record.value(b), n, record.told(n)
+            yield s.naming.force(h, n), b.force, n, BY_NAME["f{h}{n}"].told(n, h)
+            yield s.naming.moment(h, n), b.moment, n, BY_NAME["n{n}"].told(n, h)
         for loop in s.tree.loops if loops else ():
             assert loops is not None
             force, moment = loops.wrench(loop)

@@ -10,7 +10,6 @@ from freebody.derivations.check.algebra.exact_polynomials import PolynomialReade
 from freebody.derivations.check.algebra.quotients import Value, difference
 from freebody.derivations.check.algebra.tables_in_formulas import Shape, worked_out
 from freebody.derivations.check.asked.asked_quantities import Targets
-from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.loads import held
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.numbers.results import WrittenNumbers
@@ -24,6 +23,7 @@ from freebody.derivations.check.spelling.answer_text import AnswerText
 from freebody.derivations.check.states.state_values import functions_of
 from freebody.derivations.expressions.evaluate import NoValue
 from freebody.derivations.expressions.nodes import Expression, Matrix
+from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.source import Span
 from freebody.derivations.grammar.words import FRAMES, PRIME

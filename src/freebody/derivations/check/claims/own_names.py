@@ -10,9 +10,7 @@ from freebody.derivations.check.algebra.exact_polynomials import PolynomialReade
 from freebody.derivations.check.algebra.quotients import Value
 from freebody.derivations.check.algebra.tables_in_formulas import worked_out
 from freebody.derivations.check.asked.asked_quantities import AMBIGUOUS, Targets
-from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.quantity import AskedQuantity
-from freebody.derivations.check.asked.right_equations import FAMILIES
 from freebody.derivations.check.claims.formula_reader import entry_label
 from freebody.derivations.check.reading.circular_answers import uses
 from freebody.derivations.check.reading.reading import AnswerParser
@@ -21,13 +19,15 @@ from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerT
 from freebody.derivations.expressions.nodes import Matrix, Span
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.atoms import atom, numbered
+from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.grammar.lexer import tokens
 from freebody.derivations.notations.lettering import Lettering
 from freebody.derivations.notations.notation import BookNotation
 from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.quantities.links import LINK_SYMBOLS
 from freebody.scalars.trig import Trig
 
-_NUMBERED = (*FAMILIES, "theta", "d", "q")
+_NUMBERED = (*(x.letter for x in LINK_SYMBOLS), "q")
 """What names of one's own may stand for, for all links or joints."""
 
 

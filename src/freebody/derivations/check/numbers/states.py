@@ -12,7 +12,7 @@ from freebody.derivations.check.algebra.exact_polynomials import PolynomialReade
 from freebody.derivations.check.algebra.quotients import generator
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.numbers.units import unit_of
-from freebody.derivations.check.numbers.written_units import WrittenUnit, si_text, unit_at
+from freebody.derivations.check.numbers.written_units import WrittenUnit, unit_at
 from freebody.derivations.check.reading.reading import AnswerParser
 from freebody.derivations.check.reading.vocabulary import Vocabulary
 from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerText
@@ -22,6 +22,7 @@ from freebody.derivations.grammar.lexer import tokens
 from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.grammar.source import Source, Span
 from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.quantities.units import si_text
 from freebody.errors import FreebodyError
 from freebody.identifiers import word_set
 from freebody.model.parameter_formulas import inertial_names

@@ -9,24 +9,16 @@ from freebody.derivations.check.algebra.quotients import Value
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.grammar.atoms import atom
-from freebody.derivations.quantities.kinds import Unit
+from freebody.derivations.quantities import units
+from freebody.derivations.quantities.links import BY_LETTER
+from freebody.derivations.quantities.units import Unit, si_text
 from freebody.scalars.trig import Trig
 
-_UNITS: dict[str, Unit] = {
-    "l": (0, 1, 0),
-    "lc": (0, 1, 0),
-    "d": (0, 1, 0),
-    "m": (1, 0, 0),
-    "I": (1, 2, 0),
-    "theta": (0, 0, 0),
+_TEXTS = {
+    si_text(x, True): x
+    for x in (units.MASS, units.LENGTH, units.NONE, units.INERTIA, units.ACCELERATION)
 }
-_TEXTS: dict[str, Unit] = {
-    "kg": (1, 0, 0),
-    "m": (0, 1, 0),
-    "rad": (0, 0, 0),
-    "kg m²": (1, 2, 0),
-    "m/s²": (0, 1, -2),
-}
+"""Units of a model's numbers, as its catalogue writes them."""
 _WAVES = ("sin_", "cos_", "sgn_")
 
 
@@ -50,9 +42,9 @@ def _unit(setting: RightEquations, name: str) -> Unit | None:
         return known
     own = atom(name)
     is_known = setting.is_planar or name.split("_d")[0] in setting.symbols.coordinates
-    if not is_known or not own.is_numbered or own.letter not in _UNITS:
+    if not is_known or not own.is_numbered or own.letter not in BY_LETTER:
         return None
-    kg, m, s = _UNITS[own.letter]
+    kg, m, s = BY_LETTER[own.letter].unit
     return kg, m, s - own.dots
 
 
@@ -105,12 +97,3 @@ def _common_unit(setting: RightEquations, right: Trig) -> Unit | None:
     if any(unit_of(setting, p) != _unit(setting, name) for name, x in given for p, _ in x.terms()):
         return None
     return next((unit_of(setting, powers) for powers, _ in right.terms()), None)
-
-
-def unit_text(unit: Unit) -> str:
-    """kg m²/s²."""
-    high = {1: "", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶"}
-    letters = list(zip(("kg", "m", "s"), unit, strict=True))
-    above = " ".join(f"{x}{high.get(e, f'^{e}')}" for x, e in letters if e > 0)
-    below = " ".join(f"{x}{high.get(-e, f'^{-e}')}" for x, e in letters if e < 0)
-    return f"{above or '1'}/{below}" if below else above or "no unit"

@@ -7,11 +7,10 @@ import itertools
 import math
 from dataclasses import dataclass
 
-from freebody.derivations.check.numbers.units import unit_text
 from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.grammar.tables.characters import BRACKETS
-from freebody.derivations.quantities.kinds import Unit
+from freebody.derivations.quantities.units import Unit
 
 _DEGREE = math.pi / 180
 _BASE: dict[str, tuple[float, Unit]] = {
@@ -76,14 +75,6 @@ def common_units(dimension: Unit) -> list[WrittenUnit]:
     return [
         found[0] for name in names.get(dimension, ()) if (found := unit_at(Lexemes.of(name), 0))
     ]
-
-
-def si_text(dimension: Unit, angular: bool = False) -> str:
-    """The SI unit: N m, rad/s, kg m²."""
-    for unit in common_units(dimension)[:1]:
-        if "rad" not in unit.text or angular:
-            return unit.text
-    return unit_text(dimension)
 
 
 def unit_at(lexemes: Lexemes, at: int) -> tuple[WrittenUnit, int] | None:

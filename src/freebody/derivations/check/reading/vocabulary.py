@@ -12,15 +12,16 @@ from typing import TYPE_CHECKING, NoReturn
 from freebody.derivations.check.algebra.answer_tree import Angle
 from freebody.derivations.check.algebra.quotients import Value
 from freebody.derivations.check.asked import free_body_names, load_names
-from freebody.derivations.check.asked.dotted_names import spellings
-from freebody.derivations.check.asked.right_equations import FAMILIES, RightEquations
+from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.closed_chains.first_kind import MULTIPLIER
 from freebody.derivations.expressions.nodes import Expression, Matrix
 from freebody.derivations.grammar import words
 from freebody.derivations.grammar.atoms import atom
+from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.grammar.lexemes import Lexeme
 from freebody.derivations.grammar.source import Source
 from freebody.derivations.polynomials.symbols import RATE, SECOND, names_by_body
+from freebody.derivations.quantities.links import COORDINATES, PARAMETERS
 from freebody.errors import likely
 from freebody.identifiers import word_set
 from freebody.scalars.trig import Trig
@@ -38,12 +39,6 @@ FUNCTIONS = {
     "Atan2": "atan2", "ATAN2": "atan2", "arctan2": "atan2", "sqrt": "sqrt",
 }  # fmt: skip
 _NOT_POLYNOMIAL = word_set("cot exp log ln")
-_SYNONYMS = {
-    "lc": ("lC", "lG", "lg"),
-    "I": ("Ic", "IC", "IG", "Izz", "IC"),
-    "l": (),
-    "m": (),
-}
 _MOST_IN_SUM, _FEW = 6, 3
 """Angles of which sums of any number have names, θ123456; of more angles those of a few."""
 _BARE = str.maketrans("", "", "_{}\\")
@@ -242,7 +237,7 @@ class Vocabulary:
             x
             for x in ring.names
             if x + RATE in ring.index
-            and atom(x).letter in ("theta", "d")
+            and atom(x).letter in COORDINATES
             and atom(x).is_numbered
             and not atom(x).dots
         )
@@ -256,7 +251,7 @@ class Vocabulary:
                 yield name.replace(MULTIPLIER, "lambda"), ring[name]
         for name in self.setting.zeros:
             yield name.replace("_", ""), self.setting.zero
-        yield from self._families()
+        yield from self._of_links()
         if self.setting.is_planar:
             yield from self._absolute_rates()
         yield from self._sums()
@@ -270,7 +265,8 @@ class Vocabulary:
         letters, number = atom(name).letter, atom(name).figures
         alone = len(self.setting.symbols.coordinates) == 1 or letters in ("x", "y")
         own = self._is_own(number)
-        for letter in {"theta": ("theta", "q", "th"), "d": ("d", "q")}.get(letters, (letters,)):
+        row = COORDINATES.get(letters)
+        for letter in (letters, *(row.also if row else ())):
             if letter == "q" and name not in self.setting.symbols.coordinates and own:
                 continue
             bare = alone and letters not in ("x", "y")
@@ -287,19 +283,16 @@ class Vocabulary:
         """Whether a coordinate of the model carries the number."""
         return any(atom(x).figures == number for x in self.setting.symbols.coordinates)
 
-    def _families(self) -> Iterator[tuple[str, Trig]]:
+    def _of_links(self) -> Iterator[tuple[str, Trig]]:
         """Synonyms of a planar arm's parameters; without number where there is one link."""
         alone = self.setting.joints == 1
-        for family in FAMILIES:
+        for row in PARAMETERS:
             for k in range(1, self.setting.joints + 1):
-                value = self.setting.parameter(f"{family}{k}")
-                if value is None:
-                    continue
-                letters = (family, *_SYNONYMS[family])
-                for spelling in (*(f"{x}{k}" for x in letters), *(letters if alone else ())):
-                    yield spelling, value
-                if family == "lc":
-                    yield f"l{k}c", value
+                value = self.setting.parameter(f"{row.letter}{k}")
+                if value is not None:
+                    yield from (
+                        (x, value) for x in (*row.spelt(k), *(row.spelt("") if alone else ()))
+                    )
 
     def _absolute_rates(self) -> Iterator[tuple[str, Trig]]:
         """ω_i, the sum of the rates of all turns from the ground to body i, (3.16) and (3.17), and

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from freebody.derivations.check.algebra.answer_tree import Named, Wave
 from freebody.derivations.check.algebra.finite_field_tree import Workspace
 from freebody.derivations.check.asked.asked_quantities import Targets
-from freebody.derivations.check.asked.dotted_names import spellings
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.expressions.nodes import Expression, Negative, Number, Sum
 from freebody.derivations.grammar.atoms import atom
+from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.grammar.words import spelt
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 

@@ -17,7 +17,7 @@ from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.at_rest import MOVES
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked.right_equations import RightEquations
-from freebody.derivations.check.numbers.units import misfit, unit_text
+from freebody.derivations.check.numbers.units import misfit
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reading.vocabulary import Vocabulary
 from freebody.derivations.check.reasons import coriolis, undriven_joints
@@ -42,6 +42,7 @@ from freebody.derivations.check.verdicts.verdict_sentences import Wording, quote
 from freebody.derivations.expressions.nodes import Expression, Number, nodes, replaced
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.quantities.kinds import Kind
+from freebody.derivations.quantities.units import unit_text
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 

@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable, Iterator
 
 from freebody.derivations.check.asked.asked_quantities import Targets
-from freebody.derivations.check.numbers.written_units import si_text
 from freebody.derivations.check.reasons.misconceptions import Misconceptions
 from freebody.derivations.check.verdicts.number_at_state import NumberAtState
 from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.quantities.units import si_text
 from freebody.errors import listed
 from freebody.outputs.numbers import shortest
 from freebody.scalars.trig import Trig

@@ -15,7 +15,6 @@ from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.numbers.results import WrittenNumber, WrittenNumbers
 from freebody.derivations.check.numbers.states import GivenValue, State, in_words
 from freebody.derivations.check.numbers.units import unit_of_quantity
-from freebody.derivations.check.numbers.written_units import si_text
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.verdict import EquationVerdict, Example, Mistake
 from freebody.derivations.check.verdicts.number_at_state import EXACT, NumberAtState, symbol_of
@@ -24,6 +23,7 @@ from freebody.derivations.expressions.nodes import nodes
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar.source import Span
 from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.quantities.units import si_text
 from freebody.outputs.numbers import shortest
 from freebody.scalars.trig import Trig
 
