@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -12,11 +12,17 @@ from typing import Any
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.letters_for_numbers import as_written
 from freebody.derivations.check.asked.load_names import named_in
-from freebody.derivations.check.asked.right_equations import equations_of, in_notation
+from freebody.derivations.check.asked.right_equations import (
+    RightEquations,
+    equations_of,
+    in_notation,
+)
 from freebody.derivations.check.claims.claims import statements
 from freebody.derivations.check.documents import FORMS, AnswerDocument, form_of
+from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerText
 from freebody.derivations.check.verdict import EquationVerdict, UnreadEquation, Verdict
+from freebody.derivations.check.verdicts import senses
 from freebody.derivations.check.verdicts.equation_verdict import Judge
 from freebody.derivations.check.verdicts.number_verdict import NumberJudge
 from freebody.derivations.grammar.source import Span
@@ -95,27 +101,86 @@ def check(
     written = as_written(freed(model, style.parameters), formulas)
     loads = named_in(written, formulas)
     where = in_notation(equations_of(written, loads), style, absolute)
-    said = statements(where, document, names or {}, style, at)
-    velocity = any(claim.target.kind.is_coefficient for claim in said.claims)
-    targets = Targets(where, velocity, style.all_letters)
-    numbers = NumberJudge(where, targets, said.numbers, tolerance)
-    judge = Judge(where, targets, said.claims, numbers)
-    judged, unread = list[EquationVerdict](), list(said.unread)
-    for claim in said.claims:
-        explain = sum(not x.equal for x in judged) < MOST_EXPLAINED
-        with _leaving_out(document, claim.source, claim.node.span, unread):
-            verdict = judge.verdict(claim, explain)
-            place = claim.source.where(claim.node.span[0]) if document.tells_lines else ""
-            judged.append(replace(verdict, where=place))
-    for span in numbers.unused(said.claims, said.told):
-        source = said.claims[0].source
-        with _leaving_out(document, source, span, unread):
-            source.fail("a unit, a tolerance or a state follows what is not a result", span)
-    if at and not any(isinstance(x.value, Trig) and x.value.is_constant for x in said.claims):
-        raise AnswerError("at: a state is given, but none of the results is a number")
-    return Verdict(
-        tuple(judged), model.name, said.unused, tuple(sorted(unread, key=lambda row: row.at))
-    )
+    asked = _Asked(document, names or {}, style, at, tolerance)
+    first = found = asked.judged(where)
+    for opposed in senses.others(where, first.wrong, document.formulas):
+        own = asked.judged(replace(where, opposed=opposed))
+        if own.right > found.right and senses.are_meant(own.where, own.righted(first)):
+            found = own.instead_of(first)
+    return found.verdict
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """An answer with all that is told of it."""
+
+    document: AnswerDocument
+    names: Mapping[str, str]
+    style: BookNotation
+    at: Mapping[str, float | str] | str | None
+    tolerance: float | None
+
+    def judged(self, where: RightEquations) -> _Judged:
+        """The verdict in a setting."""
+        document = self.document
+        said = statements(where, document, self.names, self.style, self.at)
+        velocity = any(claim.target.kind.is_coefficient for claim in said.claims)
+        targets = Targets(where, velocity, self.style.all_letters)
+        numbers = NumberJudge(where, targets, said.numbers, self.tolerance)
+        judge = Judge(where, targets, said.claims, numbers)
+        judged, unread = list[tuple[Claim, EquationVerdict]](), list(said.unread)
+        for claim in said.claims:
+            explain = sum(not x.equal for _, x in judged) < MOST_EXPLAINED
+            with _leaving_out(document, claim.source, claim.node.span, unread):
+                verdict = judge.verdict(claim, explain)
+                place = claim.source.where(claim.node.span[0]) if document.tells_lines else ""
+                judged.append((claim, replace(verdict, where=place)))
+        for span in numbers.unused(said.claims, said.told):
+            source = said.claims[0].source
+            with _leaving_out(document, source, span, unread):
+                source.fail("a unit, a tolerance or a state follows what is not a result", span)
+        if self.at and not any(
+            isinstance(x.value, Trig) and x.value.is_constant for x in said.claims
+        ):
+            raise AnswerError("at: a state is given, but none of the results is a number")
+        verdict = Verdict(
+            tuple(x for _, x in judged),
+            where.symbols.model.name,
+            said.unused,
+            tuple(sorted(unread, key=lambda row: row.at)),
+        )
+        return _Judged(where, verdict, [claim for claim, _ in judged])
+
+
+@dataclass(frozen=True)
+class _Judged:
+    """A verdict with the setting in which it holds, and the claim of each equation."""
+
+    where: RightEquations
+    verdict: Verdict
+    claims: Sequence[Claim]
+
+    @property
+    def wrong(self) -> list[Claim]:
+        """The claims that are."""
+        rows = zip(self.claims, self.verdict.equations, strict=True)
+        return [claim for claim, x in rows if not x.equal]
+
+    @property
+    def right(self) -> int:
+        """How many equations are right."""
+        return len(self.claims) - len(self.wrong)
+
+    def righted(self, before: _Judged) -> list[Claim]:
+        """The claims that are right here only."""
+        rows = zip(self.claims, self.verdict.equations, before.verdict.equations, strict=False)
+        return [claim for claim, own, other in rows if own.equal and not other.equal]
+
+    def instead_of(self, before: _Judged) -> _Judged:
+        """The same, with a note on what is right in the answer's own senses only."""
+        rows = before.verdict.equations, self.verdict.equations
+        equations = senses.noted(self.where, *rows) if len(rows[0]) == len(rows[1]) else rows[1]
+        return replace(self, verdict=replace(self.verdict, equations=tuple(equations)))
 
 
 @contextmanager

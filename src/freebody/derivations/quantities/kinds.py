@@ -63,6 +63,8 @@ class Kind:
     of_loops: Literal["", "positions", "rates", "slopes"] = ""
     """Of what loops are made of: their equations, the rates of these, and their slopes. Compared at
     any positions; the rates at closed positions, with any rates."""
+    is_of_loop_equation: bool = False
+    """Whether it has the sign of a loop equation, which is everybody's own."""
     may_be_still: bool = False
     """Whether lines about it may be meant in equilibrium."""
 
@@ -224,10 +226,10 @@ OF_BODY = Kind("of body", of="bodies", has_own_sense=True, may_be_still=True)
 LOAD = Kind("load", is_load=True)
 
 # ---------------------------------------------------------------- closed chains
-LOOP = Kind("Phi", of="joints", of_loops="positions", may_be_zero=True)
-LOOP_RATE = Kind("Phi_d", of="joints", of_loops="rates", may_be_zero=True)
-LOOP_JACOBIAN = Kind("Phi_q", of="joints", of_loops="slopes")
-LOOP_REST = Kind("closing", of="joints")
+LOOP = Kind("Phi", of="joints", of_loops="positions", may_be_zero=True, is_of_loop_equation=True)
+LOOP_RATE = Kind("Phi_d", of="joints", of_loops="rates", may_be_zero=True, is_of_loop_equation=True)
+LOOP_JACOBIAN = Kind("Phi_q", of="joints", of_loops="slopes", is_of_loop_equation=True)
+LOOP_REST = Kind("closing", of="joints", is_of_loop_equation=True)
 MULTIPLIER = Kind("lam", of="joints")
 APPLIED = Kind("applied", unit=_force, of="joints")
 OF_INDEPENDENT = Kind("N", of="joints", holds_by_loops=True)

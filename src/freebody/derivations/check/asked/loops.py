@@ -45,17 +45,18 @@ class LoopQuantities(QuantityGroup):
         if self.setting.system is None:
             return {}
         loops, rates = self.setting.system.loops, self.setting.symbols.rates
-        rows = [[self.setting.element(x) for x in self.setting.forces(r)] for r in loops.Phi_q]
+        signs = [1 - 2 * (f"Phi{i}" in self.setting.opposed) for i in range(1, len(loops.c) + 1)]
+        rows = [
+            [self.setting.element(x) * sign for x in self.setting.forces(row)]
+            for sign, row in zip(signs, loops.Phi_q, strict=True)
+        ]
         ring = self.setting.ring
         found: dict[str, Table] = {
             name: [] for name in ("Phi", "Phi_d", "c", "Phiq", "Phiq_d", "lam")
         }
         for i, (name, lam) in enumerate(zip(loops.names, multiplier_names(loops), strict=True), 1):
-            phi, c, row = (
-                self._element(loops.Phi[i - 1]),
-                self._element(loops.c[i - 1]),
-                rows[i - 1],
-            )
+            sign, row = signs[i - 1], rows[i - 1]
+            phi, c = (self._element(x[i - 1]) * sign for x in (loops.Phi, loops.c))
             told = _in_words(name)
             columns = {
                 "Phi": (kinds.LOOP, phi, f"the loop equation of {told}"),

@@ -61,6 +61,8 @@ class RightEquations:
     the answer is 0 elsewhere."""
     formulas: Mapping[str, str | float] = field(default_factory=lambda: MappingProxyType({}))
     """Parameters that are given by formulas."""
+    opposed: frozenset[str] = frozenset()
+    """Loop equations, Phi1, and multipliers that have the other sign in the answer."""
 
     @cached_property
     def layout(self) -> Layout:
@@ -133,6 +135,7 @@ class RightEquations:
     def _images(self) -> dict[str, Trig]:
         """What the model's coordinates and rates are in those of the answer."""
         images = dict(self.given)
+        images |= {x: -self.ring[x] for x in self.opposed if x in self.ring.index}
         names = self.symbols.coordinates
         if self.turned is None and not any(self.quarters):
             return images

@@ -90,6 +90,8 @@ class OwnDefinitions(SolvedQuantities):
                 self.source.fail(
                     "both sides are the same: there is nothing to check", line[1][0].span
                 )
+            if self.setting.system is not None and not self._is_still(given):
+                return []  # a loop's equation, solved for a length
             self.source.fail(
                 f"{self.source[first[0].span]} is a symbol of the model, not a result to be "
                 f"checked",

@@ -1,0 +1,93 @@
+"""Signs that are the answer's own choice: those of loop equations, Φ = 0 as -Φ = 0, and of the
+multipliers, τ = M q̈ + … ± Φ_qᵀ λ."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
+
+from freebody.derivations.check.algebra.answer_tree import Named
+from freebody.derivations.check.algebra.quotients import generator
+from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.check.reading.claim import Claim
+from freebody.derivations.check.verdict import EquationVerdict
+from freebody.derivations.closed_chains.first_kind import multiplier_names
+from freebody.derivations.expressions.nodes import Expression, Negative, Sum, nodes
+from freebody.derivations.expressions.printed_names import sym
+from freebody.errors import listed
+
+_LOOPS = "{} {} the other sign here than in the robot's file."
+_MULTIPLIERS = "The multipliers have the other sense: τ = M q̈ + … − Φ_qᵀ λ."
+
+
+def others(
+    setting: RightEquations, wrong: Sequence[Claim], written: str
+) -> Iterator[frozenset[str]]:
+    """What an answer with wrong claims may have with the other sign: the loop equations that these
+    are about, with their multipliers, and the sense of all multipliers."""
+    if setting.system is None or not wrong:
+        return
+    numbers = {x.target.index[0] for x in wrong if x.target.kind.is_of_loop_equation}
+    rows = frozenset(f"Phi{i}" for i in numbers)
+    is_told = any(x in written for x in ("λ", "lam"))
+    names = frozenset(multiplier_names(setting.system.loops) if is_told else ())
+    own = _multipliers(setting, rows) & names
+    yield from filter(None, dict.fromkeys((rows | own, names, rows | (names - own), rows)))
+
+
+def _multipliers(setting: RightEquations, rows: Collection[str]) -> frozenset[str]:
+    """The multipliers of loop equations."""
+    assert setting.system is not None
+    names = enumerate(multiplier_names(setting.system.loops), 1)
+    return frozenset(name for i, name in names if f"Phi{i}" in rows)
+
+
+def are_meant(setting: RightEquations, claims: Sequence[Claim]) -> bool:
+    """Whether claims that are right with the other signs show that these are meant: one sign alone
+    is a mistake."""
+    return sum(_signs(setting, claim) for claim in claims) > 1
+
+
+def _signs(setting: RightEquations, claim: Claim) -> int:
+    """How many terms of a claim have the other sign, as they are written."""
+    terms = list(_terms(claim, claim.node if claim.whole is None else claim.whole))
+    if claim.target.kind.is_of_loop_equation:
+        return len(terms)
+    return sum(any(_is_opposed(setting, x) for x in nodes(term)) for term in terms)
+
+
+def _terms(claim: Claim, node: Expression) -> Iterator[Expression]:
+    """Those of a sum; one of a bracket with one sign in front."""
+    if isinstance(node, Sum):
+        for term in node.terms:
+            yield from _terms(claim, term)
+    elif isinstance(node, Negative) and node.span == node.operand.span:  # the right of = left
+        yield from _terms(claim, node.operand)
+    else:
+        yield node
+
+
+def _is_opposed(setting: RightEquations, node: Expression) -> bool:
+    """Whether a symbol is that of a multiplier with the other sign."""
+    return isinstance(node, Named) and generator(node.value) in setting.opposed
+
+
+def noted(
+    setting: RightEquations, before: Sequence[EquationVerdict], after: Sequence[EquationVerdict]
+) -> list[EquationVerdict]:
+    """The verdicts in an answer's own senses, told where it matters."""
+    note = _told(setting)
+    return [
+        replace(new, note=f"{note} {new.note}".strip()) if new.equal and not old.equal else new
+        for old, new in zip(before, after, strict=True)
+    ]
+
+
+def _told(setting: RightEquations) -> str:
+    """Which signs are the other ones."""
+    rows = sorted(x for x in setting.opposed if x.startswith("Phi"))
+    own = _multipliers(setting, rows)
+    have = "have" if len(rows) > 1 else "has"
+    told = [_LOOPS.format(listed([str(sym(x)) for x in rows]), have)] * bool(rows)
+    told += [_MULTIPLIERS] * (setting.opposed.difference(rows) not in (own, frozenset()))
+    return " ".join(told)
