@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence, Set
 from fractions import Fraction
 from itertools import product
 
@@ -55,48 +55,65 @@ class UnnamedEquations(FormulaReader):
             return [claim for pair in pairs for claim in self.unnamed(pair, before)]
         if any(functions_of(self.parse(side)) for side in line):
             return self._identities(line)
-        inside = {
-            t.text
-            for side in line
-            for t in side
-            if t.kind == "name" and t.text in self.targets.single
-        }
-        inside -= {*self.vocabulary.symbols, *self.vocabulary.waves}
-        asked = {self.targets.single[name] for name in inside}
-        torques = {target for target in asked if target.kind.is_drive and not target.idle}
-        if len(line) == 2 and self._says_nothing(line):
+        if self._says_nothing(line):
             self.source.fail(
                 "both sides are the same, whatever its quantities are: there is nothing to check",
                 span,
             )
         if self.setting.is_free_body:
             return self._identities(line)
+        asked = self._asked(line)
+        torques = {target for target in asked.values() if target.kind.is_drive and not target.idle}
+        between = self._is_between(line, frozenset(asked.values()), torques)
+        if not torques and (found := self._by_loops(line, between, bool(asked))):
+            return found
+        if not torques and not between and self.targets.passive:
+            return self._of_bodies(line) or [self._unpowered(line, before)]
+        if len(torques) != 1 and (self.of_bodies or between):
+            return self._of_passive(line, before) or self._identities(line)
+        return self._of_torque(line, {x: y for x, y in asked.items() if y in torques})
+
+    def _asked(self, line: Line) -> dict[str, AskedQuantity]:
+        """The quantities in a line, by name."""
+        taken = {*self.vocabulary.symbols, *self.vocabulary.waves}
+        names = sorted({t.text for side in line for t in side if t.kind == "name"} - taken)
+        return {x: self.targets.single[x] for x in names if x in self.targets.single}
+
+    def _is_between(
+        self, line: Line, asked: Set[AskedQuantity], torques: Set[AskedQuantity]
+    ) -> bool:
+        """Whether a line is one between quantities or vectors, and no equation of motion; of
+        several torques only with others, as in Ṫ + V̇ = τ1 θ̇1 + τ2 θ̇2."""
+        if len(torques) > 1 and asked > torques:
+            return True
         vectors = self.setting.system is None and any(map(self._is_vector, sum(line, ())))
         vectors = vectors and all(isinstance(x, Matrix) for x in map(self.parse, line))
-        between = (asked or vectors) and not torques and not self._tells_of_motion(line)
-        between = between or (len(torques) > 1 and asked > torques)  # Ṫ + V̇ = τ1 θ̇1 + τ2 θ̇2
-        if len(line) == 2 and not torques and self.setting.system is not None:
-            if along := self._along_legs(line):
-                return along
-            waves = self.vocabulary.waves
-            vectors = any(self._is_vector(t) and t.text not in waves for t in sum(line, ()))
-            if between or vectors or (asked and self._is_reduced(line)):
-                return self._identities(line)
-            closing = self._closing(line)
-            if closing is not None:
-                return [closing]
-        if len(line) == 2 and not torques and not between and self.targets.passive:
-            return self._of_bodies(line) or [self._unpowered(line, before)]
-        if (len(line) != 2 or len(torques) != 1) and (self.of_bodies or between):
-            return self._of_passive(line, before) or self._identities(line)
-        if len(line) != 2 or len(torques) != 1:
+        return bool(asked or vectors) and not torques and not self._tells_of_motion(line)
+
+    def _by_loops(self, line: Line, between: bool, asked: bool) -> list[Claim]:
+        """What a line without torques says of a closed chain, if that is of its loops or between
+        quantities."""
+        if self.setting.system is None:
+            return []
+        if along := self._along_legs(line):
+            return along
+        waves = self.vocabulary.waves
+        vectors = any(self._is_vector(t) and t.text not in waves for t in sum(line, ()))
+        if between or vectors or (asked and self._is_reduced(line)):
+            return self._identities(line)
+        closing = self._closing(line)
+        return [] if closing is None else [closing]
+
+    def _of_torque(self, line: Line, torques: Mapping[str, AskedQuantity]) -> list[Claim]:
+        """An equation solved for the one torque in it."""
+        span = (line[0][0].start, line[-1][-1].end)
+        if len(set(torques.values())) != 1:
             self.source.fail(
                 "neither side is one of the quantities that are checked",
                 span,
                 "These are tau1, H12 or M12, c1, g1 or G1, J11, T, V, x and y.",
             )
-        (target,) = torques
-        name = next(name for name in sorted(inside) if self.targets.single[name] == target)
+        name, target = next(iter(torques.items()))
         if any(isinstance(x, Matrix) for x in map(self.parse, line)):
             return self._identities(line)
         value = self._solved(line, target)
