@@ -178,7 +178,7 @@ def polynomial(setting: RightEquations, node: Expression) -> Trig:
     """A printed expression as polynomial."""
     rules = {
         **arithmetic(lambda number: setting.zero + number),
-        ex.Symbol: lambda node, at: setting.ring[node.name],
+        ex.Symbol: lambda node, at: setting.image(node.name),
         ex.Function: lambda node, at: getattr(at(node.argument), node.name)(),
     }
     return evaluate(node, rules)
