@@ -17,6 +17,7 @@ from freebody.derivations.check.asked.group import QuantityGroup
 from freebody.derivations.check.asked.joints import JointQuantities, VelocityCoefficients
 from freebody.derivations.check.asked.kane import KaneQuantities
 from freebody.derivations.check.asked.loops import LoopQuantities
+from freebody.derivations.check.asked.momenta import AngularMomenta
 from freebody.derivations.check.asked.parallel import ParallelQuantities
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.check.asked.reduced import ReducedMass, ReducedQuantities
@@ -49,6 +50,7 @@ _SPECIAL: tuple[type[QuantityGroup], ...] = (
     ReducedMass,
     LoopForceSystem,
     BodiesAtRest,
+    AngularMomenta,
 )
 """Groups whose names mean other things in answers that are not about them."""
 

@@ -10,6 +10,7 @@ from functools import partial
 from freebody.derivations.check.algebra.answer_tree import Named
 from freebody.derivations.check.algebra.quotients import Value, difference, generator, pair
 from freebody.derivations.check.algebra.tables_in_formulas import Shape
+from freebody.derivations.check.asked.momenta import WHOLE
 from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity
 from freebody.derivations.check.claims.formula_reader import BODY_FAMILIES, entry_label
 from freebody.derivations.check.claims.own_definitions import OwnDefinitions
@@ -18,6 +19,7 @@ from freebody.derivations.check.numbers.units import unit_of_quantity
 from freebody.derivations.check.reading.answer_lines import Line
 from freebody.derivations.check.reading.behind_names import inverse_behind, turn_behind
 from freebody.derivations.check.reading.claim import Claim
+from freebody.derivations.check.states.state_values import functions_of
 from freebody.derivations.check.verdicts.rounded_numbers import half_a_unit
 from freebody.derivations.expressions.nodes import Expression, Matrix, Number
 from freebody.derivations.grammar.lexer import Token
@@ -163,6 +165,9 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             asked = derivative if name.is_derivative else self.targets.single[name.name]
             return [self.claim(label, asked, node)]
         single, table = self.targets.single.get(name.text), self.targets.tables.get(name.text)
+        momentum = self._momentum(name.text, node)
+        if momentum is not None:
+            return [self.claim(label, momentum, node)]
         if isinstance(node, Number) and table and name.text[0] in self.letters_of_vectors:
             zeros = tuple((replace(node),) for _ in table)
             node = Matrix(zeros, span=node.span) if node.value == 0 else node
@@ -179,6 +184,20 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         if self._is_gravity(name.text, node):
             table = self.targets.tables["gravity"]
         return self._entries(label, node, table or [])
+
+    def _momentum(self, name: str, node: Expression) -> AskedQuantity | None:
+        """The angular momentum where an H or L is one, neither mass matrix nor Lagrangian: rates
+        stand in each of its terms to the first power."""
+        momentum = self.targets.single.get(WHOLE) if name in ("H", "L") else None
+        if momentum is None or isinstance(node, Matrix) or functions_of(node):
+            return None
+        value = self.quotient(node)
+        terms = [powers for powers, _ in value.terms()] if isinstance(value, Trig) else []
+        moving = ({x: k for x, k in p.items() if x.endswith((RATE, SECOND))} for p in terms)
+        is_linear = all(
+            sum(x.values()) == 1 and not any(n.endswith(SECOND) for n in x) for x in moving
+        )
+        return momentum if terms and is_linear else None
 
     def _is_gravity(self, name: str, node: Matrix) -> bool:
         """Whether g = [0; -g] tells the gravitational acceleration, not the terms of torques."""

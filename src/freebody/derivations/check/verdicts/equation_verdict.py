@@ -13,6 +13,7 @@ from freebody.derivations.check.algebra.exact_polynomials import PolynomialReade
 from freebody.derivations.check.algebra.finite_field import Point, random_point
 from freebody.derivations.check.algebra.finite_field_tree import Workspace, without_values
 from freebody.derivations.check.algebra.quotients import Value, difference
+from freebody.derivations.check.asked import momenta
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.at_rest import MOVES
 from freebody.derivations.check.asked.quantity import LONG, AskedQuantity
@@ -85,16 +86,20 @@ class Judge:
         found = self._as_read(claim, False)
         if found.equal:
             return found
-        work = without_values(claim.node)
+        work, meant = without_values(claim.node), claim
         for reading in readings(self.setting, self.targets, claim, work):
             node = replaced(claim.node, reading.new)
             whole = claim.whole and replaced(claim.whole, reading.new)
+            target = reading.target or claim.target
             with suppress(AnswerError):  # too long to be multiplied out
                 value = self._value(claim, node)
-                again = self._as_read(replace(claim, node=node, value=value, whole=whole), False)
+                other = replace(claim, target=target, node=node, value=value, whole=whole)
+                again = self._as_read(other, False)
                 if again.equal:
                     return replace(again, note=f"{reading.note} {again.note}".strip())
-        return self._as_read(claim, True) if explain else found
+                if reading.target is not None and _is_zero(claim.target):
+                    meant = other
+        return self._as_read(meant, True) if explain else found
 
     def _value(self, claim: Claim, node: Expression) -> Value:
         """The value of a tree that is read in another way."""
@@ -166,6 +171,10 @@ class Judge:
         target = claim.target
         if not target.also:
             return target
+        if target.family == momenta.FAMILY:  # about which point tells the answer
+            ways = [(target.note, target.compute), *target.also]
+            note, compute = min(ways, key=lambda way: len(difference(claim.value, way[1]())))
+            return replace(target, compute=compute, note=note)
         ((note, other),) = target.also
         senses = self._senses(target.family)
         second = senses.index(max(senses)) if any(senses) else self._nearer(claim)
@@ -332,6 +341,12 @@ class Judge:
         term, unit, expected = found
         text = f"The units do not fit: {quoted(self.setting.form(term))} has {unit_text(unit)}"
         return [f"{text}, where {unit_text(expected)} is needed."]
+
+
+def _is_zero(target: AskedQuantity) -> bool:
+    """Whether a quantity is 0 in any state."""
+    right = target.compute()
+    return isinstance(right, Trig) and right.is_zero
 
 
 def _is_right(claim: Claim, value: Callable[[], Value]) -> bool:
