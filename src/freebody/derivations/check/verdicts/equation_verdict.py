@@ -201,7 +201,9 @@ class Judge:
     def _wrong(self, claim: Claim, yours: Trig, right: Trig, explain: bool) -> EquationVerdict:
         if explain and self._is_meant_still(claim, yours, right):
             return self._with_example(claim, right, (), (_STILL,))
+        right, condition = self.numbers.at_condition(claim, right)
         findings, causes = self._explained(claim, yours, right) if explain else ([], [])
+        causes = [*[f"It is compared at {condition}."] * bool(condition), *causes]
         hint = coriolis.advice(self.setting, claim, self.claims)
         causes = [*causes, *[hint] * bool(hint), *self._unsymmetric(claim)]
         return self._with_example(claim, right, findings, causes)
