@@ -3,8 +3,10 @@ and states are noted and taken away; the numbers stay."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
+from freebody.derivations.check.algebra.quotients import generator
 from freebody.derivations.check.documents.answer_document import AnswerDocument, Blanks
 from freebody.derivations.check.numbers.results import (
     StandingState,
@@ -18,10 +20,11 @@ from freebody.derivations.check.numbers.states import (
     State,
     StateReader,
 )
-from freebody.derivations.check.numbers.units import unit_of_quantity
+from freebody.derivations.check.numbers.units import Unit, unit_of, unit_of_quantity
 from freebody.derivations.check.numbers.written_units import WrittenUnit, unit_at
 from freebody.derivations.check.spelling.answer_text import AnswerText
 from freebody.derivations.check.spelling.equation_marks import asked_marks, quantity_before
+from freebody.derivations.closed_chains.first_kind import MULTIPLIER
 from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.patterns import LexemePattern, Match
 from freebody.derivations.grammar.source import Span
@@ -178,8 +181,10 @@ class _NumberSearch:
 
     def _is_result(self, values: State) -> bool:
         """Whether a value is that of an acceleration of a body that nothing holds, which forces
-        make; or of a coordinate that the loops tell where another is given."""
+        make; or of a multiplier, or of a coordinate that the loops tell where another is given."""
         setting = self.reader.vocabulary.setting
+        if setting.system is not None and all(x.startswith(MULTIPLIER) for x in values):
+            return True
         if setting.system is not None and self.standing:
             moving = {name for name in values if not self._is_constant(name)}
             return bool(moving) and moving.isdisjoint(self.standing[-1].state)
@@ -331,18 +336,23 @@ class _NumberSearch:
         return before in ("=", "==", "[", ";") or (before == "," and self.lexemes[k].apart)
 
     def _may_have(self, unit: WrittenUnit, k: int) -> bool:
-        """Whether a quantity that stands before the last equals signs there has such a unit."""
-        single, setting = self.reader.targets.single, self.reader.vocabulary.setting
+        """Whether a quantity or multiplier that stands before the last equals signs there has such
+        a unit."""
         lines = (j for j in range(k - 1, -1, -1) if self.lexemes[j].kind == "line")
         start = max(next(lines, -1) + 1, self.lexemes.at(self._start(k) - _LONGEST))
-        for mark in asked_marks(self.source, range(start, k), single.__contains__):
-            for name in (mark.name, mark.name.replace("P", "power")):
-                target = single.get(name)
-                if target is not None:
-                    needed = unit_of_quantity(setting, target, target.compute())
-                    if needed == unit.dimension:
-                        return True
-        return False
+        single, symbols = self.reader.targets.single, self.reader.vocabulary.symbols
+        marks = asked_marks(self.source, range(start, k), {*single, *symbols}.__contains__)
+        return any(unit.dimension in self._units(mark.name) for mark in marks)
+
+    def _units(self, name: str) -> Iterator[Unit | None]:
+        """The units of what a name may stand for."""
+        single, setting = self.reader.targets.single, self.reader.vocabulary.setting
+        for own in (name, name.replace("P", "power")):
+            if (target := single.get(own)) is not None:
+                yield unit_of_quantity(setting, target, target.compute())
+        symbol = generator(self.reader.vocabulary.symbols.get(name, setting.zero))
+        if symbol and symbol.startswith(MULTIPLIER):
+            yield unit_of(setting, {symbol: 1})
 
     def _clause(self, k: int) -> tuple[dict[str, GivenValue], int]:
         """The state behind a number: at θ₁ = 30°, θ₂ = 45°, and the lexeme behind it."""
@@ -350,7 +360,8 @@ class _NumberSearch:
         if match is None:
             return {}, k
         _, values, end, _ = self._list_behind_words(match.stop)
-        if not values:
-            return {}, k
+        is_next = match.stop - match.start == 1 and self.lexemes[k].text in (",", ";")
+        if not values or (is_next and all(x.startswith(MULTIPLIER) for x in values)):
+            return {}, k  # λ1 = 3 N, λ2 = 4 N
         closed = "begun" in match and end < len(self.lexemes) and self.lexemes[end].text == ")"
         return values, end + closed
