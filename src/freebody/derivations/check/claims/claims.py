@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
 from freebody.derivations.check.algebra.answer_tree import Named
+from freebody.derivations.check.asked import load_names
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.claims import own_names
@@ -116,7 +117,7 @@ def statements(
             del by_line[line]
     found = [claim for claims in by_line.values() for claim in claims]
     if not found and not poses:
-        _refuse_nothing(source, own, reading.unread)
+        _refuse_nothing(setting, source, own, reading.unread)
     if document.strict:
         refuse_circles(source, found)
     else:
@@ -178,7 +179,10 @@ def _without_circles(reading: DocumentReader, found: Sequence[Claim]) -> list[Cl
 
 
 def _refuse_nothing(
-    source: Source, own: Sequence[Line], unread: Sequence[UnreadEquation]
+    setting: RightEquations,
+    source: Source,
+    own: Sequence[Line],
+    unread: Sequence[UnreadEquation],
 ) -> NoReturn:
     """Raise the error that nothing was found to be checked."""
     if unread:
@@ -188,7 +192,8 @@ def _refuse_nothing(
     taken = "are taken for names" if len(names_given) > 1 else "is taken for a name"
     raise AnswerError(
         f"{listed(names_given, 8)} {taken} of your own, not one of the robot's quantities; "
-        f"write the quantity to be checked, such as tau1 = …"
+        f"write the quantity to be checked, such as tau1 = …",
+        " ".join(load_names.refusal(setting.symbols.model, line[0][0].text) for line in own),
     )
 
 

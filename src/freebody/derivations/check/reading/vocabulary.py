@@ -199,6 +199,8 @@ class Vocabulary:
                 span,
                 "What it stands for is told on a line before, or by --name YOURS=OURS.",
             )
+        if force := load_names.refusal(self.setting.symbols.model, plain):
+            source.fail(f"no symbol {word!r} in {self.setting.symbols.model.name!r}", span, force)
         names = self.listed
         near = likely(plain, names) or likely(spelt.plain, names)
         hint = f"Did you mean {near[0]!r}? " if near else ""
