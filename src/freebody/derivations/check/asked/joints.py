@@ -108,8 +108,8 @@ class JointQuantities(QuantityGroup):
         return found
 
     def _torque_names(self, i: int) -> tuple[str, ...]:
-        """τ_i; without number where it is the only one; F of a driven slide; u where there is one joint,
-        or some are passive."""
+        """τ_i; without number where it is the only one; F of a driven slide; u where there is one
+        joint, or some are passive."""
         driven = [k for k in self.numbers if k not in self.passive]
         own = self.setting.symbols.coordinates[i - 1]
         others = [

@@ -13,7 +13,7 @@ from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.claims import own_names
 from freebody.derivations.check.claims.claim_reader import ClaimReader
-from freebody.derivations.check.documents.answer_document import AnswerDocument, FormulaPiece
+from freebody.derivations.check.documents.answer_document import AnswerDocument
 from freebody.derivations.check.numbers.results import WrittenNumbers
 from freebody.derivations.check.numbers.states import StateReader
 from freebody.derivations.check.numbers.written_numbers import taken_from
@@ -79,7 +79,7 @@ def statements(
     reading = DocumentReader(document, vocabulary, targets.names)
     source = reading.source
     symbols = frozenset(vocabulary.symbols)
-    pending = set(_new_names(source, reading.pieces, vocabulary))
+    pending = set(_new_names(reading, vocabulary))
     for name in pending:  # known as words; no line is read with one before it has its value
         vocabulary.define(name, setting.zero)
     lines = reading.lines()
@@ -213,10 +213,10 @@ def _unused(source: Source, own: Sequence[Line], lines: Sequence[Line]) -> tuple
     return tuple(dict.fromkeys(unused))
 
 
-def _new_names(source: Source, pieces: Sequence[FormulaPiece], vocabulary: Vocabulary) -> list[str]:
+def _new_names(reading: DocumentReader, vocabulary: Vocabulary) -> list[str]:
     """Names before a = that mean nothing else: the user introduces them."""
-    lexemes = source.lexemes
-    places = {lexemes.at(piece.start) for piece in pieces}
+    source, lexemes = reading.source, reading.source.lexemes
+    places = {lexemes.at(piece.start) for piece in reading.pieces}
     places |= {match.stop for match in _BEFORE_NAME.all(lexemes)}
     found = []
     for k in sorted(places | {0}):
@@ -226,6 +226,8 @@ def _new_names(source: Source, pieces: Sequence[FormulaPiece], vocabulary: Vocab
         try:
             word = words.spell(source, k)
         except FreebodyError:  # told where the line is read
+            continue
+        if reading.stands_in_a_sum(k):
             continue
         if _IS.at(lexemes, word.at) and vocabulary.cut(source, word) is None:
             found.append(word.plain)

@@ -12,12 +12,13 @@ from freebody.derivations.check.documents.answer_document import (
 )
 from freebody.derivations.check.documents.plain import lines as plain_lines
 from freebody.derivations.check.documents.prose import sentences
+from freebody.derivations.check.reading.sums import WrittenSum, sums, tokens_with_sums
 from freebody.derivations.check.reading.vocabulary import Vocabulary
 from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerText
 from freebody.derivations.check.spelling.equation_marks import asked_marks
 from freebody.derivations.check.verdict import UnreadEquation
 from freebody.derivations.grammar import words
-from freebody.derivations.grammar.lexer import Token, tokens
+from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.grammar.source import Source, Span
 from freebody.errors import FreebodyError
@@ -118,11 +119,25 @@ class DocumentReader:
             return False
         if self._text_of(source, word) in self._introduced:
             return True
+        if any(word.start in one.whole for one in self._sums(source)):
+            return True
         try:
             spelt = words.spell(source, word.start)
             return spelt.at == word.stop and self.vocabulary.cut(source, spelt) is not None
         except FreebodyError:  # it may be read in two ways
             return True
+
+    def stands_in_a_sum(self, k: int) -> bool:
+        """Whether a lexeme is part of a sum over bodies."""
+        return any(k in one.whole for one in self._sums(self.source))
+
+    def _sums(self, source: Source) -> list[WrittenSum]:
+        return list(sums(source.lexemes, range(len(source.lexemes)), self._bodies))
+
+    @property
+    def _bodies(self) -> int:
+        """How many bodies sums go over."""
+        return len(self.vocabulary.setting.equations.symbols.model.bodies)
 
     @staticmethod
     def _text_of(source: Source, word: range) -> str:
@@ -157,8 +172,9 @@ class DocumentReader:
             if not self._says_something(piece):
                 continue
             with self._lenient(piece.lenient, (piece.start, piece.end)):
-                read = tokens(self.source, self.vocabulary, (piece.start, piece.end))[:-1]
-                found += _without_time(read)
+                span = (piece.start, piece.end)
+                read = tokens_with_sums(self.source, self.vocabulary, span, self._bodies)
+                found += _without_time(read[:-1])
                 found.append(Token("line", "", piece.end, piece.end))
         lines: list[Line] = []
         for line in _lines(found, self.document.written):
