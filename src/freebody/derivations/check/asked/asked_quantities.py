@@ -9,6 +9,7 @@ from freebody.derivations.check.asked import load_names
 from freebody.derivations.check.asked.at_rest import BodiesAtRest
 from freebody.derivations.check.asked.bodies import QuantitiesOfBodies
 from freebody.derivations.check.asked.body_quantities import soft_names
+from freebody.derivations.check.asked.centre_jacobians import CentreJacobians
 from freebody.derivations.check.asked.energies import EnergyQuantities
 from freebody.derivations.check.asked.formula_parameters import FormulaParameters
 from freebody.derivations.check.asked.frames import QuantitiesInFrames
@@ -37,6 +38,7 @@ _GROUPS: tuple[type[QuantityGroup], ...] = (
     EnergyQuantities,
     QuantitiesOfBodies,
     BodiesOfTrees,
+    CentreJacobians,
     TipQuantities,
     ReducedQuantities,
     FormulaParameters,

@@ -68,6 +68,7 @@ class QuantitiesOfBodies(QuantityGroup):
                     )
         for n, i in enumerate(self._setting.order, 1):
             found |= self._axis(found, i, n)
+            found |= self._from_end(found, n)
             found |= {} if self.setting.is_planar else self._rates_in_world(found, n)
         if self.setting.is_planar:
             own = {name: name.replace("omega", "w") for name in found if "omega" in name}
@@ -86,6 +87,19 @@ class QuantitiesOfBodies(QuantityGroup):
             for place in ("rc", "rG"):
                 rates |= dict.fromkeys(spellings(place, str(n), dots), column) if column else {}
         return rates
+
+    def _from_end(self, found: Mapping[str, Table], n: int) -> dict[str, Table]:
+        """r_1,c1 of Asada, from the joint behind body 1 to its centre of mass."""
+        along, centre = found.get(f"s{n}"), found.get(f"sc{n}")
+        if not along or not centre:
+            return {}
+        words = f"the vector from the end of body {n} to its centre of mass"
+        return {
+            f"r{n}c{n}": [
+                [replace(y, compute=_less(y.compute, x.compute), in_world=None, words=words)]
+                for (x,), (y,) in zip(along, centre, strict=True)
+            ]
+        }
 
     def _axis(self, found: Mapping[str, Table], i: int, n: int) -> dict[str, Table]:
         """u_n, along which joint n slides, or z_n, about which it turns, as the notes have them; in
@@ -266,3 +280,7 @@ class QuantitiesOfBodies(QuantityGroup):
             return self.setting.element(self.setting.equations.symbols.element(found))
 
         return value
+
+
+def _less(left: Callable[[], Trig], right: Callable[[], Trig]) -> Callable[[], Trig]:
+    return lambda: left() - right()

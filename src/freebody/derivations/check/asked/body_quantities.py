@@ -92,8 +92,8 @@ BODY_QUANTITIES = (
     BodyQuantity(
         "rc{n}", "the centre of mass of body {n}", also=(("rG{n}", 0), ("pc{n}", 0)), own_axes=False
     ),
-    BodyQuantity("s{n}", "the vector along body {n}", soft=True),
-    BodyQuantity("sc{n}", "the vector to the centre of mass of body {n}"),
+    BodyQuantity("s{n}", "the vector along body {n}", also=(("r{h}{n}", 0),), soft=True),
+    BodyQuantity("sc{n}", "the vector to the centre of mass of body {n}", also=(("r{h}c{n}", 0),)),
     BodyQuantity(
         "f{h}{n}",
         "the force on body {n} at its joint",

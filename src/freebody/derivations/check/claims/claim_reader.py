@@ -111,11 +111,12 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         return own and count > 1 and len(side) == 1 and side[0].text == "0"
 
     def _is_of_joints(self, subject: Token | Named | Matrix) -> bool:
-        """Whether it is a whole vector or matrix of the equations of motion, in which g is too."""
+        """Whether it is a whole vector or matrix of the equations of motion, in which g is too; in
+        what is said of g itself g is the gravitational acceleration."""
         if not isinstance(subject, Token) or subject.text in self.targets.single:
             return False
         family = self.targets.tables[subject.text][0][0].family
-        return family != "q" and family not in BODY_FAMILIES
+        return family not in ("q", "g") and family not in BODY_FAMILIES
 
     def _shape_of(self, subject: Token | Named | Matrix, as_vector: bool) -> Shape | None:
         """The shape of a vector or matrix, if it cannot be one number."""
@@ -248,14 +249,24 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             for claim in self._pairs(name, x)
         ]
 
+    def _in_space(self, table: list[list[AskedQuantity]]) -> list[list[AskedQuantity]]:
+        """A vector of the plane, or a Jacobian of one, with the rows that are 0 there."""
+        none = AskedQuantity("of body", (), lambda: self.setting.zero, words=_ACROSS)
+        across = [none] * len(table[0])
+        rows = [*table, across] if len(table) == 2 else [across, across, *table]
+        if len(across) == 1:
+            return [[replace(x, axis=k)] for k, (x,) in zip("xyz", rows, strict=True)]
+        return [
+            [replace(x, index=(i, j)) for j, x in enumerate(row, 1)]
+            for i, row in enumerate(rows, 1)
+        ]
+
     def _entries(self, label: str, node: Matrix, table: list[list[AskedQuantity]]) -> list[Claim]:
         rows = [list(row) for row in node.rows]
         if len(rows) == 1 and table and len(table[0]) == 1:
             rows = [[entry] for entry in rows[0]]  # a vector written as a row
         if self.setting.is_planar and len(rows) == 3 and _is_of_body(table):
-            none = AskedQuantity("of body", (), lambda: self.setting.zero, words=_ACROSS)
-            across = [*table, [none]] if len(table) == 2 else [[none], [none], *table]
-            table = [[replace(x, axis=k)] for k, (x,) in zip("xyz", across, strict=True)]
+            table = self._in_space(table)
         if label == "J" and len(rows) < len(table):
             table = table[: len(rows)]
         if [len(row) for row in table] == [1] and len(rows) * len(rows[0]) > 1:
@@ -271,5 +282,6 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
 
 
 def _is_of_body(table: list[list[AskedQuantity]]) -> bool:
-    """Whether it is a vector in the plane, or an angular one, which is one number there."""
-    return len(table) < 3 and all(len(x) == 1 and x[0].family in BODY_FAMILIES for x in table)
+    """Whether it is a vector in the plane or a Jacobian of one, or an angular one, which has one
+    row there."""
+    return len(table) < 3 and all(x.family in BODY_FAMILIES for row in table for x in row)
