@@ -3,7 +3,7 @@ it."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -12,12 +12,17 @@ from freebody.derivations.check.algebra.quotients import Value, difference, gene
 from freebody.derivations.check.algebra.tables_in_formulas import Shape
 from freebody.derivations.check.asked.momenta import WHOLE
 from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity
-from freebody.derivations.check.claims.formula_reader import BODY_FAMILIES, entry_label
+from freebody.derivations.check.claims.formula_reader import (
+    BODY_FAMILIES,
+    all_right,
+    entry_label,
+)
 from freebody.derivations.check.claims.own_definitions import OwnDefinitions
 from freebody.derivations.check.claims.unnamed_equations import UnnamedEquations
 from freebody.derivations.check.numbers.units import unit_of_quantity
 from freebody.derivations.check.reading.answer_lines import Line
 from freebody.derivations.check.reading.behind_names import inverse_behind, turn_behind
+from freebody.derivations.check.reading.circular_answers import uses
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.states.state_values import functions_of
 from freebody.derivations.check.verdicts.rounded_numbers import half_a_unit
@@ -113,7 +118,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
     def _is_of_joints(self, subject: Token | Named | Matrix) -> bool:
         """Whether it is a whole vector or matrix of the equations of motion, in which g is too; in
         what is said of g itself g is the gravitational acceleration."""
-        if not isinstance(subject, Token) or subject.text in self.targets.single:
+        own = isinstance(subject, Token) and subject.text in self.vocabulary.told
+        if not isinstance(subject, Token) or subject.text in self.targets.single or own:
             return False
         family = self.targets.tables[subject.text][0][0].family
         return family not in ("q", "g") and family not in BODY_FAMILIES
@@ -125,13 +131,15 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         if isinstance(subject, Named) or (subject.text in self.targets.single and not as_vector):
             return None
         table = self.targets.tables.get(subject.text)
-        if table is None:
-            return None
-        return len(table), len(table[0])
+        if (own := self.vocabulary.matrices.get(subject.text)) is not None:
+            return len(own.rows), len(own.rows[0])
+        return None if table is None else (len(table), len(table[0]))
 
     def _subject(self, side: Sequence[Token]) -> Token | Named | Matrix | None:
         """The quantity, the derivative of one, or the vector or matrix of quantities that a side
         is, if it is one alone."""
+        if len(side) == 1 and side[0].text in self.vocabulary.told:
+            return side[0]
         if len(side) == 1 and side[0].kind == "name" and side[0].text in self.targets.names:
             return None if self.is_own(side[0].text) else side[0]
         first = side[0]
@@ -165,6 +173,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             derivative = AskedQuantity("derivative", (), lambda: name.value)
             asked = derivative if name.is_derivative else self.targets.single[name.name]
             return [self.claim(label, asked, node)]
+        if name.text in self.vocabulary.told:
+            return self._of_own_name(name, label, node)
         single, table = self.targets.single.get(name.text), self.targets.tables.get(name.text)
         momentum = self._momentum(name.text, node)
         if momentum is not None:
@@ -185,6 +195,26 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         if self._is_gravity(name.text, node):
             table = self.targets.tables["gravity"]
         return self._entries(label, node, table or [])
+
+    def _of_own_name(self, name: Token, label: str, node: Expression) -> list[Claim]:
+        """What is said of a name of the user's own for an expression of quantities, by more than
+        these."""
+        matrix = self.vocabulary.matrices.get(name.text)
+        if matrix is None:
+            value = self.vocabulary.symbols[name.text]
+            found = [self.claim(label, _own(lambda: value), node)]
+        else:
+            node = node if isinstance(node, Matrix) else Matrix(((node,),), span=node.span)
+            rows = [list(map(self.quotient, row)) for row in matrix.rows]
+            table = [
+                [_own(lambda x=x: x, *(i, j)[: 1 + (len(row) > 1)]) for j, x in enumerate(row, 1)]
+                for i, row in enumerate(rows, 1)
+            ]
+            found = self._entries(label, node, table)
+        used = {use.target for use in uses(node, self.targets.single, self.vocabulary)}
+        if used.issuperset(self.vocabulary.uses[name.text]) and all_right(found):
+            self.source.fail(f"this says only what {label} stands for", node.span)
+        return found
 
     def _momentum(self, name: str, node: Expression) -> AskedQuantity | None:
         """The angular momentum where an H or L is one, neither mass matrix nor Lagrangian: rates
@@ -279,6 +309,11 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             for row, targets in zip(rows, table, strict=True)
             for entry, target in zip(row, targets, strict=True)
         ]
+
+
+def _own(value: Callable[[], Value], *index: int) -> AskedQuantity:
+    """A name of the user's own, or an entry of it."""
+    return AskedQuantity("own", index, value, words="as the name is explained")
 
 
 def _is_of_body(table: list[list[AskedQuantity]]) -> bool:
