@@ -45,6 +45,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         self.begin(line)
         if self._restates_a_parameter(line):
             return []
+        if self.is_of_angles(line):
+            return [self.of_angles(line)]
         if self.is_solved(line):
             return [self.solved_for(line)]
         subjects = [self._subject(side) for side in line]

@@ -227,7 +227,7 @@ def _new_names(reading: DocumentReader, vocabulary: Vocabulary) -> list[str]:
             word = words.spell(source, k)
         except FreebodyError:  # told where the line is read
             continue
-        if reading.stands_in_a_sum(k):
+        if k in reading.in_sums:
             continue
         if _IS.at(lexemes, word.at) and vocabulary.cut(source, word) is None:
             found.append(word.plain)

@@ -73,6 +73,8 @@ class OwnDefinitions(SolvedQuantities):
         self.begin(line)
         if self.is_solved(line) or name in self.vocabulary.told:
             return []
+        if self.is_of_angles(line):
+            return []
         if name in self.vocabulary.waves and self._is_wave(name, line):
             return [line]
         if not name or (

@@ -12,7 +12,7 @@ from freebody.derivations.check.documents.answer_document import (
 )
 from freebody.derivations.check.documents.plain import lines as plain_lines
 from freebody.derivations.check.documents.prose import sentences
-from freebody.derivations.check.reading.sums import WrittenSum, sums, tokens_with_sums
+from freebody.derivations.check.reading.sums import sums, tokens_with_sums
 from freebody.derivations.check.reading.vocabulary import Vocabulary
 from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerText
 from freebody.derivations.check.spelling.equation_marks import asked_marks
@@ -69,8 +69,10 @@ class DocumentReader:
             blanks.put(*match.span, ";")
         plain = AnswerText(str(blanks), document.written, document.parts)
 
+        in_sums = _in_sums(plain, self._bodies)
+
         def is_name(word: range) -> bool:
-            return self._is_name(plain, word)
+            return word.start in in_sums or self._is_name(plain, word)
 
         for line in document.prose:
             for sentence in sentences(plain.text, plain.lexemes, line, is_name):
@@ -119,20 +121,16 @@ class DocumentReader:
             return False
         if self._text_of(source, word) in self._introduced:
             return True
-        if any(word.start in one.whole for one in self._sums(source)):
-            return True
         try:
             spelt = words.spell(source, word.start)
             return spelt.at == word.stop and self.vocabulary.cut(source, spelt) is not None
         except FreebodyError:  # it may be read in two ways
             return True
 
-    def stands_in_a_sum(self, k: int) -> bool:
-        """Whether a lexeme is part of a sum over bodies."""
-        return any(k in one.whole for one in self._sums(self.source))
-
-    def _sums(self, source: Source) -> list[WrittenSum]:
-        return list(sums(source.lexemes, range(len(source.lexemes)), self._bodies))
+    @cached_property
+    def in_sums(self) -> frozenset[int]:
+        """The lexemes of sums over bodies."""
+        return _in_sums(self.source, self._bodies)
 
     @property
     def _bodies(self) -> int:
@@ -230,6 +228,12 @@ class DocumentReader:
         self.unread.append(
             UnreadEquation(first, source.where(first), text, reason.rstrip("."), asked)
         )
+
+
+def _in_sums(source: Source, count: int) -> frozenset[int]:
+    """The lexemes of sums over so many bodies."""
+    found = sums(source.lexemes, range(len(source.lexemes)), count)
+    return frozenset(k for one in found for k in one.whole)
 
 
 def _names(source: Source, within: range) -> Iterator[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any
 
 from freebody.derivations.check.spelling.answer_text import AnswerText
@@ -14,7 +15,12 @@ from freebody.derivations.grammar.patterns import LexemePattern, Match
 from freebody.derivations.grammar.source import Span
 from freebody.derivations.grammar.tables.characters import LOW
 
-MOST_TERMS = 100
+MOST_SUMS = 200
+"""In one text."""
+MOST_TOKENS, DEEPEST = 10_000, 3
+"""Of a sum that is written out, and sums inside one another."""
+_LONGEST = 600
+"""Lexemes of what is summed."""
 _HEAD = LexemePattern("@sum_sign < below:@sum_below above:@sum_above? | above:@sum_above? >")
 _CALL = LexemePattern("@sum_sign ~(")
 _ARGUMENTS = LexemePattern("@sum_arguments )")
@@ -47,26 +53,31 @@ class WrittenSum:
 def sums(lexemes: Lexemes, within: range, count: int) -> Iterator[WrittenSum]:
     """The outer sums of a stretch; count: over how many bodies those without bounds go."""
     at = within.start
-    for match in _HEAD.all(lexemes, within.start, within.stop):
-        found = _sum(lexemes, match, within.stop, count) if match.start >= at else None
+    for match in islice(_HEAD.all(lexemes, within.start, within.stop), MOST_SUMS):
+        end = min(within.stop, match.stop + _LONGEST)
+        found = _sum(lexemes, match, end, count) if match.start >= at else None
         if found is not None:
             yield found
             at = found.whole.stop
 
 
-def tokens_with_sums(source: AnswerText, language: Grammar, piece: Span, count: int) -> list[Token]:
+def tokens_with_sums(
+    source: AnswerText, language: Grammar, piece: Span, count: int, depth: int = 0
+) -> list[Token]:
     """All tokens of a piece of a text, its sums written out, the last of kind "stop"."""
     lexemes, at, found = source.lexemes, piece[0], list[Token]()
     for one in sums(lexemes, lexemes.between(*piece), count):
         start, end = lexemes[one.whole.start].start, lexemes[one.whole.stop - 1].end
         found += tokens(source, language, (at, start))[:-1]
         inside = lexemes[one.summand.start].start, lexemes[one.summand.stop - 1].end
+        if depth == DEEPEST:
+            source.fail(f"more than {DEEPEST} sums inside one another", (start, end))
         found.append(Token("open", "(", start, start))
         for k, number in enumerate(one.values):
             numbered = one.with_number(source, number)
             found += [Token("operator", "+", start, start, written="+")] * bool(k)
-            found += tokens_with_sums(numbered, language, inside, count)[:-1]
-            if len(found) > MOST_TERMS * MOST_TERMS:
+            found += tokens_with_sums(numbered, language, inside, count, depth + 1)[:-1]
+            if len(found) > MOST_TOKENS:
                 source.fail("this sum is too long to be written out", (start, end))
         found.append(Token("close", ")", end, end))
         at = end
