@@ -430,6 +430,15 @@ def test_long_answers_with_many_mistakes_are_judged_in_time():
 
 
 # ---------------------------------------------------------------- the command
+def test_several_equations_on_the_command_line_are_lines_of_one_answer(capsys):
+    assert run(["check", "2R", "H22 = m2 lc2^2 + I2", "G2 = m2 g lc2 c12"]) == 0
+    assert capsys.readouterr().out == "H22 is right.\nG2 is right.\n"
+    assert run(["check", "2R", "a = m2 lc2^2", "H22 = a + I2"]) == 0
+    assert run(["check", "2R", "H22 = m2 lc2^2 + I2", "G2 = m2 g lc2 s12"]) == 1
+    assert run(["check", "2R", "H22 = m2 lc2^2 + I2", "more.txt"]) == 2
+    assert "'more.txt' is no equation" in capsys.readouterr().err
+
+
 def test_the_command_says_what_is_wrong(capsys: pytest.CaptureFixture[str], tmp_path: Path):
     assert run(["check", "2R", f"H12 = {M12}"]) == 0
     assert capsys.readouterr().out == "H12 is right.\n"

@@ -29,7 +29,7 @@ FLAGS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS | doctest.REPORT_NDIFF
 LOCAL_LINK = re.compile(r"\]\((?!https?:|mailto:)([^)#\s]*)(?:#([^)\s]+))?\)")
 
 
-NEEDS = {"torch.md": "torch", "jax.md": "jax"}
+NEEDS = {"torch.md": "torch", "jax.md": "jax", "derivations.md": "sympy"}
 """Pages whose examples need a package that may not be there."""
 
 

@@ -11,7 +11,7 @@ import typer
 from freebody.cli import options, terminal
 from freebody.errors import FileError, FreebodyError
 
-EXAMPLE = "Example: freebody check 2R 'H12 = m2*(lc2^2 + l1*lc2*cos(theta2)) + I2'"
+EXAMPLE = "Example: freebody check 2R 'H22 = m2*lc2^2 + I2' 'G2 = m2*g*lc2*cos(theta1+theta2)'"
 
 _LARGEST = 80_000
 """Bytes of standard input; far more than an answer may have characters."""
@@ -21,10 +21,10 @@ _LARGEST = 80_000
 def check(
     robot: options.GivenRobot,
     answer: Annotated[
-        str,
+        list[str],
         typer.Argument(
             help="A file (.txt, .md, .tex, .ipynb, .py) with equations as text, LaTeX or Python; "
-            "or an equation; - for stdin."
+            "or equations, each a line of one answer; - for stdin."
         ),
     ],
     names: Annotated[
@@ -101,7 +101,7 @@ def check(
         if error.path != str(own):
             raise
         hint = "an answer is a file, an equation such as 'H12 = …', or - for what is piped in"
-        raise FileError(answer, None, f"{error.problem.rstrip('.')}; {hint}.") from None
+        raise FileError(str(own), None, f"{error.problem.rstrip('.')}; {hint}.") from None
     except AnswerError as problem:
         terminal.error(problem.problem)
         if problem.context:
@@ -112,10 +112,17 @@ def check(
         raise typer.Exit(2 if all(equation.equal for equation in verdict.equations) else 1)
 
 
-def _answer(answer: str) -> str | Path:
-    """A file, what stdin says, or the argument itself."""
+def _answer(given: list[str]) -> str | Path:
+    """A file, what stdin says, or the arguments themselves as lines."""
     from freebody.formats import read_file
 
+    answer = "\n".join(given)
+    if len(given) > 1:
+        if other := next((x for x in given if "=" not in x), None):
+            raise FreebodyError(
+                f"check: {other!r} is no equation; give one file, or equations such as 'H12 = …'."
+            )
+        return answer
     if answer == "-":
         data = sys.stdin.buffer.read(_LARGEST + 1) if sys.stdin else b""
         if len(data) > _LARGEST:

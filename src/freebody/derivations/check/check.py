@@ -57,8 +57,9 @@ def check(
     J_ij, det J, J⁻¹, T, V, the tip's x and y, torques that hold a force F at the tip, coordinates
     by inverse functions, accelerations solved for, a free body's equations in its axes, of body i
     ω_i, r_ci, v_ci, v̇_ci and f_hi (the force of the body before), or for whole vectors and
-    matrices, M(q) = [...; ...]: "H12 = m2*(lc2^2 + l1*lc2*cos(theta2)) + I2"; a SymPy equation; or
-    a dict {"H12": expression}. In the notes'
+    matrices, M(q) = [...; ...]: "H12 = m2*(lc2^2 + l1*lc2*cos(theta2)) + I2"; a SymPy equation,
+    sympy.Eq(sympy.Symbol("H22"), I2 + m2*lc2**2); a dict of SymPy expressions or matrices, {"H22":
+    I2 + m2*lc2**2, "tau": sympy.Matrix([...])}; or a list of such. In the notes'
     symbols: theta1, θ₁, q1; θ̇₁, theta1_d, dtheta1; l1, lc1, m1, I1, g; on the right c12 is
     cos(θ1+θ2). names: what the user's own names stand for, {"L1": "l1"}, {"q": "theta"}
     for all that are numbered, {"C": "cos", "S": "sin"} where C12 is a cosine.

@@ -189,7 +189,8 @@ class _Speller:
         close = self._closing(word.at)
         for x in self.items[word.at + 1 : close]:
             primes = PRIME * table.PRIMES.get(x.text, 0)
-            own = x.text[0] if x.kind in ("letter", "digit") and x.text[0].isascii() else ""
+            own = x.text[0] if x.kind in ("letter", "digit") else ""
+            own = own if own.isascii() else table.LETTERS.get(own, "")
             word.add(own or primes or COMMAND_NAMES.get(x.command, ""), x.start, cut=False)
         self._take(close + 1 - word.at)
 

@@ -23,7 +23,7 @@ from freebody.derivations.quantities.kinds import (
     Kind,
 )
 from freebody.derivations.quantities.units import Unit, si_text
-from freebody.spatial import Vector, neg, times, transposed
+from freebody.spatial import Vector, neg, sub, times, transposed
 
 _Value = Callable[[BodyValues], Any]
 _EYE = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -193,12 +193,17 @@ BODY_QUANTITIES = (
     ),
     BodyQuantity(
         "s{n}", "the vector from joint {n} to the next joint or the tip", _reach, units.LENGTH,
-        soft=True, only="with an end", symbol="s_i",
+        (("r{h}{n}", 0),), soft=True, only="with an end", symbol="s_i",
     ),
     BodyQuantity(
         "sc{n}", "the vector from joint {n} to the centre of mass of body {n}",
-        lambda b: b.vector(b.s.centre(b.i)), units.LENGTH, of_centre=True, shown=True,
-        symbol="s_ci",
+        lambda b: b.vector(b.s.centre(b.i)), units.LENGTH, (("r{h}c{n}", 0),), of_centre=True,
+        shown=True, symbol="s_ci",
+    ),
+    BodyQuantity(
+        "r{n}_c{n}", "the vector from the end of body {n} to its centre of mass",
+        lambda b: b.vector(sub(b.s.centre(b.i), _reach(b))), units.LENGTH,
+        only="with an end", of_centre=True,
     ),
     # ------------------------------------------------------------ forces
     BodyQuantity(

@@ -97,6 +97,8 @@ class Kind:
     """Whether the loops give it in other ways, along other legs."""
     is_velocity_term: bool = False
     of_one_body: bool = False
+    is_about_any_point: bool = False
+    """Whether the answer tells about which point it is."""
     has_velocity_products: bool = False
     """Whether products of rates in it are its Coriolis and centrifugal terms."""
     has_velocity_terms: bool = False
@@ -222,7 +224,8 @@ TIP_ACCELERATION = Kind(
 )
 TIP_TWIST = Kind("twist", "a velocity of the tip", of="bodies", dots=1)
 MASS_OF_BODY = Kind("m", unit=units.MASS)
-OF_BODY = Kind("of body", of="bodies", has_own_sense=True, may_be_still=True)
+OF_BODY = Kind("of body", of="bodies", of_one_body=True, has_own_sense=True, may_be_still=True)
+ANGULAR_MOMENTUM = Kind("angular momentum", unit=units.SPIN, is_about_any_point=True)
 LOAD = Kind("load", is_load=True)
 
 # ---------------------------------------------------------------- closed chains
@@ -250,6 +253,7 @@ IDENTITY = Kind(
 )  # fmt: skip
 LONG_EQUATION = Kind("long", _EQUATION, holds_by_loops=True, is_long=True)
 """Of a closed chain, too long to be multiplied out: its sides are compared in numbers."""
+OWN = Kind("own")
 SINGULAR = Kind("singular", is_pose=True)
 
 LETTERED = (

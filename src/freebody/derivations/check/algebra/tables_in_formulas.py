@@ -174,10 +174,24 @@ class _Tables:
         factors = [self.at(factor) for factor in node.factors]
         if not any(isinstance(factor, Matrix) for factor in factors):
             return replace(node, factors=tuple(factors))
+        factors = [self._between(factors, k) for k in range(len(factors))]
         found = factors[0]
         for factor in factors[1:]:
             found = self._times(found, factor, node)
         return found
+
+    def _between(self, factors: Sequence[Expression], k: int) -> Expression:
+        """A factor; a name that may also be a square matrix is one between two that fit, as I of
+        Jᵀ I J."""
+        table = self.others.get(factors[k])
+        around = [*factors[max(k - 1, 0) : k], *factors[k + 1 : k + 2]]
+        if table is None or len(around) < 2 or len(set(_shape(table))) > 1:
+            return factors[k]
+        left, right = around
+        if not isinstance(left, Matrix) or not isinstance(right, Matrix):
+            return factors[k]
+        fits = _shape(left)[1] == _shape(right)[0] == len(table.rows) > 1
+        return table if fits else factors[k]
 
     def _times(self, a: Expression, b: Expression, node: Expression) -> Expression:
         if not isinstance(a, Matrix) or not isinstance(b, Matrix):

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from freebody.derivations.check.asked import load_names
 from freebody.derivations.check.asked.at_rest import BodiesAtRest
 from freebody.derivations.check.asked.bodies import QuantitiesOfBodies
+from freebody.derivations.check.asked.centre_jacobians import CentreJacobians
 from freebody.derivations.check.asked.energies import EnergyQuantities
 from freebody.derivations.check.asked.formula_parameters import FormulaParameters
 from freebody.derivations.check.asked.frames import QuantitiesInFrames
@@ -16,6 +17,7 @@ from freebody.derivations.check.asked.group import QuantityGroup
 from freebody.derivations.check.asked.joints import JointQuantities, VelocityCoefficients
 from freebody.derivations.check.asked.kane import KaneQuantities
 from freebody.derivations.check.asked.loops import LoopQuantities
+from freebody.derivations.check.asked.momenta import AngularMomenta
 from freebody.derivations.check.asked.parallel import ParallelQuantities
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.check.asked.reduced import ReducedMass, ReducedQuantities
@@ -36,6 +38,7 @@ _GROUPS: tuple[type[QuantityGroup], ...] = (
     EnergyQuantities,
     QuantitiesOfBodies,
     BodiesOfTrees,
+    CentreJacobians,
     TipQuantities,
     ReducedQuantities,
     FormulaParameters,
@@ -49,6 +52,7 @@ _SPECIAL: tuple[type[QuantityGroup], ...] = (
     ReducedMass,
     LoopForceSystem,
     BodiesAtRest,
+    AngularMomenta,
 )
 """Groups whose names mean other things in answers that are not about them."""
 

@@ -116,18 +116,18 @@ class JointQuantities(QuantityGroup):
         return found
 
     def _torque_names(self, i: int) -> tuple[str, ...]:
-        """τ_i; without number where it is the only one; F of a slide; u where there is one joint,
-        or some are passive."""
+        """τ_i; without number where it is the only one; F of a driven slide; u where there is one
+        joint, or some are passive."""
         driven = [k for k in self.numbers if k not in self.passive]
         own = self.setting.symbols.coordinates[i - 1]
         others = [
-            *["F", "f"] * (own[0] in "dxyz"),
+            *["F", "f"] * (own[0] in "dxyz" and i not in self.passive),
             *["u"] * (self.setting.system is None and (bool(self.passive) or self.count == 1)),
         ]
         taken = {letter for letters in self.letters.values() for letter in letters}
         letters = [*self.letters["tau"], *(letter for letter in others if letter not in taken)]
         numbers = (str(i), "") if driven == [i] else (str(i),)
-        along = (f"F{own}", f"f{own}") if own in ("x", "y", "z") else ()
+        along = (f"F{own}", f"f{own}") if own in ("x", "y", "z") and i not in self.passive else ()
         return (*(letter + number for number in numbers for letter in letters), *along)
 
     def _rate_of_mass(self, i: int, j: int) -> AskedQuantity:
@@ -186,7 +186,7 @@ def polynomial(setting: RightEquations, node: Expression) -> Trig:
     """A printed expression as polynomial."""
     rules = {
         **arithmetic(lambda number: setting.zero + number),
-        ex.Symbol: lambda node, at: setting.ring[node.name],
+        ex.Symbol: lambda node, at: setting.image(node.name),
         ex.Function: lambda node, at: getattr(at(node.argument), node.name)(),
     }
     return evaluate(node, rules)

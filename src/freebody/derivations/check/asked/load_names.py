@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.polynomials.symbols import symbols as symbols_of
@@ -43,6 +44,19 @@ def named_in(model: Model, formulas: Lexemes) -> tuple[str, ...]:
         return ()
     slides = {f"f{x}" for x in symbols_of(model).coordinates}  # of a cart the drive's own force
     return () if set(names) & {*slides, *model.parameters} else names
+
+
+def refusal(model: Model, name: str) -> str:
+    """Of a name such as F or F_x in an answer about a closed chain how to say what is meant, else
+    nothing."""
+    if not model.loops or atom(name).letter not in _SPELT["f"] + tuple(
+        f"{x}{axis}" for x in _SPELT["f"] for axis in "xyz"
+    ):
+        return ""
+    return (
+        f"{name} may be a force from outside, which is not read for closed chains, or the force in "
+        f"a joint: that of body 1 on body 2 is f_12, the force of a loop λ_1."
+    )
 
 
 def symbols(setting: RightEquations, taken: Collection[str]) -> Iterator[tuple[str, Trig]]:

@@ -3,21 +3,24 @@ it."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
 from freebody.derivations.check.algebra.answer_tree import Named
 from freebody.derivations.check.algebra.quotients import Value, difference, generator, pair
 from freebody.derivations.check.algebra.tables_in_formulas import Shape
+from freebody.derivations.check.asked.momenta import WHOLE
 from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity
-from freebody.derivations.check.claims.formula_reader import entry_label
+from freebody.derivations.check.claims.formula_reader import all_right, entry_label
 from freebody.derivations.check.claims.own_definitions import OwnDefinitions
 from freebody.derivations.check.claims.unnamed_equations import UnnamedEquations
 from freebody.derivations.check.numbers.units import unit_of_quantity
 from freebody.derivations.check.reading.answer_lines import Line
 from freebody.derivations.check.reading.behind_names import inverse_behind, turn_behind
+from freebody.derivations.check.reading.circular_answers import uses
 from freebody.derivations.check.reading.claim import Claim
+from freebody.derivations.check.states.state_values import functions_of
 from freebody.derivations.check.verdicts.rounded_numbers import half_a_unit
 from freebody.derivations.expressions.nodes import Expression, Matrix, Number
 from freebody.derivations.grammar.lexer import Token
@@ -39,6 +42,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         self.begin(line)
         if self._restates_a_parameter(line):
             return []
+        if self.is_of_angles(line):
+            return [self.of_angles(line)]
         if self.is_solved(line):
             return [self.solved_for(line)]
         subjects = [self._subject(side) for side in line]
@@ -110,10 +115,13 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         return own and count > 1 and len(side) == 1 and side[0].text == "0"
 
     def _is_of_joints(self, subject: Token | Named | Matrix) -> bool:
-        """Whether it is a whole vector or matrix of the equations of motion, in which g is too."""
-        if not isinstance(subject, Token) or subject.text in self.targets.single:
+        """Whether it is a whole vector or matrix of the equations of motion, in which g is too; in
+        what is said of g itself g is the gravitational acceleration."""
+        own = isinstance(subject, Token) and subject.text in self.vocabulary.told
+        if not isinstance(subject, Token) or subject.text in self.targets.single or own:
             return False
-        return self.targets.tables[subject.text][0][0].kind.of == "joints"
+        kind = self.targets.tables[subject.text][0][0].kind
+        return kind.of == "joints" and kind.tells != "weight"
 
     def _shape_of(self, subject: Token | Named | Matrix, as_vector: bool) -> Shape | None:
         """The shape of a vector or matrix, if it cannot be one number."""
@@ -122,13 +130,15 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         if isinstance(subject, Named) or (subject.text in self.targets.single and not as_vector):
             return None
         table = self.targets.tables.get(subject.text)
-        if table is None:
-            return None
-        return len(table), len(table[0])
+        if (own := self.vocabulary.matrices.get(subject.text)) is not None:
+            return len(own.rows), len(own.rows[0])
+        return None if table is None else (len(table), len(table[0]))
 
     def _subject(self, side: Sequence[Token]) -> Token | Named | Matrix | None:
         """The quantity, the derivative of one, or the vector or matrix of quantities that a side
         is, if it is one alone."""
+        if len(side) == 1 and side[0].text in self.vocabulary.told:
+            return side[0]
         if len(side) == 1 and side[0].kind == "name" and side[0].text in self.targets.names:
             return None if self.is_own(side[0].text) else side[0]
         first = side[0]
@@ -162,7 +172,12 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             derivative = AskedQuantity(kinds.DERIVATIVE, (), lambda: name.value)
             asked = derivative if name.is_derivative else self.targets.single[name.name]
             return [self.claim(label, asked, node)]
+        if name.text in self.vocabulary.told:
+            return self._of_own_name(name, label, node)
         single, table = self.targets.single.get(name.text), self.targets.tables.get(name.text)
+        momentum = self._momentum(name.text, node)
+        if momentum is not None:
+            return [self.claim(label, momentum, node)]
         if isinstance(node, Number) and table and name.text[0] in self.letters_of_vectors:
             zeros = tuple((replace(node),) for _ in table)
             node = Matrix(zeros, span=node.span) if node.value == 0 else node
@@ -179,6 +194,40 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         if self._is_gravity(name.text, node):
             table = self.targets.tables["gravity"]
         return self._entries(label, node, table or [])
+
+    def _of_own_name(self, name: Token, label: str, node: Expression) -> list[Claim]:
+        """What is said of a name of the user's own for an expression of quantities, by more than
+        these."""
+        matrix = self.vocabulary.matrices.get(name.text)
+        if matrix is None:
+            value = self.vocabulary.symbols[name.text]
+            found = [self.claim(label, _own(lambda: value), node)]
+        else:
+            node = node if isinstance(node, Matrix) else Matrix(((node,),), span=node.span)
+            rows = [list(map(self.quotient, row)) for row in matrix.rows]
+            table = [
+                [_own(lambda x=x: x, *(i, j)[: 1 + (len(row) > 1)]) for j, x in enumerate(row, 1)]
+                for i, row in enumerate(rows, 1)
+            ]
+            found = self._entries(label, node, table)
+        used = {use.target for use in uses(node, self.targets.single, self.vocabulary)}
+        if used.issuperset(self.vocabulary.uses[name.text]) and all_right(found):
+            self.source.fail(f"this says only what {label} stands for", node.span)
+        return found
+
+    def _momentum(self, name: str, node: Expression) -> AskedQuantity | None:
+        """The angular momentum where an H or L is one, neither mass matrix nor Lagrangian: rates
+        stand in each of its terms to the first power."""
+        momentum = self.targets.single.get(WHOLE) if name in ("H", "L") else None
+        if momentum is None or isinstance(node, Matrix) or functions_of(node):
+            return None
+        value = self.quotient(node)
+        terms = [powers for powers, _ in value.terms()] if isinstance(value, Trig) else []
+        moving = ({x: k for x, k in p.items() if x.endswith((RATE, SECOND))} for p in terms)
+        is_linear = all(
+            sum(x.values()) == 1 and not any(n.endswith(SECOND) for n in x) for x in moving
+        )
+        return momentum if terms and is_linear else None
 
     def _is_gravity(self, name: str, node: Matrix) -> bool:
         """Whether g = [0; -g] tells the gravitational acceleration, not the terms of torques."""
@@ -229,14 +278,24 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             for claim in self._pairs(name, x)
         ]
 
+    def _in_space(self, table: list[list[AskedQuantity]]) -> list[list[AskedQuantity]]:
+        """A vector of the plane, or a Jacobian of one, with the rows that are 0 there."""
+        none = AskedQuantity(kinds.OF_BODY, (), lambda: self.setting.zero, words=_ACROSS)
+        across = [none] * len(table[0])
+        rows = [*table, across] if len(table) == 2 else [across, across, *table]
+        if len(across) == 1:
+            return [[replace(x, axis=k)] for k, (x,) in zip("xyz", rows, strict=True)]
+        return [
+            [replace(x, index=(i, j)) for j, x in enumerate(row, 1)]
+            for i, row in enumerate(rows, 1)
+        ]
+
     def _entries(self, label: str, node: Matrix, table: list[list[AskedQuantity]]) -> list[Claim]:
         rows = [list(row) for row in node.rows]
         if len(rows) == 1 and table and len(table[0]) == 1:
             rows = [[entry] for entry in rows[0]]  # a vector written as a row
         if self.setting.is_planar and len(rows) == 3 and _is_of_body(table):
-            none = AskedQuantity(kinds.OF_BODY, (), lambda: self.setting.zero, words=_ACROSS)
-            across = [*table, [none]] if len(table) == 2 else [[none], [none], *table]
-            table = [[replace(x, axis=k)] for k, (x,) in zip("xyz", across, strict=True)]
+            table = self._in_space(table)
         if label == "J" and len(rows) < len(table):
             table = table[: len(rows)]
         if [len(row) for row in table] == [1] and len(rows) * len(rows[0]) > 1:
@@ -251,6 +310,12 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         ]
 
 
+def _own(value: Callable[[], Value], *index: int) -> AskedQuantity:
+    """A name of the user's own, or an entry of it."""
+    return AskedQuantity(kinds.OWN, index, value, words="as the name is explained")
+
+
 def _is_of_body(table: list[list[AskedQuantity]]) -> bool:
-    """Whether it is a vector in the plane, or an angular one, which is one number there."""
-    return len(table) < 3 and all(len(x) == 1 and x[0].kind.of == "bodies" for x in table)
+    """Whether it is a vector in the plane or a Jacobian of one, or an angular one, which has one
+    row there."""
+    return len(table) < 3 and all(x.kind.of == "bodies" for row in table for x in row)

@@ -8,11 +8,12 @@ from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
 from freebody.derivations.check.algebra.answer_tree import Named
+from freebody.derivations.check.asked import load_names
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.claims import own_names
 from freebody.derivations.check.claims.claim_reader import ClaimReader
-from freebody.derivations.check.documents.answer_document import AnswerDocument, FormulaPiece
+from freebody.derivations.check.documents.answer_document import AnswerDocument
 from freebody.derivations.check.numbers.results import WrittenNumbers
 from freebody.derivations.check.numbers.states import StateReader
 from freebody.derivations.check.numbers.written_numbers import taken_from
@@ -78,7 +79,7 @@ def statements(
     reading = DocumentReader(document, vocabulary, targets.names)
     source = reading.source
     symbols = frozenset(vocabulary.symbols)
-    pending = set(_new_names(source, reading.pieces, vocabulary))
+    pending = set(_new_names(reading, vocabulary))
     for name in pending:  # known as words; no line is read with one before it has its value
         vocabulary.define(name, setting.zero)
     lines = reading.lines()
@@ -116,7 +117,7 @@ def statements(
             del by_line[line]
     found = [claim for claims in by_line.values() for claim in claims]
     if not found and not poses:
-        _refuse_nothing(source, own, reading.unread)
+        _refuse_nothing(setting, source, own, reading.unread)
     if document.strict:
         refuse_circles(source, found)
     else:
@@ -178,7 +179,10 @@ def _without_circles(reading: DocumentReader, found: Sequence[Claim]) -> list[Cl
 
 
 def _refuse_nothing(
-    source: Source, own: Sequence[Line], unread: Sequence[UnreadEquation]
+    setting: RightEquations,
+    source: Source,
+    own: Sequence[Line],
+    unread: Sequence[UnreadEquation],
 ) -> NoReturn:
     """Raise the error that nothing was found to be checked."""
     if unread:
@@ -188,7 +192,8 @@ def _refuse_nothing(
     taken = "are taken for names" if len(names_given) > 1 else "is taken for a name"
     raise AnswerError(
         f"{listed(names_given, 8)} {taken} of your own, not one of the robot's quantities; "
-        f"write the quantity to be checked, such as tau1 = …"
+        f"write the quantity to be checked, such as tau1 = …",
+        " ".join(load_names.refusal(setting.symbols.model, line[0][0].text) for line in own),
     )
 
 
@@ -208,10 +213,10 @@ def _unused(source: Source, own: Sequence[Line], lines: Sequence[Line]) -> tuple
     return tuple(dict.fromkeys(unused))
 
 
-def _new_names(source: Source, pieces: Sequence[FormulaPiece], vocabulary: Vocabulary) -> list[str]:
+def _new_names(reading: DocumentReader, vocabulary: Vocabulary) -> list[str]:
     """Names before a = that mean nothing else: the user introduces them."""
-    lexemes = source.lexemes
-    places = {lexemes.at(piece.start) for piece in pieces}
+    source, lexemes = reading.source, reading.source.lexemes
+    places = {lexemes.at(piece.start) for piece in reading.pieces}
     places |= {match.stop for match in _BEFORE_NAME.all(lexemes)}
     found = []
     for k in sorted(places | {0}):
@@ -221,6 +226,8 @@ def _new_names(source: Source, pieces: Sequence[FormulaPiece], vocabulary: Vocab
         try:
             word = words.spell(source, k)
         except FreebodyError:  # told where the line is read
+            continue
+        if k in reading.in_sums:
             continue
         if _IS.at(lexemes, word.at) and vocabulary.cut(source, word) is None:
             found.append(word.plain)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from freebody.derivations.check.algebra.answer_tree import Named
+from freebody.derivations.check.algebra.answer_tree import Named, Wave
 from freebody.derivations.check.algebra.exact_polynomials import PolynomialReader
 from freebody.derivations.check.algebra.quotients import Value, difference
 from freebody.derivations.check.algebra.tables_in_formulas import Shape, worked_out
@@ -22,7 +22,17 @@ from freebody.derivations.check.reading.vocabulary import Vocabulary
 from freebody.derivations.check.spelling.answer_text import AnswerText
 from freebody.derivations.check.states.state_values import functions_of
 from freebody.derivations.expressions.evaluate import NoValue
-from freebody.derivations.expressions.nodes import Expression, Matrix
+from freebody.derivations.expressions.nodes import (
+    Expression,
+    Matrix,
+    Negative,
+    Number,
+    Power,
+    Product,
+    Quotient,
+    Sum,
+    nodes,
+)
 from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.source import Span
@@ -33,6 +43,8 @@ _TYPED_TRANSPOSE = f"J{PRIME}"
 """The transpose as MATLAB has it, where a force stands behind it."""
 _OF_BODIES = {"g": "gravity", "J": "JP"}
 """What names stand for in equations of bodies."""
+_OF_ANGLES = (Wave, Number, Sum, Negative, Product, Power, Quotient)
+"""What identities of sines and cosines are made of."""
 
 
 class FormulaReader:
@@ -226,6 +238,23 @@ class FormulaReader:
         pairs = zip(entries_of(gravity), entries_of(node), strict=False)
         return all((self.value(x) + self.value(y)).is_zero for x, y in pairs)
 
+    def is_of_angles(self, line: Line) -> bool:
+        """Whether a line is an identity of sines and cosines, s12 = s1 c2 + c1 s2: it holds, or is
+        about nothing else. s12 = sin(θ1+θ2) only says what s12 is, and sin θ2 = 0 where."""
+        tokens = [token for side in line for token in side]
+        waves = any(x.kind == "function" or x.text in self.vocabulary.waves for x in tokens)
+        if len(line) != 2 or not waves or any(map(self.is_matrix, line)):
+            return False
+        sides = list(map(self.parse, line))
+        inside = [x for side in sides for x in nodes(side)]
+        if not all(isinstance(x, _OF_ANGLES) for x in inside):
+            return False
+        if all(isinstance(x, Wave | Number) for x in sides):
+            return False
+        is_asked = len(line[0]) == 1 and line[0][0].text in self.targets.names
+        may_be_wrong = not (is_asked or self.setting.system or _has_number(sides))
+        return may_be_wrong or difference(*map(self.quotient, sides)).is_zero
+
     def is_matrix(self, side: Sequence[Token]) -> bool:
         """Whether a side begins with a vector or matrix of several entries; [m1] is a bracket."""
         depth = 0
@@ -239,6 +268,11 @@ class FormulaReader:
 def entry_label(label: str, target: AskedQuantity) -> str:
     """c of joint 2 is c2; the second entry of vc1 is vc1y."""
     return label + (target.axis or "".join(map(str, target.index)))
+
+
+def _has_number(sides: Sequence[Expression]) -> bool:
+    """Whether a side is a number, as of an equation that is solved for a pose."""
+    return any(isinstance(x, Number) for x in sides)
 
 
 def all_right(claims: Sequence[Claim]) -> bool:

@@ -70,7 +70,9 @@ class OwnDefinitions(SolvedQuantities):
         name = first[0].text if len(first) == 1 and first[0].kind == "name" else ""
         self.of_bodies = self.is_about_bodies(line)
         self.begin(line)
-        if self.is_solved(line):
+        if self.is_solved(line) or name in self.vocabulary.told:
+            return []
+        if self.is_of_angles(line):
             return []
         if name in self.vocabulary.waves and self._is_wave(name, line):
             return [line]

@@ -126,10 +126,13 @@ def _define(
     node = worked_out(parser.side(), parser.others)
     given = tuple(use.target for use in uses(node, targets.single, vocabulary))
     reader = PolynomialReader(meaning, vocabulary.setting.ring)
+    vocabulary.told |= {plain} if given else set()
     if isinstance(node, Matrix):
         vocabulary.define_matrix(plain, node, given)
         for k, row in enumerate(node.rows if len(node.rows[0]) == 1 else (), 1):
-            vocabulary.define(f"{plain}{k}", reader.quotient(row[0]), given)
+            own = tuple(use.target for use in uses(row[0], targets.single, vocabulary))
+            vocabulary.define(f"{plain}{k}", reader.quotient(row[0]), own)
+            vocabulary.told |= {f"{plain}{k}"} if own else set()
         return
     value = reader.quotient(node)
     vocabulary.define(plain, value, given)

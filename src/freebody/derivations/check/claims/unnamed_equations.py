@@ -274,6 +274,18 @@ class UnnamedEquations(FormulaReader):
         label = label if len(label) <= _LONGEST_LABEL else f"{label[:_LONGEST_LABEL]}…"
         return [self._identity(label, x, y) for x, y in pairs]
 
+    def of_angles(self, line: Line) -> Claim:
+        """An identity of sines and cosines."""
+        left, right = map(self.parse, line)
+        value = self.quotient(left)
+        target = AskedQuantity(
+            kinds.IDENTITY, (), lambda: value, words="an identity of angles",
+            note="It claims nothing of the robot.",
+        )  # fmt: skip
+        label = self.source[line[0][0].start, line[-1][-1].end]
+        whole = Sum((left, Negative(right, span=right.span)), span=around(left, right))
+        return Claim(label, target, right, self.quotient(right), self.source, whole=whole)
+
     def _identity(self, label: str, left: Expression, right: Expression) -> Claim:
         """One entry: the side that says more is compared with the other."""
         is_result = isinstance(right, Number) and right.value and self.numbers.state_at(right.span)

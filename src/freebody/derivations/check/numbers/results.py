@@ -28,18 +28,32 @@ class WrittenNumber:
 
 
 @dataclass(frozen=True)
+class StandingState:
+    """A state in front of what it holds for."""
+
+    start: int
+    """From where it holds."""
+    state: State
+    is_condition: bool = False
+    """Whether it is said of what follows, in symbols too."""
+    end: int = 0
+    """Where the paragraph ends, behind which it is no condition of equations in symbols; of a robot
+    that is held still the whole document."""
+
+
+@dataclass(frozen=True)
 class WrittenNumbers:
     """All of a document, in order."""
 
     numbers: Sequence[WrittenNumber] = ()
-    standing: Sequence[tuple[int, State]] = ()
-    """States in front of numbers, and from where they hold."""
+    standing: Sequence[StandingState] = ()
+    """States in front of numbers and equations."""
     at: State = field(default_factory=dict[str, GivenValue])
     """The state that is given besides."""
 
     def refuse_two_states(self) -> None:
         """Refuse a document that says another state than is given besides."""
-        said = [state for _, state in self.standing] + [x.state for x in self.numbers]
+        said = [x.state for x in self.standing] + [x.state for x in self.numbers]
         for name, given in self.at.items():
             other = next(
                 (x[name] for x in said if name in x and x[name].value != given.value), None
@@ -56,11 +70,13 @@ class WrittenNumbers:
                 return x
         return None
 
-    def state_at(self, span: Span) -> State:
+    def state_at(self, span: Span, in_symbols: bool = False) -> State:
         """The state of a number or expression that stands there: what is given besides, what was
-        said last, and what stands behind it or behind a later side of its equation."""
-        last = next((state for end, state in reversed(self.standing) if end <= span[0]), {})
-        found = {**self.at, **last}
+        said last, of an expression in symbols in its own paragraph, and what stands behind it or
+        behind a later side of its equation."""
+        last = next((x for x in reversed(self.standing) if x.start <= span[0]), None)
+        holds = last is not None and not (in_symbols and last.end <= span[0])
+        found = {**self.at, **(last.state if last and holds else {})}
         for x in self.numbers:
             if x.begun <= span[0] and span[1] <= x.span[1]:
                 found |= x.state

@@ -36,8 +36,9 @@ _OPENING = LexemePattern("( | [ | %begin")
 _CLOSING = LexemePattern("< ) | ] | %end > ᵀ?")
 _SEPARATOR = LexemePattern("< %line | & | , | ; | %row >*")
 _GOES_ON = LexemePattern("~%name_or_power | ~( | ~_ | %joining | %minus ~")
-_AT_REST = LexemePattern(
-    "still:< < In | in >? static? equilibrium | < Held | held > < still | at rest > > | at? rest"
+AT_REST = LexemePattern(
+    "< still:< < In | in >? static? equilibrium | < Held | held > < still | at rest > >"
+    " | at? rest > < ,? < at | with > &%apart >?"
 )
 _COMMA = LexemePattern("~, ~%digit")
 _NEXT = LexemePattern("%line* < , | ; | and >? %line* and?")
@@ -143,7 +144,7 @@ class StateReader:
     def _one(self, source: Source, at: int) -> tuple[dict[str, GivenValue], int] | None:
         """θ1 = θ2 = 30°, at rest, or in equilibrium, where nothing is accelerated either."""
         lexemes = source.lexemes
-        rest = _AT_REST.at(lexemes, _BETWEEN.end(lexemes, at))
+        rest = AT_REST.at(lexemes, _BETWEEN.end(lexemes, at))
         if rest:
             zero = (RATE, SECOND) if "still" in rest else (RATE,)
             coordinates = self.vocabulary.setting.symbols.coordinates

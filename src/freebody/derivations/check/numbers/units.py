@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from freebody.derivations.check.algebra.quotients import Value
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.closed_chains.first_kind import MULTIPLIER
 from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.quantities import units
 from freebody.derivations.quantities.links import BY_LETTER
@@ -40,12 +41,21 @@ def _unit(setting: RightEquations, name: str) -> Unit | None:
         return 0, 0, 0
     if known := _TEXTS.get(setting.units.get(name, "")):
         return known
+    if name.startswith(MULTIPLIER) and setting.system is not None:
+        return _unit_of_multiplier(setting.system.loops.names[int(atom(name).figures) - 1])
     own = atom(name)
     is_known = setting.is_planar or name.split("_d")[0] in setting.symbols.coordinates
     if not is_known or not own.is_numbered or own.letter not in BY_LETTER:
         return None
     kg, m, s = BY_LETTER[own.letter].unit
     return kg, m, s - own.dots
+
+
+def _unit_of_multiplier(loop: str) -> Unit:
+    """That of λ: times the loop's equation, in m, m² or rad, it is an energy."""
+    part = loop.rpartition(".")[2]
+    length = 2 if part == "tension" else int(part.startswith("f"))
+    return 1, 2 - length, -2
 
 
 def unit_of_quantity(setting: RightEquations, target: AskedQuantity, right: Value) -> Unit | None:

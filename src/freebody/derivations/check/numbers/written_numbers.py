@@ -3,20 +3,28 @@ and states are noted and taken away; the numbers stay."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
+from freebody.derivations.check.algebra.quotients import generator
 from freebody.derivations.check.documents.answer_document import AnswerDocument, Blanks
-from freebody.derivations.check.numbers.results import WrittenNumber, WrittenNumbers
+from freebody.derivations.check.numbers.results import (
+    StandingState,
+    WrittenNumber,
+    WrittenNumbers,
+)
 from freebody.derivations.check.numbers.states import (
+    AT_REST,
     NO_STATE,
     GivenValue,
     State,
     StateReader,
 )
-from freebody.derivations.check.numbers.units import unit_of_quantity
+from freebody.derivations.check.numbers.units import Unit, unit_of, unit_of_quantity
 from freebody.derivations.check.numbers.written_units import WrittenUnit, unit_at
 from freebody.derivations.check.spelling.answer_text import AnswerText
 from freebody.derivations.check.spelling.equation_marks import asked_marks, quantity_before
+from freebody.derivations.closed_chains.first_kind import MULTIPLIER
 from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.patterns import LexemePattern, Match
 from freebody.derivations.grammar.source import Span
@@ -42,6 +50,8 @@ _MOST_WORDS = 8
 _KEYWORDS = ("at", "for", "with", "when", "given", "let", "if")
 _WHERE = LexemePattern("--%term_end %line? %apart < @keyword %apart | @still >")
 _COLON = LexemePattern("%line? :")
+_INTRODUCES = LexemePattern("< , | ; | . > < %apart | %last > | %last | then | we | one | it")
+"""Behind a condition of what follows: For θ₂ = 0, with θ₂ = 0 we get."""
 _SENTENCE_END = LexemePattern("< } | %line >* < . | : | , | ; | ) > | }* %last")
 _LONE = LexemePattern(
     "= < & | [ | ( | { >{0,6} %sign? @result_number }* < . | , | ; | ] | & | ) | %row | %last >"
@@ -89,7 +99,7 @@ class _NumberSearch:
         self.is_taken = bytearray(len(self.text))
         """Of each character, whether it is in one of these."""
         self.units: list[Span] = []
-        self.standing: list[tuple[int, dict[str, GivenValue]]] = []
+        self.standing: list[StandingState] = []
         self.heads: dict[int, tuple[WrittenUnit, Span]] = {}
         """Units in front of signs of equality, by the lexeme of the sign."""
 
@@ -127,7 +137,7 @@ class _NumberSearch:
     @property
     def has_result(self) -> bool:
         """Whether a quantity is said to be a number, or a state is one for what follows."""
-        if any(_COLON.at(self.lexemes, self.lexemes.at(end)) for end, _ in self.standing):
+        if any(x.is_condition for x in self.standing):
             return True
         quantities = self.reader.targets.names - self.reader.vocabulary.symbols.keys()
         marks = asked_marks(self.source, range(len(self.lexemes)), quantities.__contains__)
@@ -142,22 +152,42 @@ class _NumberSearch:
             start, values, end, word = self._list_behind_words(match.stop)
             is_alone = not self._is_result(values) and _SENTENCE_END.at(self.lexemes, end)
             if values and (word in _KEYWORDS or is_alone):
-                begun = {} if not self.standing else self.standing[-1][1]
+                begun = self.standing[-1].state if self.standing else {}
                 moving = {name for name in values if not self._is_constant(name)}
                 if moving & set(begun):  # another state
                     begun = {name: x for name, x in begun.items() if self._is_constant(name)}
-                self.standing.append((self._end(end), {**begun, **values}))
                 colon = _COLON.at(self.lexemes, end)
-                first, last = (match.start, colon.stop) if colon else (start, end)
+                still = AT_REST.at(self.lexemes, match.stop) is not None
+                told = (word in _KEYWORDS or still) and moving and _INTRODUCES.at(self.lexemes, end)
+                first, last = (match.start, end) if colon or told else (start, end)
+                last = colon.stop if colon else last
+                self.standing.append(
+                    StandingState(
+                        self._end(end),
+                        {**begun, **values},
+                        bool(colon or told),
+                        len(self.text) if still else self._paragraph_end(last),
+                    )
+                )
                 self._take(self._start(first), self._end(last))
+
+    def _paragraph_end(self, k: int) -> int:
+        """Where the paragraph ends in which a condition stands that ends before a lexeme; of a
+        condition on a paragraph of its own the end of the document."""
+        text = self.document.written
+        rest = text[self._end(k) :].lstrip(" \t.,;*_$}")
+        blank = len(text) - len(rest) + rest.find("\n\n") if "\n\n" in rest else len(text)
+        return len(text) if rest.startswith("\n\n") else blank
 
     def _is_result(self, values: State) -> bool:
         """Whether a value is that of an acceleration of a body that nothing holds, which forces
-        make; or of a coordinate that the loops tell where another is given."""
+        make; or of a multiplier, or of a coordinate that the loops tell where another is given."""
         setting = self.reader.vocabulary.setting
+        if setting.system is not None and all(x.startswith(MULTIPLIER) for x in values):
+            return True
         if setting.system is not None and self.standing:
             moving = {name for name in values if not self._is_constant(name)}
-            return bool(moving) and moving.isdisjoint(self.standing[-1][1])
+            return bool(moving) and moving.isdisjoint(self.standing[-1].state)
         return setting.is_free_body and any(name.endswith((RATE, SECOND)) for name in values)
 
     def _list_behind_words(self, at: int) -> tuple[int, dict[str, GivenValue], int, str]:
@@ -306,18 +336,23 @@ class _NumberSearch:
         return before in ("=", "==", "[", ";") or (before == "," and self.lexemes[k].apart)
 
     def _may_have(self, unit: WrittenUnit, k: int) -> bool:
-        """Whether a quantity that stands before the last equals signs there has such a unit."""
-        single, setting = self.reader.targets.single, self.reader.vocabulary.setting
+        """Whether a quantity or multiplier that stands before the last equals signs there has such
+        a unit."""
         lines = (j for j in range(k - 1, -1, -1) if self.lexemes[j].kind == "line")
         start = max(next(lines, -1) + 1, self.lexemes.at(self._start(k) - _LONGEST))
-        for mark in asked_marks(self.source, range(start, k), single.__contains__):
-            for name in (mark.name, mark.name.replace("P", "power")):
-                target = single.get(name)
-                if target is not None:
-                    needed = unit_of_quantity(setting, target, target.compute())
-                    if needed == unit.dimension:
-                        return True
-        return False
+        single, symbols = self.reader.targets.single, self.reader.vocabulary.symbols
+        marks = asked_marks(self.source, range(start, k), {*single, *symbols}.__contains__)
+        return any(unit.dimension in self._units(mark.name) for mark in marks)
+
+    def _units(self, name: str) -> Iterator[Unit | None]:
+        """The units of what a name may stand for."""
+        single, setting = self.reader.targets.single, self.reader.vocabulary.setting
+        for own in (name, name.replace("P", "power")):
+            if (target := single.get(own)) is not None:
+                yield unit_of_quantity(setting, target, target.compute())
+        symbol = generator(self.reader.vocabulary.symbols.get(name, setting.zero))
+        if symbol and symbol.startswith(MULTIPLIER):
+            yield unit_of(setting, {symbol: 1})
 
     def _clause(self, k: int) -> tuple[dict[str, GivenValue], int]:
         """The state behind a number: at θ₁ = 30°, θ₂ = 45°, and the lexeme behind it."""
@@ -325,7 +360,8 @@ class _NumberSearch:
         if match is None:
             return {}, k
         _, values, end, _ = self._list_behind_words(match.stop)
-        if not values:
-            return {}, k
+        is_next = match.stop - match.start == 1 and self.lexemes[k].text in (",", ";")
+        if not values or (is_next and all(x.startswith(MULTIPLIER) for x in values)):
+            return {}, k  # λ1 = 3 N, λ2 = 4 N
         closed = "begun" in match and end < len(self.lexemes) and self.lexemes[end].text == ")"
         return values, end + closed

@@ -12,12 +12,13 @@ from freebody.derivations.check.documents.answer_document import (
 )
 from freebody.derivations.check.documents.plain import lines as plain_lines
 from freebody.derivations.check.documents.prose import sentences
+from freebody.derivations.check.reading.sums import sums, tokens_with_sums
 from freebody.derivations.check.reading.vocabulary import Vocabulary
 from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerText
 from freebody.derivations.check.spelling.equation_marks import asked_marks
 from freebody.derivations.check.verdict import UnreadEquation
 from freebody.derivations.grammar import words
-from freebody.derivations.grammar.lexer import Token, tokens
+from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.grammar.source import Source, Span
 from freebody.errors import FreebodyError
@@ -68,8 +69,10 @@ class DocumentReader:
             blanks.put(*match.span, ";")
         plain = AnswerText(str(blanks), document.written, document.parts)
 
+        in_sums = _in_sums(plain, self._bodies)
+
         def is_name(word: range) -> bool:
-            return self._is_name(plain, word)
+            return word.start in in_sums or self._is_name(plain, word)
 
         for line in document.prose:
             for sentence in sentences(plain.text, plain.lexemes, line, is_name):
@@ -124,6 +127,16 @@ class DocumentReader:
         except FreebodyError:  # it may be read in two ways
             return True
 
+    @cached_property
+    def in_sums(self) -> frozenset[int]:
+        """The lexemes of sums over bodies."""
+        return _in_sums(self.source, self._bodies)
+
+    @property
+    def _bodies(self) -> int:
+        """How many bodies sums go over."""
+        return len(self.vocabulary.setting.equations.symbols.model.bodies)
+
     @staticmethod
     def _text_of(source: Source, word: range) -> str:
         return source.text[source.lexemes[word.start].start : source.lexemes[word.stop - 1].end]
@@ -157,8 +170,9 @@ class DocumentReader:
             if not self._says_something(piece):
                 continue
             with self._lenient(piece.lenient, (piece.start, piece.end)):
-                read = tokens(self.source, self.vocabulary, (piece.start, piece.end))[:-1]
-                found += _without_time(read)
+                span = (piece.start, piece.end)
+                read = tokens_with_sums(self.source, self.vocabulary, span, self._bodies)
+                found += _without_time(read[:-1])
                 found.append(Token("line", "", piece.end, piece.end))
         lines: list[Line] = []
         for line in _lines(found, self.document.written):
@@ -214,6 +228,12 @@ class DocumentReader:
         self.unread.append(
             UnreadEquation(first, source.where(first), text, reason.rstrip("."), asked)
         )
+
+
+def _in_sums(source: Source, count: int) -> frozenset[int]:
+    """The lexemes of sums over so many bodies."""
+    found = sums(source.lexemes, range(len(source.lexemes)), count)
+    return frozenset(k for one in found for k in one.whole)
 
 
 def _names(source: Source, within: range) -> Iterator[str]:

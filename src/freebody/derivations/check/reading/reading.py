@@ -226,7 +226,8 @@ class AnswerParser(DerivativeParser):
 
     def _inverse_function(self, token: Token, function: str) -> Expression:
         """arccos(x), atan2(y, x), √x."""
-        if self.token.kind == "fraction" and function != "atan2":
+        bare = ("fraction", "function", *["number", "name"] * (function == "sqrt"))
+        if self.token.kind in bare and function != "atan2":  # \arctan\sqrt{x}, √2
             return Function(function, self.primary(), span=self.since(token.start))
         if self.token.kind != "open":
             self.fail_here(f"a bracket after {token.text}")
@@ -255,6 +256,8 @@ class AnswerParser(DerivativeParser):
         """A bracket; or, without one, numbers and one angle: cos 2θ1."""
         if self.token.kind == "open":
             return self.bracket()
+        if self.token.kind == "function" and self._function(self.token) in INVERSE_FUNCTIONS:
+            return self.primary()  # \sin\arccos x
         factors: list[Expression] = []
         while self.token.kind in ("number", "fraction") or self.is_operator("-", "*"):
             if self.is_operator("-", "*"):

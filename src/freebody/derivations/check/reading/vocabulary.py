@@ -64,6 +64,8 @@ class Vocabulary:
     functions: dict[str, str] = field(default_factory=lambda: dict(FUNCTIONS))
     uses: dict[str, tuple[AskedQuantity, ...]] = field(default_factory=dict)
     """Quantities that names of the user's own are given by."""
+    told: set[str] = field(default_factory=set)
+    """Names of the user's own for expressions of quantities, which other lines may be about."""
     letters: dict[str, str] = field(default_factory=dict)
     """The user's letters for "cos" and "sin"."""
     aliases: dict[str, str] = field(default_factory=dict)
@@ -102,7 +104,7 @@ class Vocabulary:
         kept.symbols, kept.waves = dict(self.symbols), dict(self.waves)
         kept.functions, kept.uses = dict(self.functions), dict(self.uses)
         kept.aliases, kept.matrices = dict(self.aliases), dict(self.matrices)
-        kept.trees = dict(self.trees)
+        kept.trees, kept.told = dict(self.trees), set(self.told)
         return kept
 
     def define(self, plain: str, value: Value, uses: tuple[AskedQuantity, ...] = ()) -> None:
@@ -194,6 +196,8 @@ class Vocabulary:
                 span,
                 "What it stands for is told on a line before, or by --name YOURS=OURS.",
             )
+        if force := load_names.refusal(self.setting.symbols.model, plain):
+            source.fail(f"no symbol {word!r} in {self.setting.symbols.model.name!r}", span, force)
         names = self.listed
         near = likely(plain, names) or likely(spelt.plain, names)
         hint = f"Did you mean {near[0]!r}? " if near else ""

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from freebody.derivations.check.algebra.answer_tree import Named, Wave
 from freebody.derivations.check.algebra.finite_field_tree import Workspace
 from freebody.derivations.check.asked.asked_quantities import Targets
+from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.expressions.nodes import Expression, Negative, Number, Sum
@@ -29,6 +30,8 @@ class Misreading:
     note: str
     is_doubtful: bool = True
     """Whether to say so also where it does not make the answer right."""
+    target: AskedQuantity | None = None
+    """What the answer is then about, where that is another quantity."""
 
 
 _TIPS = frozenset(x for dots in range(3) for x in spellings("x", "", dots))
@@ -39,6 +42,7 @@ def readings(
     setting: RightEquations, targets: Targets, claim: Claim, work: Workspace
 ) -> Iterator[Misreading]:
     """Other readings of a claim's symbols, the likeliest first."""
+    yield from _links(setting, targets, claim, work)
     yield from _velocity_terms(targets, claim, work)
     yield from _cosines(setting, targets, claim, work)
     yield from _slides(setting, targets, work)
@@ -49,6 +53,50 @@ def doubt_about(setting: RightEquations, targets: Targets, claim: Claim, work: W
     """What is to be said about a symbol of a wrong answer that may stand for something else."""
     found = readings(setting, targets, claim, work)
     return next((reading.text for reading in found if reading.is_doubtful), "")
+
+
+def _links(
+    setting: RightEquations, targets: Targets, claim: Claim, work: Workspace
+) -> Iterator[Misreading]:
+    """Bodies counted as the links of the robot's file, without those between the axes of a joint of
+    several coordinates."""
+    symbols = setting.equations.symbols
+    order = [body.name for body in symbols.model.bodies]
+    own = (symbols.given or symbols.model).bodies
+    numbers = {str(k): str(order.index(x.name) + 1) for k, x in enumerate(own, 1)}
+    if all(k == n for k, n in numbers.items()):
+        return
+
+    def of_link(target: AskedQuantity | None, name: str) -> AskedQuantity | None:
+        number = atom(name).figures
+        if target is None or not target.kind.of_one_body or number not in numbers:
+            return None
+        return targets.single.get(name.replace(number, numbers[number]))
+
+    what = _kind(claim.target)
+    name = next((x for x, target in targets.single.items() if _kind(target) == what), "")
+    found: dict[Expression, Expression] = {}
+    for node in work.values:
+        own_target = targets.single.get(node.name) if isinstance(node, Named) else None
+        if isinstance(node, Named) and own_target and own_target.kind.of_one_body:
+            new = of_link(own_target, node.name)
+            if new is None:  # a number that no link has
+                return
+            found[node] = replace(node, value=new.compute())
+    target = of_link(claim.target, name)
+    if target is None and claim.target.kind.of_one_body:
+        return
+    if target is not None:
+        words = f"{claim.target.title}, counted as the links of the robot's file"
+        target = replace(target, words=words)
+    if found or target is not None:
+        text = "Bodies are counted as the links of the robot's file."
+        yield Misreading(found, text, text, False, target)
+
+
+def _kind(target: AskedQuantity) -> tuple[object, ...]:
+    """What tells a quantity from others."""
+    return target.kind, target.index, target.axis, target.words
 
 
 def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator[Misreading]:
@@ -65,7 +113,7 @@ def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator
         wave = atom(spelt(claim.source[node.span]))
         own = targets.single.get(node.name) if isinstance(node, Named) else None
         k = wave.figures if wave.letter == "c" and isinstance(node, Wave) else ""
-        k = str(own.index[0]) if own is not None and own.kind.of_one_body else k
+        k = str(own.index[0]) if own is not None and own.index and own.kind.up_to_a_constant else k
         if k in terms and isinstance(work.parents.get(node), Sum | Negative):
             name = terms[k]
             found[node] = Named(name, targets.single[name].compute(), span=node.span)

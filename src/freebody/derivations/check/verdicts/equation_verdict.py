@@ -86,16 +86,20 @@ class Judge:
         found = self._as_read(claim, False)
         if found.equal:
             return found
-        work = without_values(claim.node)
+        work, meant = without_values(claim.node), claim
         for reading in readings(self.setting, self.targets, claim, work):
             node = replaced(claim.node, reading.new)
             whole = claim.whole and replaced(claim.whole, reading.new)
+            target = reading.target or claim.target
             with suppress(AnswerError):  # too long to be multiplied out
                 value = self._value(claim, node)
-                again = self._as_read(replace(claim, node=node, value=value, whole=whole), False)
+                other = replace(claim, target=target, node=node, value=value, whole=whole)
+                again = self._as_read(other, False)
                 if again.equal:
                     return replace(again, note=f"{reading.note} {again.note}".strip())
-        return self._as_read(claim, True) if explain else found
+                if reading.target is not None and _is_zero(claim.target):
+                    meant = other
+        return self._as_read(meant, True) if explain else found
 
     def _value(self, claim: Claim, node: Expression) -> Value:
         """The value of a tree that is read in another way."""
@@ -167,6 +171,10 @@ class Judge:
         target = claim.target
         if not target.also:
             return target
+        if target.kind.is_about_any_point:  # about which point tells the answer
+            ways = [(target.note, target.compute), *target.also]
+            note, compute = min(ways, key=lambda way: len(difference(claim.value, way[1]())))
+            return replace(target, compute=compute, note=note)
         ((note, other),) = target.also
         senses = self._senses(target.kind)
         second = senses.index(max(senses)) if any(senses) else self._nearer(claim)
@@ -193,7 +201,9 @@ class Judge:
     def _wrong(self, claim: Claim, yours: Trig, right: Trig, explain: bool) -> EquationVerdict:
         if explain and self._is_meant_still(claim, yours, right):
             return self._with_example(claim, right, (), (_STILL,))
+        right, condition = self.numbers.at_condition(claim, right)
         findings, causes = self._explained(claim, yours, right) if explain else ([], [])
+        causes = [*[f"It is compared at {condition}."] * bool(condition), *causes]
         hint = coriolis.advice(self.setting, claim, self.claims)
         causes = [*causes, *[hint] * bool(hint), *self._unsymmetric(claim)]
         return self._with_example(claim, right, findings, causes)
@@ -333,6 +343,12 @@ class Judge:
         term, unit, expected = found
         text = f"The units do not fit: {quoted(self.setting.form(term))} has {unit_text(unit)}"
         return [f"{text}, where {unit_text(expected)} is needed."]
+
+
+def _is_zero(target: AskedQuantity) -> bool:
+    """Whether a quantity is 0 in any state."""
+    right = target.compute()
+    return isinstance(right, Trig) and right.is_zero
 
 
 def _is_right(claim: Claim, value: Callable[[], Value]) -> bool:

@@ -18,9 +18,11 @@ from freebody.derivations.check.numbers.written_units import WrittenUnit, common
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.states.completed_state import completed
 from freebody.derivations.check.verdicts.rounded_numbers import half_a_unit
+from freebody.derivations.closed_chains.first_kind import MULTIPLIER
 from freebody.derivations.expressions.nodes import Number, nodes
 from freebody.derivations.expressions.nodes import replaced as with_nodes
 from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.lazy import cached_property
 from freebody.outputs.numbers import shortest
 from freebody.scalars.trig import Trig
@@ -158,10 +160,17 @@ class NumberAtState:
 
     @property
     def missing(self) -> list[str]:
-        """The symbols on which the right number depends at this state, and which nobody gives."""
+        """The symbols on which the right number depends at this state, and which nobody gives: of a
+        multiplier those of the driven joints, of which it follows."""
         point = RealPoint.of_state(self.setting.ring, self.values)
         counting = self._symbols(lambda powers: all(point.generator(x) != 0.0 for x in powers))
-        return [name for name in counting if name not in self.values]
+        left = [name for name in counting if name not in self.values]
+        model, names = self.setting.symbols.model, self.setting.symbols.coordinates
+        driven = [x for k, x in enumerate(names) if k not in model.passive]
+        moving = (x + ending for ending in ("", RATE, SECOND) for x in driven)
+        unknown = [x for x in moving if x not in self.values]
+        by_motion = unknown and left and all(x.startswith(MULTIPLIER) for x in left)
+        return unknown if by_motion else left
 
     def _symbols(self, counts: Callable[[Mapping[str, int]], bool]) -> list[str]:
         """Those of the terms that count."""

@@ -7,8 +7,10 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
 from freebody.derivations.check.algebra.answer_tree import Named
+from freebody.derivations.check.algebra.quotients import Value, pair
 from freebody.derivations.check.algebra.real_point import RealPoint
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.right_equations import RightEquations
@@ -16,6 +18,7 @@ from freebody.derivations.check.numbers.results import WrittenNumber, WrittenNum
 from freebody.derivations.check.numbers.states import GivenValue, State, in_words
 from freebody.derivations.check.numbers.units import unit_of_quantity
 from freebody.derivations.check.reading.claim import Claim
+from freebody.derivations.check.reasons.free_motion import put
 from freebody.derivations.check.verdict import EquationVerdict, Example, Mistake
 from freebody.derivations.check.verdicts.number_at_state import EXACT, NumberAtState, symbol_of
 from freebody.derivations.check.verdicts.number_reasons import reasons
@@ -25,6 +28,7 @@ from freebody.derivations.grammar.source import Span
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.quantities.units import si_text
 from freebody.outputs.numbers import shortest
+from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import Trig
 
 _FORCE = re.compile(r"[fn]_?\{?[0-9₀-₉]|tau|τ")
@@ -46,6 +50,7 @@ class NumberJudge:
         written = self.numbers.of(claim.node.span)
         given = self.numbers.state_at(claim.node.span)
         if not (isinstance(claim.value, Trig) and claim.value.is_constant):
+            given = self.numbers.state_at(claim.node.span, in_symbols=True)
             return self._in_symbols(claim, written, given)
         no_result = claim.target.kind.is_equation and claim.value.is_zero and written is None
         if no_result or claim.target.idle:
@@ -97,6 +102,28 @@ class NumberJudge:
             return None
         used = in_words({x: y for x, y in given.items() if x in _names(right) or x in own})
         return EquationVerdict(claim.label, claim.target.title, True, note=f"At {used}.")
+
+    def at_condition(self, claim: Claim, right: Trig) -> tuple[Trig, str]:
+        """The right answer where the condition of a line without its coordinates holds, and the
+        condition in words; as it is, and "", of any other line."""
+        used = _names(right)
+        given = {
+            name: x
+            for name, x in self.numbers.state_at(claim.node.span, in_symbols=True).items()
+            if name in used
+        }
+        if not given or _names(*pair(claim.value)) & set(given):
+            return right, ""
+        ring, zero = self.setting.ring, self.setting.zero
+        images: dict[str, Value] = {}
+        for name, x in given.items():
+            images[name] = zero + Fraction(x.value)
+            if name in ring.angles:
+                waves = zip(("sin_", "cos_"), rational_sin_cos(x.value), strict=True)
+                images |= {wave + name: zero + _simple(value) for wave, value in waves}
+        there = put(right, images)
+        assert isinstance(there, Trig)
+        return there, in_words(given)
 
     def _is_same(self, yours: Trig, right: Trig, given: State) -> bool:
         """Whether two polynomials are equal at a state."""
@@ -261,6 +288,13 @@ _ENERGY = (1, 2, -2)
 """Powers of kg, m and s in the unit of an energy, and of a moment."""
 
 
-def _names(x: Trig) -> set[str]:
-    """The symbols in a polynomial."""
-    return {symbol_of(name) for powers, _ in x.terms() for name in powers}
+def _simple(value: Fraction) -> Fraction:
+    """A sine or cosine, ½ where it is that to the digits of a float."""
+    simple = value.limit_denominator(2)
+    return simple if abs(simple - value) <= EXACT else value
+
+
+def _names(*values: Trig) -> set[str]:
+    """The symbols in polynomials."""
+    terms = (powers for x in values for powers, _ in x.terms())
+    return {symbol_of(name) for powers in terms for name in powers}

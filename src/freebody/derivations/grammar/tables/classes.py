@@ -153,6 +153,14 @@ PATTERNS = {
     "framed": "!%operation < %accent < { %not_brace{1,30} } | %command | %letter > | %command"
     " | %letter >",
     "frame_index": "< _ < @nested | %name > | %low_digit{1,4} >",
+    "sum_sign": "< \\sum | ∑ | Σ | %fresh < sum | Sum > &< ( | _ > | \\operatorname { sum } >"
+    " \\limits?",
+    "sum_index": "index:< i | j | k >",
+    "sum_index_low": "index:< ᵢ | ⱼ >",
+    "sum_below": "< _ { @sum_index < = %digit{1,2} >? } | _ ~@sum_index | @sum_index_low >",
+    "sum_above": "^ < { < %digit{1,2} | n | N > } | %digit | n | N >",
+    "sum_arguments": ", < @sum_index = first:%digit{1,2} . . < last:%digit{1,2} | n | N >"
+    " | (? @sum_index , first:%digit{1,2} , < last:%digit{1,2} | n | N > )? >",
     "force_number": "F _? < { %counted } | %counted | %low_digit >",
 }
 """Parts of patterns."""

@@ -10,7 +10,8 @@ LABEL = "label"
 
 SPELLINGS: tuple[tuple[str, ...], ...] = (
     # ± in front of a function of two values: each is looked at.
-    ("< ± | \\pm > &< @two_valued >", "+"),
+    ("< ± | \\pm > &< %digit{0,2} %times? < @two_valued | √ > >", "+"),
+    ("√", "\\sqrt"),
     # dL/dθ1, as one types ∂L/∂θ1.
     ("%fresh d of:~%energy / d !< t %ends > &~%letter", "∂ $of / ∂"),
     # |v_c2|².

@@ -1,0 +1,42 @@
+"""Functions without brackets in front of other functions and roots, 2 arctan √…"""
+
+from __future__ import annotations
+
+import pytest
+
+import freebody as fb
+
+ABOVE, BELOW = "(l_1+l_2)^2 - x^2 - y^2", "x^2 + y^2 - (l_1-l_2)^2"
+COSINE = r"\frac{x^2+y^2-l_1^2-l_2^2}{2l_1l_2}"
+
+RIGHT = [
+    rf"\theta_2 = 2\arctan\sqrt{{\frac{{{ABOVE}}}{{{BELOW}}}}}",
+    rf"\theta_2 = \pm 2\arctan\sqrt{{\frac{{{ABOVE}}}{{{BELOW}}}}}",
+    f"θ2 = 2 arctan √(({ABOVE})/({BELOW}))",
+    f"θ2 = ±2 arctan √(({ABOVE})/({BELOW}))",
+    f"θ2 = 2 atan sqrt(({ABOVE})/({BELOW}))",
+    r"\sin\theta_2 = \sqrt{1-\cos^2\theta_2}",
+    rf"\cos\theta_2 = \cos\arccos{COSINE}",
+    "H12 = √4 m2 lc2^2/2 + m2 l1 lc2 c2 + I2",
+]
+
+WRONG = [
+    rf"\theta_2 = \arctan\sqrt{{\frac{{{ABOVE}}}{{{BELOW}}}}}",
+    rf"\theta_2 = 2\arctan\sqrt{{\frac{{{BELOW}}}{{{ABOVE}}}}}",
+    f"θ2 = 2 arctan √(({ABOVE})/(x^2 + y^2 - (l_1+l_2)^2))",
+    f"θ2 = ±arctan √(({ABOVE})/({BELOW}))",
+    r"\sin\theta_2 = \sqrt{1+\cos^2\theta_2}",
+    rf"\sin\theta_2 = \cos\arccos{COSINE}",
+    "H12 = √9 m2 lc2^2/2 + m2 l1 lc2 c2 + I2",
+]
+
+
+@pytest.mark.parametrize("line", RIGHT)
+def test_a_function_needs_no_bracket_before_another(line: str):
+    verdict = fb.check(fb.load("2R"), line)
+    assert verdict, verdict
+
+
+@pytest.mark.parametrize("line", WRONG)
+def test_a_wrong_line_with_such_a_function_is_not_right(line: str):
+    assert not fb.check(fb.load("2R"), line)

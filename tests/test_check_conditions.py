@@ -1,0 +1,71 @@
+"""Conditions in front of equations, "At θ2 = 0:": these are right where the condition holds, up to
+the next condition or paragraph."""
+
+from __future__ import annotations
+
+import pytest
+
+import freebody as fb
+
+ARM = fb.load("2R")
+STRETCHED = "H12 = m2 lc2^2 + m2 l1 lc2 + I2"
+BENT = "H12 = m2 lc2^2 + I2"
+WEIGHTS = "τ1 = (m1 lc1 + m2 l1) g c1 + m2 g lc2 c12"
+SLOW = "τ1 = H11 θ̈1 + H12 θ̈2 + G1"
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        f"θ₂ = 0:\n{STRETCHED}",
+        f"θ2 = 0: {STRETCHED}",
+        f"At θ2 = 0, {STRETCHED}",
+        f"At θ2 = 0:\n{STRETCHED}\nH11 = m1 lc1^2 + I1 + m2 (l1+lc2)^2 + I2",
+        f"For θ2 = 0\n{STRETCHED}",
+        f"For θ2 = 0,\n{STRETCHED}",
+        f"If θ2 = 0, then {STRETCHED}",
+        f"If θ2 = 0 then {STRETCHED}",
+        f"Let θ2 = 0. Then {STRETCHED}",
+        f"With θ2 = 0 we get {STRETCHED}",
+        f"When θ2 = 90°, {BENT}",
+        f"At θ2 = 0:\n{STRETCHED}\nAt θ2 = π/2:\n{BENT}",
+        f"For θ̇ = 0, θ̈ = 0\n{WEIGHTS}",
+        f"At rest, {SLOW}",
+        f"For θ̇1 = θ̇2 = 0,\n{SLOW}\nτ2 = H21 θ̈1 + H22 θ̈2 + G2",
+        f"At θ2 = 60°: {BENT} + m2 l1 lc2/2",
+    ],
+)
+def test_a_line_is_right_where_its_condition_holds(answer: str):
+    verdict = fb.check(ARM, answer)
+    assert verdict, verdict
+    assert all(" At θ" in line for line in verdict.text.splitlines())
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        STRETCHED,
+        f"At θ2 = 0, {BENT}",
+        f"At θ1 = 0, {STRETCHED}",
+        f"For θ2 = π/2\n{STRETCHED}",
+        f"At θ2 = 0:\n{STRETCHED}\nAt θ2 = π/2:\n{STRETCHED}",
+        f"At θ2 = 0:\n{STRETCHED}\n\n{STRETCHED}",
+        f"For θ̇1 = 0,\n{SLOW}",
+        f"For θ̇ = 0\n{WEIGHTS}",
+        f"At θ2 = 60°: {BENT} + m2 l1 lc2/3",
+    ],
+)
+def test_a_line_is_wrong_where_its_condition_is_another_or_ends(answer: str):
+    assert not fb.check(ARM, answer)
+
+
+def test_a_condition_on_a_paragraph_of_its_own_goes_on_over_blank_lines():
+    assert fb.check(ARM, f"At θ2 = 0:\n\n{STRETCHED}\n\n{STRETCHED}")
+
+
+def test_a_wrong_line_is_explained_where_its_condition_holds():
+    text = fb.check(ARM, f"At θ2 = 0:\n{BENT}").text
+    assert "It is compared at θ₂ = 0." in text
+    assert "‘l₁’ of ‘m₂ lc₂ (l₁ + lc₂)’ is missing" in text
+    assert "at θ₂ = 0.9" not in text
+    assert "it must be ½ m₂ l₁ lc₂" in fb.check(ARM, f"At θ2 = 60°: {BENT} + m2 l1 lc2/3").text
