@@ -73,8 +73,7 @@ def statements(
     own_names.of_user(vocabulary, targets, names)
     states = StateReader(vocabulary, targets)
     document, poses = singular_poses.taken_from(document, vocabulary, targets)
-    document, numbers = taken_from(document, states)
-    numbers = replace(numbers, at=states.given(at))
+    document, numbers = taken_from(document, states, states.given(at))
     numbers.refuse_two_states()
     reading = DocumentReader(document, vocabulary, targets.names)
     source = reading.source
