@@ -96,7 +96,7 @@ class QuantitiesOfBodies(QuantityGroup):
         words = f"the vector from the end of body {n} to its centre of mass"
         return {
             f"r{n}c{n}": [
-                [replace(y, compute=_less(y.compute, x.compute), in_world=None, words=words)]
+                [replace(y, compute=_less(y.polynomial, x.polynomial), in_world=None, words=words)]
                 for (x,), (y,) in zip(along, centre, strict=True)
             ]
         }

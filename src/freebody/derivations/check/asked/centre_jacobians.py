@@ -39,12 +39,12 @@ class CentreJacobians(QuantitiesOfBodies):
         names = self.setting.symbols.coordinates
         for n in range(1, len(self._bodies) + 1):
             if centre := self.vectors.get(f"rc{n}"):
-                rows = [entry.compute for (entry,) in centre]
+                rows = [entry.polynomial for (entry,) in centre]
                 words = f"the Jacobian of the centre of mass of body {n}"
                 table = self._slopes(rows, names, n, words)
                 found |= {name.format(n=n): table for name in _OF_CENTRE}
             if turning := self.vectors.get(f"omega{n}"):
-                rows = [entry.in_world or entry.compute for (entry,) in turning]
+                rows = [entry.in_world or entry.polynomial for (entry,) in turning]
                 words = f"the Jacobian of the angular velocity of body {n}"
                 table = self._slopes(rows, [x + RATE for x in names], n, words)
                 found |= {name.format(n=n): table for name in _ANGULAR}

@@ -114,7 +114,7 @@ class NumberJudge:
             for name, x in self.numbers.state_at(claim.node.span, in_symbols=True).items()
             if name in used
         }
-        if not given or _names(claim.value) & set(given):
+        if not given or not isinstance(claim.value, Trig) or _names(claim.value) & set(given):
             return right, ""
         ring, zero = self.setting.ring, self.setting.zero
         images: dict[str, Value] = {}
