@@ -1,4 +1,4 @@
-"""Multipliers of closed chains in numbers, with their units."""
+"""Multipliers and coordinates of closed chains in numbers, with their units."""
 
 from __future__ import annotations
 
@@ -27,6 +27,19 @@ def test_a_multiplier_has_a_number_and_a_unit(answer: str):
     verdict = fb.check(BAR, answer)
     assert verdict, verdict
     assert len(verdict.equations) == answer.count("λ")
+
+
+@pytest.mark.parametrize(
+    ("robot", "answer", "at", "is_right"),
+    [
+        ("four_bar", "λ1 = 0.577 N", MOTION, True),
+        ("four_bar", "λ1 = 0.587 N", MOTION, False),
+        ("slider_crank", "d3 = 0.7648 m", {"theta1": "30 deg"}, True),
+        ("slider_crank", "d3 = 0.7748 m", {"theta1": "30 deg"}, False),
+    ],
+)
+def test_what_loops_tell_has_a_unit_where_the_state_is_given_besides(robot, answer, at, is_right):
+    assert bool(fb.check(fb.load(robot), answer, at=at)) is is_right
 
 
 @pytest.mark.parametrize(

@@ -8,11 +8,14 @@ from collections.abc import Callable, Iterator, Mapping
 from freebody.derivations.check.asked.bodies import QuantitiesOfBodies
 from freebody.derivations.check.asked.group import Named
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
+from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.polynomials.symbols import RATE
 from freebody.derivations.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 
+_TOLD = LexemePattern("< %fresh J | %around_letter { J } > ~_? ~{? < %letter | \\omega >")
+"""In answers without a J of a letter there is none."""
 _OF_CENTRE = ("Jc{n}", "Jv{n}", "Jvc{n}", "JG{n}", "JL{n}")
 _ANGULAR = ("Jomega{n}", "Jw{n}", "JA{n}")
 
@@ -31,6 +34,8 @@ class CentreJacobians(QuantitiesOfBodies):
 
     @cached_property
     def _tables(self) -> dict[str, Table]:
+        if not _TOLD.found_in(self.formulas):
+            return {}
         found: dict[str, Table] = {}
         names = self.setting.symbols.coordinates
         for n in range(1, len(self._bodies) + 1):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 
 from freebody.derivations.check.asked.right_equations import RightEquations
-from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.polynomials.symbols import symbols as symbols_of
@@ -27,8 +26,8 @@ JOINT_FORCE = LexemePattern("< !-%latin f | %font { f } > ~_? ~{? < ~%digit | ~%
 """The force in a joint, f_12."""
 MOMENT = LexemePattern("!-%latin < M | n | N > ~_? ~{? ~%axis")
 """A moment at the tip."""
-_SPELT = {"f": ("f", "F", "fP", "FP", "fE", "FE", "fe", "Fe", "ftip", "Ftip"), "n": ("n", "M", "N")}
-VECTORS = tuple(name for name in _SPELT["f"] if not name.endswith("tip"))
+SPELT = {"f": ("f", "F", "fP", "FP", "fE", "FE", "fe", "Fe", "ftip", "Ftip"), "n": ("n", "M", "N")}
+VECTORS = tuple(name for name in SPELT["f"] if not name.endswith("tip"))
 
 
 def named_in(model: Model, formulas: Lexemes) -> tuple[str, ...]:
@@ -46,23 +45,10 @@ def named_in(model: Model, formulas: Lexemes) -> tuple[str, ...]:
     return () if set(names) & {*slides, *model.parameters} else names
 
 
-def refusal(model: Model, name: str) -> str:
-    """Of a name such as F or F_x in an answer about a closed chain how to say what is meant, else
-    nothing."""
-    if not model.loops or atom(name).letter not in _SPELT["f"] + tuple(
-        f"{x}{axis}" for x in _SPELT["f"] for axis in "xyz"
-    ):
-        return ""
-    return (
-        f"{name} may be a force from outside, which is not read for closed chains, or the force in "
-        f"a joint: that of body 1 on body 2 is f_12, the force of a loop λ_1."
-    )
-
-
 def symbols(setting: RightEquations, taken: Collection[str]) -> Iterator[tuple[str, Trig]]:
     """Spellings of the load's components, with their values; none that is taken."""
     for name in setting.loads:
         letter, axis = name
-        for spelling in (f"{x}{axis}" for x in _SPELT[letter]):
+        for spelling in (f"{x}{axis}" for x in SPELT[letter]):
             if spelling not in taken:
                 yield spelling, setting.ring[name]

@@ -55,10 +55,8 @@ class AngularMomenta(QuantityGroup):
             if (point, number) == ("O", ""):
                 yield (name,), replace(self._whole, also=())
             elif point and not number and len(self._bodies) == 1:
-                yield (
-                    (name, f"{letter}{point.lower()}"),
-                    self._of_body(next(iter(self._bodies)), True),
-                )
+                (own,) = self._bodies
+                yield (name, f"{letter}{point.lower()}"), self._of_body(own, True)
             elif number in self._bodies and point != "O":
                 yield (name, f"{letter}{point.lower()}{number}"), self._of_body(number, bool(point))
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
 from freebody.derivations.check.algebra.answer_tree import Named
-from freebody.derivations.check.asked import load_names
 from freebody.derivations.check.asked.asked_quantities import Targets
+from freebody.derivations.check.asked.names_without_meaning import advice
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.claims import own_names
 from freebody.derivations.check.claims.claim_reader import ClaimReader
@@ -73,8 +73,7 @@ def statements(
     own_names.of_user(vocabulary, targets, names)
     states = StateReader(vocabulary, targets)
     document, poses = singular_poses.taken_from(document, vocabulary, targets)
-    document, numbers = taken_from(document, states)
-    numbers = replace(numbers, at=states.given(at))
+    document, numbers = taken_from(document, states, states.given(at))
     numbers.refuse_two_states()
     reading = DocumentReader(document, vocabulary, targets.names)
     source = reading.source
@@ -189,11 +188,12 @@ def _refuse_nothing(
         first = unread[0]
         raise AnswerError(f"no equation could be read; {first.where}: {first.reason}")
     names_given = dict.fromkeys(source[line[0][0].span] for line in own)
+    instead = (advice(setting.symbols.model, line[0][0].text) for line in own)
     taken = "are taken for names" if len(names_given) > 1 else "is taken for a name"
     raise AnswerError(
         f"{listed(names_given, 8)} {taken} of your own, not one of the robot's quantities; "
         f"write the quantity to be checked, such as tau1 = …",
-        " ".join(load_names.refusal(setting.symbols.model, line[0][0].text) for line in own),
+        next(filter(None, instead), ""),
     )
 
 

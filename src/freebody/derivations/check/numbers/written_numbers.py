@@ -69,13 +69,14 @@ _LONGEST = 600
 
 
 def taken_from(
-    document: AnswerDocument, reader: StateReader
+    document: AnswerDocument, reader: StateReader, at: State
 ) -> tuple[AnswerDocument, WrittenNumbers]:
-    """A document without units and states, and what they say; one without numbers as it is."""
-    search = _NumberSearch(document, reader)
+    """A document without units and states, and what they say; one without numbers as it is. at: the
+    state that is given besides."""
+    search = _NumberSearch(document, reader, at)
     numbers = search.numbers()
     if not (numbers or search.heads) and not (search.standing and search.has_result):
-        return document, WrittenNumbers()
+        return document, WrittenNumbers(at=at)
     formulas, said = Blanks(document.formulas), Blanks(document.said)
     for start, end in search.taken:
         formulas.put(start, end)
@@ -84,15 +85,15 @@ def taken_from(
     for start, end in search.units:  # shown with its number
         formulas.put(start, end, FILL * (end - start))
     return replace(document, formulas=str(formulas), said=str(said)), WrittenNumbers(
-        numbers, search.standing
+        numbers, search.standing, at
     )
 
 
 class _NumberSearch:
     """The numbers of a document; `taken`: what is read here and need not be read again."""
 
-    def __init__(self, document: AnswerDocument, reader: StateReader):
-        self.document, self.reader = document, reader
+    def __init__(self, document: AnswerDocument, reader: StateReader, at: State):
+        self.document, self.reader, self.at = document, reader, at
         self.text = document.said or document.formulas
         self.source = AnswerText(self.text, document.written, document.parts)
         self.taken: list[Span] = []
@@ -185,9 +186,10 @@ class _NumberSearch:
         setting = self.reader.vocabulary.setting
         if setting.system is not None and all(x.startswith(MULTIPLIER) for x in values):
             return True
-        if setting.system is not None and self.standing:
+        known = {*self.at, *(self.standing[-1].state if self.standing else ())}
+        if setting.system is not None and known:
             moving = {name for name in values if not self._is_constant(name)}
-            return bool(moving) and moving.isdisjoint(self.standing[-1].state)
+            return bool(moving) and moving.isdisjoint(known)
         return setting.is_free_body and any(name.endswith((RATE, SECOND)) for name in values)
 
     def _list_behind_words(self, at: int) -> tuple[int, dict[str, GivenValue], int, str]:

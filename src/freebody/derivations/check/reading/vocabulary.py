@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from freebody.derivations.check.algebra.answer_tree import Angle
 from freebody.derivations.check.algebra.quotients import Value
-from freebody.derivations.check.asked import free_body_names, load_names
+from freebody.derivations.check.asked import free_body_names, load_names, names_without_meaning
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.closed_chains.first_kind import MULTIPLIER
 from freebody.derivations.expressions.nodes import Expression, Matrix
@@ -196,8 +196,9 @@ class Vocabulary:
                 span,
                 "What it stands for is told on a line before, or by --name YOURS=OURS.",
             )
-        if force := load_names.refusal(self.setting.symbols.model, plain):
-            source.fail(f"no symbol {word!r} in {self.setting.symbols.model.name!r}", span, force)
+        model = self.setting.symbols.model
+        if instead := names_without_meaning.advice(model, spelt.plain):
+            source.fail(f"no symbol {word!r} in {model.name!r}", span, instead)
         names = self.listed
         near = likely(plain, names) or likely(spelt.plain, names)
         hint = f"Did you mean {near[0]!r}? " if near else ""
