@@ -1,32 +1,72 @@
-"""The right answer as it would be under a thought, at a point."""
+"""What a thought is: a sentence, and what the right answer would be; and what thoughts are made
+of."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
-from freebody.derivations.check.algebra.finite_field import Point, Turn
+from freebody.derivations.check.algebra.finite_field import PRIME, Point, Turn, random_point
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.check.reasons.bodies_at_point import BodiesAtPoint, Key, State
+from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
+from freebody.spatial import Vector, times, transposed
 
-Thought = tuple[str, int]
-"""A sentence, and what the right answer would be."""
+Part = Callable[[Mapping[str, int]], bool]
+"""Which terms are meant, by their powers."""
+Changed = tuple[Mapping[str, object], Any]
+"""What a sentence names, and the right answer under the thought."""
 
 
 @dataclass(frozen=True)
-class Thoughts:
-    """What the thoughts about one quantity are made of."""
+class Component:
+    """One entry of a vector of a body, along the axes of body `axes`, -1 the world's."""
+
+    key: Key
+    entry: int
+    axes: int = -1
+
+    def of(
+        self, bodies: BodiesAtPoint, found: Mapping[Key, Vector], axes: int | None = None
+    ) -> Any:
+        """Its value among vectors along the world's axes; axes: along those of another body."""
+        axes, v = self.axes if axes is None else axes, found[self.key]
+        return (v if axes < 0 else times(transposed(bodies.bodies[axes].R), v))[self.entry]
+
+
+@dataclass(frozen=True)
+class Subject:
+    """The quantity that thoughts are about, at a point."""
 
     setting: RightEquations
     targets: Targets
     target: AskedQuantity
     right: Trig
     point: Point
+    terms: frozenset[int] | None = None
+    """Of an equation between quantities, of which the right answer is one side, their values."""
 
-    def scaled(self, factor: int | Fraction, meant: Callable[[Mapping[str, int]], bool]) -> int:
+    @cached_property
+    def bodies(self) -> BodiesAtPoint:
+        """What the right answer is about, at the point."""
+        return BodiesAtPoint(self.setting, self.point)
+
+    @property
+    def is_equation(self) -> bool:
+        """Whether the right answer is a side of the user's own equation."""
+        return self.terms is not None
+
+    @cached_property
+    def names(self) -> set[str]:
+        """The generators in the right answer."""
+        return {name for powers, _ in self.right.terms() for name in powers}
+
+    def scaled(self, factor: int | Fraction, meant: Part) -> Any:
         """The right answer with a factor at some of its terms."""
         total = 0
         for powers, coefficient in self.right.terms():
@@ -36,12 +76,99 @@ class Thoughts:
         return total
 
     def at(
-        self, values: Mapping[str, int] | None = None, turns: Mapping[str, Turn] | None = None
-    ) -> int:
+        self, values: Mapping[str, Any] | None = None, turns: Mapping[str, Turn] | None = None
+    ) -> Any:
         """The right answer with other values or angles."""
         return self.point.changed(values, turns).of(self.right)
 
-    def links(self, pattern: str) -> list[int]:
-        """Numbers of the links whose parameter occurs in the right answer."""
-        used = {name for powers, _ in self.right.terms() for name in powers}
-        return [k for k in range(1, self.setting.joints + 1) if pattern.format(k) in used]
+    # ------------------------------------------------------------ what it is
+    @cached_property
+    def torque(self) -> tuple[str, tuple[int, ...]] | None:
+        """Of torques and what they are made of: its name in the equations, and its indices."""
+        index = tuple(i - 1 for i in self.target.index)
+        if not 0 < len(index) < 3 or self.is_equation:
+            return None
+        for name in ("tau", "c", "g") if len(index) == 1 else ("M",):
+            value = self.setting.all_of(name)
+            for i in index:
+                value = value[i] if i < len(value) else None
+                if value is None:
+                    return None
+            if self.right == self.setting.element(value):
+                return name, index
+        return None
+
+    @property
+    def state(self) -> State:
+        """The state of which its torque is told."""
+        assert self.torque is not None
+        b, (name, index) = self.bodies, self.torque
+        if name == "M":
+            return b.starting(index[1])
+        return {"tau": b.moving, "c": b.coasting, "g": b.resting}[name]
+
+    @cached_property
+    def components(self) -> list[Component]:
+        """Of vectors of bodies and kinetic energies: which it is, found by its value."""
+        if not self.bodies.is_told or self.right.is_zero:
+            return []
+        point = random_point(self.setting.ring)
+        bodies = self.bodies if self.point is point else BodiesAtPoint(self.setting, point)
+        known = {**bodies.moved(), **bodies.acting(bodies.moving)}
+        every = [
+            Component(key, k, axes)
+            for key, v in known.items()
+            if key[0] != "tau"
+            for axes in (-1, *[key[1]] * (len(v) == 3))
+            for k in range(len(v))
+        ]
+        if self.terms is not None:
+            own = [x for x in every if x.key[0] in "fn"]
+            return [x for x in own if x.of(bodies, known) % PRIME in self.terms]
+        value = point.of(self.right)
+        return [x for x in every if point.agree(x.of(bodies, known), value)]
+
+    @cached_property
+    def about(self) -> list[int]:
+        """The bodies to which it belongs."""
+        b = self.bodies
+        if not b.is_told:
+            return []
+        if self.torque is None:
+            return sorted({x.key[1] for x in self.components} - {-1}) or [0] * bool(self.components)
+        return [i for i, body in enumerate(b.bodies) if body.place == self.torque[1][0]]
+
+    @cached_property
+    def is_energy(self) -> bool:
+        """Whether its terms with rates are a kinetic energy."""
+        moving = [(p, c) for p, c in self.right.terms() if any(x.endswith("_d") for x in p)]
+        kinetic = self.setting.element(self.setting.equations.T)
+        return self._is("T") or self.setting.ring.polynomial(moving) == kinetic
+
+    @property
+    def accelerates(self) -> bool:
+        """Whether it is a force or an acceleration."""
+        if self.torque is not None:
+            return self.torque[0] in ("tau", "c")
+        return any(self._is(x) for x in ("f", "n", "fc", "nc", "wd", "vd", "vcd", "vd tip"))
+
+    def _is(self, letter: str) -> bool:
+        return not self.is_equation and any(x.key[0] == letter for x in self.components)
+
+
+@dataclass(frozen=True)
+class Thought:
+    """A sentence, and what the right answer becomes under it: once for each thing of which it can
+    be thought."""
+
+    text: str
+    change: Callable[[Subject], Iterator[Changed]]
+    of_equations: bool = False
+    """Whether it is tried for equations between quantities too, and only where no other thought
+    explains the difference."""
+
+    def values(self, x: Subject) -> Iterator[tuple[str, Any]]:
+        """The sentence about each thing, and what the right answer would be."""
+        if self.of_equations or not x.is_equation:
+            for said, value in self.change(x):
+                yield self.text.format(**said), value

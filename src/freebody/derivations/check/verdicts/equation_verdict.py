@@ -22,8 +22,9 @@ from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reading.vocabulary import Vocabulary
 from freebody.derivations.check.reasons import coriolis, undriven_joints
 from freebody.derivations.check.reasons.free_bodies import FreeBodyMotion
-from freebody.derivations.check.reasons.misconceptions import Misconceptions
+from freebody.derivations.check.reasons.misconceptions import explaining
 from freebody.derivations.check.reasons.misreadings import doubt_about, readings
+from freebody.derivations.check.reasons.thoughts import Subject
 from freebody.derivations.check.spelling.answer_text import AnswerError
 from freebody.derivations.check.states.agreement import StatesOfModel
 from freebody.derivations.check.states.state_values import functions_of
@@ -321,8 +322,11 @@ class Judge:
         """What may have been thought; thoughts are told of the model's own coordinates only."""
         if self.setting.turned is not None:
             return []
-        thoughts = Misconceptions(self.setting, self.targets, claim.target, right, self.point)
-        return thoughts.explaining(value)
+        told = nodes(claim.whole) if claim.whole else ()
+        named = frozenset(self.point.of(x.value) for x in told if isinstance(x, Named))
+        terms = named if claim.whole else None
+        subject = Subject(self.setting, self.targets, claim.target, right, self.point, terms)
+        return explaining(subject, value)
 
     def _units(self, yours: Trig, right: Trig) -> list[str]:
         """A sentence about a term in the wrong units."""
