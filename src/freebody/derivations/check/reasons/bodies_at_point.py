@@ -33,6 +33,8 @@ class Belief:
     joint_is_fixed: bool = False
     """Whether the joint is taken for one that does not accelerate."""
     loops_act: bool = True
+    gyroscopic: int = 1
+    """The factor of ω × I ω."""
     spins_alone: bool = False
     """Whether the body's own joint alone makes up ω in I ω."""
     turns_alone: bool = False
@@ -42,6 +44,8 @@ class Belief:
 
 
 RIGHT = Belief()
+_RIGHTLY = (False, False, 1, 1)
+"""What it takes of motions."""
 Key = tuple[str, int]
 """A letter and a body."""
 
@@ -217,28 +221,35 @@ class BodiesAtPoint:
             found.append(Motion(spin, arm, v, vd, vc, add(vd, self._whirled(arm, body.centre))))
         return found
 
-    def _spun(self, body: Body, motion: Motion) -> tuple[Vector, Any]:
+    def _spun(self, body: Body, motion: Motion, gyroscopic: int) -> tuple[Vector, Any]:
         """The rate of its angular momentum about the centre of mass, and ω · I ω."""
-        space, E = self.s.tree.space, transposed(body.R)
-        w, wd = (x if self.s.planar else times(E, x) for x in motion.spin)
-        moment = space.euler(body.inertia, w, wd)
-        energy = dot(w, space.inertia_times(body.inertia, w))
-        return (moment if self.s.planar else times(body.R, moment)), energy
+        if self.s.planar:
+            ((w,), (wd,)) = motion.spin
+            return (body.inertia * wd,), body.inertia * w * w
+        w, wd = (times(transposed(body.R), x) for x in motion.spin)
+        momentum = times(body.inertia, w)
+        turning = scale(gyroscopic, self._crossed(w, momentum))
+        return times(body.R, add(times(body.inertia, wd), turning)), dot(w, momentum)
 
     # ------------------------------------------------------------ all that is told
     @cached_property
-    def _known(self) -> dict[Any, list[Inertial]]:
+    def _known(self) -> dict[Any, Any]:
         return {}
 
     def inertial(self, state: State, of: Collection[int], belief: Belief) -> list[Inertial]:
         """Of each body its motion, m (v̇_c - g), and what `_spun` tells."""
-        own = (belief.spins_alone, belief.turns_alone, belief.coriolis)
-        key = (state, own, frozenset(of) if any(own[:2]) or own[2] != 1 else None)
+        own = (belief.spins_alone, belief.turns_alone, belief.coriolis, belief.gyroscopic)
+        key = (state, *((own, tuple(of)) if own != _RIGHTLY else ()))
         if key not in self._known:
-            motions = self.motions(state, of, belief)
             self._known[key] = [
-                (x, scale(body.m, sub(x.vcd, state.gravity)), *self._spun(body, x))
-                for body, x in zip(self.bodies, motions, strict=True)
+                (
+                    x,
+                    scale(body.m, sub(x.vcd, state.gravity)),
+                    *self._spun(body, x, belief.gyroscopic if i in of else 1),
+                )
+                for i, (body, x) in enumerate(
+                    zip(self.bodies, self.motions(state, of, belief), strict=True)
+                )
             ]
         return self._known[key]
 
@@ -261,6 +272,8 @@ class BodiesAtPoint:
         self, state: State, of: Collection[int] = (), belief: Belief = RIGHT
     ) -> dict[Key, Vector]:
         """Force and moment on each body at its joint, along the world's axes, and its torque."""
+        if belief is RIGHT and ("acting", state) in self._known:
+            return self._known["acting", state]
         inertial, found = self.inertial(state, of, belief), dict[Key, Vector]()
         for i in reversed(range(len(self.bodies))):
             body, held = self.bodies[i], belief if i in of else RIGHT
@@ -279,6 +292,8 @@ class BodiesAtPoint:
                 f, n = sub(f, body.loops[0]), sub(n, body.loops[1])
             found |= {("f", i): f, ("n", i): n}
             found["tau", i] = (dot(body.turn, n) + dot(body.slide, f),)
+        if belief is RIGHT:
+            self._known["acting", state] = found
         return found
 
     def projected(

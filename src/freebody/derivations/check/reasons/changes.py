@@ -69,7 +69,7 @@ def twice_the_energy(x: Subject) -> Iterator[Changed]:
 
 def degrees(factor: Any) -> Change:
     """A factor."""
-    return lambda x: iter([({}, x.point.of(x.right) * x.point.number(factor))])
+    return lambda x: iter([({}, x.value * x.point.number(factor))])
 
 
 # ---------------------------------------------------------------- values
@@ -247,9 +247,10 @@ def believed(*beliefs: Belief, of_next: bool = False) -> Change:
 
 def _under(x: Subject, i: int, of: Collection[int], belief: Belief) -> Iterator[Any]:
     """The right answer, of body i, where a belief about some bodies holds."""
-    b, right = x.bodies, x.point.of(x.right)
+    b, right = x.bodies, x.value
     if x.torque is not None:
-        for way in (b.acting, b.projected):
+        moves = belief.spins_alone or belief.turns_alone
+        for way in (b.acting, b.projected)[: 1 + moves]:
             yield right + way(x.state, of, belief)["tau", i][0] - way(x.state)["tau", i][0]
     for own in x.components:
         if own.key[1] in (i, -1):
@@ -302,7 +303,7 @@ def other_axes(x: Subject) -> Iterator[Changed]:
     b = x.bodies
     found = {**b.moved(), **b.acting(b.moving)} if x.components and not x.is_equation else {}
     for own in x.components if found else ():
-        for k in range(-1, len(b.bodies)):
+        for k in range(-(x.target.in_world is None), len(b.bodies)):
             if k != own.axes and len(found[own.key]) == b.s.tree.space.dim:
                 yield {"axes": _axes(x, k), "here": _axes(x, own.axes)}, own.of(b, found, k)
 

@@ -252,6 +252,16 @@ THOUGHTS = (
         c.believed(Belief(coriolis=Fraction(1, 2)), Belief(coriolis=Fraction(0))),
         True,
     ),
+    Thought(
+        "The gyroscopic moment has the wrong sign: I ω̇ + ω × I ω = n.",
+        c.believed(Belief(gyroscopic=-1)),
+        True,
+    ),
+    Thought(
+        "The gyroscopic moment is missing: I ω̇ + ω × I ω = n.",
+        c.believed(Belief(gyroscopic=0)),
+        True,
+    ),
     Thought("The forces of the loops are missing.", c.believed(Belief(loops_act=False)), True),
 )
 """What is tried, in this order."""

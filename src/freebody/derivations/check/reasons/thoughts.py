@@ -9,6 +9,7 @@ from fractions import Fraction
 from typing import Any
 
 from freebody.derivations.check.algebra.finite_field import PRIME, Point, Turn, random_point
+from freebody.derivations.check.algebra.real_point import RealPoint
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked.right_equations import RightEquations
@@ -43,23 +44,33 @@ class Component:
 class Subject:
     """The quantity that thoughts are about, at a point."""
 
-    setting: RightEquations
+    bodies: BodiesAtPoint
+    """Those of the mechanism, at the point."""
     targets: Targets
     target: AskedQuantity
     right: Trig
-    point: Point
     terms: frozenset[int] | None = None
     """Of an equation between quantities, of which the right answer is one side, their values."""
 
-    @cached_property
-    def bodies(self) -> BodiesAtPoint:
-        """What the right answer is about, at the point."""
-        return BodiesAtPoint(self.setting, self.point)
+    @property
+    def setting(self) -> RightEquations:
+        """What an answer is compared with."""
+        return self.bodies.setting
+
+    @property
+    def point(self) -> Point:
+        """The point at which thoughts are tried."""
+        return self.bodies.point
 
     @property
     def is_equation(self) -> bool:
         """Whether the right answer is a side of the user's own equation."""
         return self.terms is not None
+
+    @cached_property
+    def value(self) -> Any:
+        """The right answer at the point."""
+        return self.point.of(self.right)
 
     @cached_property
     def names(self) -> set[str]:
@@ -98,7 +109,7 @@ class Subject:
                 return name, index
         return None
 
-    @property
+    @cached_property
     def state(self) -> State:
         """The state of which its torque is told."""
         assert self.torque is not None
@@ -112,8 +123,10 @@ class Subject:
         """Of vectors of bodies and kinetic energies: which it is, found by its value."""
         if not self.bodies.is_told or self.right.is_zero:
             return []
-        point = random_point(self.setting.ring)
-        bodies = self.bodies if self.point is point else BodiesAtPoint(self.setting, point)
+        point, bodies = self.point, self.bodies
+        if isinstance(point, RealPoint):  # where other quantities may have the same value
+            point = random_point(self.setting.ring)
+            bodies = BodiesAtPoint(self.setting, point)
         known = {**bodies.moved(), **bodies.acting(bodies.moving)}
         every = [
             Component(key, k, axes)
@@ -125,7 +138,7 @@ class Subject:
         if self.terms is not None:
             own = [x for x in every if x.key[0] in "fn"]
             return [x for x in own if x.of(bodies, known) % PRIME in self.terms]
-        value = point.of(self.right)
+        value = self.value if point is self.point else point.of(self.right)
         return [x for x in every if point.agree(x.of(bodies, known), value)]
 
     @cached_property
@@ -145,7 +158,7 @@ class Subject:
         kinetic = self.setting.element(self.setting.equations.T)
         return self._is("T") or self.setting.ring.polynomial(moving) == kinetic
 
-    @property
+    @cached_property
     def accelerates(self) -> bool:
         """Whether it is a force or an acceleration."""
         if self.torque is not None:

@@ -21,6 +21,7 @@ from freebody.derivations.check.numbers.units import misfit, unit_text
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reading.vocabulary import Vocabulary
 from freebody.derivations.check.reasons import coriolis, undriven_joints
+from freebody.derivations.check.reasons.bodies_at_point import BodiesAtPoint
 from freebody.derivations.check.reasons.free_bodies import FreeBodyMotion
 from freebody.derivations.check.reasons.misconceptions import explaining
 from freebody.derivations.check.reasons.misreadings import doubt_about, readings
@@ -69,6 +70,11 @@ class Judge:
     def point(self) -> Point:
         """A random point of the ring."""
         return random_point(self.setting.ring)
+
+    @cached_property
+    def bodies(self) -> BodiesAtPoint:
+        """The bodies there."""
+        return BodiesAtPoint(self.setting, self.point)
 
     @cached_property
     def free_body(self) -> FreeBodyMotion | None:
@@ -322,10 +328,11 @@ class Judge:
         """What may have been thought; thoughts are told of the model's own coordinates only."""
         if self.setting.turned is not None:
             return []
-        told = nodes(claim.whole) if claim.whole else ()
-        named = frozenset(self.point.of(x.value) for x in told if isinstance(x, Named))
-        terms = named if claim.whole else None
-        subject = Subject(self.setting, self.targets, claim.target, right, self.point, terms)
+        terms = None
+        if claim.whole is not None:
+            named = (x for x in nodes(claim.whole) if isinstance(x, Named))
+            terms = frozenset(self.point.of(x.value) for x in named)
+        subject = Subject(self.bodies, self.targets, claim.target, right, terms)
         return explaining(subject, value)
 
     def _units(self, yours: Trig, right: Trig) -> list[str]:

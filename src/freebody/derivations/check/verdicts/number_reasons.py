@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.numbers.written_units import si_text
+from freebody.derivations.check.reasons.bodies_at_point import BodiesAtPoint
 from freebody.derivations.check.reasons.misconceptions import explaining
 from freebody.derivations.check.reasons.thoughts import Subject
 from freebody.derivations.check.verdicts.number_at_state import NumberAtState
@@ -27,7 +28,8 @@ def reasons(number: NumberAtState, targets: Targets) -> list[str]:
     found = _right_for(number, _plain_reasons(number))
     target, right = number.claim.target, number.right_value
     if not found and number.yours and number.setting.turned is None and isinstance(right, Trig):
-        subject = Subject(number.setting, targets, target, right, number.thought)
+        bodies = BodiesAtPoint(number.setting, number.thought)
+        subject = Subject(bodies, targets, target, right)
         found = [f"A possible reason: {text}" for text in explaining(subject, number.yours)]
     found = found or _right_for(number, _other_values(number))
     if not found and abs(number.yours - number.right) <= _ROUNDED_ON_THE_WAY * abs(number.right):
