@@ -3,21 +3,22 @@ other equations of the bodies."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import partial
-from itertools import pairwise
 from typing import Any
 
 from freebody.derivations.check.algebra.finite_field import Turn
 from freebody.derivations.check.algebra.quotients import generator
 from freebody.derivations.check.reasons.bodies_at_point import Belief
-from freebody.derivations.check.reasons.thoughts import Changed, Subject
+from freebody.derivations.check.reasons.thoughts import Change, Changed, Subject
 from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.grammar.parser import PI
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.errors import listed
 from freebody.model.gravity import axis_of
 
-Change = Callable[[Subject], Iterator[Changed]]
+VELOCITY = ("coriolis", "centrifugal")
 _ZEROS = {1: "the vertical (upwards)", 3: "the vertical (downwards)", 0: "the x axis"}
 """Where angles are 0, by the right angles from the x axis."""
 _QUARTERS: Mapping[int, Turn] = {1: (1, 0), 2: (0, -1), 3: (-1, 0)}
@@ -67,9 +68,10 @@ def twice_the_energy(x: Subject) -> Iterator[Changed]:
         yield {}, x.scaled(2, meant)
 
 
-def degrees(factor: Any) -> Change:
-    """A factor."""
-    return lambda x: iter([({}, x.value * x.point.number(factor))])
+def degrees(x: Subject) -> Iterator[Changed]:
+    """A derivative by an angle in degrees, or a rate in them."""
+    yield {}, x.value * x.point.number(PI / 180)
+    yield {}, x.value * x.point.number(180 / PI)
 
 
 # ---------------------------------------------------------------- values
@@ -125,31 +127,33 @@ def _groups(rows: Sequence[Any]) -> Iterator[Sequence[Any]]:
     yield from ([x] for x in rows if len(rows) > 1)
 
 
-def lengths(reach: str, centre: str) -> Change:
-    """What stands for the length of a link and for the distance of its centre: "l", "lc" or
+def lengths(reach: str = "l", centre: str = "lc") -> Change:
+    """What stands for the length of a link and for the distance of its centre of mass: "l", "lc" or
     "half"."""
 
     def change(x: Subject) -> Iterator[Changed]:
         v, half = x.point.values, x.point.number(Fraction(1, 2))
-        rows = [row for row in _lengths(x) if (row["l"] in x.names or reach == "l")]
-        rows = [row for row in rows if row["lc"] in x.names or centre == "lc"]
+        changed = [k for k, same in enumerate((reach == "l", centre == "lc")) if not same]
+        rows = [row for row in _lengths(x) if x.names.issuperset(row[k] for k in changed)]
         for group in _groups(rows):
             put = {}
-            for row in group:
-                named = {"l": v[row["l"]], "lc": v[row["lc"]], "half": v[row["l"]] * half}
-                put |= {row["l"]: named[reach], row["lc"]: named[centre]}
+            for l, lc in group:
+                named = {"l": v[l], "lc": v[lc], "half": v[l] * half}
+                put |= {l: named[reach], lc: named[centre]}
             said = {
-                "which": " and ".join(row["lc"] for row in group),
-                "wrong": ", ".join("{l} for {lc}".format(**row) for row in group),
-                "back": ", ".join("{lc} for {l}".format(**row) for row in group),
-                "half": ", ".join("{lc} = {l}/2".format(**row) for row in group),
+                "l": group[0][0],
+                "lc": group[0][1],
+                "centres": " and ".join(lc for _, lc in group),
+                "wrong": ", ".join(f"{l} for {lc}" for l, lc in group),
+                "back": ", ".join(f"{lc} for {l}" for l, lc in group),
+                "half": ", ".join(f"{lc} = {l}/2" for l, lc in group),
             }
-            yield {**said, **group[0]}, x.at(put)
+            yield said, x.at(put)
 
     return change
 
 
-def _lengths(x: Subject) -> Iterator[dict[str, str]]:
+def _lengths(x: Subject) -> Iterator[tuple[str, str]]:
     """The names of lengths to the next joint and to the centre of mass, of links that have both."""
     s, ring = x.bodies.s, x.setting.ring.index
     for i in s.order if x.setting.is_planar and x.bodies.is_told else ():
@@ -157,10 +161,9 @@ def _lengths(x: Subject) -> Iterator[dict[str, str]]:
         ends += [s.tip_frame[2]] * s.ends_in_tip(i)
         centres = [mass.c for mass in s.tree.bodies[i].masses]
         l, lc = (generator(s.symbols.element(v[0][0])) if v else None for v in (ends, centres))
-        n = s.numbers[i]
-        l = f"l{n}" if l is None and lc == f"lc{n}" and f"l{n}" in ring else l
-        if l is not None and lc is not None and l in ring and lc in ring:
-            yield {"l": l, "lc": lc}
+        l = l or f"l{s.numbers[i]}"  # of a last link without a tip
+        if lc in ring and l in ring:
+            yield l, lc
 
 
 def axes(factor: int) -> Change:
@@ -189,37 +192,35 @@ def _inertias(x: Subject) -> Iterator[tuple[str, Any, str]]:
 
 
 # ---------------------------------------------------------------- angles
-def _turning(x: Subject) -> list[str]:
-    names = x.setting.symbols.coordinates if x.setting.is_planar else ()
-    return [name for name in names if name.startswith("theta")]
-
-
 def turned(x: Subject) -> Iterator[Changed]:
     """The first angle measured from elsewhere."""
-    for first in _turning(x)[:1]:
-        coordinates = list(x.setting.symbols.coordinates)
-        own = ([*x.setting.quarters, *[0] * len(coordinates)])[coordinates.index(first)] % 4
-        for other in (k for k in _ZEROS if k != own):
-            put = x.point.plus(x.point.turns[first], _QUARTERS[(other - own) % 4])
-            said = {"name": sym(first), "zero": _ZEROS[other]}
-            yield {**said, "own": _ZEROS.get(own, "elsewhere")}, x.at(turns={first: put})
+    coordinates = x.setting.symbols.coordinates if x.setting.is_planar else ()
+    turning = [(k, name) for k, name in enumerate(coordinates) if name.startswith("theta")]
+    for k, name in turning[:1]:
+        own = x.setting.quarters[k] % 4 if x.setting.quarters else 0
+        for other in (q for q in _ZEROS if q != own):
+            put = x.point.plus(x.point.turns[name], _QUARTERS[(other - own) % 4])
+            said = {"name": sym(name), "zero": _ZEROS[other], "own": _ZEROS.get(own, "elsewhere")}
+            yield said, x.at(turns={name: put})
 
 
 def absolute(x: Subject) -> Iterator[Changed]:
     """Angles from the x axis for angles from the link before."""
-    turning = _turning(x)
-    if len(turning) < 2:
+    s = x.bodies.s
+    chains = _chains(x) if x.setting.is_planar and not s.tree.follows else {}
+    before = {row[-1]: row[-2] for row in chains.values() if len(row) > 1}
+    if not before:
         return
     values, turns = dict(x.point.values), dict(x.point.turns)
-    for before, name in pairwise(turning):
-        s, c = x.point.turns[before]
-        turns[name] = x.point.plus(x.point.turns[name], (-s, c))
-        for ending in ("_d", "_dd"):
-            values[name + ending] = x.point.values[name + ending] - x.point.values[before + ending]
-    said = {"names": ", ".join(str(sym(name)) for name in turning[1:])}
+    for name, other in before.items():
+        sine, cosine = x.point.turns[other]
+        turns[name] = x.point.plus(x.point.turns[name], (-sine, cosine))
+        for ending in (RATE, SECOND):
+            values[name + ending] = x.point.values[name + ending] - x.point.values[other + ending]
+    said = {"names": ", ".join(str(sym(name)) for name in before)}
     yield said, x.at(turns=turns)
     yield said, x.at(values, turns)
-    if len(turning) == len(x.setting.symbols.coordinates) and x.torque is not None:
+    if len(before) == len(s.symbols.coordinates) - 1 and x.torque is not None:
         name, index = x.torque
         rows: list[tuple[int, Any]] = [(1, x.setting.all_of(name))]
         for i in index:  # τ_k - τ_(k+1) belong to φ_k = θ_1 + … + θ_k
@@ -227,6 +228,14 @@ def absolute(x: Subject) -> Iterator[Changed]:
             rows = [(a * b, row[k]) for a, row in rows for b, k in near if k < len(row)]
         moved = x.point.changed(values, turns)
         yield said, sum(sign * moved.of(x.setting.element(row)) for sign, row in rows)
+
+
+def _chains(x: Subject) -> dict[int, list[str]]:
+    """Of each body that turns the angles which its direction is made up of."""
+    s, found = x.bodies.s, dict[int, list[str]]()
+    for i, body in enumerate(s.tree.bodies):
+        found[i] = [*found.get(body.parent, ()), *[s.coordinate(i)] * s.turns(i)]
+    return {i: row for i, row in found.items() if s.turns(i)}
 
 
 # ---------------------------------------------------------------- equations of the bodies
@@ -243,6 +252,11 @@ def believed(*beliefs: Belief, of_next: bool = False) -> Change:
                     yield from ((_names(x, i), value) for value in _under(x, i, of, belief))
 
     return change
+
+
+def arms(*often: int, of_next: bool = False) -> Change:
+    """Other arms in Euler's equation."""
+    return believed(Belief(arms=often), of_next=of_next)
 
 
 def _under(x: Subject, i: int, of: Collection[int], belief: Belief) -> Iterator[Any]:
@@ -290,12 +304,11 @@ def alone(*beliefs: Belief) -> Change:
 
 def _sums(x: Subject) -> dict[int, list[str]]:
     """ω of each body that turns on others that do, and the rates that make it up."""
-    s, found = x.bodies.s, dict[int, list[str]]()
-    for i, body in enumerate(s.tree.bodies):
-        before = found.get(body.parent, [""])[1:]
-        own = [str(sym(s.coordinate(i) + "_d"))] * s.turns(i)
-        found[i] = [f"ω{s.numbers[i]}", *before, *own]
-    return {i: row for i, row in found.items() if len(row) > 2 and s.turns(i)}
+    return {
+        i: [f"ω{x.bodies.s.numbers[i]}", *(str(sym(name + RATE)) for name in row)]
+        for i, row in _chains(x).items()
+        if len(row) > 1
+    }
 
 
 def other_axes(x: Subject) -> Iterator[Changed]:

@@ -1,9 +1,9 @@
 """What a user may have thought: single misconceptions, each of which explains the whole
-difference. A new one is a row of the table."""
+difference. A new one is a row of a table: a sentence, and what the right answer becomes."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from itertools import islice
 from typing import Any
@@ -12,8 +12,7 @@ from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.reasons import changes as c
 from freebody.derivations.check.reasons.bodies_at_point import Belief
-from freebody.derivations.check.reasons.thoughts import Changed, Subject, Thought
-from freebody.derivations.grammar.parser import PI
+from freebody.derivations.check.reasons.thoughts import Change, Changed, Subject
 from freebody.derivations.grammar.tables.characters import DOT
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector
@@ -47,243 +46,129 @@ def _across(a: Vector, b: Vector) -> Vector:
     return (a[1] * b[1] - a[0] * b[0],)
 
 
-THOUGHTS = (
-    Thought("{text}", _told),
-    Thought("What you wrote is right for {name}, not for this one.", _others),
-    Thought(
-        "Only the sign of gravity is wrong: {energy}, and the drives must support them: "
-        "g_i = + ∂V/∂q_i.",
-        c.gravity(-1),
+THOUGHTS: Mapping[str, Change] = {
+    "{text}": _told,
+    "What you wrote is right for {name}, not for this one.": _others,
+    "Only the sign of gravity is wrong: {energy}, and the drives must support them: "
+    "g_i = + ∂V/∂q_i.": c.gravity(-1),
+    f"Gravity is missing{_REST}": c.gravity(0),
+    "Only a factor of 2 is missing: a product of two different rates, θ̇ᵢ θ̇ⱼ, occurs twice (as ij "
+    "and as ji), so Coriolis terms have a factor of 2.": c.parts(Fraction(1, 2), "coriolis"),
+    "The Coriolis terms, with products of two different rates, are missing.": c.parts(
+        0, "coriolis"
     ),
-    Thought(f"Gravity is missing{_REST}", c.gravity(0)),
-    Thought(
-        "Only a factor of 2 is missing: a product of two different rates, θ̇ᵢ θ̇ⱼ, occurs twice (as "
-        "ij and as ji), so Coriolis terms have a factor of 2.",
-        c.parts(Fraction(1, 2), "coriolis"),
+    "The centrifugal terms, with squares of rates, are missing.": c.parts(0, "centrifugal"),
+    f"The Coriolis and centrifugal terms are missing{_REST}": c.parts(0, *c.VELOCITY),
+    f"All Coriolis and centrifugal terms have the wrong sign{_REST}": c.parts(-1, *c.VELOCITY),
+    f"Friction is missing{_REST}": c.parts(0, "friction"),
+    f"All friction terms have the wrong sign: the drive must overcome friction{_REST}": c.parts(
+        -1, "friction"
     ),
-    Thought(
-        "The Coriolis terms, with products of two different rates, are missing.",
-        c.parts(0, "coriolis"),
+    f"The terms with {{name}} are missing{_REST}": c.without_acceleration,
+    "Every term with the mass or the moment of inertia of {links} is missing; the rest is "
+    "right.": c.massless,
+    "The moments of inertia about the centres of mass are missing: right for point masses "
+    "only.": c.pointlike,
+    "A factor ½ is missing: the kinetic energy of a body is ½ m v² + ½ I ω².": c.twice_the_energy,
+    "This is right for {wrong}. The rate of a joint is relative to the previous link: angular "
+    "velocities are sums, {right}.": c.alone(
+        *(Belief(spins_alone=a, turns_alone=b) for a, b in ((1, 0), (0, 1), (1, 1)))
     ),
-    Thought(
-        "The centrifugal terms, with squares of rates, are missing.", c.parts(0, "centrifugal")
+    "Angles and rates are in radians: a factor π/180 too many, or one too few.": c.degrees,
+    "You wrote {wrong}: masses and weights act at the centre of mass, {centres} from the joint, "
+    "not at the end of the link.": c.lengths(centre="l"),
+    "This is right only if the centre of mass is at the midpoint of the link, {half}.": c.lengths(
+        centre="half"
     ),
-    Thought(
-        f"The Coriolis and centrifugal terms are missing{_REST}",
-        c.parts(0, "coriolis", "centrifugal"),
+    "l and lc are swapped: {l} is the length of the link, {lc} the distance from its joint to the "
+    "centre of mass.": c.lengths("lc", "l"),
+    "You wrote {back}: the next body hangs at the end of the link, not at its centre of "
+    "mass.": c.lengths("lc"),
+    "The parallel-axis theorem is missing: this would be right for moments of inertia about the "
+    "joints; here {names} {are} about the centre of mass, and {lacking} must be added.": c.axes(-1),
+    "The parallel-axis term {lacking} is counted twice.": c.axes(1),
+    "This would be right if {name} were measured from {zero}; here it is measured from "
+    "{own}.": c.turned,
+    "This would be right if {names} were measured from the x axis; here each angle is measured "
+    "from the previous link, so the direction of a link is a sum of angles.": c.absolute,
+    "This would be right with components {axes}; here they are {here}.": c.other_axes,
+}
+"""What is tried first, in this order."""
+
+OF_BODIES: Mapping[str, Change] = {
+    "The sign of the reaction is wrong: {next} is the force of body {n} on body {k}, so by "
+    "Newton's third law {opposite} acts on body {n}.": c.believed(
+        Belief(force=-1),
+        *(Belief(couple=k, arms=x) for k in (1, -1) for x in ((1, 0, 0, -1), (1, 0, 2, -1))),
+        *(Belief(force=-1, couple=k, arms=(1, 0, 0, -1)) for k in (1, -1)),
+        of_next=True,
     ),
-    Thought(
-        f"All Coriolis and centrifugal terms have the wrong sign{_REST}",
-        c.parts(-1, "coriolis", "centrifugal"),
+    "The sign of the moment at joint {k} is wrong: what acts on body {k} there acts on body {n} in "
+    "the opposite direction.": c.believed(Belief(couple=-1), of_next=True),
+    "The reaction of body {k} on body {n} is missing.": c.believed(
+        Belief(force=0), Belief(force=0, couple=0, arms=(1, 0, 0, 0)), of_next=True
     ),
-    Thought(f"Friction is missing{_REST}", c.parts(0, "friction")),
-    Thought(
-        f"All friction terms have the wrong sign: the drive must overcome friction{_REST}",
-        c.parts(-1, "friction"),
+    "The moments r × f of the forces on body {n} are missing: I ω̇ alone is right only where no "
+    "force has an arm about the centre of mass.": c.arms(0, 0, 0, 0),
+    "This would be right if joint {n} did not accelerate: about a joint that does, s_c × m a of "
+    "the joint must be added to I ω̇.": c.believed(Belief(joint_is_fixed=True)),
+    "The moment of {opposite} on body {n} is missing.": c.arms(1, 0, 0, 0, of_next=True),
+    "The moment of joint {k} on body {n} is missing.": c.believed(Belief(couple=0), of_next=True),
+    "The moment s_c × m (v̇_c − g) of body {n} itself is missing.": c.arms(0, 0, 0, 1),
+    "The moment of {f} about the centre of mass of body {n} is missing.": c.arms(0, 0, -1, 1),
+    "m (v̇_c − g) of body {n} has the arm s_c to its centre of mass, not s to its end.": c.arms(
+        0, 1, 0, 1
     ),
-    Thought(f"The terms with {{name}} are missing{_REST}", c.without_acceleration),
-    Thought(
-        "Every term with the mass or the moment of inertia of {links} is missing; the rest is "
-        "right.",
-        c.massless,
+    "{next} has a wrong arm or none: about joint {n} the arm is s, about the centre of mass of "
+    "body {n} that of {opposite} is s − s_c.": c.arms(1, 0, 1, 0, of_next=True),
+    "The arms are swapped: of body {n}, m (v̇_c − g) has the arm s_c to its centre of mass, {next} "
+    "the arm s to joint {k}.": c.arms(0, 1, 1, 0, of_next=True),
+    "The arms about the centre of mass of body {n} are swapped: that of {f} is −s_c, that of "
+    "{opposite} is s − s_c.": c.arms(-1, 1, 0, 1, of_next=True),
+    "The arm of {opposite} about the centre of mass of body {n} is s − s_c, not s.": c.arms(
+        1, 0, 1, 1, of_next=True
     ),
-    Thought(
-        "The moments of inertia about the centres of mass are missing: right for point masses "
-        "only.",
-        c.pointlike,
+    "A cross product has the wrong sign: the arm comes first, r × f = −f × r, and from the centre "
+    "of mass of body {n} to its joint it is −s_c.": c.believed(
+        *(Belief(arms=x) for x in ((-1, 0, -2, 1), (-1, 0, 0, -1), (-1, 0, 0, 1)))
     ),
-    Thought(
-        "A factor ½ is missing: the kinetic energy of a body is ½ m v² + ½ I ω².",
-        c.twice_the_energy,
+    "The cross product has a minus: r × f = r_x f_y − r_y f_x.": c.believed(Belief(product=_sum)),
+    "The arms of the components are mixed up: r × f = r_x f_y − r_y f_x, so f_x has the arm r_y "
+    "and f_y the arm r_x.": c.believed(Belief(product=_along), Belief(product=_across)),
+    "The Coriolis acceleration of what slides along a turning body is 2 ω × ḋ.": c.believed(
+        Belief(coriolis=Fraction(1, 2)), Belief(coriolis=Fraction(0))
     ),
-    Thought(
-        "This is right for {wrong}. The rate of a joint is relative to the previous link: angular "
-        "velocities are sums, {right}.",
-        c.alone(
-            Belief(spins_alone=True),
-            Belief(turns_alone=True),
-            Belief(spins_alone=True, turns_alone=True),
-        ),
+    "The gyroscopic moment has the wrong sign: I ω̇ + ω × I ω = n.": c.believed(
+        Belief(gyroscopic=-1)
     ),
-    Thought(
-        "Angles and rates are in radians: a factor π/180 too many, or one too few.",
-        c.degrees(PI / 180),
-    ),
-    Thought(
-        "Angles and rates are in radians: a factor π/180 too many, or one too few.",
-        c.degrees(180 / PI),
-    ),
-    Thought(
-        "You wrote {wrong}: masses and weights act at the centre of mass, {which} from the joint, "
-        "not at the end of the link.",
-        c.lengths("l", "l"),
-    ),
-    Thought(
-        "This is right only if the centre of mass is at the midpoint of the link, {half}.",
-        c.lengths("l", "half"),
-    ),
-    Thought(
-        "l and lc are swapped: {l} is the length of the link, {lc} the distance from its joint to "
-        "the centre of mass.",
-        c.lengths("lc", "l"),
-    ),
-    Thought(
-        "You wrote {back}: the next body hangs at the end of the link, not at its centre of mass.",
-        c.lengths("lc", "lc"),
-    ),
-    Thought(
-        "The parallel-axis theorem is missing: this would be right for moments of inertia about "
-        "the joints; here {names} {are} about the centre of mass, and {lacking} must be added.",
-        c.axes(-1),
-    ),
-    Thought("The parallel-axis term {lacking} is counted twice.", c.axes(1)),
-    Thought(
-        "This would be right if {name} were measured from {zero}; here it is measured from {own}.",
-        c.turned,
-    ),
-    Thought(
-        "This would be right if {names} were measured from the x axis; here each angle is "
-        "measured from the previous link, so the direction of a link is a sum of angles.",
-        c.absolute,
-    ),
-    Thought("This would be right with components {axes}; here they are {here}.", c.other_axes),
-    # ------------------------------------------------------------ free bodies
-    Thought(
-        "The sign of the reaction is wrong: {next} is the force of body {n} on body {k}, so by "
-        "Newton's third law {opposite} acts on body {n}.",
-        c.believed(
-            Belief(force=-1),
-            *(Belief(couple=k, arms=x) for k in (1, -1) for x in ((1, 0, 0, -1), (1, 0, 2, -1))),
-            *(Belief(force=-1, couple=k, arms=(1, 0, 0, -1)) for k in (1, -1)),
-            of_next=True,
-        ),
-        True,
-    ),
-    Thought(
-        "The sign of the moment at joint {k} is wrong: what acts on body {k} there acts on body "
-        "{n} in the opposite direction.",
-        c.believed(Belief(couple=-1), of_next=True),
-        True,
-    ),
-    Thought(
-        "The reaction of body {k} on body {n} is missing.",
-        c.believed(Belief(force=0), Belief(force=0, couple=0, arms=(1, 0, 0, 0)), of_next=True),
-        True,
-    ),
-    Thought(
-        "The moments r × f of the forces on body {n} are missing: I ω̇ alone is right only where "
-        "no force has an arm about the centre of mass.",
-        c.believed(Belief(arms=(0, 0, 0, 0))),
-        True,
-    ),
-    Thought(
-        "This would be right if joint {n} did not accelerate: about a joint that does, "
-        "s_c × m a of the joint must be added to I ω̇.",
-        c.believed(Belief(joint_is_fixed=True)),
-        True,
-    ),
-    Thought(
-        "The moment of {opposite} on body {n} is missing.",
-        c.believed(Belief(arms=(1, 0, 0, 0)), of_next=True),
-        True,
-    ),
-    Thought(
-        "The moment of joint {k} on body {n} is missing.",
-        c.believed(Belief(couple=0), of_next=True),
-        True,
-    ),
-    Thought(
-        "The moment s_c × m (v̇_c − g) of body {n} itself is missing.",
-        c.believed(Belief(arms=(0, 0, 0, 1))),
-        True,
-    ),
-    Thought(
-        "The moment of {f} about the centre of mass of body {n} is missing.",
-        c.believed(Belief(arms=(0, 0, -1, 1))),
-        True,
-    ),
-    Thought(
-        "m (v̇_c − g) of body {n} has the arm s_c to its centre of mass, not s to its end.",
-        c.believed(Belief(arms=(0, 1, 0, 1))),
-        True,
-    ),
-    Thought(
-        "{next} has a wrong arm or none: about joint {n} the arm is s, about the centre of mass of "
-        "body {n} that of {opposite} is s − s_c.",
-        c.believed(Belief(arms=(1, 0, 1, 0)), of_next=True),
-        True,
-    ),
-    Thought(
-        "The arms are swapped: of body {n}, m (v̇_c − g) has the arm s_c to its centre of mass, "
-        "{next} the arm s to joint {k}.",
-        c.believed(Belief(arms=(0, 1, 1, 0)), of_next=True),
-        True,
-    ),
-    Thought(
-        "The arms about the centre of mass of body {n} are swapped: that of {f} is −s_c, that of "
-        "{opposite} is s − s_c.",
-        c.believed(Belief(arms=(-1, 1, 0, 1)), of_next=True),
-        True,
-    ),
-    Thought(
-        "The arm of {opposite} about the centre of mass of body {n} is s − s_c, not s.",
-        c.believed(Belief(arms=(1, 0, 1, 1)), of_next=True),
-        True,
-    ),
-    Thought(
-        "A cross product has the wrong sign: the arm comes first, r × f = −f × r, and from the "
-        "centre of mass of body {n} to its joint it is −s_c.",
-        c.believed(*(Belief(arms=x) for x in ((-1, 0, -2, 1), (-1, 0, 0, -1), (-1, 0, 0, 1)))),
-        True,
-    ),
-    Thought(
-        "The cross product has a minus: r × f = r_x f_y − r_y f_x.",
-        c.believed(Belief(product=_sum)),
-        True,
-    ),
-    Thought(
-        "The arms of the components are mixed up: r × f = r_x f_y − r_y f_x, so f_x has the arm "
-        "r_y and f_y the arm r_x.",
-        c.believed(Belief(product=_along), Belief(product=_across)),
-        True,
-    ),
-    Thought(
-        "The Coriolis acceleration of what slides along a turning body is 2 ω × ḋ.",
-        c.believed(Belief(coriolis=Fraction(1, 2)), Belief(coriolis=Fraction(0))),
-        True,
-    ),
-    Thought(
-        "The gyroscopic moment has the wrong sign: I ω̇ + ω × I ω = n.",
-        c.believed(Belief(gyroscopic=-1)),
-        True,
-    ),
-    Thought(
-        "The gyroscopic moment is missing: I ω̇ + ω × I ω = n.",
-        c.believed(Belief(gyroscopic=0)),
-        True,
-    ),
-    Thought("The forces of the loops are missing.", c.believed(Belief(loops_act=False)), True),
-)
-"""What is tried, in this order."""
+    "The gyroscopic moment is missing: I ω̇ + ω × I ω = n.": c.believed(Belief(gyroscopic=0)),
+    "The forces of the loops are missing.": c.believed(Belief(loops_act=False)),
+}
+"""What is tried where none of these explains the difference, and of equations between quantities
+alone: other equations of the bodies."""
 
 
 def explaining(x: Subject, value: Any) -> list[str]:
-    """The thoughts under which the right answer is the user's: two at most, and one that is about
-    the equations of the bodies where no other is found."""
+    """The thoughts under which the right answer is the user's: two at most, or one about the
+    equations of the bodies."""
     if value == 0:  # of many parts it would be right that they are missing
         return []
-    found: dict[str, None] = {}
-    for row in THOUGHTS:
-        if not (row.of_equations and found):
-            agreeing = (text for text, y in row.values(x) if x.point.agree(y, value))
-            found |= dict.fromkeys(islice(agreeing, 1 if row.of_equations else None))
-    return list(found)[:2]
+    for table, most in ((THOUGHTS, 2), (OF_BODIES, 1)):
+        agreeing = dict.fromkeys(said for said, y in _of(table, x) if x.point.agree(y, value))
+        if agreeing:
+            return list(islice(agreeing, most))
+    return []
 
 
 def values(x: Subject) -> Iterator[tuple[str, Any]]:
     """All thoughts about a quantity: sentences, and what the right answer would be."""
-    for row in THOUGHTS:
-        yield from row.values(x)
+    yield from _of(THOUGHTS, x)
+    yield from _of(OF_BODIES, x)
+
+
+def _of(table: Mapping[str, Change], x: Subject) -> Iterator[tuple[str, Any]]:
+    for text, change in table.items() if table is OF_BODIES or not x.is_equation else ():
+        yield from ((text.format(**said), value) for said, value in change(x))
 
 
 def related(targets: Targets, target: AskedQuantity) -> dict[str, Trig]:

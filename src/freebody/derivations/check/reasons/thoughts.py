@@ -169,19 +169,5 @@ class Subject:
         return not self.is_equation and any(x.key[0] == letter for x in self.components)
 
 
-@dataclass(frozen=True)
-class Thought:
-    """A sentence, and what the right answer becomes under it: once for each thing of which it can
-    be thought."""
-
-    text: str
-    change: Callable[[Subject], Iterator[Changed]]
-    of_equations: bool = False
-    """Whether it is tried for equations between quantities too, and only where no other thought
-    explains the difference."""
-
-    def values(self, x: Subject) -> Iterator[tuple[str, Any]]:
-        """The sentence about each thing, and what the right answer would be."""
-        if self.of_equations or not x.is_equation:
-            for said, value in self.change(x):
-                yield self.text.format(**said), value
+Change = Callable[[Subject], Iterator[Changed]]
+"""The right answer under a thought, once for each thing of which it can be thought."""
