@@ -26,7 +26,7 @@ class Belief:
     """The factor of f in Newton's equation."""
     couple: int = 1
     """The factor of the next body's moment in Euler's."""
-    arms: tuple[int, int, int, int] = (1, 0, 0, 1)
+    arms: tuple[int, ...] = (1, 0, 0, 1)
     """How often s_c × F, s × F, s_c × f and s × f are in Euler's equation."""
     product: Callable[[Vector, Vector], Vector] | None = None
     """What a cross product in the plane is taken for."""
@@ -74,12 +74,13 @@ class Body:
 
 @dataclass(frozen=True)
 class State:
-    """Rates and accelerations of the coordinates, gravity, and whether loops act."""
+    """Rates and accelerations of the coordinates, gravity, and whether all is as it is: loops and
+    drives act."""
 
     rates: Vector
     accelerations: Vector
     gravity: Vector
-    is_closed: bool = False
+    is_whole: bool = False
 
 
 @dataclass(frozen=True)
@@ -172,15 +173,20 @@ class BodiesAtPoint:
         rates, second = self.vector(x.qd), self.vector(x.qdd)
         return State(rates, second, self.vector(self.s.tree.gravity), True)
 
-    @property
-    def coasting(self) -> State:
-        """Rates alone."""
-        return State(self.moving.rates, (0,) * len(self.moving.rates), self._zero())
+    def states(self, j: int) -> dict[str, State]:
+        """Those in which torques are τ, c and g, or with a coordinate j column j of M."""
+        if j >= 0:
+            return {"M": self.starting(j)}
+        still = self.starting(-1)
+        coasting = replace(still, rates=self.moving.rates)
+        resting = replace(still, gravity=self.moving.gravity)
+        return {"tau": self.moving, "c": coasting, "g": resting}
 
-    @property
-    def resting(self) -> State:
-        """Weights alone."""
-        return replace(self.starting(-1), gravity=self.moving.gravity)
+    def driven(self, i: int, state: State) -> Any:
+        """What drives need besides what bodies do."""
+        drive, k = self.s.tree.bodies[i].drive, self.bodies[i].place
+        rotor = self.number(drive.rotor) * state.accelerations[k] if drive else 0
+        return rotor + (self.number(self.s.equations.drives[k]) if state.is_whole else 0)
 
     def starting(self, j: int) -> State:
         """A unit acceleration of coordinate j alone."""
@@ -288,7 +294,7 @@ class BodiesAtPoint:
                     arm = add(scale(c, body.centre), scale(d, child.way))
                     f = add(f, scale(held.force, found["f", k]))
                     n = add(n, scale(held.couple, found["n", k]), crossed(arm, found["f", k]))
-            if state.is_closed and held.loops_act:
+            if state.is_whole and held.loops_act:
                 f, n = sub(f, body.loops[0]), sub(n, body.loops[1])
             found |= {("f", i): f, ("n", i): n}
             found["tau", i] = (dot(body.turn, n) + dot(body.slide, f),)

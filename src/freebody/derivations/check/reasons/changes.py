@@ -193,22 +193,24 @@ def _inertias(x: Subject) -> Iterator[tuple[str, Any, str]]:
 
 # ---------------------------------------------------------------- angles
 def turned(x: Subject) -> Iterator[Changed]:
-    """The first angle measured from elsewhere."""
-    coordinates = x.setting.symbols.coordinates if x.setting.is_planar else ()
-    turning = [(k, name) for k, name in enumerate(coordinates) if name.startswith("theta")]
-    for k, name in turning[:1]:
-        own = x.setting.quarters[k] % 4 if x.setting.quarters else 0
+    """The angles at the ground measured from elsewhere."""
+    coordinates = x.setting.symbols.coordinates
+    first = [row[0] for row in _chains(x).values() if len(row) == 1]
+    quarters = x.setting.quarters or (0,) * len(coordinates)
+    zeros = {quarters[coordinates.index(name)] % 4 for name in first}
+    for own in zeros if len(zeros) == 1 else ():
         for other in (q for q in _ZEROS if q != own):
-            put = x.point.plus(x.point.turns[name], _QUARTERS[(other - own) % 4])
-            said = {"name": sym(name), "zero": _ZEROS[other], "own": _ZEROS.get(own, "elsewhere")}
-            yield said, x.at(turns={name: put})
+            quarter = _QUARTERS[(other - own) % 4]
+            put = {name: x.point.plus(x.point.turns[name], quarter) for name in first}
+            names, it = listed(str(sym(x)) for x in first), ("it is", "they are")[len(first) > 1]
+            said = {"names": names, "it": it, "zero": _ZEROS[other]}
+            yield {**said, "own": _ZEROS.get(own, "elsewhere")}, x.at(turns=put)
 
 
 def absolute(x: Subject) -> Iterator[Changed]:
     """Angles from the x axis for angles from the link before."""
     s = x.bodies.s
-    chains = _chains(x) if x.setting.is_planar and not s.tree.follows else {}
-    before = {row[-1]: row[-2] for row in chains.values() if len(row) > 1}
+    before = {row[-1]: row[-2] for row in _chains(x).values() if len(row) > 1}
     if not before:
         return
     values, turns = dict(x.point.values), dict(x.point.turns)
@@ -221,9 +223,8 @@ def absolute(x: Subject) -> Iterator[Changed]:
     yield said, x.at(turns=turns)
     yield said, x.at(values, turns)
     if len(before) == len(s.symbols.coordinates) - 1 and x.torque is not None:
-        name, index = x.torque
-        rows: list[tuple[int, Any]] = [(1, x.setting.all_of(name))]
-        for i in index:  # τ_k - τ_(k+1) belong to φ_k = θ_1 + … + θ_k
+        rows: list[tuple[int, Any]] = [(1, x.setting.all_of(x.torque[0]))]
+        for i in (k - 1 for k in x.target.index):  # τ_k - τ_(k+1) belong to φ_k = θ_1 + … + θ_k
             near = [(1, i), (-1, i + 1)]
             rows = [(a * b, row[k]) for a, row in rows for b, k in near if k < len(row)]
         moved = x.point.changed(values, turns)
@@ -231,9 +232,10 @@ def absolute(x: Subject) -> Iterator[Changed]:
 
 
 def _chains(x: Subject) -> dict[int, list[str]]:
-    """Of each body that turns the angles which its direction is made up of."""
+    """Of each body in the plane that turns the angles which its direction is made up of."""
     s, found = x.bodies.s, dict[int, list[str]]()
-    for i, body in enumerate(s.tree.bodies):
+    is_told = s.planar and not s.tree.follows
+    for i, body in enumerate(s.tree.bodies if is_told else ()):
         found[i] = [*found.get(body.parent, ()), *[s.coordinate(i)] * s.turns(i)]
     return {i: row for i, row in found.items() if s.turns(i)}
 
@@ -265,7 +267,8 @@ def _under(x: Subject, i: int, of: Collection[int], belief: Belief) -> Iterator[
     if x.torque is not None:
         moves = belief.spins_alone or belief.turns_alone
         for way in (b.acting, b.projected)[: 1 + moves]:
-            yield right + way(x.state, of, belief)["tau", i][0] - way(x.state)["tau", i][0]
+            state = x.torque[1]
+            yield right + way(state, of, belief)["tau", i][0] - way(state)["tau", i][0]
     for own in x.components:
         if own.key[1] in (i, -1):
             told = partial(b.acting, b.moving) if own.key[0] in "fn" else b.moved

@@ -72,7 +72,9 @@ THOUGHTS: Mapping[str, Change] = {
     "A factor ½ is missing: the kinetic energy of a body is ½ m v² + ½ I ω².": c.twice_the_energy,
     "This is right for {wrong}. The rate of a joint is relative to the previous link: angular "
     "velocities are sums, {right}.": c.alone(
-        *(Belief(spins_alone=a, turns_alone=b) for a, b in ((1, 0), (0, 1), (1, 1)))
+        Belief(spins_alone=True),
+        Belief(turns_alone=True),
+        Belief(spins_alone=True, turns_alone=True),
     ),
     "Angles and rates are in radians: a factor π/180 too many, or one too few.": c.degrees,
     "You wrote {wrong}: masses and weights act at the centre of mass, {centres} from the joint, "
@@ -87,7 +89,7 @@ THOUGHTS: Mapping[str, Change] = {
     "The parallel-axis theorem is missing: this would be right for moments of inertia about the "
     "joints; here {names} {are} about the centre of mass, and {lacking} must be added.": c.axes(-1),
     "The parallel-axis term {lacking} is counted twice.": c.axes(1),
-    "This would be right if {name} were measured from {zero}; here it is measured from "
+    "This would be right if {names} were measured from {zero}; here {it} measured from "
     "{own}.": c.turned,
     "This would be right if {names} were measured from the x axis; here each angle is measured "
     "from the previous link, so the direction of a link is a sum of angles.": c.absolute,

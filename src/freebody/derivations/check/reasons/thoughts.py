@@ -94,39 +94,38 @@ class Subject:
 
     # ------------------------------------------------------------ what it is
     @cached_property
-    def torque(self) -> tuple[str, tuple[int, ...]] | None:
-        """Of torques and what they are made of: its name in the equations, and its indices."""
-        index = tuple(i - 1 for i in self.target.index)
-        if not 0 < len(index) < 3 or self.is_equation:
-            return None
-        for name in ("tau", "c", "g") if len(index) == 1 else ("M",):
-            value = self.setting.all_of(name)
-            for i in index:
-                value = value[i] if i < len(value) else None
-                if value is None:
-                    return None
-            if self.right == self.setting.element(value):
-                return name, index
-        return None
+    def reference(self) -> tuple[BodiesAtPoint, Any]:
+        """Bodies and the right answer's value at a point where no other quantity has it."""
+        if not isinstance(self.point, RealPoint):
+            return self.bodies, self.value
+        b = BodiesAtPoint(self.setting, random_point(self.setting.ring))
+        return b, b.point.of(self.right)
 
     @cached_property
-    def state(self) -> State:
-        """The state of which its torque is told."""
-        assert self.torque is not None
-        b, (name, index) = self.bodies, self.torque
-        if name == "M":
-            return b.starting(index[1])
-        return {"tau": b.moving, "c": b.coasting, "g": b.resting}[name]
+    def torque(self) -> tuple[str, State, int] | None:
+        """Of torques and what they are made of: the name in the equations, the state in which they
+        are needed, and the body."""
+        if self.is_equation or not self.bodies.is_told:
+            return None
+        b, value = self.reference
+        return next(
+            (
+                (name, self.bodies.states(j)[name], i)
+                for i, body in enumerate(b.bodies)
+                if self.target.index[:1] == (body.place + 1,)
+                for j in ([k - 1 for k in self.target.index[1:2]] or [-1])
+                for name, state in b.states(j).items()
+                if b.point.agree(b.acting(state)["tau", i][0] + b.driven(i, state), value)
+            ),
+            None,
+        )
 
     @cached_property
     def components(self) -> list[Component]:
         """Of vectors of bodies and kinetic energies: which it is, found by its value."""
         if not self.bodies.is_told or self.right.is_zero:
             return []
-        point, bodies = self.point, self.bodies
-        if isinstance(point, RealPoint):  # where other quantities may have the same value
-            point = random_point(self.setting.ring)
-            bodies = BodiesAtPoint(self.setting, point)
+        bodies, value = self.reference
         known = {**bodies.moved(), **bodies.acting(bodies.moving)}
         every = [
             Component(key, k, axes)
@@ -138,8 +137,7 @@ class Subject:
         if self.terms is not None:
             own = [x for x in every if x.key[0] in "fn"]
             return [x for x in own if x.of(bodies, known) % PRIME in self.terms]
-        value = self.value if point is self.point else point.of(self.right)
-        return [x for x in every if point.agree(x.of(bodies, known), value)]
+        return [x for x in every if bodies.point.agree(x.of(bodies, known), value)]
 
     @cached_property
     def about(self) -> list[int]:
@@ -149,7 +147,7 @@ class Subject:
             return []
         if self.torque is None:
             return sorted({x.key[1] for x in self.components} - {-1}) or [0] * bool(self.components)
-        return [i for i, body in enumerate(b.bodies) if body.place == self.torque[1][0]]
+        return [self.torque[2]]
 
     @cached_property
     def is_energy(self) -> bool:
@@ -161,6 +159,8 @@ class Subject:
     @cached_property
     def accelerates(self) -> bool:
         """Whether it is a force or an acceleration."""
+        if not self.bodies.is_told:
+            return any(x.endswith("_dd") for x in self.names)
         if self.torque is not None:
             return self.torque[0] in ("tau", "c")
         return any(self._is(x) for x in ("f", "n", "fc", "nc", "wd", "vd", "vcd", "vd tip"))
