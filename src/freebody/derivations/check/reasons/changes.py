@@ -41,7 +41,7 @@ def parts(factor: int | Fraction, *kinds: str) -> Change:
     """A factor of some kinds of terms of a torque, a force or an acceleration."""
 
     def change(x: Subject) -> Iterator[Changed]:
-        if x.accelerates and any(part_of(powers) in kinds for powers, _ in x.right.terms()):
+        if x.accelerates and any(part_of(powers) in kinds for powers, _ in x.rows):
             yield {}, x.scaled(factor, lambda powers: part_of(powers) in kinds)
 
     return change

@@ -14,6 +14,7 @@ from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.reasons.bodies_at_point import BodiesAtPoint, Key, State
+from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, times, transposed
@@ -73,18 +74,20 @@ class Subject:
         return self.point.of(self.right)
 
     @cached_property
+    def rows(self) -> list[tuple[Mapping[str, int], Any]]:
+        """The terms of the right answer: powers, and the value at the point."""
+        return [(powers, self.point.term(powers, k)) for powers, k in self.right.terms()]
+
+    @cached_property
     def names(self) -> set[str]:
         """The generators in the right answer."""
-        return {name for powers, _ in self.right.terms() for name in powers}
+        return {name for powers, _ in self.rows for name in powers}
 
     def scaled(self, factor: int | Fraction, meant: Part) -> Any:
         """The right answer with a factor at some of its terms."""
-        total = 0
-        for powers, coefficient in self.right.terms():
-            own = factor if meant(powers) else 1
-            if own:
-                total += self.point.term(powers, coefficient * own)
-        return total
+        k = self.point.number(factor)
+        other = sum(value for powers, value in self.rows if not meant(powers))
+        return other + k * sum(value for powers, value in self.rows if k and meant(powers))
 
     def at(
         self, values: Mapping[str, Any] | None = None, turns: Mapping[str, Turn] | None = None
@@ -123,7 +126,7 @@ class Subject:
     @cached_property
     def components(self) -> list[Component]:
         """Of vectors of bodies and kinetic energies: which it is, found by its value."""
-        if not self.bodies.is_told or self.right.is_zero:
+        if not self.bodies.is_told or self.right.is_zero or self.torque is not None:
             return []
         bodies, value = self.reference
         known = {**bodies.moved(), **bodies.acting(bodies.moving)}
@@ -152,15 +155,20 @@ class Subject:
     @cached_property
     def is_energy(self) -> bool:
         """Whether its terms with rates are a kinetic energy."""
-        moving = [(p, c) for p, c in self.right.terms() if any(x.endswith("_d") for x in p)]
-        kinetic = self.setting.element(self.setting.equations.T)
-        return self._is("T") or self.setting.ring.polynomial(moving) == kinetic
+        if (
+            not self.bodies.is_told
+            or self.is_equation
+            or any(x.endswith(SECOND) for x in self.names)
+        ):
+            return False
+        moving = sum(value for powers, value in self.rows if any(x.endswith(RATE) for x in powers))
+        return self._is("T") or self.point.agree(moving, self.bodies.moved()["T", -1][0])
 
     @cached_property
     def accelerates(self) -> bool:
         """Whether it is a force or an acceleration."""
         if not self.bodies.is_told:
-            return any(x.endswith("_dd") for x in self.names)
+            return any(x.endswith(SECOND) for x in self.names)
         if self.torque is not None:
             return self.torque[0] in ("tau", "c")
         return any(self._is(x) for x in ("f", "n", "fc", "nc", "wd", "vd", "vcd", "vd tip"))
