@@ -113,7 +113,7 @@ WRONG = [
      "The parallel-axis theorem is missing"),
     ("H22 = I2", "missing", "m2 lc2² must be added"),
     ("H11 = m1 lc1² + m2 (l1² + lc2² + 2 l1 lc2 c2)", "missing", "right for point masses only"),
-    ("H11 = m1 lc1² + I1 + m2 (l1² + lc2² + 2 l1 lc2 c2)", "missing", "ω2 = θ̇1 + … + θ̇2"),
+    ("H11 = m1 lc1² + I1 + m2 (l1² + lc2² + 2 l1 lc2 c2)", "missing", "ω2 = θ̇₁ + θ̇₂"),
     # angles and functions
     ("G2 = m2 g lc2 cos θ2", "angle", "each angle is measured from the previous link"),
     ("G1 = m1 g lc1 c1 + m2 g (l1 c1 + lc2 c2)", "angle", "were measured from the x axis"),

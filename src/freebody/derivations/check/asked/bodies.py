@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from freebody.derivations.check.asked.group import Named, QuantityGroup
-from freebody.derivations.check.asked.quantity import AskedQuantity, Mistaken, Table
+from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.quantities import kinds
@@ -198,29 +198,9 @@ class QuantitiesOfBodies(QuantityGroup):
             ("nc", ("M", "n", "N"), 0),
         ):
             column = self.vectors.get(next(iter(spellings(name, str(n), dots))), ())
-            for k, (entry,) in enumerate(column):
-                own = replace(entry, thoughts=self._of_spin(n, k)) if name == "nc" else entry
+            for (entry,) in column:
                 names = (spellings(letter, entry.axis, dots) for letter in letters)
-                yield tuple(itertools.chain.from_iterable(names)), own
-
-    def _of_spin(self, n: int, k: int) -> tuple[Mistaken, ...]:
-        """What may be thought of a component of I ω̇ + ω × I ω."""
-
-        def plain() -> Trig:
-            known = self._bodies[n - 1]
-            row, rates = known[f"I{n}"][k], known[f"omega{n}_d"]
-            zero = self.setting.equations.symbols.zero()
-            total = sum((a * b for a, b in zip(row, rates, strict=True)), zero)
-            return self.setting.element(total)
-
-        def flipped() -> Trig:
-            return plain() * 2 - self._part(n, f"nc{n}", k)()
-
-        law = "I ω̇ + ω × I ω = n."
-        return (
-            (f"The gyroscopic moment has the wrong sign: {law}", flipped),
-            (f"The gyroscopic moment is missing: {law}", plain),
-        )
+                yield tuple(itertools.chain.from_iterable(names)), entry
 
     def _coordinates_of_centres(self) -> Iterator[Named]:
         """x_c2, ẋ_c2, ẍ_c2: r_c2, v_c2 and a_c2 by components. In space the last two have those

@@ -1,171 +1,180 @@
-"""What a user may have thought: a single misconception that explains the whole difference.
-
-Each is the right answer under that thought, at a point of a finite field, to be compared with the
-user's.
-"""
+"""What a user may have thought: single misconceptions, each of which explains the whole
+difference. A new one is a row of a table: a sentence, and what the right answer becomes."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from fractions import Fraction
+from itertools import islice
 from typing import Any
 
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.quantity import AskedQuantity
-from freebody.derivations.check.reasons.planar_thoughts import PlanarThoughts
-from freebody.derivations.check.reasons.thoughts import Thought
-from freebody.derivations.expressions.printed_names import sym
-from freebody.derivations.grammar.atoms import atom
-from freebody.derivations.grammar.parser import PI
+from freebody.derivations.check.reasons import changes as c
+from freebody.derivations.check.reasons.bodies_at_point import Belief
+from freebody.derivations.check.reasons.thoughts import Change, Changed, Subject
 from freebody.derivations.grammar.tables.characters import DOT
-from freebody.model.gravity import axis_of
 from freebody.scalars.trig import Trig
+from freebody.spatial import Vector
 
-_RIGHT_BESIDES = "; everything else is right."
-_BY_PART: tuple[tuple[tuple[str, ...], int | Fraction, str], ...] = (
-    (
-        ("coriolis",),
-        Fraction(1, 2),
-        "Only a factor of 2 is missing: a product of two different rates, θ̇ᵢ θ̇ⱼ, occurs twice (as "
-        "ij and as ji), so Coriolis terms have a factor of 2.",
+_REST = "; everything else is right."
+
+
+def _told(x: Subject) -> Iterator[Changed]:
+    """What the quantity itself is often mistaken for."""
+    yield from (({"text": text}, x.point.of(value())) for text, value in x.target.thoughts)
+
+
+def _others(x: Subject) -> Iterator[Changed]:
+    """Another quantity of the same kind."""
+    for name, other in related(x.targets, x.target).items():
+        yield {"name": name.replace("tau", "τ")}, x.point.of(other)
+
+
+def _sum(a: Vector, b: Vector) -> Vector:
+    """a × b in the plane with a plus for its minus."""
+    return (a[0] * b[1] + a[1] * b[0],)
+
+
+def _along(a: Vector, b: Vector) -> Vector:
+    """a · b."""
+    return (a[0] * b[0] + a[1] * b[1],)
+
+
+def _across(a: Vector, b: Vector) -> Vector:
+    """a × b in the plane with the components of a swapped."""
+    return (a[1] * b[1] - a[0] * b[0],)
+
+
+THOUGHTS: Mapping[str, Change] = {
+    "{text}": _told,
+    "What you wrote is right for {name}, not for this one.": _others,
+    "Only the sign of gravity is wrong: {energy}, and the drives must support them: "
+    "g_i = + ∂V/∂q_i.": c.gravity(-1),
+    f"Gravity is missing{_REST}": c.gravity(0),
+    "Only a factor of 2 is missing: a product of two different rates, θ̇ᵢ θ̇ⱼ, occurs twice (as ij "
+    "and as ji), so Coriolis terms have a factor of 2.": c.parts(Fraction(1, 2), "coriolis"),
+    "The Coriolis terms, with products of two different rates, are missing.": c.parts(
+        0, "coriolis"
     ),
-    (
-        ("coriolis",),
-        0,
-        "The Coriolis terms, with products of two different rates, are missing.",
+    "The centrifugal terms, with squares of rates, are missing.": c.parts(0, "centrifugal"),
+    f"The Coriolis and centrifugal terms are missing{_REST}": c.parts(0, *c.VELOCITY),
+    f"All Coriolis and centrifugal terms have the wrong sign{_REST}": c.parts(-1, *c.VELOCITY),
+    f"Friction is missing{_REST}": c.parts(0, "friction"),
+    f"All friction terms have the wrong sign: the drive must overcome friction{_REST}": c.parts(
+        -1, "friction"
     ),
-    (("centrifugal",), 0, "The centrifugal terms, with squares of rates, are missing."),
-    (
-        ("coriolis", "centrifugal"),
-        0,
-        f"The Coriolis and centrifugal terms are missing{_RIGHT_BESIDES}",
+    f"The terms with {{name}} are missing{_REST}": c.without_acceleration,
+    "Every term with the mass or the moment of inertia of {links} is missing; the rest is "
+    "right.": c.massless,
+    "The moments of inertia about the centres of mass are missing: right for point masses "
+    "only.": c.pointlike,
+    "A factor ½ is missing: the kinetic energy of a body is ½ m v² + ½ I ω².": c.twice_the_energy,
+    "This is right for {wrong}. The rate of a joint is relative to the previous link: angular "
+    "velocities are sums, {right}.": c.alone(
+        Belief(spins_alone=True),
+        Belief(turns_alone=True),
+        Belief(spins_alone=True, turns_alone=True),
     ),
-    (
-        ("coriolis", "centrifugal"),
-        -1,
-        f"All Coriolis and centrifugal terms have the wrong sign{_RIGHT_BESIDES}",
+    "Angles and rates are in radians: a factor π/180 too many, or one too few.": c.degrees,
+    "You wrote {wrong}: masses and weights act at the centre of mass, {centres} from the joint, "
+    "not at the end of the link.": c.lengths(centre="l"),
+    "This is right only if the centre of mass is at the midpoint of the link, {half}.": c.lengths(
+        centre="half"
     ),
-    (("friction",), 0, f"Friction is missing{_RIGHT_BESIDES}"),
-    (
-        ("friction",),
-        -1,
-        f"All friction terms have the wrong sign: the drive must overcome friction{_RIGHT_BESIDES}",
+    "l and lc are swapped: {l} is the length of the link, {lc} the distance from its joint to the "
+    "centre of mass.": c.lengths("lc", "l"),
+    "You wrote {back}: the next body hangs at the end of the link, not at its centre of "
+    "mass.": c.lengths("lc"),
+    "The parallel-axis theorem is missing: this would be right for moments of inertia about the "
+    "joints; here {names} {are} about the centre of mass, and {lacking} must be added.": c.axes(-1),
+    "The parallel-axis term {lacking} is counted twice.": c.axes(1),
+    "This would be right if {names} were measured from {zero}; here {it} measured from "
+    "{own}.": c.turned,
+    "This would be right if {names} were measured from the x axis; here each angle is measured "
+    "from the previous link, so the direction of a link is a sum of angles.": c.absolute,
+    "This would be right with components {axes}; here they are {here}.": c.other_axes,
+}
+"""What is tried first, in this order."""
+
+OF_BODIES: Mapping[str, Change] = {
+    "The sign of the reaction is wrong: {next} is the force of body {n} on body {k}, so by "
+    "Newton's third law {opposite} acts on body {n}.": c.believed(
+        Belief(force=-1),
+        *(Belief(couple=k, arms=x) for k in (1, -1) for x in ((1, 0, 0, -1), (1, 0, 2, -1))),
+        *(Belief(force=-1, couple=k, arms=(1, 0, 0, -1)) for k in (1, -1)),
+        of_next=True,
     ),
-)
-"""Parts of a torque (`_part`), what they are multiplied with under a thought, and the thought."""
+    "The sign of the moment at joint {k} is wrong: what acts on body {k} there acts on body {n} in "
+    "the opposite direction.": c.believed(Belief(couple=-1), of_next=True),
+    "The reaction of body {k} on body {n} is missing.": c.believed(
+        Belief(force=0), Belief(force=0, couple=0, arms=(1, 0, 0, 0)), of_next=True
+    ),
+    "The moments r × f of the forces on body {n} are missing: I ω̇ alone is right only where no "
+    "force has an arm about the centre of mass.": c.arms(0, 0, 0, 0),
+    "This would be right if joint {n} did not accelerate: about a joint that does, s_c × m a of "
+    "the joint must be added to I ω̇.": c.believed(Belief(joint_is_fixed=True)),
+    "The moment of {opposite} on body {n} is missing.": c.arms(1, 0, 0, 0, of_next=True),
+    "The moment of joint {k} on body {n} is missing.": c.believed(Belief(couple=0), of_next=True),
+    "The moment s_c × m (v̇_c − g) of body {n} itself is missing.": c.arms(0, 0, 0, 1),
+    "The moment of {f} about the centre of mass of body {n} is missing.": c.arms(0, 0, -1, 1),
+    "m (v̇_c − g) of body {n} has the arm s_c to its centre of mass, not s to its end.": c.arms(
+        0, 1, 0, 1
+    ),
+    "{next} has a wrong arm or none: about joint {n} the arm is s, about the centre of mass of "
+    "body {n} that of {opposite} is s − s_c.": c.arms(1, 0, 1, 0, of_next=True),
+    "The arms are swapped: of body {n}, m (v̇_c − g) has the arm s_c to its centre of mass, {next} "
+    "the arm s to joint {k}.": c.arms(0, 1, 1, 0, of_next=True),
+    "The arms about the centre of mass of body {n} are swapped: that of {f} is −s_c, that of "
+    "{opposite} is s − s_c.": c.arms(-1, 1, 0, 1, of_next=True),
+    "The arm of {opposite} about the centre of mass of body {n} is s − s_c, not s.": c.arms(
+        1, 0, 1, 1, of_next=True
+    ),
+    "A cross product has the wrong sign: the arm comes first, r × f = −f × r, and from the centre "
+    "of mass of body {n} to its joint it is −s_c.": c.believed(
+        *(Belief(arms=x) for x in ((-1, 0, -2, 1), (-1, 0, 0, -1), (-1, 0, 0, 1)))
+    ),
+    "The cross product has a minus: r × f = r_x f_y − r_y f_x.": c.believed(Belief(product=_sum)),
+    "The arms of the components are mixed up: r × f = r_x f_y − r_y f_x, so f_x has the arm r_y "
+    "and f_y the arm r_x.": c.believed(Belief(product=_along), Belief(product=_across)),
+    "The Coriolis acceleration of what slides along a turning body is 2 ω × ḋ.": c.believed(
+        Belief(coriolis=Fraction(1, 2)), Belief(coriolis=Fraction(0))
+    ),
+    "The gyroscopic moment has the wrong sign: I ω̇ + ω × I ω = n.": c.believed(
+        Belief(gyroscopic=-1)
+    ),
+    "The gyroscopic moment is missing: I ω̇ + ω × I ω = n.": c.believed(Belief(gyroscopic=0)),
+    "The forces of the loops are missing.": c.believed(Belief(loops_act=False)),
+}
+"""What is tried where none of these explains the difference, and of equations between quantities
+alone: other equations of the bodies."""
 
 
-@dataclass(frozen=True)
-class Misconceptions(PlanarThoughts):
-    """The thoughts that are tried for one quantity."""
+def explaining(x: Subject, value: Any) -> list[str]:
+    """The thoughts under which the right answer is the user's: two at most, or one about the
+    equations of the bodies."""
+    if value == 0:  # of many parts it would be right that they are missing
+        return []
+    for table, most in ((THOUGHTS, 2), (OF_BODIES, 1)):
+        agreeing = dict.fromkeys(said for said, y in _of(table, x) if x.point.agree(y, value))
+        if agreeing:
+            return list(islice(agreeing, most))
+    return []
 
-    def explaining(self, value: Any) -> list[str]:
-        """The thoughts under which the right answer is the user's."""
-        if value == 0:  # of many parts it would be right that they are missing
-            return []
-        found = [text for text, result in self._all() if self.point.agree(result, value)]
-        return list(dict.fromkeys(found))[:2]
 
-    def _all(self) -> Iterator[Thought]:
-        yield from ((text, self.point.of(value())) for text, value in self.target.thoughts)
-        yield from self._others()
-        yield from self._gravity()
-        yield from self._velocity()
-        yield from self._inertia()
-        yield from self._degrees()
-        if self.setting.is_planar:
-            yield from self.lengths()
-            yield from self.angles()
+def values(x: Subject) -> Iterator[tuple[str, Any]]:
+    """All thoughts about a quantity: sentences, and what the right answer would be."""
+    yield from _of(THOUGHTS, x)
+    yield from _of(OF_BODIES, x)
 
-    def _others(self) -> Iterator[Thought]:
-        """Another quantity of the same family."""
-        for name, other in related(self.targets, self.target).items():
-            text = f"What you wrote is right for {name.replace('tau', 'τ')}, not for this one."
-            yield text, self.point.of(other)
 
-    def _gravity(self) -> Iterator[Thought]:
-        g = self.setting.order.gravity
-        if not g or not any(g in powers for powers, _ in self.right.terms()):
-            return
-        axis = axis_of(self.setting.symbols.model.gravity_direction)
-        energy = "the weights' potential energy is V = − m g · r, with the vector g"
-        if axis:
-            pull, rise = ("−", "+") if axis[0] == "-" else ("+", "−")
-            energy = f"weights act along {pull}{axis[1]}, so V = {rise} m g {axis[1]}"
-        opposite = (
-            f"Only the sign of gravity is wrong: {energy}, and the drives must support them: "
-            "g_i = + ∂V/∂q_i."
-        )
-        yield opposite, self.scaled(-1, lambda p: g in p)
-        yield f"Gravity is missing{_RIGHT_BESIDES}", self.scaled(0, lambda p: g in p)
-
-    def _velocity(self) -> Iterator[Thought]:
-        """Mistakes in all terms with products of rates, and friction left out."""
-        if not self.target.kind.has_velocity_products:
-            return
-        there = {_part(powers) for powers, _ in self.right.terms()}
-        for parts, factor, text in _BY_PART:
-            if there & set(parts):
-                yield text, self.scaled(factor, lambda p, own=parts: _part(p) in own)
-
-    def _inertia(self) -> Iterator[Thought]:
-        """Bodies and accelerations left out."""
-        own = self.target.index[0] - 1 if self.target.kind.is_drive else None
-        if own is not None:
-            for name in self.setting.symbols.coordinates:
-                missing = f"The terms with {sym(name + '_dd')} are missing{_RIGHT_BESIDES}"
-                yield missing, self.scaled(0, lambda p, x=name + "_dd": x in p)
-        inertial = self.setting.order.inertial
-        bodies = {body for body, _ in inertial.values()}
-        for body in bodies if len(bodies) > 1 else ():
-            names = {name for name, (i, _) in inertial.items() if i == body}
-            link = self.setting.symbols.model.bodies[body].name
-            text = (
-                f"Every term with the mass or the moment of inertia of {link} is missing; the "
-                f"rest is right."
-            )
-            yield text, self.scaled(0, lambda p, own=names: bool(own & set(p)))
-        moments = {name for name, (_, kind) in inertial.items() if kind == 1}
-        yield (
-            "The moments of inertia about the centres of mass are missing: right for point masses "
-            "only.",
-            self.scaled(0, lambda p: bool(moments & set(p))),
-        )
-        if self.setting.is_planar:
-            yield from self._own_rates()
-
-    def _own_rates(self) -> Iterator[Thought]:
-        """ω_k = θ̇_k for θ̇_1 + … + θ̇_k."""
-        for k in range(2, self.setting.joints + 1):
-            if f"I{k}" not in self.setting.ring.index:
-                continue
-
-            def left_out(powers: Mapping[str, int], k: int = k) -> bool:
-                moving = {x for x in powers if atom(x).dots}
-                own = moving <= {f"theta{k}_d", f"theta{k}_dd"} and self._is_own(k)
-                return f"I{k}" in powers and not own
-
-            text = (
-                f"This is right for ω{k} = θ̇{k}. The rate θ̇{k} is relative to the previous "
-                f"link: the angular velocity of link {k} is ω{k} = θ̇1 + … + θ̇{k}."
-            )
-            yield text, self.scaled(0, left_out)
-
-    def _is_own(self, k: int) -> bool:
-        """Whether the quantity belongs to joint k alone."""
-        return set(self.target.index) <= {k}
-
-    def _degrees(self) -> Iterator[Thought]:
-        """A derivative by an angle in degrees, or a rate in them."""
-        own = self.point.of(self.right)
-        text = "Angles and rates are in radians: a factor π/180 too many, or one too few."
-        yield text, own * self.point.number(PI / 180)
-        yield text, own * self.point.number(180 / PI)
+def _of(table: Mapping[str, Change], x: Subject) -> Iterator[tuple[str, Any]]:
+    for text, change in table.items() if table is OF_BODIES or not x.is_equation else ():
+        yield from ((text.format(**said), value) for said, value in change(x))
 
 
 def related(targets: Targets, target: AskedQuantity) -> dict[str, Trig]:
-    """The other entries of a quantity's family, by name."""
+    """The other entries of a quantity's kind, by name."""
     letter = target.kind.usual
     others = [
         (name, other)
@@ -196,14 +205,3 @@ def _of_the_same_table(targets: Targets, target: AskedQuantity) -> dict[str, Tri
             others = (entry for index, entry in entries.items() if index != target.index)
             return {f"{shown} {x.index[0]}, {x.index[1]}": x.polynomial() for x in others}
     return {}
-
-
-def _part(powers: Mapping[str, int]) -> str:
-    """What a term of a torque is by its first rates: of second degree "coriolis" or "centrifugal",
-    of first degree, or with a rate's sign, "friction", else ""."""
-    if any(x.startswith("sgn_") for x in powers):
-        return "friction"
-    rates = {x: k for x, k in powers.items() if x.endswith("_d")}
-    if sum(rates.values()) == 1:
-        return "friction"
-    return "coriolis" if len(rates) > 1 else "centrifugal" if rates else ""

@@ -3,6 +3,7 @@ should be there. All single ones are tried, and then pairs; the cheapest that ex
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import combinations
 
@@ -28,11 +29,13 @@ class Repairs(SmallChanges):
         super().__init__(setting, work, right, related)
         self.tried: list[Repair] = []
 
-    def single(self) -> Repair | None:
-        """The cheapest change that alone makes the answer right."""
+    def single(self, below: float = math.inf) -> Repair | None:
+        """The cheapest change that alone makes the answer right, of those that cost less."""
         found: list[Repair] = list(self.scaled())
         if len(self.work.values) <= MOST_NODES:
             for repair in self.discrete():
+                if repair.cost >= below:
+                    continue
                 change = (self._value(repair) - self.work.value) % PRIME
                 if change == self.gap:
                     found.append(repair)

@@ -21,9 +21,11 @@ from freebody.derivations.check.numbers.units import misfit
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reading.vocabulary import Vocabulary
 from freebody.derivations.check.reasons import coriolis, undriven_joints
+from freebody.derivations.check.reasons.bodies_at_point import BodiesAtPoint
 from freebody.derivations.check.reasons.free_bodies import FreeBodyMotion
-from freebody.derivations.check.reasons.misconceptions import Misconceptions
+from freebody.derivations.check.reasons.misconceptions import explaining
 from freebody.derivations.check.reasons.misreadings import doubt_about, readings
+from freebody.derivations.check.reasons.thoughts import Subject
 from freebody.derivations.check.spelling.answer_text import AnswerError
 from freebody.derivations.check.states.agreement import StatesOfModel
 from freebody.derivations.check.states.state_values import functions_of
@@ -69,6 +71,11 @@ class Judge:
     def point(self) -> Point:
         """A random point of the ring."""
         return random_point(self.setting.ring)
+
+    @cached_property
+    def bodies(self) -> BodiesAtPoint:
+        """The bodies there."""
+        return BodiesAtPoint(self.setting, self.point)
 
     @cached_property
     def free_body(self) -> FreeBodyMotion | None:
@@ -332,8 +339,12 @@ class Judge:
         """What may have been thought; thoughts are told of the model's own coordinates only."""
         if self.setting.turned is not None:
             return []
-        thoughts = Misconceptions(self.setting, self.targets, claim.target, right, self.point)
-        return thoughts.explaining(value)
+        terms = None
+        if claim.whole is not None:
+            named = (x for x in nodes(claim.whole) if isinstance(x, Named))
+            terms = frozenset(self.point.of(x.value) for x in named)
+        subject = Subject(self.bodies, self.targets, claim.target, right, terms)
+        return explaining(subject, value)
 
     def _units(self, yours: Trig, right: Trig) -> list[str]:
         """A sentence about a term in the wrong units."""

@@ -88,10 +88,9 @@ class Explanation:
         missing = self._missing_cost()
         best = min(own.cost if own else 99.0, missing)
         if best > 1.0:
-            reverse = self._reverse()
-            if reverse is not None and reverse[0].cost + _REVERSE < best:
-                repair, work, wording = reverse
-                return self.wording.of_reverse(repair, work, wording)
+            reverse = self._reverse(best - _REVERSE)
+            if reverse is not None:
+                return self.wording.of_reverse(*reverse)
         if own is not None and own.cost <= missing:
             return self.wording.of_repair(own, self.work)
         if missing < 99.0:
@@ -118,8 +117,8 @@ class Explanation:
     def _missing(self) -> Mistake:
         return self.wording.of_difference(self.rows[0])
 
-    def _reverse(self) -> tuple[Repair, Workspace, Wording] | None:
-        """A change of the right answer, as it prints, that gives the user's."""
+    def _reverse(self, below: float) -> tuple[Repair, Workspace, Wording] | None:
+        """A change of the right answer, as it prints, that gives the user's and costs less."""
         best = None
         for text in self._printed():
             source = AnswerText.of(text)
@@ -135,9 +134,9 @@ class Explanation:
                 continue
             if work.value != self.value:  # decimals were rounded
                 continue
-            repair = Repairs(self.setting, work, self.work.value, lambda name: {}).single()
-            if repair is not None and (best is None or repair.cost < best[0].cost):
-                best = repair, work, Wording(self.setting, source)
+            repair = Repairs(self.setting, work, self.work.value, lambda name: {}).single(below)
+            if repair is not None and repair.cost < below:
+                best, below = (repair, work, Wording(self.setting, source)), repair.cost
         return best
 
     def _printed(self) -> list[str]:

@@ -6,7 +6,9 @@ import math
 from collections.abc import Callable, Iterator
 
 from freebody.derivations.check.asked.asked_quantities import Targets
-from freebody.derivations.check.reasons.misconceptions import Misconceptions
+from freebody.derivations.check.reasons.bodies_at_point import BodiesAtPoint
+from freebody.derivations.check.reasons.misconceptions import explaining
+from freebody.derivations.check.reasons.thoughts import Subject
 from freebody.derivations.check.verdicts.number_at_state import NumberAtState
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.quantities.units import si_text
@@ -26,8 +28,9 @@ def reasons(number: NumberAtState, targets: Targets) -> list[str]:
     found = _right_for(number, _plain_reasons(number))
     target, right = number.claim.target, number.right_value
     if not found and number.yours and number.setting.turned is None and isinstance(right, Trig):
-        thoughts = Misconceptions(number.setting, targets, target, right, number.thought)
-        found = [f"A possible reason: {text}" for text in thoughts.explaining(number.yours)]
+        bodies = BodiesAtPoint(number.setting, number.thought)
+        subject = Subject(bodies, targets, target, right)
+        found = [f"A possible reason: {text}" for text in explaining(subject, number.yours)]
     found = found or _right_for(number, _other_values(number))
     if not found and abs(number.yours - number.right) <= _ROUNDED_ON_THE_WAY * abs(number.right):
         share = shortest(abs(number.yours / number.right - 1) * 100, 2)
