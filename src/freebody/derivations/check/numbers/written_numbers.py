@@ -40,7 +40,7 @@ _WORD = LexemePattern(
 )
 _MOST_WORDS = 8
 _KEYWORDS = ("at", "for", "with", "when", "given", "let", "if")
-_WHERE = LexemePattern("--%term_end %line? %apart < @keyword %apart | @still >")
+_WHERE = LexemePattern("@condition")
 _COLON = LexemePattern("%line? :")
 _SENTENCE_END = LexemePattern("< } | %line >* < . | : | , | ; | ) > | }* %last")
 _LONE = LexemePattern(

@@ -64,10 +64,11 @@ class Misconceptions(PlanarThoughts):
         """The thoughts under which the right answer is the user's."""
         if value == 0:  # of many parts it would be right that they are missing
             return []
-        found = [text for text, result in self._all() if self.point.agree(result, value)]
+        found = [text for text, result in self.all() if self.point.agree(result, value)]
         return list(dict.fromkeys(found))[:2]
 
-    def _all(self) -> Iterator[Thought]:
+    def all(self) -> Iterator[Thought]:
+        """The thoughts, the likeliest first."""
         yield from ((text, self.point.of(value())) for text, value in self.target.thoughts)
         yield from self._others()
         yield from self._gravity()

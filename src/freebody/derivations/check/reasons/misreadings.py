@@ -16,7 +16,7 @@ from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.grammar.words import spelt
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 
-_GRAVITY = ("9.8", "9.81", "9.807", "9.80665", "10")
+GRAVITY = ("9.8", "9.81", "9.807", "9.80665", "10")
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Misreading:
     """Whether to say so also where it does not make the answer right."""
 
 
-_TIPS = frozenset(x for dots in range(3) for x in spellings("x", "", dots))
+TIPS = frozenset(x for dots in range(3) for x in spellings("x", "", dots))
 """Names of the tip's coordinate x and of its rates."""
 
 
@@ -110,7 +110,7 @@ def _slides(setting: RightEquations, targets: Targets, work: Workspace) -> Itera
     (slide,), found = slides, {}
     for node in work.values:
         target = targets.single.get(node.name) if isinstance(node, Named) else None
-        if target is not None and isinstance(node, Named) and node.name in _TIPS:
+        if target is not None and isinstance(node, Named) and node.name in TIPS:
             name = slide + {"tip": "", "tip_d": RATE, "tip_dd": SECOND}[target.family]
             found[node] = Named(name, setting.ring[name], span=node.span)
     if found:
@@ -128,7 +128,7 @@ def _numbers(setting: RightEquations, claim: Claim, work: Workspace) -> Iterator
     found: dict[Expression, Expression] = {}
     for node in work.values:
         written = claim.source[node.span]
-        if g and isinstance(node, Number) and written in _GRAVITY:
+        if g and isinstance(node, Number) and written in GRAVITY:
             found[node] = Named(g, setting.ring[g], span=node.span)
     if not found:
         return

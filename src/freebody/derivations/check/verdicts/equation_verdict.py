@@ -47,11 +47,12 @@ from freebody.scalars.trig import Trig
 _OTHER_SENSE = (
     "What has either sense, as a force at the tip, has another one here than in other lines."
 )
-_STILL = (
+STILL = (
     "It is right where nothing moves: write ‘In equilibrium:’ in front of it if that is meant; "
     "otherwise the terms with rates and accelerations are missing."
 )
-_OF_FORCES = frozenset(("tau", "of body", "identity"))
+OF_FORCES = frozenset(("tau", "of body", "identity"))
+"""Families of which that may be meant."""
 
 
 @dataclass(frozen=True)
@@ -191,7 +192,7 @@ class Judge:
 
     def _wrong(self, claim: Claim, yours: Trig, right: Trig, explain: bool) -> EquationVerdict:
         if explain and self._is_meant_still(claim, yours, right):
-            return self._with_example(claim, right, (), (_STILL,))
+            return self._with_example(claim, right, (), (STILL,))
         findings, causes = self._explained(claim, yours, right) if explain else ([], [])
         hint = coriolis.advice(self.setting, claim, self.claims)
         causes = [*causes, *[hint] * bool(hint), *self._unsymmetric(claim)]
@@ -199,7 +200,7 @@ class Judge:
 
     def _is_meant_still(self, claim: Claim, yours: Trig, right: Trig) -> bool:
         """Whether an answer without anything that moves is right in equilibrium."""
-        if claim.target.family not in _OF_FORCES or self.numbers.has_motion(claim):
+        if claim.target.family not in OF_FORCES or self.numbers.has_motion(claim):
             return False
         lexemes = claim.source.lexemes
         within = lexemes.between(*claim.node.span)

@@ -42,7 +42,8 @@ _OF_ANY_RATES = "Phi_d"
 """The family that is 0 where rates keep loops closed: compared at positions, with other rates."""
 _BY_LOOPS = frozenset(("closed", "solved", "q", "drift", "N", LONG))
 """Those that only loops can make right."""
-_UP_TO_A_CONSTANT = frozenset(("V", "L", "Vi", "E"))
+UP_TO_A_CONSTANT = frozenset(("V", "L", "Vi", "E"))
+"""Families of energies, whose zero level is arbitrary."""
 _MOST_NODES = 150
 """Pieces of an answer up to which changes are tried."""
 
@@ -153,7 +154,7 @@ class _AtStates:
         """In which sense."""
         ring, family = self.judge.setting.ring, self.claim.target.family
         is_angle = isinstance(self.right, Trig) and _is_angle(self.right, ring.angles)
-        return Equal(is_angle and self.claim.whole is None, family in _UP_TO_A_CONSTANT)
+        return Equal(is_angle and self.claim.whole is None, family in UP_TO_A_CONSTANT)
 
     def _agreement(self, states: AdmissibleStates) -> Agreement:
         return agreement(states, self._tree, self._sought(states), self._equal)
