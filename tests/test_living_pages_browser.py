@@ -28,7 +28,7 @@ pytestmark = [
     ),
 ]
 
-LARGEST = 620_000  # bytes
+LARGEST = 670_000  # bytes
 REQUEST = "Network.requestWillBeSent"
 RANDOM = np.random.default_rng(7)
 NAMES = "return [...document.querySelectorAll('.slider input')].map(e => e.dataset.input)"
@@ -600,7 +600,7 @@ WRONG = {
 UNREAD = [
     "tau2", "2 +", "(" * 500 + "1", "alert(1)", "document.title = 'run'",
     "constructor", "__proto__", "sin", "sin(1, 2)", "f12 + 1", "m2 ^ 0.5", "m2^2^2",
-    "[1, 2", "<b>1</b>", "'", "x" * 5000, "toString()", "lc2(", "7 = 7", "H12",
+    "[1, 2", "<b>1</b>", "'", "x" * 5000, "toString()", "lc2(", "7 = 7",
 ]
 # fmt: on
 
@@ -720,7 +720,7 @@ def test_energies_are_typed_as_they_are_printed(driver, tmp_path):
         ("T1", "1.0.5 (m1 lc1^2 + I1) theta1_d^2", "Cannot be read: the number .5 follows 1.0"),
         ("T1", "0,5 m1 vc1^2", "Not decided here: More than one equation"),
         ("rc1", "(lc1 c1, lc1 s1)", "Cannot be read: there is , where )"),
-        ("V1", "9.81 m1 lc1 s1", "Right: equal at 6 random states. ‘9.81’ is read as g."),
+        ("V1", "9.81 m1 lc1 s1", "Right: equal at 4 random states. ‘9.81’ is read as g."),
     ):
         verdict, _ = driver.execute_script(ANSWER, line, answer)
         assert verdict.startswith(said), (answer, verdict)

@@ -2,7 +2,7 @@
 // can be in, and of a wrong one what may have been thought.
 
 const words = new Map([["t", {}], ["pi", {}]]);
-for (const [spellings, meanings, sums, none, apart] of page.words) {
+for (const [spellings, meanings, sums, none, marks] of page.words) {
   const found = new Map(Object.entries(meanings).map(([figures, x]) => [figures, Array.isArray(x) ? {s: x} : x]));
   const listed = (text) => text.split(" ").filter(Boolean);
   for (const figures of listed(sums)) {
@@ -13,7 +13,7 @@ for (const [spellings, meanings, sums, none, apart] of page.words) {
   for (const spelling of spellings.split(" ").flatMap(allSpellings)) {
     for (const [figures, meaning] of found) {
       const runs = figures.split(",");
-      words.set(spelling.replace(/#/g, () => runs.shift()), {...meaning, apart});
+      words.set(spelling.replace(/#/g, () => runs.shift()), {...meaning, apart: marks & 1, bodies: marks & 2});
     }
   }
 }
@@ -52,17 +52,18 @@ function sidesOf(text) {
   if (said[0].some((side) => !side.length)) throw unreadable("One side of this = is empty.");
   return said[0];
 }
-const isLine = (side, line) => side.length === 1 && side[0].kind === "name" && words.get(side[0].text).q === line.own[0];
+const isOwn = (name, line) => line.own && words.get(name).q === line.own[0];
+const isLine = (side, line) => side.length === 1 && side[0].kind === "name" && isOwn(side[0].text, line);
 
 // What is said of a line, as trees.
 function claimed(text, line) {
   const sides = sidesOf(text), left = sides.length > 1 ? sides.findIndex((side) => isLine(side, line)) : -1;
   if (sides.length > 1 && left < 0) {
-    if (sides.flat().some((token) => token.kind === "name" && words.get(token.text).q === line.own[0])) throw undecided(`What does not give ${line.name} alone`);
+    if (sides.flat().some((token) => token.kind === "name" && isOwn(token.text, line))) throw undecided(`What does not give ${line.name} alone`);
     throw unreadable(`This line gives ${line.name} alone: type what stands on its right.`);
   }
   const right = sides.filter((_, k) => k !== left);
-  const bodies = line.bodies || (!line.vector && right.flat().some((token) => token.kind === "name" && words.get(token.text).b));
+  const bodies = line.bodies || (!line.vector && right.flat().some((token) => token.kind === "name" && words.get(token.text).bodies));
   return right.map((side) => new Reader(side, (name) => meaningOf(name, line, bodies)).side());
 }
 // In lines about bodies g is the gravitational acceleration too, and J that of the tip's position.
@@ -70,7 +71,7 @@ const OF_BODIES = {g: "gravity", J: "JP"};
 function meaningOf(name, line, bodies) {
   const found = words.get(name), other = bodies && has(OF_BODIES, name) && words.get(OF_BODIES[name]);
   if (!found || !(found.s || found.t || found.isNowhere)) return undefined;
-  if (line.own.includes(found.q)) throw unreadable(`There is no ${name} that this line may use: it would be its own reason.`);
+  if (line.own?.includes(found.q)) throw unreadable(`There is no ${name} that this line may use: it would be its own reason.`);
   return other && other.t ? {...found, t: other.t} : found;
 }
 
@@ -111,20 +112,25 @@ function compared(node, line) {
     return (any.length && isEqual(any)) || (!saysNothing && isEqual(some));
   });
 }
-// Thoughts travel with six digits.
-const ROUNDED = 1e-5;
-// The thoughts under which the line would be what is typed: the first sentence says that nothing
-// moves, and nothing else then.
+// The thoughts under which the line would be what is typed, at the first state; the first sentence
+// says that nothing moves, and nothing else then.
 function thoughtsOf(node, line, right) {
-  const [a, b] = states().slice(0, 2).map((state) => entriesAt(state, node, line).yours);
-  const near = (value, {v, s}) => Math.abs(value - v) <= ROUNDED * Math.abs(value) + EQUAL * s;
-  const found = right.flatMap((isRight, k) => {
-    if (isRight || !line.thoughts || (vanishes(a[k]) && vanishes(b[k]))) return [];
-    const those = page.thoughts[line.thoughts[k]].filter(([, one, two]) => near(one, a[k]) && near(two, b[k])).map(([sentence]) => sentence);
-    return those[0] === 0 ? [0] : [...new Set(those)].slice(0, 2);
+  const found = entriesAt(states()[0], node, line).yours.flatMap((own, k) => {
+    if (right[k] || !line.thoughts || vanishes(own)) return [];
+    const all = page.thoughts[line.thoughts[k]].split(" ").map((row) => row.split(",").map(Number));
+    const those = all.filter(([, value]) => Math.abs(value - own.v) <= ROUNDED * Math.abs(value) + EQUAL * own.s);
+    const said = [...new Set(those.map(([sentence]) => sentence))];
+    return said[0] === 0 ? [0] : said.slice(0, 2);
   });
-  return [...new Set(found)].map((k) => page.sentences[k]);
+  return [...new Set(found)].map((k) => sentences[k]);
 }
+// A sentence may be told by the one before: how it begins, and how it ends, as that does.
+const sentences = [];
+for (const x of page.sentences) {
+  const last = sentences.at(-1);
+  sentences.push(typeof x === "string" ? x : last.slice(0, x[0]) + x[1] + last.slice(last.length - x[2]));
+}
+const ROUNDED = 1e-7;  // Of the numbers in which thoughts travel.
 
 // Symbols that may be read in another way: an answer that is right in one of them is right.
 function readings(node, line) {
@@ -161,7 +167,7 @@ function judged(row, text) {
     return [true, `Right: equal at ${page.states.length} random states.${notes.join("")}`];
   } catch (problem) {
     if (!problem.unreadable) throw problem;
-    return [false, `${problem.undecided ? "Not decided here" : "Cannot be read"}: ${problem.message}`];
+    return [false, `${problem.undecided ? "Not decided here" : "Cannot be read"}: ${problem.message.replace(/[.]?$/, ".")}`];
   }
 }
 // Whether it is right as it is written; not where a name has no value here.

@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from itertools import groupby
+from itertools import groupby, takewhile
 from typing import Any
 
 import numpy as np
@@ -49,11 +49,13 @@ from freebody.scalars.trig import Trig
 
 MOST_THOUGHT = 4
 """Coordinates up to which thoughts are told: of more the right values are too long."""
-_STATES, _SETS = 3, 2
+_STATES, _SETS = 2, 2
 """States with one set of parameters, and sets of parameters."""
-_MOST_ALIKE = 100
+_MOST_ALIKE = 40
 """Names without value with the same letters up to which a page knows them."""
-_DIGITS = 6
+_ALIKE = 12
+"""Characters that two sentences share if one is told by the other."""
+_DIGITS = 8
 """Of what an answer would be under a thought."""
 
 Slots = list[str | int]
@@ -89,13 +91,14 @@ class PageAnswers:
         }
         self._strange = self._others(spellings, defined)
         self._numbers: dict[_Key, int] = {}
+        self._asked_for: set[int] = set()
         self._values: dict[_Key, list[int]] = {}
         for name, x in self._own.items():
             for key, place in zip(self._keys(name, x), kernel.places(x), strict=True):
                 self._values.setdefault(key, [place])
         self._meanings = dict(self._all_meanings())
         _ = self._velocity_terms  # their places, before the page's size is known
-        self._thought: dict[_Key, list[list[Any]]] = {}
+        self._thought: dict[_Key, str] = {}
         self.sentences = [STILL]
 
     def _equations(self, plain: Derivation) -> RightEquations:
@@ -222,6 +225,7 @@ class PageAnswers:
         asked = self._asked(name)
         numbers = (self._meanings.get(spelt(x), {}).get("q") for x in (name, *given))
         own = [x for x in dict.fromkeys(numbers) if x is not None]
+        self._asked_for.update(own)
         found: dict[str, Any] = {"own": own}
         if asked and _is_of_bodies(asked[0]):
             found["bodies"] = 1
@@ -253,37 +257,33 @@ class PageAnswers:
         keys = [*self._thought]
         return [keys.index(_key(target)) for target in asked]
 
-    def _thoughts(self, target: AskedQuantity) -> list[list[Any]]:
-        """Sentences by number, and what the right answer would be under each at the first two
-        states."""
+    def _thoughts(self, target: AskedQuantity) -> str:
+        """Sentences by number, and what the right answer would be under each at the first state."""
         setting = self.setting
         if setting.turned is not None or len(setting.symbols.coordinates) > MOST_THOUGHT:
-            return []
+            return ""
         right = target.compute()
         if not isinstance(right, Trig) or setting.is_free_body:
-            return []
-        rows = [self._thought_at(target, right, point) for point in self._points]
-        own = [point.of(right) for point in self._points]
-        kept = []
-        for (text, _), *at in zip(rows[0], *([x for _, x in row] for row in rows), strict=True):
-            if np.isfinite(at).all() and not np.allclose(at, own, rtol=1e-9, atol=0.0):
-                kept.append([self._sentence(text), *(float(f"{x:.{_DIGITS}g}") for x in at)])
-        return kept
+            return ""
+        point = RealPoint.of_state(setting.ring, self._signed(self._any[0]))
+        told = [(text, float(x)) for text, x in self._thought_at(target, right, point)]
+        own = point.of(right)
+        kept = {
+            f"{self._sentence(text)},{x:.{_DIGITS}g}": None
+            for text, x in told
+            if np.isfinite(x) and not np.isclose(x, own, rtol=1e-9, atol=0.0)
+        }
+        return " ".join(kept)
 
     def _thought_at(
         self, target: AskedQuantity, right: Trig, point: RealPoint
-    ) -> list[tuple[str, float]]:
-        thoughts = Misconceptions(self.setting, self.targets, target, right, point)
-        found = [(text, float(x)) for text, x in thoughts.all()]
+    ) -> Iterator[tuple[str, float]]:
+        """Also that nothing moves, where that may be meant."""
         if target.family in OF_FORCES:
             moving = [name for name in self.setting.ring.names if name.endswith((RATE, SECOND))]
             still = point.changed(dict.fromkeys(moving, 0.0)).of(right)
-            found.insert(0, (STILL, float(still) if still else np.nan))
-        return found
-
-    @cached_property
-    def _points(self) -> list[RealPoint]:
-        return [RealPoint.of_state(self.setting.ring, self._signed(row)) for row in self._any[:2]]
+            yield STILL, still if still else np.nan
+        yield from Misconceptions(self.setting, self.targets, target, right, point).all()
 
     def _signed(self, row: Mapping[str, float]) -> dict[str, float]:
         """A state with the signs of its rates."""
@@ -421,7 +421,7 @@ class PageAnswers:
             "glued": [x for x in self._apart if x in GLUED],
             "others": [values[x] for x in others],
             "states": self._states(names, values),
-            "sentences": self.sentences,
+            "sentences": list(_by_the_last(self.sentences)),
             "thoughts": list(self._thought.values()),
             "readings": self._readings(names),
         }
@@ -434,19 +434,22 @@ class PageAnswers:
 
     def _words(self, order: Sequence[str]) -> list[list[Any]]:
         """All names by their spellings, θ1 and θ̇2 as theta# and ˙theta#: the spellings, what they
-        mean by their figures, and the figures of those that have no value."""
+        mean by their figures, the figures of those that have no value; and 1 of names that stand
+        alone, 2 of those of bodies."""
         index = _places(order)
         apart, groups = frozenset(self._apart), dict[tuple[Any, ...], list[str]]()
         for name, meaning in self._meanings.items():
-            made = json.dumps(_numbered(meaning, index))
+            said = {key: x for key, x in meaning.items() if key != "q" or x in self._asked_for}
+            marks = (name in apart) + 2 * said.pop("b", 0)
+            made = json.dumps(_numbered(said, index))
             template, figures = _template(name)
             target = self._targets_of.get(name)
-            groups.setdefault((made, figures, name in apart, target), []).append(template)
-        rows: dict[tuple[str, bool], _WordRow] = {}
-        for (made, figures, is_apart, _), templates in groups.items():
+            groups.setdefault((made, figures, marks, target), []).append(template)
+        rows: dict[tuple[str, int], _WordRow] = {}
+        for (made, figures, marks, _), templates in groups.items():
             own = " ".join(_by_dots(set(templates)))
-            rows.setdefault((own, is_apart), {})[figures] = json.loads(made)
-        made_rows = ([own, *_row(row), int(is_apart)] for (own, is_apart), row in rows.items())
+            rows.setdefault((own, marks), {})[figures] = json.loads(made)
+        made_rows = ([own, *_row(row), marks] for (own, marks), row in rows.items())
         return [row for row in made_rows if any(row[1:4])]
 
     @cached_property
@@ -466,6 +469,23 @@ def _key(target: AskedQuantity) -> _Key:
 
 def _is_of_bodies(target: AskedQuantity) -> bool:
     return target.family in BODY_FAMILIES
+
+
+def _by_the_last(texts: Sequence[str]) -> Iterator[str | list[Any]]:
+    """Texts, of those that are like the one before how many characters they begin with as it does,
+    what follows, and how many they end with as it does."""
+    before = ""
+    for text in texts:
+        begin = _alike(before, text)
+        end = _alike(before[begin:][::-1], text[begin:][::-1])
+        middle = text[begin : len(text) - end]
+        yield [begin, middle, end] if begin + end > _ALIKE else text
+        before = text
+
+
+def _alike(one: str, other: str) -> int:
+    """With how many equal characters two texts begin."""
+    return sum(1 for _ in takewhile(lambda both: both[0] == both[1], zip(one, other, strict=False)))
 
 
 def _places(names: Sequence[str]) -> dict[str, int]:

@@ -199,7 +199,7 @@ function respelt(all, [found, items]) {
         apart = false;
       }
     }
-    [at, isCut] = [stop, true]; // what was put there is no part of what follows
+    [at, isCut] = [stop, true];  // what was put there is no part of what follows
   }
   upTo(all.length);
   return made;
@@ -373,11 +373,11 @@ function tokensOf(all, names, isFunction) {
     let stop = numberStep()(all, k, all.length, {});
     if (stop < 0) {
       if (all[k + 1] && !all[k + 1].apart && all[k + 1].kind !== "line") throw unreadable("a decimal point without digits");
-      return k + 1; // a full stop
+      return k + 1;  // a full stop
     }
     const kinds = found.slice(-2).map((token) => token.kind);
     const bare = kinds.at(-1) === "fraction" || kinds.join() === "fraction,number";
-    if (bare && all.slice(k, stop).every((x) => x.kind === "digit")) stop = k + 1; // \frac12
+    if (bare && all.slice(k, stop).every((x) => x.kind === "digit")) stop = k + 1;  // \frac12
     const text = plain(all.slice(k, stop)), [mantissa, exponent] = text.toLowerCase().split("e");
     if (mantissa.length > 40 || Math.abs(Number(exponent ?? 0)) > 30) throw unreadable("this number is too long or too large");
     is("number", text, Number(text));

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cache
@@ -198,7 +199,7 @@ def _values(
 
 # ---------------------------------------------------------------- what the script is given
 def _said(body: Mapping[str, Any]) -> dict[str, Any]:
-    """What a page says of a body: what it lacks is left out."""
+    """What a page says of a body or line: what it lacks is left out."""
     return {key: x for key, x in body.items() if x or (x == 0 and x is not False)}
 
 
@@ -221,7 +222,7 @@ def _line(
     asked = {"name": name, "diagnosed": is_diagnosed(line, found)} if name else {}
     asked |= answers.of_line(left.name, own) if name and isinstance(left, Symbol) else {}
     places = kernel.places(line.value)
-    return {"places": places, "vector": len(places) if rank(line.value) else 0, **asked}
+    return _said({"places": places, "vector": len(places) if rank(line.value) else None, **asked})
 
 
 def _option(letters: Lettering) -> str:
@@ -299,5 +300,22 @@ def _script() -> str:
     names = SCRIPTS
     text = "\n".join(folder.joinpath(name).read_text(encoding="utf-8") for name in names)
     lines = filter(None, (line.partition("  // ")[0].strip() for line in text.splitlines()))
-    code = "\n".join(line for line in lines if not line.startswith("//"))
+    code = "\n".join(_dense(line) for line in lines if not line.startswith("//"))
     return f'(function () {{\n"use strict";\nconst page = PAGE;\n{code}\n}})();\n'
+
+
+_QUOTED = re.compile(r"""("(?:\\.|[^"\\])*"|`[^`]*`)""")
+_BLANKS = re.compile(
+    r" (?=[=<>?:,;{}()\[\]&|*])|(?<=[=<>?:,;{}()\[\]&|*!]) (?![-+])"
+    r"|(?<=[\w)\]]) (?=[-+] [\w(\[])|(?<=[\w)\]] [-+]) (?=[\w(\[])"
+)
+"""Around signs, but where two would be another."""
+
+
+def _dense(line: str) -> str:
+    """A line of the script without most blanks; one that may hold a regular expression stays as it
+    is."""
+    parts = _QUOTED.split(line)
+    if any("/" in code for code in parts[::2]):
+        return line
+    return "".join(x if k % 2 else _BLANKS.sub("", x) for k, x in enumerate(parts))

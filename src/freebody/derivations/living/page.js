@@ -83,6 +83,8 @@ function predict(on) {
   for (const old of document.querySelectorAll(".questions")) old.remove();
   for (const step of document.querySelectorAll(".hidden")) step.classList.remove("hidden");
   if (on) document.querySelectorAll(".values").forEach(hide);
+  view.predicts = on;  // numbers of forces and moments could be read off the drawing
+  follow();
 }
 
 // A slider may round its value in the last digit, so that all are read from the first.

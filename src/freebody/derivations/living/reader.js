@@ -150,7 +150,7 @@ class Reader {
   name() {
     let {text} = this.take();
     if (this.token.text === "(" && this.ahead(1).text === "t" && this.ahead(2).text === ")") this.at += 3;
-    const turn = /^R[0-9]$/.test(text) && this.turnBehind(); // R_1^2 turns components from body 1 to body 2
+    const turn = /^R[0-9]$/.test(text) && this.turnBehind();  // R_1^2 turns components from body 1 to body 2
     if (turn && this.meaning(`R${turn}${text[1]}`)) {
       this.exponent();
       text = `R${turn}${text[1]}`;
@@ -213,7 +213,7 @@ class Reader {
   }
   call() {
     const token = this.take(), word = page.functions[token.text];
-    if (word === "Derivative") throw undecided("A derivative");
+    if (word === "Derivative") return this.rate();
     if (word === "Matrix") {
       this.at--;
       return this.table();
@@ -231,6 +231,19 @@ class Reader {
     if (power === -1 && has(INVERSE, `arc${word}`)) return this.inverse(token, `arc${word}`);
     const node = {is: word, parts: [this.argument(token)]};
     return power === 1 ? node : {is: "power", parts: [node], exponent: power};
+  }
+  // Derivative(theta1(t), t) and Derivative(theta1(t), (t, 2)) of a coordinate, as SymPy prints them.
+  rate() {
+    let text = "", depth = 0;
+    do {
+      const token = this.take();
+      depth += {open: 1, close: -1}[token.kind] || 0;
+      text += token.text;
+    } while (depth > 0 && this.token.kind !== "stop");
+    const [, name, twice] = /^\((\w+?)(?:\(t\))?,(?:t|\(t,1\)|(\(t,2\)|t,t|t,2))\)$/.exec(text) || [];
+    const rate = name && this.meaning((twice ? "\u02d9\u02d9" : "\u02d9") + name);
+    if (!rate) throw undecided("A derivative");
+    return {is: "name", text: name, parts: [], ...rate};
   }
   inverse({text}, word) {
     if (this.token.kind === "fraction") return {is: word, parts: [this.primary()]};
