@@ -28,7 +28,7 @@ pytestmark = [
     ),
 ]
 
-LARGEST = 620_000  # bytes
+LARGEST = 670_000  # bytes
 REQUEST = "Network.requestWillBeSent"
 RANDOM = np.random.default_rng(7)
 NAMES = "return [...document.querySelectorAll('.slider input')].map(e => e.dataset.input)"
@@ -428,7 +428,7 @@ def test_vectors_of_three_entries_are_predicted(driver, tmp_path):
         "theta2_d*[1, 0, 0] + cross([theta1_d, 0, 0], [0, c2, -s2])": "Right: ",
         "[theta2_d, theta1_d sin(theta2), 0]": "Not right: ",
         "cross([1, 0, 0], [theta1_d, theta2_d, 0])": "Not right: ",
-        "[theta1_d, theta2_d]": "Not right: ",
+        "[theta1_d, theta2_d]": "Cannot be read: omega2 has 3 entries here.",
         "[1, 2] + [1, 2, 3]": "Cannot be read: ",
         "cross(1, [1, 2, 3])": "Cannot be read: ",
         "[1, 2, 3, 4]": "Cannot be read: ",
@@ -569,7 +569,7 @@ def test_the_keyboard_is_enough(driver, tmp_path):
         if asked.tag_name == "input" and asked.get_attribute("type") == "text":
             break
     answer = driver.execute_script("return arguments[0].closest('.answer')", asked)
-    for typed, verdict in (("1", "Not right: "), ("m2*(vc2_d - gravity)", "Right: ")):
+    for typed, verdict in (("[1, 2]", "Not right: "), ("m2*(vc2_d - gravity)", "Right: ")):
         asked.send_keys(Keys.CONTROL, "a", Keys.NULL, typed, Keys.ENTER)
         said = answer.find_element("css selector", "p").text
         assert said.startswith(verdict), (answer.get_attribute("data-name"), said)
@@ -598,9 +598,9 @@ WRONG = {
     "f12": ["m2*(vc2_d + gravity)", "m2*vc2x_d", "[0, 0]"],
 }
 UNREAD = [
-    "tau2", "2 +", "(" * 500 + "1", "-" * 500 + "1", "alert(1)", "document.title = 'run'",
-    "constructor", "__proto__", "sin", "sin(1, 2)", "f12 f12", "f12 + 1", "m2 ^ 0.5", "m2^2^2",
-    "1/m2 lc2", "[1, 2", "<b>1</b>", "${1}", "'", "1;2", "x" * 5000, "toString()", "lc2(", "7 = 7",
+    "tau2", "2 +", "(" * 500 + "1", "alert(1)", "document.title = 'run'",
+    "constructor", "__proto__", "sin", "sin(1, 2)", "f12 + 1", "m2 ^ 0.5", "m2^2^2",
+    "[1, 2", "<b>1</b>", "'", "x" * 5000, "toString()", "lc2(", "7 = 7",
 ]
 # fmt: on
 
@@ -617,8 +617,7 @@ def test_predict_first(driver, tmp_path):
             assert verdict.startswith(("Not right: ", "Cannot be read")), (answer, verdict)
             assert hidden
             command = f"freebody check ROBOT '{line} = " in verdict
-            scalar = line == "omega2" or answer in ("0", "1/0")
-            assert command == (scalar and verdict.startswith("Not right")), verdict
+            assert command == (line != "f12" and verdict.startswith("Not right")), verdict
     for answer in UNREAD:
         verdict, hidden = driver.execute_script(ANSWER, "tau2", answer)
         assert verdict.startswith("Cannot be read: "), (answer, verdict)
@@ -661,9 +660,6 @@ READ = {
 }  # fmt: skip
 
 
-UNREAD_BY_PAGES = ("cos 2", "theta12_d")
-
-
 def test_pages_read_answers_as_check_does(driver, tmp_path):
     """What a page reads means the same to `fb.check`."""
     model = fb.load("2R")
@@ -674,9 +670,8 @@ def test_pages_read_answers_as_check_does(driver, tmp_path):
             said, _ = driver.execute_script(ANSWER, line, answer)
             right = fb.check(model, answer if "=" in answer else f"{line} = {answer}")
             verdict = {True: "Right: ", False: "Not right: "}[bool(right)]
-            unread = answer.endswith(UNREAD_BY_PAGES)
-            assert said.startswith("Cannot be" if unread else verdict), (answer, said)
-    for line, answer in (("omega2", "w2"), ("omega2", "omega_2"), ("f12", "[f12x, f_{12}y]")):
+            assert said.startswith(verdict), (answer, said)
+    for line, answer in (("omega2", "w2"), ("omega2", "omega_2"), ("f12", "[f12x, f_{12y}]")):
         said, _ = driver.execute_script(ANSWER, line, answer)
         assert said.startswith("Cannot be read: There is no "), said  # its own reason
 
@@ -720,12 +715,12 @@ def test_energies_are_typed_as_they_are_printed(driver, tmp_path):
         ("T1", "-1/-2 (m1 lc1^2 + I1) theta1_d^2", "Right: "),
         ("T1", "1/2 I1 theta1_d^2", "Not right: "),
         ("T1", "m1 lc1^2/2 theta1_d^2 + I1/2 theta1_d^2", "Right: "),
-        ("T1", "m1 lc1^2/m2 theta1_d^2", "Cannot be read: Write * or brackets"),
-        ("T1", "1½ (m1 lc1^2 + I1)/3 * theta1_d^2", "Cannot be read: Write * between 1 and ½"),
-        ("T1", "1.0.5 (m1 lc1^2 + I1) theta1_d^2", "Cannot be read: Write * or ^ between 1.0"),
-        ("T1", "0,5 m1 vc1^2", "Cannot be read: Vectors are written in square brackets"),
-        ("rc1", "(lc1 c1, lc1 s1)", "Cannot be read: Vectors are written in square brackets"),
-        ("V1", "9.81 m1 lc1 s1", "Not right: here it is 16.617, as the line, but not with other"),
+        ("T1", "m1 lc1^2/m2 theta1_d^2", "Not right: "),
+        ("T1", "1½ (m1 lc1^2 + I1)/3 * theta1_d^2", "Cannot be read: the number ½ follows 1"),
+        ("T1", "1.0.5 (m1 lc1^2 + I1) theta1_d^2", "Cannot be read: the number .5 follows 1.0"),
+        ("T1", "0,5 m1 vc1^2", "Not decided here: More than one equation"),
+        ("rc1", "(lc1 c1, lc1 s1)", "Cannot be read: there is , where )"),
+        ("V1", "9.81 m1 lc1 s1", "Right: equal at 4 random states. ‘9.81’ is read as g."),
     ):
         verdict, _ = driver.execute_script(ANSWER, line, answer)
         assert verdict.startswith(said), (answer, verdict)

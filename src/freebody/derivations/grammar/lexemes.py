@@ -35,13 +35,12 @@ class Lexeme(NamedTuple):
 
 
 _LOW, _HIGH = "".join(table.LOW), "".join(table.HIGH)
-_ANY_MARK = "\u0300-\u036f\u20d7˙¨"
 _LEXEME = re.compile(
-    rf"(?P<letter>[^\W\d_{_LOW}{_HIGH}ᵀ{''.join(table.VULGAR_FRACTIONS)}][{_ANY_MARK}]*)"
+    rf"(?P<letter>[^\W\d_{_LOW}{_HIGH}ᵀ{''.join(table.VULGAR_FRACTIONS)}][{table.ANY_MARK}]*)"
     rf"|(?P<digit>[0-9])|(?P<blank>(?:[^\S\n]|[{table.SILENT}])+)"
     r"|(?P<environment>\\(?:begin|end)\s*\{[A-Za-z]+\*?\}(?:\{[clr|\s]*\})?)"
     r"|(?P<row>\\\\(?:\s*\[[^\]\n]{0,12}\])?)|(?P<command>\\(?:[A-Za-z]+|.|$))"
-    rf"|(?P<low>[{_LOW}])|(?P<high>[{_HIGH}])|(?P<mark>[{_ANY_MARK}])|(?P<line>\n)"
+    rf"|(?P<low>[{_LOW}])|(?P<high>[{_HIGH}])|(?P<mark>[{table.ANY_MARK}])|(?P<line>\n)"
     rf"|(?P<comment>\#[^\n]*)|(?P<sign>{'|'.join(map(re.escape, table.SIGNS))}|.)",
     re.DOTALL,
 )

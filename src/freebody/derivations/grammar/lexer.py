@@ -52,10 +52,6 @@ class Grammar(Protocol):
 
 _NUMBER = LexemePattern("@number")
 _LONGEST_NUMBER, _LARGEST_EXPONENT = 40, 30
-_SIGNS = {
-    "∂": "partial", "\\partial": "partial", "ᵀ": "transpose", "=": "equals", "==": "equals",
-    ",": "comma", "&": "amp", "°": "degree", ";": "line", "\n": "line",
-}  # fmt: skip
 _CLOSING = frozenset(table.BRACKETS.values())
 MATRICES = frozenset(table.MATRICES)
 
@@ -141,8 +137,8 @@ def _mark(source: Source, x: Lexeme, language: Grammar) -> Token:
         return Token("open", text[-1], *span)
     if text in _CLOSING:
         return Token("close", text[-1], *span)
-    if text in _SIGNS:
-        return Token(_SIGNS[text], text, *span)
+    if text in table.KINDS_OF_SIGNS:
+        return Token(table.KINDS_OF_SIGNS[text], text, *span)
     if text in table.VULGAR_FRACTIONS:
         return Token("number", text, *span, Fraction(*table.VULGAR_FRACTIONS[text]))
     if x.kind in ("row", "begin", "end"):

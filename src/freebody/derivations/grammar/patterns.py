@@ -136,7 +136,7 @@ _PLACES: dict[str, Callable[[Lexemes, int, int], bool]] = {
 a word begins or ends."""
 
 # -------------------------------------------------------------------------------- reading
-_ITEM = re.compile(
+ITEM = re.compile(
     r"(?P<back>!?--?(?=[^\s?]))?(?P<look>[!&](?=[^\s?]))?(?:(?P<name>[a-z_]+):(?=\S))?"
     r"(?P<glued>~(?=\S))?(?P<body><|>|\||.+?)"
     r"(?P<times>(?<=.)[?*+]|\{\d+,\d+\})?"
@@ -184,7 +184,7 @@ class _Reader:
         return _sequence(items)
 
     def _item(self) -> _PatternItem:
-        match = _ITEM.fullmatch(self.words[self.at])
+        match = ITEM.fullmatch(self.words[self.at])
         assert match, self.words[self.at]
         self.at += 1
         times = match["times"]

@@ -87,5 +87,5 @@ function turned(sheet, body, at, place, value, name) {
   const first = length(minus(place, at(body.joint))) < 0.5, way = far ? minus(far, at(body.joint)) : [0, 1];
   const facing = Math.atan2(first ? way[1] : -way[1], first ? -way[0] : way[0]), side = value > 0 ? 1 : -1;
   const on = arc(sheet, "moment", place, first ? 17 : 21, facing - side * SPAN / 2, side * SPAN, 9);
-  sheet.want("moment-text", name, [0.75, 0.25, 0.5, 1, 0].map(on), ` = ${significant(value)} N m`);
+  sheet.want("moment-text", name, [0.75, 0.25, 0.5, 1, 0].map(on), view.predicts ? "" : ` = ${significant(value)} N m`);
 }

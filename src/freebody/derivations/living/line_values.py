@@ -59,6 +59,8 @@ class LineValues:
     known: frozenset[str]
     """Names that the model of an open chain itself gives; others are defined by a line."""
     lines: tuple[ValuedLine, ...]
+    defined: frozenset[str] = frozenset()
+    """Names that only a line gives a value."""
 
 
 def line_values(derivation: Derivation, values: Quantities | None = None) -> LineValues:
@@ -93,8 +95,10 @@ def _lines(derivation: Derivation, values: Quantities, known: frozenset[str]) ->
     if symbols.model.dim == 3:
         values = own_axes(values, {name: symbols.ring[name] for name in symbols.ring.names})
     waiting = [(step, line) for step in derivation.steps for line in step.equations]
+    given = frozenset(values)
     while new := _defined((line for _, line in waiting), values):
         values |= new
+    defined = frozenset(values) - given
     made = [_valued(step, line, values) for step, line in waiting]
     if symbols.model.dim == 3:
         world = world_axes(values)
@@ -102,7 +106,8 @@ def _lines(derivation: Derivation, values: Quantities, known: frozenset[str]) ->
             one or _valued(step, line, world, in_world=True)
             for one, (step, line) in zip(made, waiting, strict=True)
         ]
-    return LineValues(values, known, tuple(_with_quotients(waiting, made, values)))
+    told = tuple(_with_quotients(waiting, made, values))
+    return LineValues(values, known, told, defined)
 
 
 def traced_values(
@@ -126,6 +131,7 @@ def _traced(derivation: Derivation, values: Mapping[str, Any], program: PageProg
     waiting = [(step, line) for step in derivation.steps for line in step.equations]
     hidden = {scalar_name(x): program.inputs[x] for x in values if x in program.inputs}
     found = Quantities(_with_parts(values) | hidden, derivation.equations.layout)
+    given = frozenset(found)
     while new := _defined((line for _, line in waiting), found):
         found = Quantities(_with_parts(new) | found | new, found.layout)
     world = world_axes(found) if derivation.equations.symbols.model.dim == 3 else found
@@ -140,7 +146,8 @@ def _traced(derivation: Derivation, values: Mapping[str, Any], program: PageProg
     unlike = _unlike(sides, program)
     right = {(x.step, x.line): x for k, x in reversed([*enumerate(told)]) if k not in unlike}
     known = frozenset(name for name in values if name.startswith("tau"))
-    return LineValues(found, known, tuple(right[x] for x in waiting if x in right))
+    told_lines = tuple(right[x] for x in waiting if x in right)
+    return LineValues(found, known, told_lines, frozenset(found) - given)
 
 
 def _with_parts(values: Mapping[str, Any]) -> dict[str, Any]:

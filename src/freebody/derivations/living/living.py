@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cache
@@ -14,8 +15,8 @@ from typing import Any
 from freebody.derivations.closed_chains.first_kind import MULTIPLIER
 from freebody.derivations.derivation import Derivation
 from freebody.derivations.expressions.expression import Symbol
-from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar.atoms import atom
+from freebody.derivations.living.answers import PageAnswers
 from freebody.derivations.living.body_quantities import body_quantities
 from freebody.derivations.living.closed_chain import ClosedChain
 from freebody.derivations.living.drawn_bodies import DrawnBodies
@@ -55,8 +56,8 @@ _WIDEST: dict[str, float] = {"rad": math.pi, "rad/s": 5.0, "rad/s²": 20.0, "m/s
 """The end of a slider, by unit; of other units three times the value, at least 1."""
 
 SCRIPTS = (
-    "formula.js", "symbols.js", "placing.js", "drawing.js", "free_bodies.js", "closing.js",
-    "page.js",
+    "grammar.js", "reader.js", "symbols.js", "placing.js", "drawing.js", "free_bodies.js",
+    "closing.js", "answers.js", "page.js",
 )  # fmt: skip
 """The page's own script in its parts."""
 
@@ -118,23 +119,26 @@ def _parts(
 ) -> LivingParts:
     """marked: places in the kernel of the tip, if there is one, and of further points."""
     plain, letters = derivation.plain or derivation, derivation.lettering
-    page: dict[str, Any] = {
-        "bodies": list(map(_said, bodies)),
-        "lines": [_line(kernel, found, line, letters) for line in found.lines],
-    }
     spoken = dict.fromkeys(name for line in found.lines for name in line.names)
     readable = {name: x for name in spoken if rank(x := found.quantities[name]) <= 1}
     by_formula: dict[str, Any] = dict(plain.equations.symbols.followed({}))  # lc1 = l1/2
     readable = by_formula | readable
-    page["names"] = {name: kernel.places(x) for name, x in readable.items()}
+    for value in (*(line.value for line in found.lines), *readable.values()):
+        kernel.places(value)
     following.page(
         kernel, dict.fromkeys(following.names, 0)
     )  # first: it needs places in the kernel
+    used = kernel.used | frozenset(following.names)
+    answers = PageAnswers(derivation, kernel, readable, found.defined)
+    page: dict[str, Any] = {
+        "bodies": list(map(_said, bodies)),
+        "lines": [_line(kernel, found, line, letters, answers) for line in found.lines],
+    }
     units = units_of_symbols(plain) | dict.fromkeys(LOADS[3], "N")
     if isinstance(following, ClosedChain):
         units |= following.units
     figure = labels.figure
-    inputs = _inputs(plain, kernel, following, figure.start, units)
+    inputs = _inputs(plain, used, following, figure.start, units)
     if following.names:
         indices = {x["name"]: k for k, x in enumerate(inputs)}
         page[following.key] = following.page(kernel, indices)
@@ -145,7 +149,7 @@ def _parts(
     points = marked.get("points", [])
     page["figure"] = {"rule": dict(figure.rule), "axes": axes, "rods": rods, "points": points}
     page["figure"] |= {"tip": tip} if tip else {}
-    page |= _notation(letters, [*readable, *(x["name"] for x in inputs)])
+    page |= answers.page(inputs) | {"option": _option(letters)}
     own = dict(zip(plain.steps, derivation.steps, strict=True))
     script = _script().replace("PAGE", _json(page), 1)
     of_lines = LineUnits(plain, units)
@@ -157,7 +161,7 @@ def _parts(
     return LivingParts(
         panel(inputs, dim, alone, letters, figure.view) + labels.template(),
         {own[step]: rows for step, rows in told.items()},
-        f"{kernel.source([x['name'] for x in inputs])}\n{script}",
+        f"{kernel.source(answers.symbols(inputs))}\n{script}",
     )
 
 
@@ -195,15 +199,19 @@ def _values(
 
 # ---------------------------------------------------------------- what the script is given
 def _said(body: Mapping[str, Any]) -> dict[str, Any]:
-    """What a page says of a body: what it lacks is left out."""
+    """What a page says of a body or line: what it lacks is left out."""
     return {key: x for key, x in body.items() if x or (x == 0 and x is not False)}
 
 
 def _line(
-    kernel: PageProgram, found: LineValues, line: ValuedLine, letters: Lettering
+    kernel: PageProgram,
+    found: LineValues,
+    line: ValuedLine,
+    letters: Lettering,
+    answers: PageAnswers,
 ) -> dict[str, Any]:
-    """Where its value is; what it is called, if it can be asked for; which of the names with a
-    value an answer may not use: its own, or it would be its own reason."""
+    """Where its value is; what it is called, if it can be asked for, and how an answer is judged:
+    it may not use the line's own names, or it would be its own reason."""
     left = line.line.lhs
     own = [
         x.name
@@ -211,19 +219,17 @@ def _line(
         if isinstance(x, Symbol) and (x is left or x.name not in kernel.inputs)
     ]
     name = letters.symbol(left).name if isinstance(left, Symbol) and not line.in_world else ""
-    asked = {"name": name, "own": own, "diagnosed": is_diagnosed(line, found)} if name else {}
+    asked = {"name": name, "diagnosed": is_diagnosed(line, found)} if name else {}
+    asked |= answers.of_line(left.name, own) if name and isinstance(left, Symbol) else {}
     places = kernel.places(line.value)
-    return {"places": places, "vector": len(places) if rank(line.value) else 0, **asked}
+    return _said({"places": places, "vector": len(places) if rank(line.value) else None, **asked})
 
 
-def _notation(letters: Lettering, names: Iterable[str]) -> dict[str, Any]:
-    """What names of a notation stand for, its letters of cosines and sines, and its option."""
-    symbols = [x for x in map(sym, names) if isinstance(x, Symbol)]
-    called = {letters.symbol(x).name: x.name for x in symbols if letters.symbol(x) != x}
+def _option(letters: Lettering) -> str:
+    """The option by which the command line knows a notation."""
     name = letters.notation.name
-    option = f" --notation {name if name in PRESETS else f'{name}.toml'}"
-    waves = {"c": "cos", "s": "sin"} | {x: f for f, x in letters.waves.items()}
-    return {"called": called, "waves": waves, "option": option if name != PRESETS[0] else ""}
+    told = f" --notation {name if name in PRESETS else f'{name}.toml'}"
+    return told if name != PRESETS[0] else ""
 
 
 def is_diagnosed(line: ValuedLine, found: LineValues) -> bool:
@@ -236,14 +242,14 @@ def is_diagnosed(line: ValuedLine, found: LineValues) -> bool:
 
 def _inputs(
     derivation: Derivation,
-    kernel: PageProgram,
+    used: frozenset[str],
     following: Following,
     start: Mapping[str, float],
     units: Mapping[str, str],
 ) -> list[dict[str, Any]]:
-    """The symbols that have a slider: name, value, range, kind; start: values for some."""
+    """The symbols that have a slider, of those used: name, value, range, kind; start: values for
+    some."""
     symbols = derivation.equations.symbols
-    used = kernel.used | frozenset(following.names)
     moving = [x + dots for dots in ("", RATE, SECOND) for x in symbols.coordinates]
     names = [x for x in dict.fromkeys((*moving, *symbols.ring.names)) if x in used]
     values = typical(names, derivation.equations.symbols.model.parameters)
@@ -283,7 +289,7 @@ def _angles(derivation: Derivation) -> set[str]:
 
 def _json(page: dict[str, Any]) -> str:
     """Data inside a script element, which no name in it can end."""
-    text = json.dumps(page, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    text = json.dumps(page, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.replace("<", "\\u003c")
 
 
@@ -294,5 +300,22 @@ def _script() -> str:
     names = SCRIPTS
     text = "\n".join(folder.joinpath(name).read_text(encoding="utf-8") for name in names)
     lines = filter(None, (line.partition("  // ")[0].strip() for line in text.splitlines()))
-    code = "\n".join(line for line in lines if not line.startswith("//"))
+    code = "\n".join(_dense(line) for line in lines if not line.startswith("//"))
     return f'(function () {{\n"use strict";\nconst page = PAGE;\n{code}\n}})();\n'
+
+
+_QUOTED = re.compile(r"""("(?:\\.|[^"\\])*"|`[^`]*`)""")
+_BLANKS = re.compile(
+    r" (?=[=<>?:,;{}()\[\]&|*])|(?<=[=<>?:,;{}()\[\]&|*!]) (?![-+])"
+    r"|(?<=[\w)\]]) (?=[-+] [\w(\[])|(?<=[\w)\]] [-+]) (?=[\w(\[])"
+)
+"""Around signs, but where two would be another."""
+
+
+def _dense(line: str) -> str:
+    """A line of the script without most blanks; one that may hold a regular expression stays as it
+    is."""
+    parts = _QUOTED.split(line)
+    if any("/" in code for code in parts[::2]):
+        return line
+    return "".join(x if k % 2 else _BLANKS.sub("", x) for k, x in enumerate(parts))

@@ -21,6 +21,8 @@ const plus = (a, b, share = 1) => a.map((u, k) => u + share * b[k]);
 const minus = (a, b) => a.map((u, k) => u - b[k]);
 const opposite = (v) => v.map((u) => -u);
 const left = ([x, y]) => [y, -x];
+const dot = (a, b) => a.reduce((total, u, k) => total + u * b[k], 0);
+const cross = (a, b) => [0, 1, 2].map((k) => a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3]);
 const towards = (angle) => [Math.cos(angle), -Math.sin(angle)];
 
 function head(parent, kind, tip, way, size) {

@@ -54,8 +54,6 @@ class Kind:
     """Whether entries i, j and j, i are one."""
     has_own_sense: bool = False
     """Whether which of two senses it has is settled apart from quantities of other kinds."""
-    turns_with_coordinates: bool = False
-    """Whether in other coordinates its entries are sums of those in these: Bᵀ τ, Bᵀ M B."""
 
     # ------------------------------------------------------------ where lines about it hold
     holds_by_loops: bool = False
@@ -99,8 +97,6 @@ class Kind:
     of_one_body: bool = False
     is_about_any_point: bool = False
     """Whether the answer tells about which point it is."""
-    has_velocity_products: bool = False
-    """Whether products of rates in it are its Coriolis and centrifugal terms."""
     has_velocity_terms: bool = False
     """Whether c_1 or V_1 may stand in it as a sum of velocity terms."""
 
@@ -138,13 +134,12 @@ def _of_rates(turns: Sequence[bool]) -> Unit:
 TORQUE = Kind(
     "tau", "the drive's torque or force at {joint}", _force,
     "torque", ("tau", "Q", "Gamma"), ("tau", "Q"), "tau", of="joints",
-    turns_with_coordinates=True, may_be_still=True, is_drive=True, has_velocity_products=True,
-    has_velocity_terms=True,
+    may_be_still=True, is_drive=True, has_velocity_terms=True,
 )  # fmt: skip
 MASS = Kind(
     "M", "entry {}, {} of the mass matrix", _mass,
     "mass", ("M", "H", "m", "D", "d", "B", "b"), ("H", "M"), "H", is_matrix=True, of="joints",
-    tells="motion", is_symmetric=True, turns_with_coordinates=True,
+    tells="motion", is_symmetric=True,
 )  # fmt: skip
 CORIOLIS = Kind(
     "C", "entry {}, {} of the Coriolis matrix of Christoffel symbols", _of_rates,
@@ -153,12 +148,12 @@ CORIOLIS = Kind(
 VELOCITY = Kind(
     "c", "the velocity term of {joint}", _force,
     "velocity", ("c", "C", "v", "b"), ("velocity",), "v", of="joints",
-    tells="motion", turns_with_coordinates=True, is_velocity_term=True, has_velocity_products=True,
+    tells="motion", is_velocity_term=True,
 )  # fmt: skip
 GRAVITY = Kind(
     "g", "the gravity term of {joint}", _force,
     "gravity", ("g", "G", "phi"), ("G",), "G", of="joints",
-    tells="weight", turns_with_coordinates=True,
+    tells="weight",
 )  # fmt: skip
 BIAS = Kind(
     "bias", "the velocity and gravity terms of {joint}", _force,

@@ -36,10 +36,7 @@ _OPENING = LexemePattern("( | [ | %begin")
 _CLOSING = LexemePattern("< ) | ] | %end > ᵀ?")
 _SEPARATOR = LexemePattern("< %line | & | , | ; | %row >*")
 _GOES_ON = LexemePattern("~%name_or_power | ~( | ~_ | %joining | %minus ~")
-AT_REST = LexemePattern(
-    "< still:< < In | in >? static? equilibrium | < Held | held > < still | at rest > >"
-    " | at? rest > < ,? < at | with > &%apart >?"
-)
+AT_REST = LexemePattern("@at_rest < ,? < at | with > &%apart >?")
 _COMMA = LexemePattern("~, ~%digit")
 _NEXT = LexemePattern("%line* < , | ; | and >? %line* and?")
 

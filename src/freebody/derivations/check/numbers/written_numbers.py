@@ -48,7 +48,7 @@ _WORD = LexemePattern(
 )
 _MOST_WORDS = 8
 _KEYWORDS = ("at", "for", "with", "when", "given", "let", "if")
-_WHERE = LexemePattern("--%term_end %line? %apart < @keyword %apart | @still >")
+_WHERE = LexemePattern("@condition")
 _COLON = LexemePattern("%line? :")
 _INTRODUCES = LexemePattern("< , | ; | . > < %apart | %last > | %last | then | we | one | it")
 """Behind a condition of what follows: For θ₂ = 0, with θ₂ = 0 we get."""

@@ -42,7 +42,7 @@ _NOT_POLYNOMIAL = word_set("cot exp log ln")
 _MOST_IN_SUM, _FEW = 6, 3
 """Angles of which sums of any number have names, θ123456; of more angles those of a few."""
 _BARE = str.maketrans("", "", "_{}\\")
-_GLUED = frozenset("MHCDBJ").union(
+GLUED = frozenset("MHCDBJ").union(
     *(spellings(letter, "", dots) for letter in ("q", "theta", "th") for dots in (1, 2)),
     ("q", "theta"),
 )
@@ -95,7 +95,7 @@ class Vocabulary:
             self._known = frozenset([*self.symbols, *self.waves, *self.quantities, *own, "t", "pi"])
             apart = self.alone.difference(self.symbols, self.waves)
             self._inside_words = self._known - apart
-            self._glued = apart & _GLUED
+            self._glued = apart & GLUED
         return self._known
 
     def copy(self) -> Vocabulary:

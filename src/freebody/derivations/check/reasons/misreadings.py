@@ -17,7 +17,7 @@ from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.grammar.words import spelt
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 
-_GRAVITY = ("9.8", "9.81", "9.807", "9.80665", "10")
+GRAVITY = ("9.8", "9.81", "9.807", "9.80665", "10")
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Misreading:
     """What the answer is then about, where that is another quantity."""
 
 
-_TIPS = frozenset(x for dots in range(3) for x in spellings("x", "", dots))
+TIPS = frozenset(x for dots in range(3) for x in spellings("x", "", dots))
 """Names of the tip's coordinate x and of its rates."""
 
 
@@ -158,7 +158,7 @@ def _slides(setting: RightEquations, targets: Targets, work: Workspace) -> Itera
     (slide,), found = slides, {}
     for node in work.values:
         target = targets.single.get(node.name) if isinstance(node, Named) else None
-        if target is not None and isinstance(node, Named) and node.name in _TIPS:
+        if target is not None and isinstance(node, Named) and node.name in TIPS:
             name = slide + ("", RATE, SECOND)[target.kind.dots]
             found[node] = Named(name, setting.ring[name], span=node.span)
     if found:
@@ -176,7 +176,7 @@ def _numbers(setting: RightEquations, claim: Claim, work: Workspace) -> Iterator
     found: dict[Expression, Expression] = {}
     for node in work.values:
         written = claim.source[node.span]
-        if g and isinstance(node, Number) and written in _GRAVITY:
+        if g and isinstance(node, Number) and written in GRAVITY:
             found[node] = Named(g, setting.ring[g], span=node.span)
     if not found:
         return

@@ -51,7 +51,7 @@ from freebody.scalars.trig import Trig
 _OTHER_SENSE = (
     "What has either sense, as a force at the tip, has another one here than in other lines."
 )
-_STILL = (
+STILL = (
     "It is right where nothing moves: write ‘In equilibrium:’ in front of it if that is meant; "
     "otherwise the terms with rates and accelerations are missing."
 )
@@ -207,7 +207,7 @@ class Judge:
 
     def _wrong(self, claim: Claim, yours: Trig, right: Trig, explain: bool) -> EquationVerdict:
         if explain and self._is_meant_still(claim, yours, right):
-            return self._with_example(claim, right, (), (_STILL,))
+            return self._with_example(claim, right, (), (STILL,))
         right, condition = self.numbers.at_condition(claim, right)
         findings, causes = self._explained(claim, yours, right) if explain else ([], [])
         causes = [*[f"It is compared at {condition}."] * bool(condition), *causes]

@@ -89,3 +89,10 @@ FILL = "\x1f"
 """A blank that is shown with what stands before it, where a text was made shorter."""
 SIGNS = ("**", "==", "<=", ">=", "!=", ":=")
 """Signs of two characters."""
+KINDS_OF_SIGNS = {
+    "∂": "partial", "\\partial": "partial", "ᵀ": "transpose", "=": "equals", "==": "equals",
+    ",": "comma", "&": "amp", "°": "degree", ";": "line", "\n": "line",
+}  # fmt: skip
+"""What further signs are among tokens."""
+ANY_MARK = "\u0300-\u036f\u20d7˙¨"
+"""Characters that belong to the letter before them, as in a class of a regular expression."""

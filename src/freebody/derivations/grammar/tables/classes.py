@@ -130,6 +130,9 @@ PATTERNS = {
     " within:< %digit ~%digit{0,30} < ~. ~%digit{0,30} >? >?",
     "keyword": "< at | for | when | where | with | if >",
     "still": "< in < static | equilibrium > | held >",
+    "at_rest": "still:< < In | in >? static? equilibrium | < Held | held > < still | at rest > >"
+    " | at? rest",
+    "condition": "--%term_end %line? %apart < @keyword %apart | @still >",
     "angle": "name:< < \\theta | theta | θ | q | d > ~_? {? < %digit | %low_digit > }? >",
     "other_angle": "< \\theta | theta | θ | q | d > ~_? {? < %digit | %low_digit > }?",
     "and_of_poses": "< , | or | and | \\text { < or | and > } >{1,4}",

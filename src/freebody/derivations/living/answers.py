@@ -1,0 +1,546 @@
+"""What a page judges answers by: the names that `fb.check` reads and what they stand for, states
+that the robot can be in, and what a wrong answer may have been thought by."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from itertools import groupby, takewhile
+from typing import Any
+
+import numpy as np
+
+from freebody.derivations.check.algebra.real_point import RealPoint
+from freebody.derivations.check.asked.asked_quantities import Targets
+from freebody.derivations.check.asked.quantity import AskedQuantity
+from freebody.derivations.check.asked.right_equations import (
+    RightEquations,
+    equations_of,
+    in_notation,
+)
+from freebody.derivations.check.claims import own_names
+from freebody.derivations.check.reading.vocabulary import GLUED, Vocabulary
+from freebody.derivations.check.reasons.bodies_at_point import BodiesAtPoint
+from freebody.derivations.check.reasons.free_bodies import FreeBodyMotion
+from freebody.derivations.check.reasons.misconceptions import values
+from freebody.derivations.check.reasons.misreadings import GRAVITY, TIPS
+from freebody.derivations.check.reasons.thoughts import Subject
+from freebody.derivations.check.states.admissible_states import AdmissibleStates, StateSampler
+from freebody.derivations.check.states.state_values import SIGN
+from freebody.derivations.check.verdicts.equation_verdict import STILL
+from freebody.derivations.derivation import Derivation
+from freebody.derivations.expressions.expression import Symbol
+from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.grammar.atoms import atom
+from freebody.derivations.grammar.dotted_names import spellings
+from freebody.derivations.grammar.tables.characters import DOT
+from freebody.derivations.grammar.words import spelt
+from freebody.derivations.living.kernel import PageProgram
+from freebody.derivations.living.language import tables
+from freebody.derivations.methods import METHODS
+from freebody.derivations.parameter_formulas import freed
+from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.polynomials.typical_values import typical
+from freebody.derivations.relations.formula_values import rank
+from freebody.errors import FreebodyError
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
+
+MOST_THOUGHT = 4
+"""Coordinates up to which thoughts are told: of more the right values are too long."""
+_STATES, _SETS = 2, 2
+"""States with one set of parameters, and sets of parameters."""
+_MOST_ALIKE = 40
+"""Names without value with the same letters up to which a page knows them."""
+_ALIKE = 12
+"""Characters that two sentences share if one is told by the other."""
+_DIGITS = 8
+"""Of what an answer would be under a thought."""
+
+Slots = list[str | int]
+"""A sum of symbols by name and of values by place in y; of a function of it the name first, behind
+a ~."""
+_Key = tuple[Any, ...]
+_WordRow = dict[str, dict[str, Any]]
+
+
+class PageAnswers:
+    """The language of one page. readable: quantities of its lines by name; defined: those that a
+    line of its own defines."""
+
+    def __init__(
+        self,
+        derivation: Derivation,
+        kernel: PageProgram,
+        readable: Mapping[str, Any],
+        defined: Collection[str],
+    ):
+        plain = derivation.plain or derivation
+        self._kernel, self._notation = kernel, derivation.lettering.notation
+        self._at_rest = METHODS[plain.method].at_rest
+        self.setting = self._equations(plain)
+        self.targets = Targets(self.setting, letters=self._notation.all_letters)
+        self.vocabulary = self._vocabulary()
+        spellings = {name: plain for name in readable if (plain := spelt(name))}
+        self._own: dict[str, Any] = {plain: readable[name] for name, plain in spellings.items()}
+        self._called = {
+            spelt(derivation.lettering.symbol(x).name): spellings[x.name]
+            for x in map(sym, spellings)
+            if isinstance(x, Symbol)
+        }
+        self._strange = self._others(spellings, defined)
+        self._numbers: dict[_Key, int] = {}
+        self._asked_for: set[int] = set()
+        self._values: dict[_Key, list[int]] = {}
+        for name, x in self._own.items():
+            for key, place in zip(self._keys(name, x), kernel.places(x), strict=True):
+                self._values.setdefault(key, [place])
+        self._meanings = dict(self._all_meanings())
+        _ = self._velocity_terms  # their places, before the page's size is known
+        self._thought: dict[_Key, str] = {}
+        self.sentences = [STILL]
+
+    def _equations(self, plain: Derivation) -> RightEquations:
+        """Those of `fb.check`, of the model as it was given, or else of what was derived."""
+        symbols = plain.equations.symbols
+        try:
+            model = freed(symbols.given or symbols.model, self._notation.parameters)
+            return in_notation(equations_of(model), self._notation)
+        except FreebodyError:
+            return in_notation(equations_of(symbols.model), self._notation)
+
+    def _vocabulary(self) -> Vocabulary:
+        found = Vocabulary(self.setting, self.targets.names, self.targets.alone)
+        for name, value in self.setting.given.items():
+            found.define(name, value)
+        own_names.of_notation(found, self.targets, self._notation)
+        return found
+
+    # ------------------------------------------------------------ names
+    def _keys(self, name: str, x: Any) -> list[_Key]:
+        """What a name of the page is to `fb.check`, entry by entry; its own where it is nothing."""
+        single, table = self.targets.single.get(name), self.targets.tables.get(name)
+        if name in self._strange:
+            single = table = None
+        if rank(x) == 0 and single is not None:
+            return [_key(single)]
+        shape = (len(x), len(x[0]) if rank(x) == 2 else 1) if rank(x) else ()
+        if table is not None and shape == (len(table), len(table[0])):
+            return [_key(entry) for row in table for entry in row]
+        size = shape[0] * shape[1] if shape else 1
+        return [(name, k) for k in range(size)]
+
+    def _others(self, spellings: Mapping[str, str], defined: Collection[str]) -> set[str]:
+        """Names that are something else to `fb.check`, such as k1, the kinetic energy of body 1:
+        found out in numbers where its values are short; else what a line defines."""
+        strange = {spellings[name] for name in spellings if name in defined}
+        if len(self.setting.symbols.coordinates) > MOST_THOUGHT or self.setting.turned is not None:
+            return strange
+        for name, x in self._own.items():
+            single = self.targets.single.get(name)
+            right = single.compute() if single is not None and rank(x) == 0 else None
+            is_same = right is not None and any(
+                np.isclose(RealPoint.of_state(self.setting.ring, row).of(right), value, rtol=1e-9)
+                for row, value in zip(self._tried, self._valued(x), strict=True)
+            )
+            (strange.discard if is_same or right is None else strange.add)(name)
+        return strange
+
+    @cached_property
+    def _tried(self) -> list[dict[str, float]]:
+        """A state of any kind, and one that is admissible."""
+        found = self._admissible
+        held = [] if found is None else [{x: float(v[0]) for x, v in found.values.items()}]
+        return [self._signed(row) for row in (self._any[0], *held)]
+
+    def _valued(self, x: Any) -> list[float]:
+        """A value of the page at these states."""
+        inputs = self._kernel.inputs
+        rows = [{k: v for k, v in row.items() if k in inputs} for row in self._tried]
+        return [float(self._kernel.at_random([x], **row)[0, 0]) for row in rows]
+
+    def _all_meanings(self) -> Iterator[tuple[str, dict[str, Any]]]:
+        """What each name stands for: "s" a scalar, "t" a vector or matrix, "q" a quantity's number,
+        "b" whether it is one of bodies."""
+        vocabulary, targets = self.vocabulary, self.targets
+        for name in dict.fromkeys((*sorted(vocabulary.known), *self._own, *self._called)):
+            meant = vocabulary.aliases.get(name, self._called.get(name, name))
+            single, table = targets.single.get(meant), targets.tables.get(meant)
+            found: dict[str, Any] = {}
+            if name in vocabulary.symbols:
+                found["s"] = self._slots(vocabulary.symbols[name])
+            elif name in vocabulary.waves:
+                function, angle = vocabulary.waves[name]
+                found["s"] = [f"~{function}", *(x for x, _ in angle)]
+            elif single is not None:
+                found["s"] = self._values.get(_key(single))
+            if table is not None:
+                found["t"] = self._table([[_key(x) for x in row] for row in table])
+            named = table if name not in vocabulary.symbols else None  # g is no vector's name
+            keys = [_key(single)] if single is not None else [_key(x) for (x, *_) in named or ()]
+            if not keys and meant in self._own:
+                x = self._own[meant]
+                keys = self._keys(meant, x)
+                kind, rows = ("s", self._values[keys[0]]) if rank(x) == 0 else ("t", None)
+                found.setdefault(kind, rows or self._table([[key] for key in keys]))
+            asked = single or (table[0][0] if table else None)
+            found = {key: x for key, x in found.items() if x is not None}
+            if found and keys and any(key in self._values for key in keys):
+                found["q"] = self._number(keys[0])
+            if found and asked and name not in vocabulary.symbols and _is_of_bodies(asked):
+                found["b"] = 1
+            if name not in ("t", "pi"):
+                yield name, found
+
+    def _table(self, keys: list[list[_Key]]) -> list[list[list[int]]] | None:
+        if any(key not in self._values for row in keys for key in row):
+            return None
+        return [[self._values[key] for key in row] for row in keys]
+
+    def _number(self, key: _Key) -> int:
+        return self._numbers.setdefault(key, len(self._numbers))
+
+    def _slots(self, value: Any) -> Slots | None:
+        """A symbol's value as a sum of symbols, or computed by the page; None where that cannot
+        be."""
+        terms = list(value.terms()) if isinstance(value, Trig) else []
+        names = [next(iter(powers)) for powers, c in terms if c == 1 and [*powers.values()] == [1]]
+        plain = all(x in self._symbols for x in names)
+        if len(names) == len(terms) and plain and isinstance(value, Trig):
+            return list(names)
+        with suppress(KeyError):  # a symbol that the page does not have
+            return list(self._kernel.places(self.setting.layout.form(value)))
+        return None
+
+    @cached_property
+    def _symbols(self) -> tuple[str, ...]:
+        """Names of the ring that states give values to."""
+        return tuple(x for x in self.setting.ring.names if not x.startswith((SIGN, "sin_", "cos_")))
+
+    # ------------------------------------------------------------ lines
+    def of_line(self, name: str, given: Iterable[str]) -> dict[str, Any]:
+        """Of the line that gives a quantity: its number, those that an answer may not use, and how
+        it is compared."""
+        asked = self._asked(name)
+        numbers = (self._meanings.get(spelt(x), {}).get("q") for x in (name, *given))
+        own = [x for x in dict.fromkeys(numbers) if x is not None]
+        self._asked_for.update(own)
+        found: dict[str, Any] = {"own": own}
+        if asked and _is_of_bodies(asked[0]):
+            found["bodies"] = 1
+        if asked and asked[0].kind.up_to_a_constant:
+            found["level"] = 1
+        if asked and asked[0].idle:
+            found["idle"] = 1
+        if asked and asked[0].kind.is_drive:
+            found["torque"] = 1
+        return found | ({"thoughts": self._told(asked)} if asked else {})
+
+    def _asked(self, name: str) -> list[AskedQuantity]:
+        """What `fb.check` knows by the name of a line, entry by entry."""
+        plain = spelt(name)
+        x = self._own.get(plain)
+        if x is None:
+            return []
+        single, table = self.targets.single.get(plain), self.targets.tables.get(plain)
+        if rank(x) == 0:
+            return [single] if single is not None else []
+        entries = [entry for row in table or () for entry in row]
+        return entries if len(entries) == len(x) else []
+
+    def _told(self, asked: Sequence[AskedQuantity]) -> list[int]:
+        """Of each entry which of the page's lists of thoughts is about it."""
+        for target in asked:
+            if _key(target) not in self._thought:
+                self._thought[_key(target)] = self._thoughts(target)
+        keys = [*self._thought]
+        return [keys.index(_key(target)) for target in asked]
+
+    def _thoughts(self, target: AskedQuantity) -> str:
+        """Sentences by number, and what the right answer would be under each at the first state."""
+        setting = self.setting
+        if setting.turned is not None or len(setting.symbols.coordinates) > MOST_THOUGHT:
+            return ""
+        right = target.compute()
+        if not isinstance(right, Trig) or setting.is_free_body:
+            return ""
+        point = RealPoint.of_state(setting.ring, self._signed(self._any[0]))
+        told = [(text, float(x)) for text, x in self._thought_at(target, right, point)]
+        own = point.of(right)
+        kept = {
+            f"{self._sentence(text)},{x:.{_DIGITS}g}": None
+            for text, x in told
+            if np.isfinite(x) and not np.isclose(x, own, rtol=1e-9, atol=0.0)
+        }
+        return " ".join(kept)
+
+    def _thought_at(
+        self, target: AskedQuantity, right: Trig, point: RealPoint
+    ) -> Iterator[tuple[str, float]]:
+        """Also that nothing moves, where that may be meant."""
+        if target.kind.may_be_still:
+            moving = [name for name in self.setting.ring.names if name.endswith((RATE, SECOND))]
+            still = point.changed(dict.fromkeys(moving, 0)).of(right)
+            yield STILL, still if still else np.nan
+        bodies = BodiesAtPoint(self.setting, point)
+        yield from values(Subject(bodies, self.targets, target, right))
+
+    def _signed(self, row: Mapping[str, float]) -> dict[str, float]:
+        """A state with the signs of its rates."""
+        signs = [x for x in self.setting.ring.names if x.startswith(SIGN)]
+        return {**row, **{x: float(np.sign(row.get(x[len(SIGN) :], np.nan))) for x in signs}}
+
+    def _sentence(self, text: str) -> int:
+        if text not in self.sentences:
+            self.sentences.append(text)
+        return self.sentences.index(text)
+
+    # ------------------------------------------------------------ states
+    @cached_property
+    def _any(self) -> list[dict[str, float]]:
+        """States without conditions; the first have the same parameters."""
+        chance, names = np.random.default_rng(28), self.setting.symbols.coordinates
+        moving = {x + dots for x in names for dots in ("", RATE, SECOND)}
+        rows = []
+        for _ in range(_SETS):
+            held = {x: chance.uniform(0.5, 1.5) for x in self._symbols}
+            for _ in range(_STATES):
+                own = {x: chance.uniform(-2.0, 2.0) for x in self._symbols if x in moving}
+                rows.append({x: round(float(v), 3) for x, v in (held | own).items()})
+        return rows
+
+    @cached_property
+    def _admissible(self) -> AdmissibleStates | None:
+        """States at which loops are closed and what nothing drives moves by itself; None where any
+        state is admissible."""
+        if self.setting.is_free_body:
+            motion = FreeBodyMotion(self.setting)
+            thrusts = [self.setting.ring[x] for x in sorted(motion.thrusts)]
+            return StateSampler(self.setting, images=motion.motion(thrusts).images).states()
+        if self.setting.system is None and not self.setting.symbols.model.passive:
+            return None
+        return StateSampler(self.setting, still=self._at_rest).states()
+
+    def _readings(self, names: Sequence[str]) -> list[dict[str, Any]]:
+        """What may be read in another way: the numbers or names, and what is said of it; terms: of
+        torques and where they are terms of their own."""
+        rows = [
+            ({"numbers": self._gravity}, f"‘#’ is read as {self.setting.order.gravity}."),
+            ({"names": self._slide}, "x is read as the slide's coordinate."),
+            ({"names": self._cosines}, "‘#’ is read as a cosine."),
+            ({"names": self._velocity_terms, "terms": 1}, "‘#’ is read as the velocity term."),
+        ]
+        index = _places(names)
+        found: list[dict[str, Any]] = []
+        for row, note in rows:
+            (kind, slots), *more = row.items()
+            made = {text: _numbered({"s": x}, index)["s"] for text, x in slots.items()}
+            found += [{kind: made, **dict(more), "note": note}] if made else []
+        return found
+
+    @property
+    def _gravity(self) -> dict[str, Slots]:
+        """Numbers that are its value."""
+        g = self.setting.order.gravity
+        value = self.setting.symbols.model.parameters.get(g or "")
+        if not g or value is None:
+            return {}
+        decimals = {x: len(x.partition(".")[2]) for x in GRAVITY if "." in x}
+        return {x: [g] for x, count in decimals.items() if round(value, count) == float(x)}
+
+    @property
+    def _slide(self) -> dict[str, Slots]:
+        """x where the only slide is called otherwise."""
+        slides = [x for x in self.setting.symbols.coordinates if x.startswith("d")]
+        if len(slides) != 1:
+            return {}
+        single, endings = self.targets.single, ("", RATE, SECOND)
+        return {x: [slides[0] + endings[single[x].kind.dots]] for x in sorted(TIPS) if x in single}
+
+    @property
+    def _cosines(self) -> dict[str, Slots]:
+        """C12 where it is a quantity's name."""
+        found: dict[str, Slots] = {}
+        for name in sorted(self.targets.single):
+            own = atom(name)
+            angle = [f"theta{k}" for k in own.figures]
+            if own.letter == "C" and angle and all(x in self.setting.ring.angles for x in angle):
+                found[name] = ["~cos", *angle]
+        return found
+
+    @cached_property
+    def _velocity_terms(self) -> dict[str, Slots]:
+        """c1 and V1 beside torques."""
+        if len(self.setting.symbols.coordinates) > MOST_THOUGHT:
+            return {}
+        single, found = self.targets.single, dict[str, Slots]()
+        terms = {x.index[0]: x for x in single.values() if x.kind.is_velocity_term}
+        levels = ((name, x) for name, x in single.items() if x.kind.up_to_a_constant)
+        names = {name: x.index[0] for name, x in levels if x.index}
+        names |= {f"c{k}": k for k in terms if f"c{k}" in self.vocabulary.waves}
+        for name in sorted(names):
+            target = terms.get(names[name])
+            slots = target and (self._values.get(_key(target)) or self._slots(target.compute()))
+            if slots:
+                found[name] = [*slots]
+        return found
+
+    def _states(self, names: Sequence[str], values: Mapping[str, float]) -> list[list[float]]:
+        """Of each state the number of its set of parameters, -1 of one that need not be admissible
+        where others are; and its values."""
+        found = self._admissible
+        rows = [[-1 if found else k // _STATES, row] for k, row in enumerate(self._any)]
+        if found is not None:
+            rows = rows[:_STATES]
+            closed = self.setting.system is not None
+            for k in np.unique(found.parameters)[:_SETS]:
+                own = np.flatnonzero(found.parameters == k)
+                own = own[found.branch[own] == found.branch[own].min()] if closed else own
+                for i in own[:_STATES]:
+                    rows.append([int(k), {x: float(v[i]) for x, v in found.values.items()}])
+        return [[k, *(row.get(x, values.get(x, 0.0)) for x in names)] for k, row in rows]
+
+    # ------------------------------------------------------------ for the script
+    def symbols(self, inputs: Sequence[Mapping[str, Any]]) -> list[str]:
+        """Those with sliders, and others that an answer may be written with."""
+        names = [x["name"] for x in inputs]
+        return [*names, *(x for x in self._symbols if x not in names)]
+
+    def page(self, inputs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+        """What the script is given: tables of the grammar, words, values of further symbols, states
+        and sentences."""
+        names = self.symbols(inputs)
+        others = names[len(inputs) :]
+        model = self.setting.symbols.model
+        values = dict.fromkeys(others, 0.0) | typical(others, model.parameters)
+        values |= {x["name"]: x["value"] for x in inputs}
+        return {
+            "grammar": tables(),
+            "functions": self.vocabulary.functions,
+            "words": self._words(names),
+            "dotted": [list(spellings("@", "%", dots)) for dots in (1, 2)],
+            "glued": [x for x in self._apart if x in GLUED],
+            "others": [values[x] for x in others],
+            "states": self._states(names, values),
+            "sentences": list(_by_the_last(self.sentences)),
+            "thoughts": list(self._thought.values()),
+            "readings": self._readings(names),
+        }
+
+    @cached_property
+    def _apart(self) -> list[str]:
+        """Names that are no part of a longer word."""
+        own = self.vocabulary
+        return [x for x in self._meanings if x in own.alone and x not in {*own.symbols, *own.waves}]
+
+    def _words(self, order: Sequence[str]) -> list[list[Any]]:
+        """All names by their spellings, θ1 and θ̇2 as theta# and ˙theta#: the spellings, what they
+        mean by their figures, the figures of those that have no value; and 1 of names that stand
+        alone, 2 of those of bodies."""
+        index = _places(order)
+        apart, groups = frozenset(self._apart), dict[tuple[Any, ...], list[str]]()
+        for name, meaning in self._meanings.items():
+            said = {key: x for key, x in meaning.items() if key != "q" or x in self._asked_for}
+            marks = (name in apart) + 2 * said.pop("b", 0)
+            made = json.dumps(_numbered(said, index))
+            template, figures = _template(name)
+            target = self._targets_of.get(name)
+            groups.setdefault((made, figures, marks, target), []).append(template)
+        rows: dict[tuple[str, int], _WordRow] = {}
+        for (made, figures, marks, _), templates in groups.items():
+            own = " ".join(_by_dots(set(templates)))
+            rows.setdefault((own, marks), {})[figures] = json.loads(made)
+        made_rows = ([own, *_row(row), marks] for (own, marks), row in rows.items())
+        return [row for row in made_rows if any(row[1:4])]
+
+    @cached_property
+    def _targets_of(self) -> dict[str, Any]:
+        """What names stand for, to keep apart those without value."""
+        single, tables = self.targets.single, self.targets.tables
+        return {
+            name: _key(single[name]) if name in single else id(tables.get(name))
+            for name in self._meanings
+        }
+
+
+def _key(target: AskedQuantity) -> _Key:
+    """What tells a quantity from others."""
+    return target.kind, target.index, target.axis, target.words, target.joint
+
+
+def _is_of_bodies(target: AskedQuantity) -> bool:
+    return target.kind.of == "bodies"
+
+
+def _by_the_last(texts: Sequence[str]) -> Iterator[str | list[Any]]:
+    """Texts, of those that are like the one before how many characters they begin with as it does,
+    what follows, and how many they end with as it does."""
+    before = ""
+    for text in texts:
+        begin = _alike(before, text)
+        end = _alike(before[begin:][::-1], text[begin:][::-1])
+        middle = text[begin : len(text) - end]
+        yield [begin, middle, end] if begin + end > _ALIKE else text
+        before = text
+
+
+def _alike(one: str, other: str) -> int:
+    """With how many equal characters two texts begin."""
+    return sum(1 for _ in takewhile(lambda both: both[0] == both[1], zip(one, other, strict=False)))
+
+
+def _places(names: Sequence[str]) -> dict[str, int]:
+    """Of symbols by name, as the script counts them."""
+    return {name: -1 - k for k, name in enumerate(names)}
+
+
+def _numbered(meaning: Mapping[str, Any], index: Mapping[str, int]) -> dict[str, Any]:
+    """A meaning with places of symbols for their names."""
+    made = dict(meaning)
+    if "s" in made:
+        made["s"] = [x if isinstance(x, int) else index.get(x, x[1:]) for x in made["s"]]
+    return made
+
+
+def _by_dots(templates: set[str]) -> list[str]:
+    """Templates, those of all spellings with dots as one: theta~1# for ˙theta#, theta#_d, …"""
+    found: list[str] = []
+    for dots in (2, 1):
+        for name in sorted(x[dots:] for x in templates if x.startswith(DOT * dots)):
+            for k in range(1, len(name) + 1):
+                every = {*spellings(name[:k], name[k:], dots)}
+                if every <= templates:
+                    templates = templates - every
+                    found.append(f"{name[:k]}~{dots}{name[k:]}")
+                    break
+    return [*sorted(templates), *found]
+
+
+def _row(row: _WordRow) -> list[Any]:
+    """What spellings mean by their figures; the figures of those that are sums of others of them,
+    θ12; and those of names that have no value here."""
+    sums = [figures for figures, meaning in row.items() if _is_sum(figures, meaning, row)]
+    none = [figures for figures, meaning in row.items() if not meaning]
+    none = none if len(none) <= _MOST_ALIKE else []
+    said = {
+        figures: meaning["s"] if [*meaning] == ["s"] else meaning
+        for figures, meaning in row.items()
+        if meaning and figures not in sums
+    }
+    return [said, " ".join(sums), " ".join(figures or "-" for figures in none)]
+
+
+def _is_sum(figures: str, meaning: Mapping[str, Any], row: _WordRow) -> bool:
+    if len(figures) < 2 or [*meaning] != ["s"] or not figures.isdigit():
+        return False
+    parts = [row.get(x, {}).get("s", [None]) for x in figures]
+    function = [x for x in parts[0][:1] if isinstance(x, str)]
+    return bool(meaning["s"] == [*function, *(x for part in parts for x in part[len(function) :])])
+
+
+def _template(name: str) -> tuple[str, str]:
+    """A name with # for each run of figures, and these."""
+    runs = [("".join(run), is_figure) for is_figure, run in groupby(name, str.isdigit)]
+    template = "".join("#" if is_figure else run for run, is_figure in runs)
+    return template, ",".join(run for run, is_figure in runs if is_figure)

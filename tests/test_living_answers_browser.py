@@ -1,0 +1,155 @@
+"""Lines typed into the pages of derivations, in a real browser: the page says what `fb.check` says,
+right, wrong or unreadable, and of a wrong one the same sentences."""
+
+from __future__ import annotations
+
+import json
+import random
+import shutil
+from collections import Counter
+from itertools import islice
+
+import pytest
+
+import freebody as fb
+from check_lines.lines import Line, mutants, of_robot
+from support.browser import browser
+
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.filterwarnings("ignore::UserWarning"),
+    pytest.mark.skipif(
+        not (shutil.which("chromium") and shutil.which("chromedriver")),
+        reason="needs chromium and chromedriver",
+    ),
+]
+
+SAMPLE = {"2R": "lagrange", "RP": "lagrange", "four_bar": "newton-euler", "furuta": "newton-euler"}
+ALL = SAMPLE | {
+    "3R": "lagrange",
+    "acrobot": "lagrange",
+    "slider_crank": "newton-euler",
+    "gantry_crane": "newton-euler",
+    "elbow_arm": "newton-euler",
+    "quadrotor": "newton-euler",
+}
+QUICK, LONG = 15, 50
+MOST_UNDECIDED = 0.2
+LARGER = 60_000  # bytes
+
+FRESH = """const predict = document.getElementById('predict');
+for (const on of [false, true]) {
+  predict.checked = on;
+  predict.dispatchEvent(new Event('change'));
+}
+return [...document.querySelectorAll('.answer')].map(field =>
+  [field.dataset.name, field.querySelector('input').placeholder])"""
+ANSWER = """const [k, text] = arguments, field = document.querySelectorAll('.answer')[k];
+field.querySelector('input').value = text; field.querySelector('button').click();
+return field.querySelector('p').textContent"""
+SAID = {"Right": "right", "Not r": "wrong", "Canno": "unread", "Not d": "undecided"}
+SPOILT = ("({}", "{} +", "{}^", "{} zeta9", "{} \\foo", "{} = ", "{} 2 3", "{})", "{} @")
+
+
+@pytest.fixture(scope="module")
+def driver(tmp_path_factory):
+    with browser(tmp_path_factory.mktemp("profile")) as opened:
+        opened.set_window_size(1500, 900)
+        yield opened
+
+
+def checked(model: fb.Model, text: str) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
+    """What `fb.check` says, of what, and the causes that it tells."""
+    try:
+        verdict = fb.check(model, text)
+    except fb.FreebodyError:
+        return "unread", (), ()
+    titles = tuple(one.title for one in verdict.equations)
+    wrong = any(not one.equal for one in verdict.equations)
+    how = "wrong" if wrong else "right" if verdict else "unread"
+    return how, titles, verdict.causes
+
+
+def boxes(driver, model: fb.Model) -> dict[tuple[str, ...], int]:
+    """Which box asks for what `fb.check` calls so; k1 of a closed chain's page is a factor of its
+    own steps, and no kinetic energy."""
+    found: dict[tuple[str, ...], int] = {}
+    for k, (name, entries) in enumerate(driver.execute_script(FRESH)):
+        zeros = "[" + ", ".join("7" for _ in entries.split(",")) + "]" if entries else "7"
+        _, titles, _ = checked(model, f"{name} = {zeros}")
+        if titles and name[0] != "k":
+            found.setdefault(titles, k)
+    return found
+
+
+def lines_of(robot: str, rng: random.Random) -> list[Line]:
+    """Right lines, and those with a mistake: on one line, without options."""
+    right = of_robot(robot, 120, rng)
+    wrong = list(mutants(right, 120, rng.randrange(99))) if any(x.source for x in right) else []
+    found = [x for x in (*right, *wrong) if isinstance(x.text, str) and not x.options]
+    found = [x for x in found if "\n" not in x.text.strip()]
+    rng.shuffle(found)
+    return found
+
+
+def typed(driver, model: fb.Model, robot: str, count: int) -> list[tuple[int, str]]:
+    """Lines that a box of the page asks for; every fifth is spoilt."""
+    rng, at = random.Random(f"{robot} 28"), boxes(driver, model)
+    asked = ((at.get(checked(model, x.text)[1]), x.text) for x in lines_of(robot, rng))
+    found = islice(((k, text) for k, text in asked if k is not None), count)
+    return [
+        (k, rng.choice(SPOILT).format(text) if not i % 5 else text)
+        for i, (k, text) in enumerate(found)
+    ]
+
+
+def told_by(html: str) -> list[str]:
+    """The sentences of a page, of which each may say only where it differs from the one before."""
+    found: list[str] = []
+    written = html[html.index('"sentences":') + len('"sentences":') :]
+    for x in json.JSONDecoder().raw_decode(written)[0]:
+        last = found[-1] if found else ""
+        found.append(x if isinstance(x, str) else last[: x[0]] + x[1] + last[len(last) - x[2] :])
+    return found
+
+
+@pytest.mark.parametrize(
+    ("robot", "count"),
+    [
+        *((robot, QUICK) for robot in SAMPLE),
+        *(pytest.param(robot, LONG, marks=pytest.mark.long) for robot in ALL),
+    ],
+)
+def test_the_page_says_what_check_says(driver, tmp_path, robot, count):
+    """Or that it leaves the line to `fb.check`; no number of the line at the first try."""
+    model = fb.load(robot)
+    page, html = tmp_path / "page.html", fb.derive(model, ALL[robot]).html()
+    page.write_text(html, encoding="utf-8")
+    driver.get(page.as_uri())
+    told, unlike, sentences = Counter(), [], told_by(html)
+    rows = typed(driver, model, robot, count)
+    for k, text in rows:
+        right, _, causes = checked(model, text)
+        driver.execute_script(FRESH)
+        said = driver.execute_script(ANSWER, k, text)
+        how = SAID[said[:5]]
+        told[how] += 1
+        known = [x for x in causes if x in sentences]
+        if how not in (right, "undecided") or "here it is" in said:
+            unlike.append((text, right, said))
+        elif how == "wrong" and not all(x in said for x in known):
+            unlike.append((text, known, said))
+        elif how == "wrong" and not known and "look at it again" not in said:
+            unlike.append((text, causes, said))
+    assert not unlike
+    assert len(rows) >= count * 0.8
+    assert told["undecided"] <= MOST_UNDECIDED * len(rows)
+    assert not driver.get_log("browser")
+
+
+@pytest.mark.long
+def test_pages_have_not_become_much_larger():
+    """Than they were before they read by the tables; kept as numbers."""
+    before = {"five_bar": 425_268, "3R": 484_677, "2R": 273_498, "slider_crank": 306_631}
+    for robot, size in before.items():
+        assert len(fb.derive(fb.load(robot)).html().encode()) < size + LARGER
