@@ -184,7 +184,7 @@ class PageAnswers:
                 keys = self._keys(meant, x)
                 kind, rows = ("s", self._values[keys[0]]) if rank(x) == 0 else ("t", None)
                 found.setdefault(kind, rows or self._table([[key] for key in keys]))
-            asked = single or (table and table[0][0])
+            asked = single if single is not None else table[0][0] if table else None
             found = {key: x for key, x in found.items() if x is not None}
             if found and keys and any(key in self._values for key in keys):
                 found["q"] = self._number(keys[0])
@@ -281,7 +281,7 @@ class PageAnswers:
         """Also that nothing moves, where that may be meant."""
         if target.family in OF_FORCES:
             moving = [name for name in self.setting.ring.names if name.endswith((RATE, SECOND))]
-            still = point.changed(dict.fromkeys(moving, 0.0)).of(right)
+            still = point.changed(dict.fromkeys(moving, 0)).of(right)
             yield STILL, still if still else np.nan
         yield from Misconceptions(self.setting, self.targets, target, right, point).all()
 
@@ -343,8 +343,10 @@ class PageAnswers:
         """Numbers that are its value."""
         g = self.setting.order.gravity
         value = self.setting.symbols.model.parameters.get(g or "")
-        rounded = [x for x in GRAVITY if "." in x and value is not None]
-        return {x: [g] for x in rounded if g and round(value, len(x.partition(".")[2])) == float(x)}
+        if not g or value is None:
+            return {}
+        written = [x for x in GRAVITY if "." in x]
+        return {x: [g] for x in written if round(value, len(x.partition(".")[2])) == float(x)}
 
     @property
     def _slide(self) -> dict[str, Slots]:
