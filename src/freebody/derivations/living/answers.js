@@ -46,10 +46,10 @@ function sidesOf(text) {
     else if (token.kind === "equals") statements.at(-1).push([]);
     else if (token.kind !== "amp") statements.at(-1).at(-1).push(token);
   }
-  const said = statements.filter((sides) => sides.some((side) => side.length));
-  if (said.length > 1) throw undecided("More than one equation");
+  const said = statements.filter((sides) => sides.length > 1 || sides[0].length);
   if (!said.length) throw unreadable("Type what you expect on the right of the =.");
-  if (said[0].some((side) => !side.length)) throw unreadable("One side of this = is empty.");
+  if (said.flat().some((side) => !side.length)) throw unreadable("One side of this = is empty.");
+  if (said.length > 1) throw undecided("More than one equation");
   return said[0];
 }
 const isOwn = (name, line) => line.own && words.get(name).q === line.own[0];
