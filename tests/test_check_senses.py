@@ -74,3 +74,9 @@ def test_a_loop_equation_may_be_solved_for_a_length(model, right, wrong):
     verdict = fb.check(model, wrong)
     assert not verdict
     assert "loop equation" in verdict.text
+
+
+def test_a_wrong_line_about_rods_of_symbolic_length_is_explained():
+    verdict = fb.check(fb.load("five_bar_rods"), "V = m1 g lc1 s1")
+    assert not verdict
+    assert "is missing" in verdict.text

@@ -134,7 +134,9 @@ class BodiesAtPoint:
         """All, parents first."""
         s, found, world = self.s, list[Body](), list[Any]()
         system = self.setting.system
-        acting = loop_loads(s.tree, s.symbols.q, tuple(system.multipliers)) if system else []
+        acting = (
+            loop_loads(system.loops.tree, s.symbols.q, tuple(system.multipliers)) if system else []
+        )
         joints = [(tuple(map(self.vector, R)), self.vector(p)) for R, p in s.motion.joints]
         for i, (body, joint) in enumerate(zip(s.tree.bodies, joints, strict=True)):
             before = world[body.parent] if body.parent >= 0 else None
