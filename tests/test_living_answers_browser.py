@@ -34,8 +34,9 @@ ALL = SAMPLE | {
     "cart_pole": "lagrange",
 }
 QUICK, LONG = 15, 50
-MOST_UNDECIDED = 0.35
+MOST_UNDECIDED = 0.4
 """Derivatives, states, quantities that have no value on the page."""
+LOOK = "look at it again"
 LARGER = 60_000  # bytes, all tables, names, states and sentences together
 
 FRESH = """const predict = document.getElementById('predict');
@@ -122,8 +123,10 @@ def told_by(html: str) -> list[str]:
     ],
 )
 def test_the_page_says_what_check_says(driver, tmp_path, robot, count):
-    """Or that it leaves the line to `fb.check`; no number of the line at the first try."""
+    """Or that it leaves the line to `fb.check`; no number of the line at the first try. Where not
+    every state is admissible `fb.check` may tell the place instead of the thought."""
     model = fb.load(robot)
+    is_conditional = bool(model.loops or model.passive)
     page, html = tmp_path / "page.html", fb.derive(model, ALL[robot]).html()
     page.write_text(html, encoding="utf-8")
     driver.get(page.as_uri())
@@ -140,7 +143,7 @@ def test_the_page_says_what_check_says(driver, tmp_path, robot, count):
             unlike.append((text, right, said))
         elif how == "wrong" and not all(x in said for x in known):
             unlike.append((text, known, said))
-        elif how == "wrong" and not known and "look at it again" not in said:
+        elif how == "wrong" and not causes and not is_conditional and LOOK not in said:
             unlike.append((text, causes, said))
     assert not unlike
     assert len(rows) >= count * 0.8

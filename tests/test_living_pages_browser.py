@@ -587,7 +587,7 @@ RIGHT = {
         "0 - theta1_d^2/(-theta1_d) + theta2_d", "2^-1*2*theta1_d + dtheta2", "(-1)^2 qd1 + θ̇₂",
         "theta1_d/2*2 - -theta2dot", "-(-θ̇₁ − q̇₂)", "omega1*2/(1 + 1) + 2.5e-1·4 theta2_d",
     ],
-    "f12": ["m2*(vc2_d - gravity)", "m2*[vc2x_d, vc2y_d + g]"],
+    "f12": ["m2*(vc2_d - gravity)", "m2*[vc2_dx, vc2_dy + g]"],
 }
 WRONG = {
     "tau2": ["I2*omega2_d + cross(sc2, m2*vc2_d)", "I2*omega2_d - cross(sc2, f12)", "0", "1/0"],
@@ -595,7 +595,7 @@ WRONG = {
         "-1^2*theta1_d + theta2_d", "theta1_d/(2*2) + theta2_d", "theta1 + theta2", "omega2",
         "theta1_d + 1.00001 theta2_d", "theta1_dd + theta2_dd", "theta1_d - theta2_d", "omega1",
     ],
-    "f12": ["m2*(vc2_d + gravity)", "m2*vc2x_d", "[0, 0]"],
+    "f12": ["m2*(vc2_d + gravity)", "m2*vc2_dx", "[0, 0]"],
 }
 UNREAD = [
     "tau2", "2 +", "(" * 500 + "1", "alert(1)", "document.title = 'run'",
