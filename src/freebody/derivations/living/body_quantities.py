@@ -49,4 +49,6 @@ def _of_body(s: Setting, reactions: SolvedReactions, i: int) -> dict[str, Any]:
     made[s.naming.force(above, b.n).name] = b.vector(b.force)
     if not s.planar:
         made[f"n{above}_{b.n}"] = made[f"n{b.n}"]
+        there, back = f"R{above}_{b.n}", f"R{b.n}_{above}"  # as lines print them: from, to
+        made |= {there: made[back], back: made[there]}
     return made if s.follows(i) else made | {f"tau{s.index(i) + 1}": reactions.motor(i)}

@@ -73,11 +73,11 @@ class BodyQuantity:
         plain = self.known.removesuffix("_d")
         return (plain.replace("_", ""), int(plain != self.known)), *self.also
 
-    def spelt(self, n: int) -> Iterator[str]:
-        """The names of body n's."""
+    def spelt(self, n: int, axis: str = "") -> Iterator[str]:
+        """The names of body n's, or of its component along an axis, v2x_d."""
         for name, dots in self.names:
             letter, _, ending = name.partition("{")
-            yield from spellings(letter, ("{" + ending).format(**numbers(n)), dots)
+            yield from spellings(letter, ("{" + ending).format(**numbers(n)) + axis, dots)
 
     def told(self, n: int, h: int | None = None) -> str:
         """In words, of body n; h: the number of the one before, if that is not n - 1."""

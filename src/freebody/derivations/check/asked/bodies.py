@@ -29,6 +29,7 @@ class QuantitiesOfBodies(QuantityGroup):
 
     def single(self) -> Iterator[Named]:
         yield from self.entries_of(self.vectors)
+        yield from self._rates_of_components()
         yield from self._of_the_only_body()
         yield from self._coordinates_of_centres()
 
@@ -182,6 +183,13 @@ class QuantitiesOfBodies(QuantityGroup):
                 for entry in row:
                     if entry.axis or len(table) == 1:
                         yield (name + entry.axis,), entry
+
+    def _rates_of_components(self) -> Iterator[Named]:
+        """v_c2x with dots behind the axis, vc2x_d."""
+        for n in range(1, len(self._bodies) + 1):
+            for record in (x for x in self.records if any(dots for _, dots in x.names)):
+                for (entry,) in self.vectors.get(next(record.spelt(n)), ()):
+                    yield tuple(record.spelt(n, entry.axis)), entry
 
     def _of_the_only_body(self) -> Iterator[Named]:
         """ω_x, ω̇_x and M_x of the one body in space that has mass, as of a gyro."""
