@@ -434,13 +434,13 @@ def _looked(item: _PatternItem, follows: bool) -> _PatternItem:
 
 def _behind(body: str, mark: str) -> _PatternItem:
     wanted, anywhere = mark[0] != "!", "--" in mark
-    if body[0] == "%" and len(body) > 1:
-        test, _ = _class(body[1:])
-    else:
-        test = lambda x: x.text == body  # noqa: E731
+    of_class = _class(body[1:])[0] if body[0] == "%" and len(body) > 1 else None
 
     def stands(lexemes: Lexemes, k: int, end: int) -> bool:
         touches = k > 0 and (anywhere or k >= len(lexemes) or not lexemes[k].apart)
-        return (touches and test(lexemes[k - 1])) == wanted
+        if not touches:
+            return not wanted
+        before = lexemes[k - 1]
+        return (of_class(before) if of_class else before.text == body) == wanted
 
     return _zero(stands)
