@@ -81,3 +81,51 @@ def test_the_notes_numbers():
     line = "τ2 = -3 sin(θ1 + θ2) fx + 3 cos(θ1 + θ2) fy"
     assert fb.check(arm, line)
     assert not fb.check(arm, line.replace("+ 3", "- 3"))
+
+
+CRANK = fb.load("slider_crank")
+BAR = fb.load("four_bar")
+WEIGHTS = "m1 g lc1 c1 + m2 g (l1 c1 - lc2 l1 c1/l2)"
+
+
+@pytest.mark.parametrize(
+    ("model", "line", "notes"),
+    [
+        (CRANK, "τ1 = F l1 sin(θ2)/cos(θ1+θ2)", ["weights are left out"]),
+        (CRANK, "τ1 = -F l1 sin(θ2)/cos(θ1+θ2)", ["from outside", "weights are left out"]),
+        (CRANK, "τ1 = -F_x l1 (s1 - c1 tan(θ1+θ2))", ["weights are left out"]),
+        (CRANK, f"τ1 = {WEIGHTS} + F l1 s2/c12", ["45 states"]),
+        (CRANK, "τ1 θ̇1 = F ḋ3", ["weights are left out"]),
+        (CRANK, "τ1 = F ḋ3/θ̇1", []),
+        (CRANK, "τ1 θ̇1 = dT/dt + dV/dt + F ḋ3", ["45 states"]),
+        (BAR, "τ1 = l1 s2 (F_y c3 - F_x s3)/sin(θ1+θ2-θ3)", ["weights are left out"]),
+        (BAR, "τ1 = -F_y l1 s2 c3/sin(θ1+θ2-θ3)", ["from outside"]),
+    ],
+)
+def test_a_drive_of_a_closed_chain_holds_a_force_on_its_slide_or_tip(model, line, notes):
+    verdict = fb.check(model, line)
+    assert verdict, verdict.text
+    assert all(note in verdict.text for note in notes)
+
+
+@pytest.mark.parametrize(
+    ("model", "line", "words"),
+    [
+        (CRANK, "τ1 = F l1 sin(θ1)/cos(θ1+θ2)", "must be sin θ₂"),
+        (CRANK, "τ1 = F l2 sin(θ2)/cos(θ1+θ2)", "must be l₁"),
+        (CRANK, "τ1 = F θ̇2/θ̇1", "must be ḋ₃"),
+        (CRANK, f"τ1 = {WEIGHTS.replace('-', '+')} + F l1 s2/c12", "wrong sign"),
+        (CRANK, "τ1 θ̇1 = dT/dt + F ḋ3", "is not right"),
+        (BAR, "τ1 = l1 s2 (F_y c3 + F_x s3)/sin(θ1+θ2-θ3)", "wrong sign"),
+        (CRANK, "τ1 = F l1 s2/c12\nτ1 = -F l1 s2/c12", "is not right"),
+    ],
+)
+def test_what_does_not_hold_it_is_wrong(model, line, words):
+    verdict = fb.check(model, line)
+    assert not verdict
+    assert words in verdict.text
+
+
+def test_of_a_closed_chain_under_a_force_only_torques_are_read():
+    with pytest.raises(fb.FreebodyError, match="only torques are read under a force"):
+        fb.check(BAR, "0 = (I3 + m3 lc3²) θ̈3 + m3 g lc3 c3 + λ1 l3 s3 - λ2 l3 c3 + F_x")

@@ -61,9 +61,7 @@ def test_of_a_mechanism_without_tip_it_is_told_that_it_has_none(line: str, tmp_p
     assert fb.check(model, "x_c1 = lc1 c1")
 
 
-@pytest.mark.parametrize(
-    "line", ["F = 0", "F_x = m3 d̈3", "F3 = m3 d̈3", "τ1 = -F (l1 s1 + l2 s12)", "τ = Jᵀ F"]
-)
+@pytest.mark.parametrize("line", ["F = 0", "F_x = m3 d̈3", "F3 = m3 d̈3", "τ = Jᵀ F"])
 def test_a_force_on_a_closed_chain_is_refused_in_words(line: str):
     with pytest.raises(AnswerError, match=r"may be a force from outside.*is f_12.*λ_1"):
         fb.check(fb.load("slider_crank"), line)

@@ -177,11 +177,12 @@ COORDINATE = Kind(
 # ---------------------------------------------------------------- energies
 KINETIC = Kind(
     "T", "the kinetic energy", units.ENERGY,
-    "kinetic", ("T", "K", "KE", "Ek", "Ekin"), ("T",), of="bodies",
+    "kinetic", ("T", "K", "KE", "Ek", "Ekin"), ("T",), of="bodies", tells="motion",
 )  # fmt: skip
 POTENTIAL = Kind(
     "V", "the potential energy", units.ENERGY,
-    "potential", ("V", "U", "P", "PE", "Ep", "Epot"), ("V",), of="bodies", up_to_a_constant=True,
+    "potential", ("V", "U", "P", "PE", "Ep", "Epot"), ("V",), of="bodies", tells="weight",
+    up_to_a_constant=True,
 )  # fmt: skip
 LAGRANGIAN = Kind(
     "L", "the Lagrangian", units.ENERGY,
@@ -201,7 +202,7 @@ BODY_POTENTIAL = Kind(
     up_to_a_constant=True,
     of_one_body=True,
 )
-POWER = Kind("power", unit=units.POWER)
+POWER = Kind("power", unit=units.POWER, tells="motion")
 MOMENTUM = Kind("momentum", unit=_momentum)
 
 # ---------------------------------------------------------------- tip and bodies
@@ -221,6 +222,8 @@ TIP_TWIST = Kind("twist", "a velocity of the tip", of="bodies", dots=1)
 MASS_OF_BODY = Kind("m", unit=units.MASS)
 OF_BODY = Kind("of body", of="bodies", of_one_body=True, has_own_sense=True, may_be_still=True)
 ANGULAR_MOMENTUM = Kind("angular momentum", unit=units.SPIN, is_about_any_point=True)
+HELD = Kind("held", unit=_force, of="joints", holds_by_loops=True)
+"""The torque that a drive of a closed chain gives while a force from outside acts."""
 LOAD = Kind("load", is_load=True)
 
 # ---------------------------------------------------------------- closed chains

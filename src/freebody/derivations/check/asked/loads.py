@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import cache
 
 from freebody.derivations.check.asked.load_names import VECTORS
-from freebody.derivations.check.asked.quantity import AskedQuantity, Mistaken, Table
+from freebody.derivations.check.asked.quantity import Acting, AskedQuantity, Mistaken, Table
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.quantities import kinds
 from freebody.scalars.trig import Trig
@@ -64,6 +64,28 @@ def _of_transpose(
     yield "This is Jᵀ τ: torques follow from forces by τ = Jᵀ F, so F = J⁻ᵀ τ.", value
 
 
+def held_by_loops(
+    setting: RightEquations, target: AskedQuantity, besides: Collection[str]
+) -> AskedQuantity:
+    """The torque of a drive of a closed chain under a force from outside; rates alone tell no
+    motion: they may be those of virtual work."""
+    own = target.index[0] - 1
+    acting: Acting = "load"
+    if "motion" in besides:
+        acting = "motion"
+    elif "weight" in besides:
+        acting = "weight"
+    weighs = acting == "load" and setting.order.gravity is not None
+    return replace(
+        target,
+        kind=kinds.HELD,
+        compute=lambda: setting.held(acting)[own],
+        note="The links' weights are left out." if weighs else "",
+        words=f"the torque or force at {target.joint} that holds the load",
+        acting=acting,
+    )
+
+
 def held(
     setting: RightEquations,
     single: Mapping[str, AskedQuantity],
@@ -71,11 +93,12 @@ def held(
     load: Collection[str],
     besides: Collection[str],
 ) -> AskedQuantity:
-    """The torque at a joint that holds the components of a load; besides: whether the line tells of
-    motion and of weights, which then count too."""
+    """The torque at a joint that holds the components of a load; besides: what the line tells of,
+    as motion and weights, which then count too."""
     (i,) = target.index
     names = [name for name in setting.loads if name in load]
-    has_motion, has_weight = "motion" in besides, "weight" in besides
+    has_motion = not {"motion", "rate"}.isdisjoint(besides)
+    has_weight = "weight" in besides
 
     @cache
     def gravity() -> Trig:

@@ -8,8 +8,9 @@ from freebody.model.model import Model
 
 _FORCES = frozenset(x + axis for x in SPELT["f"] for axis in ("", "x", "y", "z"))
 _FORCE = (
-    "{name} may be a force from outside, which is not read for closed chains, or the force in a "
-    "joint: that of body 1 on body 2 is f_12, the force of a loop λ_1."
+    "{name} may be a force from outside, which is read of closed chains in the plane, as F_x and "
+    "F_y at their tip or as F along their one slide without drive, or the force in a joint: that "
+    "of body 1 on body 2 is f_12, the force of a loop λ_1."
 )
 _OF_TIP = frozenset(("x", "y", "z", "r", "J", "detJ", "vx", "vy", "vz", "ax", "ay", "az", "rP"))
 _TIP = (

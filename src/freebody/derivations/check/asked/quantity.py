@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 from freebody.derivations.check.algebra.quotients import Value
 from freebody.derivations.quantities.kinds import Kind
@@ -11,6 +12,10 @@ from freebody.scalars.trig import Trig
 
 Mistaken = tuple[str, Callable[[], Value]]
 """A sentence about what may have been thought, and the value under it."""
+
+Acting = Literal["", "load", "weight", "motion"]
+"""What acts besides drives and loops: a force from outside alone, with the weights, or with these
+and the motion; "" of lines without such a force."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +41,9 @@ class AskedQuantity:
     """What is said of an answer that is right."""
     soft: bool = False
     """Whether its name is often one of the user's own: what has other units is not this."""
+    acting: Acting = ""
+    """Of a closed chain under a force from outside what else a line has: nothing, weights, or the
+    motion too."""
     also: tuple[Mistaken, ...] = ()
     """Other values that are right, each with what is said of it."""
 

@@ -11,11 +11,13 @@ from typing import Any
 
 from freebody.derivations.check.algebra.quotients import Value
 from freebody.derivations.check.asked.letters_for_numbers import with_letters
-from freebody.derivations.closed_chains.first_kind import FirstKind
+from freebody.derivations.check.asked.quantity import Acting
+from freebody.derivations.closed_chains.first_kind import MULTIPLIER, FirstKind
 from freebody.derivations.closed_chains.linear import Ratio
 from freebody.derivations.closed_chains.loops import LoopEquations
 from freebody.derivations.derive import multipliers
 from freebody.derivations.equations.equations import Equations
+from freebody.derivations.equations.kinematics import Kinematics
 from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.grammar.parser import PI
 from freebody.derivations.methods.free_bodies import are_free, velocity_names
@@ -39,6 +41,8 @@ from freebody.model.model import Model
 from freebody.model.number_names import catalogue
 from freebody.scalars.trig import Trig, TrigRing
 
+ALONG_SLIDE = "F"
+"""The symbol of a force along the one slide of a mechanism that nothing drives."""
 FORCES = tuple(f"{letter}_{axis}" for letter in "fn" for axis in XYZ)
 """Force and moment on a free body."""
 
@@ -101,8 +105,48 @@ class RightEquations:
     def loads(self) -> tuple[str, ...]:
         """Symbols of a force and a moment at the tip, where an answer has them."""
         symbols = self.equations.symbols
-        plain = not (symbols.model.loops or self.is_free_body)
-        return symbols.extra if plain else ()
+        if self.is_free_body:
+            return ()
+        return tuple(x for x in symbols.extra if not x.startswith(MULTIPLIER))
+
+    def held(self, acting: Acting) -> list[Trig]:
+        """What drives and loops of a closed chain need, coordinate by coordinate, for a force that
+        its tip or its slide exerts, and for the weights and the motion where these are told."""
+        return [self._told(x, acting) + y for x, y in zip(self._all, self._by_load, strict=True)]
+
+    @cached_property
+    def _all(self) -> list[Trig]:
+        """The generalized forces without a load."""
+        return [self.element(x) for x in self.all_of("tau")]
+
+    def _told(self, force: Trig, acting: Acting) -> Trig:
+        """The terms of a force that count."""
+        still, weightless = acting in ("weight", "load"), acting == "load"
+
+        def counts(name: str) -> bool:
+            moves = name.endswith((RATE, SECOND)) or name.startswith("sgn_")
+            return not (still and moves) and not (weightless and name == self.order.gravity)
+
+        return self.ring.polynomial(
+            (powers, k) for powers, k in force.terms() if all(map(counts, powers))
+        )
+
+    @cached_property
+    def _by_load(self) -> list[Trig]:
+        """What the load needs."""
+        symbols, found = self.equations.symbols, [self.zero for _ in self.symbols.coordinates]
+        for name in self.loads:
+            force = self.image(name)
+            for k, x in enumerate(self._arms(name, symbols)):
+                found[k] = found[k] + self.element(x) * force
+        return found
+
+    def _arms(self, load: str, symbols: Symbols) -> list[Trig]:
+        """The generalized forces of a load of 1."""
+        if load == ALONG_SLIDE:
+            slides = slides_of(symbols.model)
+            return [symbols.element(float(k in slides)) for k in range(len(symbols.coordinates))]
+        return list(Kinematics(symbols, symbols.model.frame().name).J["xy".index(load[-1])])
 
     @property
     def joints(self) -> int:
@@ -217,6 +261,12 @@ def in_notation(
     return replace(plain, quarters=quarters, formulas=notation.parameters)
 
 
+def slides_of(model: Model) -> list[int]:
+    """The coordinates of slides that nothing drives."""
+    names = symbols(model, follows=False).coordinates
+    return [k for k in model.passive if names[k][0] in "dxyz"]
+
+
 def equations_of(model: Model, loads: tuple[str, ...] = ()) -> Equations:
     """The closed-form equations; of a closed chain those of the tree that is left when its loops
     are cut, over a ring that holds the multipliers. loads: symbols of a load on the tip."""
@@ -225,7 +275,7 @@ def equations_of(model: Model, loads: tuple[str, ...] = ()) -> Equations:
         return Equations(
             symbols_of_bodies("check", lettered, (*velocity_names(model), *FORCES), euler=True)
         )
-    extra = multipliers(model) if model.loops else loads
+    extra = (*multipliers(model), *loads) if model.loops else loads
     return Equations(symbols(model, extra=extra, follows=False))
 
 

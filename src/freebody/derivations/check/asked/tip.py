@@ -45,7 +45,9 @@ class TipQuantities(QuantityGroup):
         if not self.setting.is_planar:
             found |= {"Js": self._of_twists(self._tip, "s"), "Jb": self._of_twists(self._tip, "b")}
         names = (f"{name}{INVERSE}" for name in ("J", "JP"))
-        found |= {x: table for x, table in vectors(self.setting, single).items() if x not in single}
+        if self.setting.system is None:
+            loads = vectors(self.setting, single)
+            found |= {x: table for x, table in loads.items() if x not in single}
         if not self._inverse:
             return found
         return found | dict.fromkeys(names, self._inverse) | {"Lambda": self._operational}

@@ -30,6 +30,7 @@ from freebody.scalars.trig import Trig
 
 _EXACT = 1e-12
 """The share by which floating point may be off."""
+_LOADED = "Write tau1 = …, with F_x and F_y at the tip, or F along the one slide."
 _ACROSS = "a component that a plane does not have"
 
 
@@ -38,6 +39,15 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
 
     def claims(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
         """What one equation states, after others."""
+        found = self._claims(line, before)
+        by_loops = self.is_loaded and self.setting.system is not None
+        if by_loops and not all(claim.target.acting for claim in found):
+            span = (line[0][0].start, line[-1][-1].end)
+            self.source.fail("of closed chains only torques are read under a force", span, _LOADED)
+        return found
+
+    def _claims(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
+        """The same, whatever acts."""
         self.of_bodies = self.is_about_bodies(line)
         self.begin(line)
         if self._restates_a_parameter(line):

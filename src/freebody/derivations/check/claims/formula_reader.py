@@ -10,7 +10,7 @@ from freebody.derivations.check.algebra.exact_polynomials import PolynomialReade
 from freebody.derivations.check.algebra.quotients import Value, difference
 from freebody.derivations.check.algebra.tables_in_formulas import Shape, worked_out
 from freebody.derivations.check.asked.asked_quantities import Targets
-from freebody.derivations.check.asked.loads import held
+from freebody.derivations.check.asked.loads import held, held_by_loops
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.numbers.results import WrittenNumbers
 from freebody.derivations.check.reading import loaded_lines
@@ -191,6 +191,8 @@ class FormulaReader:
         """Of a torque in a line that has a force at the tip, the torque that holds it."""
         if not self.is_loaded or not target.kind.is_drive or target.idle:
             return target
+        if self.setting.system is not None:
+            return held_by_loops(self.setting, target, self.besides)
         return held(self.setting, self.targets.single, target, self.load, self.besides)
 
     def begin(self, line: Line) -> None:

@@ -18,7 +18,7 @@ def loads(lines: Iterable[Line], vocabulary: Vocabulary, targets: Targets) -> fr
 
 
 def told(line: Line, vocabulary: Vocabulary, targets: Targets) -> frozenset[str]:
-    """What a line's quantities tell of: "motion" and "weight"."""
+    """What a line's quantities tell of: "rate", "motion" and "weight"."""
     return frozenset(x for name in _names(line) for x in _of_name(name, vocabulary, targets)[0])
 
 
@@ -30,7 +30,8 @@ def _of_name(name: str, vocabulary: Vocabulary, targets: Targets) -> tuple[set[s
         return set(), set()
     if isinstance(value, Trig):
         used = {x for powers, _ in value.terms() for x in powers}
-        found = {"motion"} if any(x.endswith((RATE, SECOND)) for x in used) else set[str]()
+        found = {"rate"} if any(x.endswith(RATE) for x in used) else set[str]()
+        found |= {"motion"} if any(x.endswith(SECOND) for x in used) else set()
         found |= {"weight"} if setting.order.gravity in used else set()
         return found, used & set(setting.loads)
     if name in targets.single:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from freebody.derivations.check.algebra.quotients import Value
+from freebody.derivations.check.asked.quantity import Acting
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.states.running import Array
 from freebody.derivations.check.states.state_values import SIGN, Polynomials, StateValues
@@ -87,11 +88,13 @@ def _together(parts: Sequence[AdmissibleStates]) -> AdmissibleStates:
 @dataclass(frozen=True, eq=False)
 class StateSampler:
     """Draws the states of a model; own_values: with the values of its parameters, which otherwise
-    vary; still: positions at which it is held."""
+    vary; still: positions at which it is held; acting: under a force from outside, alone, with the
+    weights or with the motion too."""
 
     setting: RightEquations
     own_values: bool = False
     still: bool = False
+    acting: Acting = ""
     images: Mapping[str, Value] = field(default_factory=dict[str, Value])
     """What some names are by the others, as velocities and accelerations of a free body are."""
 
@@ -386,8 +389,12 @@ class StateSampler:
     @cached_property
     def passive(self) -> list[Trig]:
         """The generalized forces that nothing gives."""
+        passive = self.setting.symbols.model.passive
+        if self.acting:
+            held = self.setting.held(self.acting)
+            return [held[k] for k in passive]
         forces = self.setting.all_of("tau")
-        return [self.setting.element(forces[k]) for k in self.setting.symbols.model.passive]
+        return [self.setting.element(forces[k]) for k in passive]
 
 
 @dataclass(frozen=True, eq=False)

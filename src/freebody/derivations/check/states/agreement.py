@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from freebody.derivations.check.asked.quantity import Acting
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.states.admissible_states import AdmissibleStates, StateSampler
 from freebody.derivations.check.states.running import Array, Running
@@ -137,15 +138,18 @@ class StatesOfModel:
 
     setting: RightEquations
 
-    def of(self, own_values: bool = False, still: bool = False) -> AdmissibleStates | None:
-        """States with the model's own values, or with others near them; moving, or held."""
-        if (own_values, still) not in self._drawn:
-            drawing = StateSampler(self.setting, own_values, still)
-            self._drawn[own_values, still] = drawing.states()
-        return self._drawn[own_values, still]
+    def of(
+        self, own_values: bool = False, still: bool = False, acting: Acting = ""
+    ) -> AdmissibleStates | None:
+        """States with the model's own values, or with others near them; moving, or held; acting:
+        see `StateSampler`."""
+        key = own_values, still, acting
+        if key not in self._drawn:
+            self._drawn[key] = StateSampler(self.setting, *key).states()
+        return self._drawn[key]
 
     @cached_property
-    def _drawn(self) -> dict[tuple[bool, bool], AdmissibleStates | None]:
+    def _drawn(self) -> dict[tuple[bool, bool, Acting], AdmissibleStates | None]:
         return {}
 
 

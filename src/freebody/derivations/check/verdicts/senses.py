@@ -17,6 +17,7 @@ from freebody.derivations.expressions.printed_names import sym
 from freebody.errors import listed
 
 _LOOPS = "{} {} the other sign here than in the robot's file."
+_LOAD = "F is a force on the mechanism, from outside."
 _MULTIPLIERS = "The multipliers have the other sense: τ = M q̈ + … − Φ_qᵀ λ."
 
 
@@ -24,7 +25,8 @@ def others(
     setting: RightEquations, wrong: Sequence[Claim], written: str
 ) -> Iterator[frozenset[str]]:
     """What an answer with wrong claims may have with the other sign: the loop equations that these
-    are about, with their multipliers, and the sense of all multipliers."""
+    are about, with their multipliers, the sense of all multipliers, and that of a force from
+    outside."""
     if setting.system is None or not wrong:
         return
     numbers = {x.target.index[0] for x in wrong if x.target.kind.is_of_loop_equation}
@@ -32,6 +34,7 @@ def others(
     is_told = any(x in written for x in ("λ", "lam"))
     names = frozenset(multiplier_names(setting.system.loops) if is_told else ())
     own = _multipliers(setting, rows) & names
+    yield from [frozenset(setting.loads)] * bool(setting.loads)
     yield from filter(None, dict.fromkeys((rows | own, names, rows | (names - own), rows)))
 
 
@@ -45,7 +48,8 @@ def _multipliers(setting: RightEquations, rows: Collection[str]) -> frozenset[st
 def are_meant(setting: RightEquations, claims: Sequence[Claim]) -> bool:
     """Whether claims that are right with the other signs show that these are meant: one sign alone
     is a mistake."""
-    return sum(_signs(setting, claim) for claim in claims) > 1
+    is_load = not setting.opposed.isdisjoint(setting.loads)
+    return is_load or sum(_signs(setting, claim) for claim in claims) > 1
 
 
 def _signs(setting: RightEquations, claim: Claim) -> int:
@@ -89,5 +93,7 @@ def _told(setting: RightEquations) -> str:
     own = _multipliers(setting, rows)
     have = "have" if len(rows) > 1 else "has"
     told = [_LOOPS.format(listed([str(sym(x)) for x in rows]), have)] * bool(rows)
-    told += [_MULTIPLIERS] * (setting.opposed.difference(rows) not in (own, frozenset()))
+    multipliers = setting.opposed.difference(rows, setting.loads)
+    told += [_MULTIPLIERS] * (multipliers not in (own, frozenset()))
+    told += [_LOAD] * (not setting.opposed.isdisjoint(setting.loads))
     return " ".join(told)

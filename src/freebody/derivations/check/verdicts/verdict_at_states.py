@@ -101,7 +101,8 @@ class _AtStates:
         """States in motion; with the model's own values where none of its symbols is written."""
         free_body = self.judge.free_body
         if free_body is None:
-            found = self.judge.states.of(own_values=self.is_in_numbers)
+            acting = self.claim.target.acting
+            found = self.judge.states.of(own_values=self.is_in_numbers, acting=acting)
             of_loops, moving = (
                 self.claim.target.kind.of_loops,
                 self.judge.setting.symbols.coordinates,
@@ -164,6 +165,7 @@ class _AtStates:
         if note := self._note(found):
             if by_functions and not self._shares_a_posture(found):
                 return self._wrong(found, (), (_OTHER_POSTURE,))
+            note = f"{note} {self.claim.target.note}".strip()
             return EquationVerdict(self.claim.label, self.claim.target.title, True, note=note)
         if held is not None and self._agreement(held).is_everywhere:
             note = f"It holds in equilibrium: compared in numbers at {held.count} positions."
