@@ -57,7 +57,7 @@ def test_a_wrong_angular_momentum_is_not_right(robot, line):
 def test_relative_rates_are_named_as_the_reason():
     text = fb.check(fb.load("2R"), "H_2 = I2 θ̇2").text
     assert "angular momentum of body 2" in text
-    assert "relative to the previous link" in text
+    assert "from the previous link" in text
 
 
 def test_a_length_called_like_a_momentum_is_not_read_as_one():

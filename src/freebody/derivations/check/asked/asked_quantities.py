@@ -123,4 +123,4 @@ class Targets:
     @cached_property
     def soft(self) -> frozenset[str]:
         """Names of vectors of bodies that users often give to things of their own."""
-        return soft_names(len(self.setting.symbols.model.bodies)) | {*load_names.VECTORS, "W"}
+        return soft_names(len(self.setting.symbols.model.bodies)) | {*load_names.VECTORS, "W", "r"}

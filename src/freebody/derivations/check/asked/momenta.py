@@ -30,6 +30,8 @@ _CENTRE, _ORIGIN, _JOINT = (
     "It is read as that about its own joint.",
 )
 
+_USUAL = {"H": kinds.MASS, "L": kinds.LAGRANGIAN}
+
 
 class AngularMomenta(QuantityGroup):
     """H_i and L_i of body i, about its centre of mass, its joint or the base's origin; H_Gi about
@@ -50,7 +52,7 @@ class AngularMomenta(QuantityGroup):
         }
         for letter, point, number in told:
             name = f"{letter}{point}{number}"
-            if name in self.setting.ring.index:
+            if name in self.setting.ring.index or self._is_given(letter):
                 continue
             if (point, number) == ("O", ""):
                 yield (name,), replace(self._whole, also=())
@@ -59,6 +61,10 @@ class AngularMomenta(QuantityGroup):
                 yield (name, f"{letter}{point.lower()}"), self._of_body(own, True)
             elif number in self._bodies and point != "O":
                 yield (name, f"{letter}{point.lower()}{number}"), self._of_body(number, bool(point))
+
+    def _is_given(self, letter: str) -> bool:
+        """Whether a notation has a letter for another quantity than usual."""
+        return letter not in self.letters[_USUAL[letter].name]
 
     @cached_property
     def _whole(self) -> AskedQuantity:
