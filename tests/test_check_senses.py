@@ -80,3 +80,15 @@ def test_a_wrong_line_about_rods_of_symbolic_length_is_explained():
     verdict = fb.check(fb.load("five_bar_rods"), "V = m1 g lc1 s1")
     assert not verdict
     assert "is missing" in verdict.text
+
+
+def test_a_term_that_vanishes_in_the_assembly_of_the_file_shows_no_sense():
+    """θ3 + θ4 = 0 in a parallelogram: the sign of λ3 says nothing there."""
+    model = fb.load("double_four_bar")
+    line = (
+        "τ4 = {} λ4 cos(θ3+θ4) {} λ3 sin(θ3+θ4) + θ̈3 cos(θ4)/2 + θ̈3/3 + θ̈4/3"
+        " + g cos(θ3+θ4)/2 + θ̇3² sin(θ4)/2"
+    )
+    assert fb.check(model, line.format("", "-"))
+    assert fb.check(model, line.format("-", "+"))
+    assert not fb.check(model, line.format("-", "-"))

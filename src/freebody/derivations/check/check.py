@@ -25,6 +25,7 @@ from freebody.derivations.check.verdict import EquationVerdict, UnreadEquation, 
 from freebody.derivations.check.verdicts import senses
 from freebody.derivations.check.verdicts.equation_verdict import Judge
 from freebody.derivations.check.verdicts.number_verdict import NumberJudge
+from freebody.derivations.check.verdicts.verdict_at_states import ONE_ASSEMBLY
 from freebody.derivations.grammar.source import Span
 from freebody.derivations.notations.notation import BookNotation, notation_of
 from freebody.derivations.parameter_formulas import freed
@@ -106,7 +107,9 @@ def check(
     first = found = asked.judged(where)
     for opposed in senses.others(where, first.wrong, document.formulas):
         own = asked.judged(replace(where, opposed=opposed))
-        if own.right > found.right and senses.are_meant(own.where, own.righted(first)):
+        if own.right > found.right and senses.are_meant(
+            asked.needed(own), own.where.loads, own.righted(first)
+        ):
             found = own.instead_of(first)
     return found.verdict
 
@@ -152,6 +155,15 @@ class _Asked:
         )
         return _Judged(where, verdict, [claim for claim, _ in judged])
 
+    def needed(self, found: _Judged) -> frozenset[str]:
+        """Of what has the other sign, that without which fewer lines would be right, or in fewer
+        assemblies: in some a multiplier does nothing."""
+        opposed = found.where.opposed
+        without = {x: replace(found.where, opposed=opposed - {x}) for x in opposed}
+        return frozenset(
+            x for x, where in without.items() if self.judged(where).extent < found.extent
+        )
+
 
 @dataclass(frozen=True)
 class _Judged:
@@ -171,6 +183,12 @@ class _Judged:
     def right(self) -> int:
         """How many equations are right."""
         return len(self.claims) - len(self.wrong)
+
+    @property
+    def extent(self) -> tuple[int, int]:
+        """How many equations are right, and how many in every assembly."""
+        right = [x for x in self.verdict.equations if x.equal]
+        return len(right), sum(ONE_ASSEMBLY not in x.note for x in right)
 
     def righted(self, before: _Judged) -> list[Claim]:
         """The claims that are right here only."""

@@ -3,7 +3,7 @@ multipliers, τ = M q̈ + … ± Φ_qᵀ λ."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence, Set
 from dataclasses import replace
 
 from freebody.derivations.check.algebra.answer_tree import Named
@@ -45,19 +45,18 @@ def _multipliers(setting: RightEquations, rows: Collection[str]) -> frozenset[st
     return frozenset(name for i, name in names if f"Phi{i}" in rows)
 
 
-def are_meant(setting: RightEquations, claims: Sequence[Claim]) -> bool:
+def are_meant(opposed: Set[str], loads: Collection[str], claims: Sequence[Claim]) -> bool:
     """Whether claims that are right with the other signs show that these are meant: one sign alone
-    is a mistake."""
-    is_load = not setting.opposed.isdisjoint(setting.loads)
-    return is_load or sum(_signs(setting, claim) for claim in claims) > 1
+    is a mistake, but not that of a force from outside."""
+    return not opposed.isdisjoint(loads) or sum(_signs(opposed, x) for x in claims) > 1
 
 
-def _signs(setting: RightEquations, claim: Claim) -> int:
+def _signs(opposed: Set[str], claim: Claim) -> int:
     """How many terms of a claim have the other sign, as they are written."""
     terms = list(_terms(claim, claim.node if claim.whole is None else claim.whole))
     if claim.target.kind.is_of_loop_equation:
         return len(terms)
-    return sum(any(_is_opposed(setting, x) for x in nodes(term)) for term in terms)
+    return sum(any(_is_opposed(opposed, x) for x in nodes(term)) for term in terms)
 
 
 def _terms(claim: Claim, node: Expression) -> Iterator[Expression]:
@@ -71,9 +70,9 @@ def _terms(claim: Claim, node: Expression) -> Iterator[Expression]:
         yield node
 
 
-def _is_opposed(setting: RightEquations, node: Expression) -> bool:
+def _is_opposed(opposed: Set[str], node: Expression) -> bool:
     """Whether a symbol is that of a multiplier with the other sign."""
-    return isinstance(node, Named) and generator(node.value) in setting.opposed
+    return isinstance(node, Named) and generator(node.value) in opposed
 
 
 def noted(

@@ -46,7 +46,7 @@ _OTHER_ASSEMBLY = (
     "It holds in another assembly of the mechanism than that of its file: the same lengths, put "
     "together the other way."
 )
-_ONE_ASSEMBLY = "It holds in one assembly of the mechanism, not in every one."
+ONE_ASSEMBLY = "It holds in one assembly of the mechanism, not in every one."
 _LEVEL = "It differs by a constant: the zero level of V is arbitrary."
 _OTHER_VALUES = {
     "arccos": "arccos and −arccos are the two postures that reach a point, elbow up and elbow down",
@@ -230,7 +230,7 @@ class _AtStates:
             stands = f"right as it stands at {count}, at the others on another branch"
             return f"{compared}: {stands}; {others}."
         if closed and found.is_in_one_assembly:
-            return f"{_ONE_ASSEMBLY} {compared}."
+            return f"{ONE_ASSEMBLY} {compared}."
         return ""
 
     def _shares_a_posture(self, found: Agreement) -> bool:
