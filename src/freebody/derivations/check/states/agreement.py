@@ -3,7 +3,9 @@ one assembly of a closed chain, or up to a constant."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -17,6 +19,8 @@ from freebody.derivations.check.states.state_values import (
 )
 from freebody.derivations.expressions.nodes import Expression
 from freebody.lazy import cached_property
+
+_Drawn = tuple[bool, bool, frozenset[tuple[str, float]]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,15 +141,21 @@ class StatesOfModel:
 
     setting: RightEquations
 
-    def of(self, own_values: bool = False, still: bool = False) -> AdmissibleStates | None:
-        """States with the model's own values, or with others near them; moving, or held."""
-        if (own_values, still) not in self._drawn:
-            drawing = StateSampler(self.setting, own_values, still)
-            self._drawn[own_values, still] = drawing.states()
-        return self._drawn[own_values, still]
+    def of(
+        self,
+        own_values: bool = False,
+        still: bool = False,
+        given: Mapping[str, float] = MappingProxyType({}),
+    ) -> AdmissibleStates | None:
+        """States with the model's own values, or with others near them; moving, or held; given:
+        values of some names at all of them."""
+        key = own_values, still, frozenset(given.items())
+        if key not in self._drawn:
+            self._drawn[key] = StateSampler(self.setting, own_values, still, given).states()
+        return self._drawn[key]
 
     @cached_property
-    def _drawn(self) -> dict[tuple[bool, bool], AdmissibleStates | None]:
+    def _drawn(self) -> dict[_Drawn, AdmissibleStates | None]:
         return {}
 
 
