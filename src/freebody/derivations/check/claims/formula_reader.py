@@ -121,6 +121,8 @@ class FormulaReader:
         """The entries of a vector or matrix, each with its name."""
         if name in self.vocabulary.matrices:
             return replace(self.vocabulary.matrices[name], span=span)
+        if name in self.vocabulary.uses and name in self.vocabulary.symbols:
+            return None  # one number of the user's own
         if name == _TYPED_TRANSPOSE and self.is_loaded:  # J' F
             J = self.table("J", span)
             return J and replace(J, rows=tuple(zip(*J.rows, strict=True)))

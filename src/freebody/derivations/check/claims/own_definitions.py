@@ -177,7 +177,7 @@ class OwnDefinitions(SolvedQuantities):
         if target is None:
             return name in AMBIGUOUS or (
                 self._is_used(name, line, lines)
-                and self._is_still(self._given(line[1]))
+                and (bool(is_matrix) or self._is_still(self._given(line[1])))
                 and not self._is_zero_vector(name, line)
                 and not self.says_that_the_base_moves(line)
             )
