@@ -231,3 +231,11 @@ def test_numbers_of_a_closed_chain_follow_from_its_loops_and_nothing_is_taken_fo
     for line in ("τ1 = 3 N m at θ1 = 40°", "d̈3 = 1 m/s² at θ1 = 40°, θ̇1 = 2 rad/s"):
         with pytest.raises(fb.FreebodyError, match="not given"):
             fb.check(CRANK, line)
+
+
+@pytest.mark.parametrize(
+    "line", ["v_3x = ḋ3", "v_3 = [ḋ3; 0]", "T3 = m3 v_3²/2", "v_2y = l1 ω1 cos θ1"]
+)
+def test_velocities_of_joints_are_known_in_closed_chains(line: str):
+    assert fb.check(fb.load("slider_crank"), line)
+    assert not fb.check(fb.load("slider_crank"), line.replace("= ", "= 2 "))

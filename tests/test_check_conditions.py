@@ -69,3 +69,37 @@ def test_a_wrong_line_is_explained_where_its_condition_holds():
     assert "‘l₁’ of ‘m₂ lc₂ (l₁ + lc₂)’ is missing" in text
     assert "at θ₂ = 0.9" not in text
     assert "it must be ½ m₂ l₁ lc₂" in fb.check(ARM, f"At θ2 = 60°: {BENT} + m2 l1 lc2/3").text
+
+
+SLIDER = fb.load("slider_crank")
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        "At θ1 = 90°: ḋ3 = -l1 θ̇1",
+        "ḋ3 = -l1 ω1 at θ1 = π/2",
+        "At θ1 = 90°: d3 = sqrt(l2^2 - l1^2)",
+        "At θ1 = 0: α2 = -l1 α1/(l2 cos θ2)",
+        "At rest: d̈3 = -l1 θ̈1 (sin θ1 + cos θ1 tan(-θ1-θ2))",
+        "α2 = -l1 α1 cos θ1/(l2 cos(θ1+θ2)) at rest",
+    ],
+)
+def test_a_line_of_a_closed_chain_is_right_where_its_condition_holds(answer: str):
+    verdict = fb.check(SLIDER, answer)
+    assert verdict, verdict
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        "ḋ3 = -l1 θ̇1",
+        "At θ1 = 80°: ḋ3 = -l1 θ̇1",
+        "At θ1 = 90°: ḋ3 = l1 θ̇1",
+        "At θ1 = 90°: d3 = sqrt(l2^2 + l1^2)",
+        "α2 = -l1 α1 cos θ1/(l2 cos(θ1+θ2))",
+        "α2 = l1 α1 cos θ1/(l2 cos(θ1+θ2)) at rest",
+    ],
+)
+def test_a_line_of_a_closed_chain_is_wrong_where_its_condition_is_another(answer: str):
+    assert not fb.check(SLIDER, answer)

@@ -420,3 +420,20 @@ def test_a_table_of_words_or_parameters_is_no_answer():
     verdict = fb.check(fb.load("2R"), f"{table}H22 = m2 lc2² + I2", form="markdown")
     assert [x.where for x in verdict.equations] == ["line 6"]
     assert verdict
+
+
+@pytest.mark.parametrize(
+    "given", ["vx, vy = x_c2.diff(t), y_c2.diff(t)", "vx, vy = foo(x_c2), foo(y_c2)"]
+)
+def test_a_name_that_code_gives_in_a_way_that_is_not_read_is_no_quantity_of_the_robot(given: str):
+    code = f"""
+x_c2 = l1*cos(theta1) + lc2*cos(theta1 + theta2)
+y_c2 = l1*sin(theta1) + lc2*sin(theta1 + theta2)
+{given}
+T2 = m2*(vx**2 + vy**2)/2 + I2*(dtheta1 + dtheta2)**2/2
+V2 = m2*g*y_c2
+"""
+    verdict = fb.check(fb.planar("RR"), code, form="python")
+    assert [one.equal for one in verdict.equations] == [True, True, True]
+    assert not verdict
+    assert any("vx is not defined by any line that can be read" in x.reason for x in verdict.unread)

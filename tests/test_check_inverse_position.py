@@ -124,3 +124,26 @@ def test_where_a_function_is_steep_or_loops_divide_by_nothing_wrong_is_wrong(rob
     verdict = fb.check(fb.load(robot), line)
     assert not verdict
     assert "another assembly" not in verdict.text
+
+
+_WRIST = "x_w = x - l3 cos(θ1+θ2+θ3)\ny_w = y - l3 sin(θ1+θ2+θ3)\n"
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "cos θ2 = (x_w^2 + y_w^2 - l1^2 - l2^2)/(2 l1 l2)",
+        "x_w^2 + y_w^2 = l1^2 + l2^2 + 2 l1 l2 cos θ2",
+        "θ2 = arccos((x_w^2 + y_w^2 - l1^2 - l2^2)/(2 l1 l2))",
+    ],
+)
+def test_a_line_is_about_what_names_of_ones_own_are_given_by(line: str):
+    arm = fb.planar("RRR")
+    assert fb.check(arm, _WRIST + line)
+    wrong = line.replace("- l1^2", "+ l1^2").replace("= l1^2", "= 2 l1^2")
+    assert not fb.check(arm, _WRIST + wrong)
+
+
+def test_a_line_that_holds_whatever_stands_behind_ones_own_names_is_refused():
+    with pytest.raises(fb.FreebodyError, match="nothing to check"):
+        fb.check(fb.planar("RR"), "A = T + V\nB = A + T\nB - V = 2 T")

@@ -70,3 +70,27 @@ def test_a_force_on_a_closed_chain_is_refused_in_words(line: str):
 def test_a_force_of_ones_own_may_be_introduced():
     assert fb.check(fb.load("slider_crank"), "F = m3 d̈3\n0 = F - λ1")
     assert not fb.check(fb.load("slider_crank"), "F = m3 d̈3\n0 = F + λ1")
+
+
+_COEFFICIENTS = """A = c sin θ3
+B = b sin θ2
+C = a α1 sin θ1 + a ω1^2 cos θ1 + b ω2^2 cos θ2 - c ω3^2 cos θ3
+D = c cos θ3
+E = b cos θ2
+F = a α1 cos θ1 - a ω1^2 sin θ1 - b ω2^2 sin θ2 + c ω3^2 sin θ3
+α2 = (C D - A F)/(A E - B D)
+α3 = (C E - B F)/(A E - B D)"""
+
+
+def test_a_matrix_letter_that_a_line_gives_as_one_number_is_ones_own():
+    """Norton's accelerations of a four-bar, whose C is no matrix."""
+    letters = {"a": "l1", "b": "l2", "c": "l3"}
+    four_bar = fb.load("four_bar")
+    assert fb.check(four_bar, _COEFFICIENTS, names=letters, absolute=True)
+    wrong = _COEFFICIENTS.replace("+ c ω3^2 sin", "- c ω3^2 sin")
+    assert not fb.check(four_bar, wrong, names=letters, absolute=True)
+
+
+@pytest.mark.parametrize("own", ["C = -m2 l1 lc2 sin θ2", "M = m1"])
+def test_what_is_one_number_there_is_no_matrix_elsewhere(own: str):
+    assert not fb.check(fb.load("2R"), f"{own}\nτ = M q̈ + C q̇ + G")

@@ -24,6 +24,8 @@ RIGHT = [
     r"c = C \dot q",
     "h = m2 l1 lc2 s2; tau = M q̈ + h [-2 θ̇1 θ̇2 - θ̇2²; θ̇1²] + G",
     "vc1 = ω1 × rc1",
+    "v_2^2 = l1^2 θ̇1^2",
+    r"T_2 = \frac12 m_2 v_{2}^{2} + m_2 v_2 · (ω_2 × s_c2) + \frac12 (I_2 + m_2 l_{c2}^2) ω_2²",
     "vc2 = v2 + cross(ω2, sc2)",
     "fc2 = m2 vc2_d",
     "f12 = fc2 - m2 gravity",

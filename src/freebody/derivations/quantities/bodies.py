@@ -161,11 +161,11 @@ BODY_QUANTITIES = (
     ),
     BodyQuantity(
         "v{n}", "the velocity of the point of body {n} at joint {n}",
-        lambda b: b.axes(b.motion.v[b.i]), units.SPEED, soft=True, symbol="v_i",
+        lambda b: b.axes(b.motion.v[b.i]), units.SPEED, soft=True, of_motion=True, symbol="v_i",
     ),
     BodyQuantity(
         "v{n}_d", "the acceleration of the point of body {n} at joint {n}",
-        lambda b: b.axes(b.motion.vd[b.i]), units.ACCELERATION,
+        lambda b: b.axes(b.motion.vd[b.i]), units.ACCELERATION, of_motion=True,
     ),
     BodyQuantity(
         "vc{n}", "the velocity of the centre of mass of body {n}",

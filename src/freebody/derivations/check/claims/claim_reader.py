@@ -17,7 +17,7 @@ from freebody.derivations.check.claims.own_definitions import OwnDefinitions
 from freebody.derivations.check.claims.unnamed_equations import UnnamedEquations
 from freebody.derivations.check.numbers.units import unit_of_quantity
 from freebody.derivations.check.reading.answer_lines import Line
-from freebody.derivations.check.reading.behind_names import inverse_behind, turn_behind
+from freebody.derivations.check.reading.behind_names import power_behind, turn_behind
 from freebody.derivations.check.reading.circular_answers import uses
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.states.state_values import functions_of
@@ -153,7 +153,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             return None if self.is_own(side[0].text) else side[0]
         first = side[0]
         name = first.text + INVERSE
-        if name in self.targets.tables and inverse_behind(side[1:]) == len(side) - 1 > 0:
+        if name in self.targets.tables and power_behind(side[1:], -1) == len(side) - 1 > 0:
             return replace(first, text=name, end=side[-1].end)
         turn, behind = turn_behind(first.text, side[1:])
         if turn in self.targets.tables and behind == len(side) - 1:

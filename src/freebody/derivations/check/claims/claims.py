@@ -108,7 +108,7 @@ def statements(
             _refuse_names(source, line, pending)
             before = [claim for claims in by_line.values() for claim in claims]
             by_line[line] = claimed.claims(line, before)
-    unread_names = _names_of(reading.failed) - symbols
+    unread_names = (_names_of(reading.failed) | reading.unread_names) - symbols
     for line in list(by_line):
         with reading.passing_over(line):
             _refuse_names(source, line, unread_names)

@@ -64,6 +64,8 @@ class FormulaReader:
         """Where the answer says what the value of a parameter is, which is known."""
         self.replaced: dict[AskedQuantity, Trig] = {}
         """Values that quantities have for a while."""
+        self.own_sides: dict[str, Sequence[Token]] = {}
+        """By what lines give names of the user's own, in their order."""
         self.letters_of_vectors: frozenset[str] = frozenset()
         """Letters such as v that other lines give as vectors: v1 = 0 is one too."""
         self.load: frozenset[str] = frozenset()
@@ -89,6 +91,15 @@ class FormulaReader:
         except NoValue as problem:
             self.source.fail(problem.problem, (problem.node or node).span)
 
+    def define(self, name: str, node: Expression, given: tuple[AskedQuantity, ...]) -> None:
+        """A name of the user's own for what a tree is; given: the quantities in it."""
+        if isinstance(node, Matrix):
+            self.vocabulary.define_matrix(name, node, given)
+        elif functions_of(node):
+            self.vocabulary.define_tree(name, node, given)
+        else:
+            self.vocabulary.define(name, self.quotient(node), given)
+
     def is_about_bodies(self, line: Line) -> bool:
         """Whether a line has a name of a body's quantity in it."""
         found = any(self._tells_of_bodies(token) for side in line for token in side)
@@ -110,6 +121,8 @@ class FormulaReader:
         """The entries of a vector or matrix, each with its name."""
         if name in self.vocabulary.matrices:
             return replace(self.vocabulary.matrices[name], span=span)
+        if name in self.vocabulary.uses and name in self.vocabulary.symbols:
+            return None  # one number of the user's own
         if name == _TYPED_TRANSPOSE and self.is_loaded:  # J' F
             J = self.table("J", span)
             return J and replace(J, rows=tuple(zip(*J.rows, strict=True)))

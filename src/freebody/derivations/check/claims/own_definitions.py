@@ -104,12 +104,8 @@ class OwnDefinitions(SolvedQuantities):
         given = tuple(use.target for use in uses(node, self.targets.single, self.vocabulary))
         if self.targets.single.get(name) in given:
             refuse_itself(self.source, self.source[first[0].span], node.span)
-        if isinstance(node, Matrix):
-            self.vocabulary.define_matrix(name, node, given)
-        elif functions_of(node):
-            self.vocabulary.define_tree(name, node, given)
-        else:
-            self.vocabulary.define(name, self.quotient(node), given)
+        self.define(name, node, given)
+        self.own_sides[name] = line[1]
         return [line]
 
     def _repeats_a_formula(self, name: str, line: Line) -> bool:
@@ -181,7 +177,7 @@ class OwnDefinitions(SolvedQuantities):
         if target is None:
             return name in AMBIGUOUS or (
                 self._is_used(name, line, lines)
-                and self._is_still(self._given(line[1]))
+                and (bool(is_matrix) or self._is_still(self._given(line[1])))
                 and not self._is_zero_vector(name, line)
                 and not self.says_that_the_base_moves(line)
             )

@@ -64,7 +64,8 @@ class UnnamedEquations(FormulaReader):
             return self._identities(line)
         asked = self._asked(line)
         torques = {target for target in asked.values() if target.kind.is_drive and not target.idle}
-        between = self._is_between(line, frozenset(asked.values()), torques)
+        told = frozenset(asked.values()) | self._behind_own_names(line)
+        between = self._is_between(line, told, torques)
         if not torques and (found := self._by_loops(line, between, bool(asked))):
             return found
         if not torques and not between and self.targets.passive:
@@ -78,6 +79,11 @@ class UnnamedEquations(FormulaReader):
         taken = {*self.vocabulary.symbols, *self.vocabulary.waves}
         names = sorted({t.text for side in line for t in side if t.kind == "name"} - taken)
         return {x: self.targets.single[x] for x in names if x in self.targets.single}
+
+    def _behind_own_names(self, line: Line) -> frozenset[AskedQuantity]:
+        """The quantities by which names of the user's own in a line are given."""
+        names = {t.text for side in line for t in side if t.kind == "name"}
+        return frozenset(x for name in names for x in self.vocabulary.uses.get(name, ()))
 
     def _is_between(
         self, line: Line, asked: Set[AskedQuantity], torques: Set[AskedQuantity]
@@ -150,11 +156,16 @@ class UnnamedEquations(FormulaReader):
         inside = {
             use.target for x in sides for use in uses(x, self.targets.single, self.vocabulary)
         }
+        kept = self.vocabulary
         try:
             self.replaced = {
                 target: self.setting.zero + Fraction(1009 + 7 * k, 13 + k)
                 for k, target in enumerate(inside)
             }
+            self.vocabulary = kept.copy()
+            for name, side in self.own_sides.items():
+                if inside.intersection(kept.uses[name]):
+                    self.define(name, self.parse(side), kept.uses[name])
             left, right = map(entries_of, map(self.parse, line))
             if len(left) != len(right):  # a vector may be equal to 0
                 left, right = sorted((left, right), key=len)
@@ -165,7 +176,7 @@ class UnnamedEquations(FormulaReader):
             )
             return all(gap.is_zero for gap in gaps)
         finally:
-            self.replaced = {}
+            self.replaced, self.vocabulary = {}, kept
 
     def _is_vector(self, token: Token) -> bool:
         """Whether it is the name of a vector or matrix, such as C in C q̇ = …"""

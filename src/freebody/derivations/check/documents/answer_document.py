@@ -39,6 +39,9 @@ class AnswerDocument:
     said: str = ""
     """What it says to its readers, formula or not, every character at its place: without comments,
     headings and declarations."""
+    assigns: bool = False
+    """Whether each equals sign gives a name a value of its own, as in code: where that is not read,
+    nothing is taken for it."""
     told: bool = False
     """Whether it is a document, of which a verdict says the line of each equation."""
     strict: bool = False

@@ -178,7 +178,9 @@ def read(text: str) -> AnswerDocument:
     written = plain_characters(text)
     whole, said = Blanks(written), Blanks(written)
     pieces = clean(whole, said, (0, len(written)))
-    return AnswerDocument(written, str(whole), tuple(pieces), said=str(said), told=True)
+    return AnswerDocument(
+        written, str(whole), tuple(pieces), said=str(said), told=True, assigns=True
+    )
 
 
 FORM = DocumentForm("python", "Python code with SymPy", (".py",), read)

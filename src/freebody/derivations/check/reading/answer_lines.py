@@ -56,6 +56,8 @@ class DocumentReader:
         self.document, self.vocabulary, self.quantities = document, vocabulary, quantities
         self.unread: list[UnreadEquation] = []
         self.failed: list[Line] = []
+        self.unread_names: set[str] = set()
+        """Names to which code gives something that is not read."""
         self.source, self.pieces = self._without_words()
         self._tell_what_no_formula_holds()
 
@@ -225,6 +227,12 @@ class DocumentReader:
         text = text if len(text) <= _SHOWN else f"{text[:_SHOWN]}…"
         first = span[0] + len(source.text[slice(*span)]) - len(source.text[slice(*span)].lstrip())
         asked = is_asked or self._is_asked(source, span) or self._asks(source, span)
+        if self.document.assigns:
+            begun = self.document.written.rfind("\n", 0, span[0]) + 1
+            left, sign, _ = self.document.written[begun : span[1]].partition("=")
+            written = AnswerText(left)
+            within = written.lexemes.between(0, len(left))
+            self.unread_names.update(_names(written, within) if sign else ())
         self.unread.append(
             UnreadEquation(first, source.where(first), text, reason.rstrip("."), asked)
         )

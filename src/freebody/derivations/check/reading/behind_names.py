@@ -8,12 +8,12 @@ from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.grammar.lexer import Token
 
 
-def inverse_behind(tokens: Sequence[Token]) -> int:
-    """How many tokens are the power -1 with which they begin: ⁻¹, ^-1, ^{-1}."""
+def power_behind(tokens: Sequence[Token], power: int) -> int:
+    """How many tokens are the power with which they begin: ⁻¹, ^-1, ^{-1}; 0 if it is another."""
     if tokens and tokens[0].kind == "power":
-        return int(tokens[0].value == -1)
-    texts = [token.text for token in tokens]
-    for written in (["^", "-", "1"], ["^", "{", "-", "1", "}"], ["^", "(", "-", "1", ")"]):
+        return int(tokens[0].value == power)
+    texts, figures = [token.text for token in tokens], [*"-" * (power < 0), str(abs(power))]
+    for written in (["^", *figures], ["^", "{", *figures, "}"], ["^", "(", *figures, ")"]):
         if texts[: len(written)] == written:
             return len(written)
     return 0

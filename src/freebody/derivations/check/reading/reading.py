@@ -11,7 +11,7 @@ from freebody.derivations.check.algebra.answer_tree import Named, Wave
 from freebody.derivations.check.algebra.exact_polynomials import LARGEST_EXPONENT, PolynomialReader
 from freebody.derivations.check.algebra.quotients import Value
 from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity
-from freebody.derivations.check.reading.behind_names import inverse_behind, turn_behind
+from freebody.derivations.check.reading.behind_names import power_behind, turn_behind
 from freebody.derivations.check.reading.derivatives import DerivativeParser
 from freebody.derivations.check.reading.vocabulary import Vocabulary
 from freebody.derivations.expressions.nodes import (
@@ -107,7 +107,7 @@ class AnswerParser(DerivativeParser):
         if self.token.text == "(" and [self.ahead(k).text for k in (1, 2)] == ["t", ")"]:
             self.at += 3
         vocabulary = self.vocabulary
-        behind = inverse_behind(self.tokens[self.at : self.at + 5])
+        behind = power_behind(self.tokens[self.at : self.at + 5], -1)
         inverse = self.tables(name + INVERSE, token.span) if behind else None
         if inverse is not None:
             self.at += behind
@@ -130,11 +130,20 @@ class AnswerParser(DerivativeParser):
         if name == "t":
             self.source.fail("the time t does not occur in these equations", token.span)
         value = self.quantity(name)
+        if table is not None and self._is_squared_speed(name):
+            return table
         if value is not None:
             return self._also(Named(name, value, span=span), table)
         if table is None:
             self.source.fail(f"{self.source[token.span]} has no value here", token.span)
         return table
+
+    def _is_squared_speed(self, name: str) -> bool:
+        """Whether a name that may be a velocity term or a velocity is squared, as only the second
+        is."""
+        asked = self.quantities.get(name)
+        squared = power_behind(self.tokens[self.at : self.at + 4], 2)
+        return bool(squared) and asked is not None and asked.kind.is_velocity_term
 
     def _also(self, node: Expression, table: Matrix | None) -> Expression:
         """A name that may stand for a vector or matrix too."""

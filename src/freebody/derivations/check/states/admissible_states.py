@@ -3,7 +3,7 @@ positions, and what nothing drives obeying the equations of motion."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -39,6 +39,8 @@ _DEPENDENT = 1e-7
 """The ratio below which rows of a Jacobian count as dependent."""
 _STRIDE, _CORRECTION = 0.15, 0.06
 """Radians of a step along a branch, and how far it may lead off it."""
+_LED = 0.3
+"""How far others may follow a step of a coordinate that is led to where it is given."""
 _BETWEEN, _MOST_WALKED = 4, 60
 """Steps from one state to the next, and of the whole way."""
 _SOLVED = 1e-9
@@ -88,12 +90,13 @@ def _together(parts: Sequence[AdmissibleStates]) -> AdmissibleStates:
 @dataclass(frozen=True, eq=False)
 class StateSampler:
     """Draws the states of a model; own_values: with the values of its parameters, which otherwise
-    vary; still: positions at which it is held; acting: under a force from outside, alone, with the
-    weights or with the motion too."""
+    vary; still: positions at which it is held; given: values of some names at all states; acting:
+    under a force from outside, alone, with the weights or with the motion too."""
 
     setting: RightEquations
     own_values: bool = False
     still: bool = False
+    given: Mapping[str, float] = field(default_factory=dict[str, float])
     acting: Acting = ""
     images: Mapping[str, Value] = field(default_factory=dict[str, Value])
     """What some names are by the others, as velocities and accelerations of a free body are."""
@@ -113,6 +116,8 @@ class StateSampler:
         for name in self.setting.ring.names:
             if name not in values and not name.startswith(SIGN):
                 values[name] = np.full(count, chance.uniform(*_DRAWN))
+        fixed = {x for x in self.given if x not in self._names}
+        values |= {x: np.full(count, self.given[x]) for x in fixed}
         drawn = AdmissibleStates(values, np.full(count, k), np.arange(count))
         positions = self._positions(chance, drawn)
         if positions is None:
@@ -173,6 +178,15 @@ class StateSampler:
         angles = self.setting.ring.angles
         return np.array([1.0 if x in angles else self._length for x in self._names])
 
+    @cached_property
+    def _loose(self) -> tuple[str, ...]:
+        """The coordinates that are not given."""
+        return tuple(self._not_given(self._names))
+
+    @cached_property
+    def _loose_scale(self) -> Array:
+        return np.array([self._size_of(x) for x in self._loose])
+
     # ------------------------------------------------------------ positions
     def _positions(
         self, chance: np.random.Generator, drawn: AdmissibleStates
@@ -181,7 +195,11 @@ class StateSampler:
         if not self.loops[0]:
             return drawn.chosen(np.arange(1, 1 + OF_TREES))  # none is the home's
         rows = self._rows
-        closed = self._closed(drawn, rows, self._names, self._scale)
+        if not rows.names:
+            return None
+        closed = self._closed(drawn, self._any_rows, self._names, self._scale)
+        if self._loose != self._names:
+            closed = self._led(closed)
         if not closed.count:
             return None
         ratio: Array = self._ratios(closed, rows)
@@ -190,6 +208,25 @@ class StateSampler:
         if regular is None:
             return None
         return self._walked(chance, self._apart(regular), rows)
+
+    def _led(self, states: AdmissibleStates) -> AdmissibleStates:
+        """The states that closed positions come to when the given coordinates are led to their
+        values; those that cannot follow are left out."""
+        fixed = [x for x in self._names if x not in self._loose]
+        ways = {x: self.given[x] - states.values[x] for x in fixed}
+        count = 1 + int(max(np.abs(way).max(initial=0.0) for way in ways.values()) / _STRIDE)
+        numbered = replace(states, branch=np.arange(states.count))
+        for k in range(count):
+            ahead = {
+                x: self.given[x] - way[numbered.branch] * (count - 1 - k) / count
+                for x, way in ways.items()
+            }
+            moved = replace(numbered, values={**numbered.values, **ahead})
+            numbered, off = self._back(moved, self._rows)
+            numbered = numbered.chosen(off < _LED)
+            if not numbered.count:
+                break
+        return replace(numbered, branch=states.branch[numbered.branch])
 
     def _closed(
         self, drawn: AdmissibleStates, rows: Rows, names: Sequence[str], scale: Array
@@ -223,7 +260,7 @@ class StateSampler:
 
     def _normed(self, states: AdmissibleStates, rows: Rows) -> Array:
         """Φ_q by turns and lengths, its rows of length 1."""
-        slopes = rows.slopes_at(states) * self._scale
+        slopes = rows.slopes_at(states) * self._loose_scale
         return slopes / np.maximum(np.linalg.norm(slopes, axis=2, keepdims=True), 1e-300)
 
     def _apart(self, states: AdmissibleStates) -> AdmissibleStates:
@@ -243,7 +280,7 @@ class StateSampler:
     ) -> AdmissibleStates:
         """States along the branches of some, by small steps that keep to them."""
         here, found = starts, list[AdmissibleStates]()
-        heading = chance.normal(size=(starts.count, len(self._names)))
+        heading = chance.normal(size=(starts.count, len(self._loose)))
         taken, stride = np.zeros(starts.count, int), np.full(starts.count, _STRIDE)
         least = min(_REGULAR[-1], float(self._ratios(starts, rows).min()))
         for _ in range(_MOST_WALKED):
@@ -270,10 +307,10 @@ class StateSampler:
         """The nearest positions with closed loops, and how far they are in turns and lengths;
         infinitely where there is none."""
         numbered = replace(moved, branch=np.arange(moved.count))
-        closed = self._closed(numbered, rows, self._names, self._scale)
+        closed = self._closed(numbered, rows, self._loose, self._loose_scale)
         values, off = dict(moved.values), np.full(moved.count, np.inf)
         off[closed.branch] = 0.0
-        for x, scale in zip(self._names, self._scale, strict=True):
+        for x, scale in zip(self._loose, self._loose_scale, strict=True):
             values[x] = moved.values[x].copy()
             values[x][closed.branch] = closed.values[x]
             off = np.maximum(off, np.abs(values[x] - moved.values[x]) / scale)
@@ -283,7 +320,7 @@ class StateSampler:
         """States moved by turns and lengths."""
         moved = {
             x: states.values[x] + step * s
-            for x, step, s in zip(self._names, steps.T, self._scale, strict=True)
+            for x, step, s in zip(self._loose, steps.T, self._loose_scale, strict=True)
         }
         return replace(states, values={**states.values, **moved})
 
@@ -297,58 +334,58 @@ class StateSampler:
     # ------------------------------------------------------------ motion
     def _moving(self, chance: np.random.Generator, states: AdmissibleStates) -> AdmissibleStates:
         """The same positions with rates that keep the loops closed."""
-        wanted = chance.normal(size=(states.count, len(self._names)))
-        if self.still:
-            wanted = 0 * wanted
-        elif self.loops[0]:
-            wanted = self._free(states, self._rows, wanted)
-        rates = {
-            x + RATE: column * s
-            for x, column, s in zip(self._names, wanted.T, self._scale, strict=True)
-        }
-        return replace(states, values={**states.values, **rates})
+        moving = self._begun(states, [x + RATE for x in self._names])
+        return moving if self.still else self._solved(chance, moving, self._of_rates)[0]
 
     def _pressed(
         self, chance: np.random.Generator, states: AdmissibleStates
     ) -> AdmissibleStates | None:
         """The same with accelerations and multipliers that keep loops closed and move passive
         joints as nothing drives them."""
-        unknown = self._unknown
-        values = dict(states.values)
-        values |= {x + SECOND: np.zeros(states.count) for x in self._names}
-        values |= {x: np.zeros(states.count) for x in self.multipliers}
-        at_zero = replace(states, values=values)
+        at_zero = self._begun(states, [*(x + SECOND for x in self._names), *self.multipliers])
         rows = self._of_forces
-        if not unknown:
+        if not rows.names:
             return self._at_rest(at_zero) if rows.polynomials else at_zero
-        slopes, gap = rows.slopes_at(at_zero), rows.at(at_zero)
-        scale = self._unknown_scale(states, unknown)
-        slopes = slopes * scale[:, None, :]
-        size = np.maximum(np.linalg.norm(slopes, axis=2), 1e-300)
-        A, b = slopes / size[:, :, None], -gap / size
-        x = chance.normal(size=(states.count, len(unknown)))
-        left = b - np.einsum("kij,kj->ki", A, x)
-        x = x + np.einsum("kij,kj->ki", np.linalg.pinv(A, rcond=_DEPENDENT), left)
-        for k, name in enumerate(unknown):
-            values[name] = x[:, k] * scale[:, k]
-        found = replace(states, values=values)
-        solved = np.abs(np.einsum("kij,kj->ki", A, x) - b)
-        ends = (solved <= _SOLVED * (1 + np.abs(b) + np.abs(x).max(1, keepdims=True))).all(1)
+        found, ends = self._solved(chance, at_zero, rows)
         if self.still and not ends.all():
             return self._at_rest(found)
         return found.chosen(ends) if ends.any() else None
 
-    def _unknown_scale(self, states: AdmissibleStates, unknown: Sequence[str]) -> Array:
-        """Sizes of accelerations and multipliers; these are those of weights."""
-        of = dict(zip(self._names, self._scale, strict=True))
-        scale = [of[x.removesuffix(SECOND)] if x.endswith(SECOND) else 1.0 for x in unknown]
-        return np.tile(scale, (states.count, 1))
+    def _solved(
+        self, chance: np.random.Generator, states: AdmissibleStates, rows: Rows
+    ) -> tuple[AdmissibleStates, Array]:
+        """States at which rows vanish that are linear in their names, which are 0 or given so far,
+        and where that has come to an end."""
+        slopes, gap = rows.slopes_at(states), rows.at(states)
+        scale = np.array([self._size_of(x) for x in rows.names])
+        slopes = slopes * scale
+        size = np.maximum(np.linalg.norm(slopes, axis=2), 1e-300)
+        A, b = slopes / size[:, :, None], -gap / size
+        x = chance.normal(size=(states.count, len(rows.names)))
+        left = b - np.einsum("kij,kj->ki", A, x)
+        x = x + np.einsum("kij,kj->ki", np.linalg.pinv(A, rcond=_DEPENDENT), left)
+        x = np.where(np.abs(x) > _DEPENDENT, x, 0.0)
+        found = {name: x[:, k] * scale[k] for k, name in enumerate(rows.names)}
+        solved = np.abs(np.einsum("kij,kj->ki", A, x) - b)
+        most = np.abs(x).max(1, keepdims=True, initial=0.0)
+        ends = (solved <= _SOLVED * (1 + np.abs(b) + most)).all(1)
+        return replace(states, values={**states.values, **found}), ends
+
+    def _begun(self, states: AdmissibleStates, names: Sequence[str]) -> AdmissibleStates:
+        """The states with what is given of some names, and 0 for the others."""
+        values = {x: np.full(states.count, self.given.get(x, 0.0)) for x in names}
+        return replace(states, values={**states.values, **values})
+
+    def _size_of(self, name: str) -> float:
+        """That of a rate or acceleration; multipliers are as large as weights."""
+        sizes = dict(zip(self._names, self._scale, strict=True))
+        return float(sizes.get(name.removesuffix(SECOND).removesuffix(RATE), 1.0))
 
     def _at_rest(self, states: AdmissibleStates) -> AdmissibleStates | None:
         """Positions at which what nothing drives stays where it is."""
-        names = [*self._names, *self.multipliers]
-        scale = np.concatenate([self._scale, np.ones(len(self.multipliers))])
-        found = self._closed(states, self._at_rest_rows, names, scale)
+        rows = self._at_rest_rows
+        scale = np.array([self._size_of(x) for x in rows.names])
+        found = self._closed(states, rows, rows.names, scale)
         return found if found.count else None
 
     # ------------------------------------------------------------ equations
@@ -367,13 +404,27 @@ class StateSampler:
 
     @cached_property
     def _rows(self) -> Rows:
+        """What closes loops, where some coordinates are given."""
+        return Rows(self.loops[0], self._loose)
+
+    @cached_property
+    def _any_rows(self) -> Rows:
         """What closes loops."""
         return Rows(self.loops[0], self._names)
+
+    @cached_property
+    def _of_rates(self) -> Rows:
+        """What keeps them closed."""
+        return Rows(self.loops[1], self._not_given(x + RATE for x in self._names))
 
     @property
     def _unknown(self) -> list[str]:
         """What the equations of motion tell: accelerations and multipliers."""
-        return [*(() if self.still else (x + SECOND for x in self._names)), *self.multipliers]
+        second = () if self.still else (x + SECOND for x in self._names)
+        return self._not_given([*second, *self.multipliers])
+
+    def _not_given(self, names: Iterable[str]) -> list[str]:
+        return [x for x in names if x not in self.given]
 
     @cached_property
     def _of_forces(self) -> Rows:
@@ -383,7 +434,7 @@ class StateSampler:
     @cached_property
     def _at_rest_rows(self) -> Rows:
         """What holds where nothing moves, by itself."""
-        names = [*self._names, *self.multipliers]
+        names = self._not_given([*self._names, *self.multipliers])
         return Rows([*self.loops[0], *self.passive], names)
 
     @cached_property

@@ -3,7 +3,9 @@ one assembly of a closed chain, or up to a constant."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -18,6 +20,8 @@ from freebody.derivations.check.states.state_values import (
 )
 from freebody.derivations.expressions.nodes import Expression
 from freebody.lazy import cached_property
+
+_Drawn = tuple[bool, bool, frozenset[tuple[str, float]], Acting]
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,17 +143,22 @@ class StatesOfModel:
     setting: RightEquations
 
     def of(
-        self, own_values: bool = False, still: bool = False, acting: Acting = ""
+        self,
+        own_values: bool = False,
+        still: bool = False,
+        given: Mapping[str, float] = MappingProxyType({}),
+        acting: Acting = "",
     ) -> AdmissibleStates | None:
-        """States with the model's own values, or with others near them; moving, or held; acting:
-        see `StateSampler`."""
-        key = own_values, still, acting
+        """States with the model's own values, or with others near them; moving, or held; given:
+        values of some names at all of them; acting: see `StateSampler`."""
+        key = own_values, still, frozenset(given.items()), acting
         if key not in self._drawn:
-            self._drawn[key] = StateSampler(self.setting, *key).states()
+            drawing = StateSampler(self.setting, own_values, still, given, acting)
+            self._drawn[key] = drawing.states()
         return self._drawn[key]
 
     @cached_property
-    def _drawn(self) -> dict[tuple[bool, bool, Acting], AdmissibleStates | None]:
+    def _drawn(self) -> dict[_Drawn, AdmissibleStates | None]:
         return {}
 
 

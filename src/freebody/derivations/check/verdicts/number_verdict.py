@@ -135,22 +135,28 @@ class NumberJudge:
 
     def is_right_in_equilibrium(self, yours: Trig, right: Trig) -> bool:
         """Whether an answer is right where nothing moves."""
-        return self._is_same(yours, right, dict.fromkeys(self._motion, GivenValue(0.0, 0.0)))
+        return self._is_same(yours, right, self._in_equilibrium)
 
     def has_motion(self, claim: Claim) -> bool:
         """Whether an answer has quantities that are 0 in equilibrium only, as accelerations are:
         of what stands at them equilibrium tells nothing."""
+        return self.has_what_vanishes(claim, self._in_equilibrium)
+
+    def has_what_vanishes(self, claim: Claim, given: State) -> bool:
+        """Whether an answer has quantities that are 0 at a state only."""
         values = (
             x.value
             for x in nodes(claim.node)
             if isinstance(x, Named) and not _FORCE.match(x.name)  # f12x may be 0 too
         )
         return any(
-            isinstance(x, Trig)
-            and not x.is_zero
-            and self.is_right_in_equilibrium(self.setting.zero, x)
+            isinstance(x, Trig) and not x.is_zero and self._is_same(self.setting.zero, x, given)
             for x in values
         )
+
+    @property
+    def _in_equilibrium(self) -> State:
+        return dict.fromkeys(self._motion, GivenValue(0.0, 0.0))
 
     @property
     def _motion(self) -> list[str]:

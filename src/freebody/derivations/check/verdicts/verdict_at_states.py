@@ -13,6 +13,7 @@ from freebody.derivations.check.algebra.answer_tree import Named
 from freebody.derivations.check.algebra.finite_field_tree import without_values
 from freebody.derivations.check.algebra.quotients import Value, pair
 from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.check.numbers.states import in_words
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reasons.small_changes import Repair, SmallChanges
 from freebody.derivations.check.reasons.swapped_functions import swapped
@@ -170,6 +171,12 @@ class _AtStates:
         if held is not None and self._agreement(held).is_everywhere:
             note = f"It holds in equilibrium: compared in numbers at {held.count} positions."
             return EquationVerdict(self.claim.label, self.claim.target.title, True, note=note)
+        there, where = self._there()
+        if there is not None:
+            found = self._agreement(there)
+            if note := self._note(found):
+                label, title = self.claim.label, self.claim.target.title
+                return EquationVerdict(label, title, True, note=f"At {where}. {note}")
         if self.judge.setting.system is not None and found.is_in_another_assembly:
             return self._wrong(found, (), (_OTHER_ASSEMBLY,))
         if self.judge.free_body is not None and not by_functions:
@@ -182,7 +189,8 @@ class _AtStates:
         if mistake is None and unexplained and not by_functions:
             return None
         findings = (mistake,) if isinstance(mistake, Mistake) else ()
-        told = f"Compared in numbers at {states.count} states{', on every branch' * by_functions}."
+        compared = f"Compared in numbers at {found.states.count} states"
+        told = f"{compared}{', on every branch' * by_functions}."
         causes = (*([mistake] if isinstance(mistake, str) else []), *[told] * by_functions)
         return self._wrong(found, findings, causes)
 
@@ -207,6 +215,23 @@ class _AtStates:
         if not numbers.is_still(self.claim.node.span) or numbers.has_motion(self.claim):
             return None
         return self.judge.states.of(still=True)
+
+    def _there(self) -> tuple[AdmissibleStates | None, str]:
+        """States at which what is said of the claim's state holds, and it in words; None where
+        nothing is said, or the claim has what is 0 there, of which the state tells nothing."""
+        judge = self.judge
+        given = judge.numbers.numbers.state_at(self.claim.node.span, in_symbols=True)
+        if not given or judge.setting.system is None or self.claim.target.kind.of_loops:
+            return None, ""
+        if judge.numbers.has_what_vanishes(self.claim, given):
+            return None, ""
+        values = {name: x.value for name, x in given.items()}
+        found = judge.states.of(own_values=self.is_in_numbers, given=values)
+        if found is None:
+            self.claim.source.fail(
+                f"the loops could not be closed at {in_words(given)}", self.claim.node.span
+            )
+        return found, in_words(given)
 
     def _note(self, found: Agreement) -> str:
         """What is said of a claim that is right; "" of one that is not."""
