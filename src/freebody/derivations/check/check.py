@@ -99,7 +99,7 @@ def check(
     style = notation_of(notation, parameters)
     document = document_of(answer, form)
     formulas = AnswerText(document.formulas).lexemes
-    written = as_written(freed(model, style.parameters), formulas)
+    written = as_written(freed(model, style.parameters), formulas, names or ())
     loads = named_in(written, formulas)
     where = in_notation(equations_of(written, loads), style, absolute)
     asked = _Asked(document, names or {}, style, at, tolerance)
