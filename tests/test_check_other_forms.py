@@ -353,3 +353,24 @@ def test_the_level_of_an_energy_is_an_energy_of_the_robots_own(robot, line, righ
     verdict = fb.check(fb.load(robot), line)
     assert bool(verdict) is right
     assert not right or "the zero level of V is arbitrary" in verdict.text
+
+
+@pytest.mark.parametrize(
+    ("line", "right"),
+    [
+        ("0 = τ1 - H11 θ̈1 - H12 θ̈2 - c1 - G1", True),
+        ("τ1 - G1 = H11 θ̈1 + H12 θ̈2 + c1", True),
+        ("G1 - (τ1 - c1) = -H11 θ̈1 - H12 θ̈2", True),
+        ("0 = τ1 - H11 θ̈1 - H12 θ̈2 + c1 - G1", False),
+        ("τ1 + G1 = H11 θ̈1 + H12 θ̈2 + c1", False),
+    ],
+)
+def test_c1_is_the_velocity_term_wherever_the_torque_stands(line, right):
+    verdict = fb.check(fb.load("2R"), line)
+    assert bool(verdict) is right
+    assert not right or "‘c1’ is read as the velocity term" in verdict.text
+
+
+def test_a_mistake_beside_a_torque_is_shown_where_it_is_written():
+    line = "0 = τ2 - m2 g lc2 c12 - H12 θ̈1 + H22 θ̈2 - m2 l1 lc2 s2 θ̇1²"
+    assert "‘H22 θ̈2’ has the wrong sign: it must be −H22 θ̈2" in fb.check(fb.load("2R"), line).text
