@@ -61,7 +61,7 @@ def _is_printed(name: str, target: AskedQuantity, notation: BookNotation) -> boo
 
 def of_user(vocabulary: Vocabulary, targets: Targets, names: Mapping[str, str]) -> None:
     """The user's names, all at once too; one may stand for what others do."""
-    here, waiting = vocabulary.copy(), dict(names)
+    here, waiting = vocabulary.copy(), _as_texts(names)
     while waiting:
         problem = None
         for name, meaning in list(waiting.items()):
@@ -74,6 +74,16 @@ def of_user(vocabulary: Vocabulary, targets: Targets, names: Mapping[str, str]) 
         if problem is not None and len(waiting) == len(names):
             raise problem
         here, names = vocabulary.copy(), dict(waiting)
+
+
+def _as_texts(names: object) -> dict[str, str]:
+    """Names and their meanings, of which a number is one too; raises AnswerError."""
+    if not isinstance(names, Mapping):
+        raise AnswerError(f"names: {names!r} is no dict such as {{'L1': 'l1'}}")
+    for name, meaning in names.items():
+        if not (isinstance(name, str) and isinstance(meaning, str | int | float)):
+            raise AnswerError(f"names: {name!r}: {meaning!r} is no pair of texts as 'L1': 'l1'")
+    return {name: str(meaning) for name, meaning in names.items()}
 
 
 def _rename(
