@@ -205,5 +205,5 @@ def test_an_option_of_another_type_is_refused_with_its_name(options):
 
 
 def test_a_name_may_stand_for_a_number():
-    assert fb.check(fb.load("2R"), "H22 = a (m2 lc2^2 + I2)", names={"a": 1})
-    assert not fb.check(fb.load("2R"), "H22 = a (m2 lc2^2 + I2)", names={"a": 1.5})
+    assert fb.check(fb.load("2R"), "H22 = a*m2*lc2^2 + a*I2", names={"a": 1})
+    assert not fb.check(fb.load("2R"), "H22 = a*m2*lc2^2 + a*I2", names={"a": 1.5})
