@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
+from freebody.derivations.check.spelling.answer_text import AnswerError
 
 PENDULUM = """
 dim = 2
@@ -67,3 +68,10 @@ def test_where_nothing_weighs_the_verdict_says_that_g_is_zero(pendulum):
     verdict = fb.check(pendulum(0), "τ = m l² θ̈ + m g l cos θ")
     assert verdict
     assert "g is 0 in 'pendulum'" in verdict.text
+
+
+def test_an_answer_that_only_gives_a_parameters_value_is_refused(tmp_path):
+    path = tmp_path / "pendulum.toml"
+    path.write_text(PENDULUM.format(-9.81).replace("m = 2.0", "T = 2.0").replace('"m"', '"T"'))
+    with pytest.raises(AnswerError, match="only gives values of parameters"):
+        fb.check(fb.load(path), "T = 2.0")
