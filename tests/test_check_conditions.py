@@ -6,6 +6,7 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
+from freebody.derivations.check.spelling.answer_text import AnswerError
 
 ARM = fb.load("2R")
 STRETCHED = "H12 = m2 lc2^2 + m2 l1 lc2 + I2"
@@ -103,3 +104,27 @@ def test_a_line_of_a_closed_chain_is_right_where_its_condition_holds(answer: str
 )
 def test_a_line_of_a_closed_chain_is_wrong_where_its_condition_is_another(answer: str):
     assert not fb.check(SLIDER, answer)
+
+
+@pytest.mark.parametrize(
+    "words", ["In general:", "Generally,", "In general", "For all θ2:", "For any θ2", "Otherwise:"]
+)
+def test_a_condition_ends_where_the_general_case_begins(words: str):
+    verdict = fb.check(ARM, f"At θ2 = 0:\n{STRETCHED}\n{words}\n{STRETCHED}")
+    assert [x.equal for x in verdict.equations] == [True, False]
+    general = "H12 = m2 (lc2^2 + l1 lc2 c2) + I2"
+    assert fb.check(ARM, f"At θ2 = 0:\n{STRETCHED}\n{words}\n{general}")
+
+
+def test_what_holds_in_equilibrium_does_not_hold_in_motion():
+    verdict = fb.check(ARM, "In equilibrium, τ2 = m2 g lc2 c12. In motion, τ2 = m2 g lc2 c12")
+    assert [x.equal for x in verdict.equations] == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("condition", "line"), [("θ2 = 0:", "det J = 0"), ("For θ̇1 = 0,", "c2 = 0")]
+)
+def test_a_zero_behind_the_paragraph_of_a_condition_is_not_taken_for_one_there(condition, line):
+    assert fb.check(ARM, f"{condition}\n{line}")
+    with pytest.raises(AnswerError, match="was said of the paragraph before"):
+        fb.check(ARM, f"{condition}\n{line}\n\n{line}")

@@ -437,3 +437,20 @@ V2 = m2*g*y_c2
     assert [one.equal for one in verdict.equations] == [True, True, True]
     assert not verdict
     assert any("vx is not defined by any line that can be read" in x.reason for x in verdict.unread)
+
+
+def test_a_function_of_the_coordinates_states_what_it_returns():
+    right = "def H22(q):\n    a = lc2\n    return m2*a**2 + I2\n"
+    assert fb.check(fb.load("2R"), right, form="python")
+    wrong = right.replace("H22", "H12")
+    verdict = fb.check(fb.load("2R"), f"H22 = m2*lc2**2 + I2\n{wrong}", form="python")
+    assert [x.equal for x in verdict.equations] == [True, False]
+    matrix = "def M(q): return sp.Matrix([[1, 2], [2, 3]])\nH22 = m2*lc2**2 + I2\n"
+    assert not fb.check(fb.load("2R"), matrix, form="python")
+
+
+def test_a_function_of_other_arguments_states_nothing_of_the_robot():
+    code = "def T(a, d):\n    return sp.Matrix([[1, a], [0, d]])\nH22 = m2*lc2**2 + I2\n"
+    assert fb.check(fb.load("2R"), code, form="python")
+    itself = "def H22(q):\n    H22 = m2*lc2**2 + I2\n    return H22\n"
+    assert fb.check(fb.load("2R"), itself, form="python")

@@ -333,3 +333,44 @@ def test_its_unit_tells_whether_a_number_is_a_power_or_an_energy():
     assert fb.check(VALUED, f"P = {power:.3f} W", at=state)
     assert fb.check(VALUED, f"P = {energy:.3f} J", at=state)
     assert "the power of the drives" in fb.check(VALUED, f"P = {energy:.3f} W", at=state).text
+
+
+LEVELS = [
+    ("2R", f"V = {V} + m1 g l1", True),
+    ("2R", f"V = {V} + 5", True),
+    ("2R", f"V = {V} + m1", False),
+    ("2R", f"V = {V} + m2 g d2", False),
+    ("2R", "E = T + V + I1", False),
+    ("cart_pole", "V = m2 g l2 (1 - cos θ)", True),
+    ("cart_pole", "V = m2 g l2 (1 - cos θ) + m1 g d", False),
+    ("four_bar", "V = m1 g lc1 s1 + m2 g (l1 s1 + lc2 s12) + m3 g lc3 s3 + m3 g d", True),
+    ("four_bar", "V = m1 g lc1 s1 + m2 g (l1 s1 + lc2 s12) + m3 g lc3 s3 + m3 d", False),
+]
+
+
+@pytest.mark.parametrize(("robot", "line", "right"), LEVELS)
+def test_the_level_of_an_energy_is_an_energy_of_the_robots_own(robot, line, right):
+    verdict = fb.check(fb.load(robot), line)
+    assert bool(verdict) is right
+    assert not right or "the zero level of V is arbitrary" in verdict.text
+
+
+@pytest.mark.parametrize(
+    ("line", "right"),
+    [
+        ("0 = τ1 - H11 θ̈1 - H12 θ̈2 - c1 - G1", True),
+        ("τ1 - G1 = H11 θ̈1 + H12 θ̈2 + c1", True),
+        ("G1 - (τ1 - c1) = -H11 θ̈1 - H12 θ̈2", True),
+        ("0 = τ1 - H11 θ̈1 - H12 θ̈2 + c1 - G1", False),
+        ("τ1 + G1 = H11 θ̈1 + H12 θ̈2 + c1", False),
+    ],
+)
+def test_c1_is_the_velocity_term_wherever_the_torque_stands(line, right):
+    verdict = fb.check(fb.load("2R"), line)
+    assert bool(verdict) is right
+    assert not right or "‘c1’ is read as the velocity term" in verdict.text
+
+
+def test_a_mistake_beside_a_torque_is_shown_where_it_is_written():
+    line = "0 = τ2 - m2 g lc2 c12 - H12 θ̈1 + H22 θ̈2 - m2 l1 lc2 s2 θ̇1²"
+    assert "‘H22 θ̈2’ has the wrong sign: it must be −H22 θ̈2" in fb.check(fb.load("2R"), line).text

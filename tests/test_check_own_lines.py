@@ -9,6 +9,7 @@ import time
 import pytest
 
 import freebody as fb
+from freebody.derivations.check.spelling.answer_text import AnswerError
 from support.own_lines import own_lines
 
 SHORT = [("2R", "kane"), ("RP", "statics"), ("elbow_arm", "lagrange")]
@@ -185,3 +186,24 @@ def test_derivatives_by_all_coordinates_are_vectors_and_matrices():
     assert fb.check(arm, "∂V/∂q = [G1; G2]")
     assert fb.check(arm, "∂v_c2/∂q̇ = [-l1 s1 - lc2 s12, -lc2 s12; l1 c1 + lc2 c12, lc2 c12]")
     assert not fb.check(arm, "∂V/∂q = [G2; G1]")
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"names": {"a": None}},
+        {"names": {5: "m1"}},
+        {"names": "a=b"},
+        {"at": 5},
+        {"tolerance": "little"},
+    ],
+)
+def test_an_option_of_another_type_is_refused_with_its_name(options):
+    (name,) = options
+    with pytest.raises(AnswerError, match=name):
+        fb.check(fb.load("2R"), "H22 = m2 lc2^2 + I2", **options)
+
+
+def test_a_name_may_stand_for_a_number():
+    assert fb.check(fb.load("2R"), "H22 = a*m2*lc2^2 + a*I2", names={"a": 1})
+    assert not fb.check(fb.load("2R"), "H22 = a*m2*lc2^2 + a*I2", names={"a": 1.5})

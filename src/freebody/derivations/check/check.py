@@ -95,12 +95,12 @@ def check(
     equal are found equal. The verdict is true when all equations are, and none about the robot's
     quantities was left unread; `.text` says it in words, `.findings` lists the mistakes.
     """
-    if tolerance is not None and not 0 <= tolerance < 1:
-        raise AnswerError(f"tolerance is a share from 0 to 1, such as 0.01, not {tolerance}")
+    if tolerance is not None and not (isinstance(tolerance, int | float) and 0 <= tolerance < 1):
+        raise AnswerError(f"tolerance is a share from 0 to 1, such as 0.01, not {tolerance!r}")
     style = notation_of(notation, parameters)
     document = document_of(answer, form)
     formulas = AnswerText(document.formulas).lexemes
-    written = as_written(freed(model, style.parameters), formulas)
+    written = as_written(freed(model, style.parameters), formulas, names or ())
     loads = named_in(written, formulas)
     where = in_notation(equations_of(written, loads), style, absolute)
     asked = _Asked(document, names or {}, style, at, tolerance)

@@ -1,4 +1,4 @@
-"""Letters for the numbers of a model with one body, as answers have them: m, I_x, l."""
+"""Letters for a model's numbers, as answers have them: g; m, I_x and l of a model with one body."""
 
 from __future__ import annotations
 
@@ -17,15 +17,22 @@ from freebody.model.placement import AxisRotation, Placement, Shift
 
 LETTERS = ("Ix", "Ixy", "Ixz", "Iy", "Iyz", "Iz")
 """Of the entries of an inertia tensor, as it is stored."""
-MASS, ARM = "m", "l"
+MASS, ARM, GRAVITY = "m", "l", "g"
 
 
+_GRAVITY = LexemePattern(GRAVITY)
 _LETTERED = LexemePattern("< I | J > < ~_ ~{? ~%axis | ~%axis{1,2} !~%small_letter >")
 
 
-def as_written(model: Model, formulas: Lexemes) -> Model:
-    """The model with letters for numbers where an answer has such letters."""
-    return with_letters(model) if model.dim == 3 and _LETTERED.found_in(formulas) else model
+def as_written(model: Model, formulas: Lexemes, own: Collection[str] = ()) -> Model:
+    """The model with letters for numbers where an answer has such letters; own: names to which the
+    answer gives a meaning of its own."""
+    lettered = model.dim == 3 and _LETTERED.found_in(formulas)
+    model = with_letters(model) if lettered else model
+    size, taken = model.gravity_size, {*model.parameters, *own}
+    if not isinstance(size, float) or GRAVITY in taken or not _GRAVITY.found_in(formulas):
+        return model
+    return replace(model, gravity_size=Parameter(GRAVITY, size))
 
 
 def with_letters(model: Model) -> Model:

@@ -187,6 +187,11 @@ def _refuse_nothing(
     if unread:
         first = unread[0]
         raise AnswerError(f"no equation could be read; {first.where}: {first.reason}")
+    if not own:
+        raise AnswerError(
+            "the answer only gives values of parameters; write the quantity to be checked, such as "
+            "tau1 = …"
+        )
     names_given = dict.fromkeys(source[line[0][0].span] for line in own)
     instead = (advice(setting.symbols.model, line[0][0].text) for line in own)
     taken = "are taken for names" if len(names_given) > 1 else "is taken for a name"

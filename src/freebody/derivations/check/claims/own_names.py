@@ -61,7 +61,7 @@ def _is_printed(name: str, target: AskedQuantity, notation: BookNotation) -> boo
 
 def of_user(vocabulary: Vocabulary, targets: Targets, names: Mapping[str, str]) -> None:
     """The user's names, all at once too; one may stand for what others do."""
-    here, waiting = vocabulary.copy(), dict(names)
+    here, waiting = vocabulary.copy(), _as_texts(names)
     while waiting:
         problem = None
         for name, meaning in list(waiting.items()):
@@ -76,6 +76,16 @@ def of_user(vocabulary: Vocabulary, targets: Targets, names: Mapping[str, str]) 
         here, names = vocabulary.copy(), dict(waiting)
 
 
+def _as_texts(names: object) -> dict[str, str]:
+    """Names and their meanings, of which a number is one too; raises AnswerError."""
+    if not isinstance(names, Mapping):
+        raise AnswerError(f"names: {names!r} is no dict such as {{'L1': 'l1'}}")
+    for name, meaning in names.items():
+        if not (isinstance(name, str) and isinstance(meaning, str | int | float)):
+            raise AnswerError(f"names: {name!r}: {meaning!r} is no pair of texts as 'L1': 'l1'")
+    return {name: str(meaning) for name, meaning in names.items()}
+
+
 def _rename(
     vocabulary: Vocabulary, targets: Targets, name: str, meaning: str, here: Vocabulary
 ) -> bool:
@@ -85,7 +95,8 @@ def _rename(
     plain = _plain(name)
     if plain in (*FUNCTIONS, "pi", "t"):
         raise AnswerError(f"names: {name!r} has a meaning of its own and cannot be another name")
-    target = _plain(meaning) if all(c.isalnum() or c in "_\\{}'" for c in meaning) else ""
+    is_name = all(c.isalnum() or c in "_\\{}'" for c in meaning) and not meaning.isdigit()
+    target = _plain(meaning) if is_name else ""
     if target in _NUMBERED and target not in here.symbols:
         numbers = [k for k in range(1, here.setting.joints + 1) if f"{target}{k}" in here.symbols]
         for k in numbers:

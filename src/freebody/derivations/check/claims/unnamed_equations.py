@@ -125,7 +125,7 @@ class UnnamedEquations(FormulaReader):
         value = self._solved(line, target)
         if value is None:
             self.source.fail(f"this equation cannot be solved for {name}", span)
-        node = Named(name, value, span=span)
+        node = self._others(line, name) or Named(name, value, span=span)
         sides = map(self.parse, line)
         used = [use for side in sides for use in uses(side, self.targets.single, self.vocabulary)]
         used = [use for use in used if use.target != target]
@@ -139,6 +139,20 @@ class UnnamedEquations(FormulaReader):
         own = [single[f"tau{i}"].polynomial() for i in self.targets.passive]
         same = (undriven_joints.is_same(self.setting, pair(value)[0], x) for x in own)
         return [self._unpowered(line, before)] if any(same) else []
+
+    def _others(self, line: Line, name: str) -> Expression | None:
+        """What stands beside a torque in a sum of both sides, with the signs that it has when the
+        torque alone stands on the left; None where it has a factor."""
+        left, right = map(self.parse, line)
+        terms = [*_terms(left), *_terms(Negative(right, span=right.span))]
+        own = [x for x in terms if name in (getattr(y, "name", "") for y in nodes(x))]
+        if len(own) != 1:
+            return None
+        (torque,), is_less = own, isinstance(own[0], Negative)
+        if not isinstance(torque.operand if isinstance(torque, Negative) else torque, Named):
+            return None
+        others = [x if is_less else _turned(x) for x in terms if x is not torque]
+        return Sum(tuple(others), span=around(left, right))
 
     def _is_reduced(self, line: Line) -> bool:
         """Whether an equation of motion has quotients in it, as in independent coordinates."""
@@ -359,3 +373,17 @@ class UnnamedEquations(FormulaReader):
         if slope.is_zero or not difference(slope, second).is_zero:
             return None
         return times(negative(values[0]), inverted(slope))
+
+
+def _terms(x: Expression) -> list[Expression]:
+    """The terms of a sum, of one that is subtracted with the other sign."""
+    if isinstance(x, Sum):
+        return [y for term in x.terms for y in _terms(term)]
+    if isinstance(x, Negative) and isinstance(x.operand, Sum | Negative):
+        return [_turned(y) for y in _terms(x.operand)]
+    return [] if isinstance(x, Number) and not x.value else [x]
+
+
+def _turned(x: Expression) -> Expression:
+    """A term with the other sign."""
+    return x.operand if isinstance(x, Negative) else Negative(x, span=x.span)

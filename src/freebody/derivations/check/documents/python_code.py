@@ -32,6 +32,13 @@ _RATE = re.compile(r"(?<![\w.])([A-Za-z]\w{0,30})\x1f*\.diff\(\s*t\s*(?:,\s*([12
 _DIFF = ".diff("
 _ENTRY = re.compile(r"(?<![\w.\])])([A-Za-z]+)\[\s?([0-7])\s?(?:(?:,|\]\[)\s?([0-7])\s?)?\]")
 """M[0, 1], tau[0], counted from 0: M12, tau1."""
+_FUNCTION = re.compile(
+    r"^([ \t]*)(def[ \t]+([MHCG]|[A-Za-z]{1,4}_?\d{1,2})\([ \t]*(?:q|th|theta)\d?\b[^\n]*?:)"
+    r"(?:[ \t]*|[ \t]*(?:\n(?:\1[ \t]+\S[^\n]*|[ \t]*(?=\n)))*?\n[ \t]*)"
+    r"(return)[ \t](?![ \t]*\3[ \t]*$)",
+    re.M,
+)
+"""A function of the coordinates that has a quantity's name, and what it returns."""
 _SAME = (
     r"(?:\w+\.)?(?:simplify|trigsimp|expand|factor|expand_trig)\({0}\)"
     r"|{0}\.(?:simplify|expand|doit|trigsimp)\(\)"
@@ -50,6 +57,11 @@ def clean(whole: Blanks, said: Blanks, span: Span) -> list[FormulaPiece]:
         for text in (whole, said):
             start, end = span[0] + match.start(), span[0] + match.end()
             text.put(start, end, name.ljust(end - start, FILL))
+    for match in _FUNCTION.finditer("".join(whole.characters[slice(*span)])):
+        (head, behind), (start, end) = match.span(2), match.span(4)
+        for text in (whole, said):
+            text.put(span[0] + head, span[0] + behind)
+            text.put(span[0] + start, span[0] + end + 1, match[3].ljust(end - start, FILL) + "=")
     code = "".join(whole.characters[slice(*span)])
     stated: list[Span] = []
     for a, b in _statements(code):

@@ -74,10 +74,19 @@ class WrittenNumbers:
         """The state of a number or expression that stands there: what is given besides, what was
         said last, of an expression in symbols in its own paragraph, and what stands behind it or
         behind a later side of its equation."""
-        last = next((x for x in reversed(self.standing) if x.start <= span[0]), None)
+        last = self._last_before(span)
         holds = last is not None and not (in_symbols and last.end <= span[0])
         found = {**self.at, **(last.state if last and holds else {})}
         for x in self.numbers:
             if x.begun <= span[0] and span[1] <= x.span[1]:
                 found |= x.state
         return found
+
+    def is_condition_at(self, span: Span) -> bool:
+        """Whether the state that was said last is a condition of what followed."""
+        last = self._last_before(span)
+        return last is not None and last.is_condition
+
+    def _last_before(self, span: Span) -> StandingState | None:
+        """The state that was said last in front of a place."""
+        return next((x for x in reversed(self.standing) if x.start <= span[0]), None)

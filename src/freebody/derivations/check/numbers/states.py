@@ -88,6 +88,8 @@ class StateReader:
             return {}
         if isinstance(at, str):
             return self._of_text(at)
+        if not isinstance(at, Mapping):
+            raise AnswerError(f"at: {at!r} is neither text nor a dict such as {{'theta1': 0.5}}")
         found: dict[str, GivenValue] = {}
         for name, value in at.items():
             try:

@@ -87,6 +87,30 @@ def misfit(setting: RightEquations, yours: Trig, right: Trig) -> tuple[Trig, Uni
     return None
 
 
+def can_be_a_level(setting: RightEquations, gap: Trig) -> bool:
+    """Whether what does not move in a difference between energies can be their level: it is an
+    energy or a plain number, and has the robot's own symbols only."""
+    polynomial, rates = setting.ring.polynomial, setting.symbols.rates
+    parts = [(powers, polynomial([(powers, k)])) for powers, k in gap.terms()]
+    still = [p for p, x in parts if all(x.derivative(name).is_zero for name in rates)]
+    if any(
+        name.removeprefix("sin_").removeprefix("cos_") in setting.foreign
+        for p in still
+        for name in p
+    ):
+        return False
+    found = {unit_of(setting, powers) for powers in still if powers}
+    return _has_numbers_for_parameters(setting) or found <= {units.ENERGY, None}
+
+
+def _has_numbers_for_parameters(setting: RightEquations) -> bool:
+    """Whether symbols stand for values whose units are not their own."""
+    given = setting.given.items()
+    return any(
+        unit_of(setting, p) != _unit(setting, name) for name, x in given for p, _ in x.terms()
+    )
+
+
 def _without_waves(powers: Mapping[str, int]) -> dict[str, int]:
     return {name: power for name, power in powers.items() if not name.startswith(_WAVES)}
 
@@ -103,7 +127,6 @@ def is_of_another_kind(setting: RightEquations, yours: Trig, right: Trig) -> boo
 
 def _common_unit(setting: RightEquations, right: Trig) -> Unit | None:
     """The unit of a right answer's terms; None of what has numbers in place of parameters."""
-    given = setting.given.items()
-    if any(unit_of(setting, p) != _unit(setting, name) for name, x in given for p, _ in x.terms()):
+    if _has_numbers_for_parameters(setting):
         return None
     return next((unit_of(setting, powers) for powers, _ in right.terms()), None)

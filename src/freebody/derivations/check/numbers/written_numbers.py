@@ -49,6 +49,7 @@ _WORD = LexemePattern(
 _MOST_WORDS = 8
 _KEYWORDS = ("at", "for", "with", "when", "given", "let", "if")
 _WHERE = LexemePattern("@condition")
+_UNCONDITIONED = LexemePattern("@unconditioned")
 _COLON = LexemePattern("%line? :")
 _INTRODUCES = LexemePattern("< , | ; | . > < %apart | %last > | %last | then | we | one | it")
 """Behind a condition of what follows: For θ₂ = 0, with θ₂ = 0 we get."""
@@ -150,6 +151,9 @@ class _NumberSearch:
         for match in _SENTENCE.all(self.lexemes):
             if self.taken and self._start(match.stop) < self.taken[-1][1]:
                 continue
+            if _UNCONDITIONED.at(self.lexemes, match.stop):
+                self._end_condition(match.stop)
+                continue
             start, values, end, word = self._list_behind_words(match.stop)
             is_alone = not self._is_result(values) and _SENTENCE_END.at(self.lexemes, end)
             if values and (word in _KEYWORDS or is_alone):
@@ -171,6 +175,13 @@ class _NumberSearch:
                     )
                 )
                 self._take(self._start(first), self._end(last))
+
+    def _end_condition(self, k: int) -> None:
+        """In general: from there on only values of parameters hold that were told before."""
+        if self.standing:
+            still = self.standing[-1].state.items()
+            kept = {name: x for name, x in still if self._is_constant(name)}
+            self.standing.append(StandingState(self._start(k), kept))
 
     def _paragraph_end(self, k: int) -> int:
         """Where the paragraph ends in which a condition stands that ends before a lexeme; of a

@@ -17,7 +17,7 @@ from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.at_rest import MOVES
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked.right_equations import RightEquations
-from freebody.derivations.check.numbers.units import misfit
+from freebody.derivations.check.numbers.units import can_be_a_level, misfit
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reading.vocabulary import Vocabulary
 from freebody.derivations.check.reasons import coriolis, undriven_joints
@@ -137,6 +137,9 @@ class Judge:
             return EquationVerdict(
                 claim.label, title, True, note="It says that the loop is closed."
             )
+        if level := self._level(claim, right):
+            note = f"It differs by the constant {level}: the zero level of V is arbitrary."
+            return EquationVerdict(claim.label, title, True, note=note)
         special = verdict_at_states.verdict(self, claim, right, explain)
         if special is not None:
             return special
@@ -145,17 +148,26 @@ class Judge:
             return special
         assert isinstance(claim.value, Trig)
         assert isinstance(right, Trig)
-        if claim.target.kind.up_to_a_constant and self._is_constant(claim.value - right):
-            note = (
-                f"It differs by the constant {self.setting.form(claim.value - right)}: the zero "
-                f"level of V is arbitrary."
-            )
-            return EquationVerdict(claim.label, title, True, note=note)
         return (
             self._other_ways(claim, claim.value, right)
             or self._in_numbers(claim, claim.value, right)
             or self._wrong(claim, claim.value, right, explain)
         )
+
+    def up_to_a_constant(self, claim: Claim, right: Value) -> bool:
+        """Whether a claim is about an energy whose level is arbitrary, and may differ by one."""
+        both = claim.value, right
+        told = all(isinstance(x, Trig) for x in both)  # the numerator of a quotient has other units
+        is_level = not told or can_be_a_level(self.setting, difference(*both))
+        return claim.target.kind.up_to_a_constant and is_level
+
+    def _level(self, claim: Claim, right: Value) -> str:
+        """By which constant a claim about an energy differs; "" where by none that it may."""
+        if not (isinstance(claim.value, Trig) and isinstance(right, Trig)):
+            return ""
+        gap = claim.value - right
+        is_one = self.up_to_a_constant(claim, right) and self._is_constant(gap)
+        return str(self.setting.form(gap)) if is_one else ""
 
     @cached_property
     def states(self) -> StatesOfModel:

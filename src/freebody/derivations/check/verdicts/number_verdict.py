@@ -58,7 +58,24 @@ class NumberJudge:
         number = NumberAtState(self.setting, claim, written, given, self.tolerance)
         if not (written or given or self._lacks_state(number)):
             return None
+        if written is None and claim.value.is_zero:
+            self._refuse_zero_elsewhere(claim, given)
         return _NumberVerdict(number).verdict(self.targets if explain else None)
+
+    def _refuse_zero_elsewhere(self, claim: Claim, given: State) -> None:
+        """Refuse a bare 0 behind the paragraph of a condition: whether it is a result there or is
+        said of all states cannot be told."""
+        span, right = claim.node.span, claim.target.compute()
+        if not self.numbers.is_condition_at(span) or not isinstance(right, Trig):
+            return
+        here = self.numbers.state_at(span, in_symbols=True)
+        others = {x: y for x, y in given.items() if x not in here and x in _names(right)}
+        if others:
+            claim.source.fail(
+                f"{in_words(others)} was said of the paragraph before",
+                span,
+                "Say it again if 0 is meant there, or give 0 its unit.",
+            )
 
     def is_still(self, span: Span) -> bool:
         """Whether what stands there is said of a robot in equilibrium."""

@@ -149,9 +149,10 @@ class _AtStates:
     @property
     def _equal(self) -> Equal:
         """In which sense."""
-        ring, kind = self.judge.setting.ring, self.claim.target.kind
+        ring = self.judge.setting.ring
         is_angle = isinstance(self.right, Trig) and _is_angle(self.right, ring.angles)
-        return Equal(is_angle and self.claim.whole is None, kind.up_to_a_constant)
+        has_level = self.judge.up_to_a_constant(self.claim, self.right)
+        return Equal(is_angle and self.claim.whole is None, has_level)
 
     def _agreement(self, states: AdmissibleStates) -> Agreement:
         return agreement(states, self._tree, self._sought(states), self._equal)

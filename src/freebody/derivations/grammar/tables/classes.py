@@ -132,6 +132,8 @@ PATTERNS = {
     "still": "< in < static | equilibrium > | held >",
     "at_rest": "still:< < In | in >? static? equilibrium | < Held | held > < still | at rest > >"
     " | at? rest",
+    "unconditioned": "< In | in > < general | motion > | Generally | Otherwise"
+    " | < For | for > < all | any | every | arbitrary >",
     "condition": "--%term_end %line? %apart < @keyword %apart | @still >",
     "angle": "name:< < \\theta | theta | θ | q | d > ~_? {? < %digit | %low_digit > }? >",
     "other_angle": "< \\theta | theta | θ | q | d > ~_? {? < %digit | %low_digit > }?",
