@@ -23,7 +23,7 @@ from freebody.derivations.check.claims import own_names
 from freebody.derivations.check.reading.vocabulary import GLUED, Vocabulary
 from freebody.derivations.check.reasons.bodies_at_point import BodiesAtPoint
 from freebody.derivations.check.reasons.free_bodies import FreeBodyMotion
-from freebody.derivations.check.reasons.misconceptions import values
+from freebody.derivations.check.reasons.misconceptions import TABLES, values
 from freebody.derivations.check.reasons.misreadings import GRAVITY, TIPS
 from freebody.derivations.check.reasons.thoughts import Subject
 from freebody.derivations.check.states.admissible_states import AdmissibleStates, StateSampler
@@ -258,7 +258,8 @@ class PageAnswers:
         return [keys.index(_key(target)) for target in asked]
 
     def _thoughts(self, target: AskedQuantity) -> str:
-        """Sentences by number, and what the right answer would be under each at the first state."""
+        """Sentences by number, and what the right answer would be under each at the first state; |
+        stands between tables of thoughts, ; between rows."""
         setting = self.setting
         if setting.turned is not None or len(setting.symbols.coordinates) > MOST_THOUGHT:
             return ""
@@ -266,25 +267,27 @@ class PageAnswers:
         if not isinstance(right, Trig) or setting.is_free_body:
             return ""
         point = RealPoint.of_state(setting.ring, self._signed(self._any[0]))
-        told = [(text, float(x)) for text, x in self._thought_at(target, right, point)]
         own = point.of(right)
-        kept = {
-            f"{self._sentence(text)},{x:.{_DIGITS}g}": None
-            for text, x in told
-            if np.isfinite(x) and not np.isclose(x, own, rtol=1e-9, atol=0.0)
-        }
-        return " ".join(kept)
+
+        def kept(row: Iterator[tuple[str, float]]) -> str:
+            pairs = [
+                f"{self._sentence(text)},{float(x):.{_DIGITS}g}"
+                for text, x in row
+                if np.isfinite(float(x)) and not np.isclose(float(x), own, rtol=1e-9, atol=0.0)
+            ]
+            return " ".join(dict.fromkeys(pairs))
+
+        tables = self._thought_at(target, right, point)
+        return "|".join(";".join(filter(None, map(kept, rows))) for rows in tables)
 
     def _thought_at(
         self, target: AskedQuantity, right: Trig, point: RealPoint
-    ) -> Iterator[tuple[str, float]]:
-        """Also that nothing moves, where that may be meant."""
-        if target.kind.may_be_still:
-            moving = [name for name in self.setting.ring.names if name.endswith((RATE, SECOND))]
-            still = point.changed(dict.fromkeys(moving, 0)).of(right)
-            yield STILL, still if still else np.nan
-        bodies = BodiesAtPoint(self.setting, point)
-        yield from values(Subject(bodies, self.targets, target, right))
+    ) -> Iterator[Iterator[Iterator[tuple[str, float]]]]:
+        """By table and row; in a table of its own that nothing moves, where that may be meant."""
+        moving = [name for name in self.setting.ring.names if name.endswith((RATE, SECOND))]
+        still = point.changed(dict.fromkeys(moving, 0)).of(right) or np.nan
+        yield iter([iter([(STILL, still)])] if target.kind.may_be_still else [])
+        yield from values(Subject(BodiesAtPoint(self.setting, point), self.targets, target, right))
 
     def _signed(self, row: Mapping[str, float]) -> dict[str, float]:
         """A state with the signs of its rates."""
@@ -425,6 +428,7 @@ class PageAnswers:
             "states": self._states(names, values),
             "sentences": list(_by_the_last(self.sentences)),
             "thoughts": list(self._thought.values()),
+            "most": [1, *(most for _, most in TABLES)],
             "readings": self._readings(names),
         }
 

@@ -122,9 +122,9 @@ def pointlike(x: Subject) -> Iterator[Changed]:
 
 
 def _groups(rows: Sequence[Any]) -> Iterator[Sequence[Any]]:
-    """All together, and each alone."""
-    yield from [rows] * bool(rows)
-    yield from ([x] for x in rows if len(rows) > 1)
+    """Each alone, and all together."""
+    yield from ([x] for x in rows)
+    yield from [rows] * (len(rows) > 1)
 
 
 def lengths(reach: str = "l", centre: str = "lc") -> Change:
@@ -140,13 +140,14 @@ def lengths(reach: str = "l", centre: str = "lc") -> Change:
             for l, lc in group:
                 named = {"l": v[l], "lc": v[lc], "half": v[l] * half}
                 put |= {l: named[reach], lc: named[centre]}
+            shown = [(str(sym(l)), str(sym(lc))) for l, lc in group]
             said = {
-                "l": group[0][0],
-                "lc": group[0][1],
-                "centres": " and ".join(lc for _, lc in group),
-                "wrong": ", ".join(f"{l} for {lc}" for l, lc in group),
-                "back": ", ".join(f"{lc} for {l}" for l, lc in group),
-                "half": ", ".join(f"{lc} = {l}/2" for l, lc in group),
+                "l": shown[0][0],
+                "lc": shown[0][1],
+                "centres": " and ".join(lc for _, lc in shown),
+                "wrong": ", ".join(f"{l} for {lc}" for l, lc in shown),
+                "back": ", ".join(f"{lc} for {l}" for l, lc in shown),
+                "half": ", ".join(f"{lc} = {l}/2" for l, lc in shown),
             }
             yield said, x.at(put)
 
@@ -173,7 +174,8 @@ def axes(factor: int) -> Change:
         rows = list(_inertias(x)) if x.setting.is_planar and x.bodies.is_told else []
         for group in _groups(rows):
             put = {name: x.point.values[name] + factor * value for name, value, _ in group}
-            names, lacking = (" and ".join(row[k] for row in group) for k in (0, 2))
+            names = " and ".join(str(sym(name)) for name, _, _ in group)
+            lacking = " and ".join(term for _, _, term in group)
             are = "are" if len(group) > 1 else "is"
             yield {"names": names, "are": are, "lacking": lacking}, x.at(put)
 
@@ -188,7 +190,8 @@ def _inertias(x: Subject) -> Iterator[tuple[str, Any, str]]:
         name, c = generator(s.symbols.element(mass.inertia)), s.symbols.element(mass.c[0])
         if name in x.names and s.symbols.element(mass.c[1]).is_zero and not c.is_zero:
             value = x.bodies.number(mass.m * mass.c[0] * mass.c[0])
-            yield name, value, f"{generator(s.symbols.element(mass.m))} {generator(c)}²"
+            heavy = generator(s.symbols.element(mass.m))
+            yield name, value, f"{sym(heavy)} {sym(generator(c))}²"
 
 
 # ---------------------------------------------------------------- angles
@@ -308,7 +311,7 @@ def alone(*beliefs: Belief) -> Change:
 def _sums(x: Subject) -> dict[int, list[str]]:
     """ω of each body that turns on others that do, and the rates that make it up."""
     return {
-        i: [f"ω{x.bodies.s.numbers[i]}", *(str(sym(name + RATE)) for name in row)]
+        i: [str(sym(f"omega{x.bodies.s.numbers[i]}")), *(str(sym(name + RATE)) for name in row)]
         for i, row in _chains(x).items()
         if len(row) > 1
     }
