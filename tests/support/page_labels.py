@@ -63,7 +63,8 @@ return found;
 def measured(driver: Any, states: int, seed: int = 1) -> dict[str, Any]:
     """Labels of the drawings in an opened page, counted over its first state and random ones of
     its sliders, which reach from the first to all that they allow: pairs that overlap, labels
-    beyond the drawing's edge, states in which there is either, leaders drawn above labels, and the milliseconds in which one
-    drawing in ten is made: others are slowed down by what else the machine does."""
+    beyond the drawing's edge, leaders above labels, states in which labels overlap or are cut, and
+    the milliseconds in which one drawing in ten is made: others are slowed down by what else the
+    machine does."""
     found: dict[str, Any] = driver.execute_script(_MEASURE, states, seed)
     return found
