@@ -68,6 +68,33 @@ def twice_the_energy(x: Subject) -> Iterator[Changed]:
         yield {}, x.scaled(2, meant)
 
 
+def unmixed_rates(x: Subject) -> Iterator[Changed]:
+    """A kinetic energy without products of two rates of turning joints: in all terms, or in those
+    with moments of inertia."""
+    rates = {name + RATE for name in _turning(x)} if x.is_energy else set()
+    moments = {name for name, (_, kind) in x.setting.order.inertial.items() if kind == 1}
+    for names in (x.names, moments) if rates else ():
+
+        def meant(powers: Mapping[str, int], names: set[str] = names) -> bool:
+            return len(rates & powers.keys()) > 1 and not names.isdisjoint(powers)
+
+        yield {}, x.scaled(0, meant)
+
+
+def unmixed_velocities(x: Subject) -> Iterator[Changed]:
+    """A kinetic energy without products of two lengths, or of a length and a slide's rate."""
+    turning = _turning(x) if x.is_energy else set()
+    if turning:
+        ways = {name for row in _lengths(x) for name in row}
+        ways |= {name + RATE for name in {*x.setting.symbols.coordinates} - turning}
+        yield {}, x.scaled(0, lambda powers: len(ways & powers.keys()) > 1)
+
+
+def _turning(x: Subject) -> set[str]:
+    """The coordinates of joints that turn."""
+    return {name for row in _chains(x).values() for name in row}
+
+
 def degrees(x: Subject) -> Iterator[Changed]:
     """A derivative by an angle in degrees, or a rate in them."""
     yield {}, x.value * x.point.number(PI / 180)

@@ -70,6 +70,10 @@ THOUGHTS: Mapping[str, Change] = {
     "The moments of inertia about the centres of mass are missing: right for point masses "
     "only.": c.pointlike,
     "A factor ½ is missing: the kinetic energy of a body is ½ m v² + ½ I ω².": c.twice_the_energy,
+    "The mixed terms are missing: a sum of rates is squared as (θ̇ᵢ + θ̇ⱼ)² = θ̇ᵢ² + 2 θ̇ᵢ θ̇ⱼ + "
+    "θ̇ⱼ².": c.unmixed_rates,
+    "The mixed terms are missing: velocities add as vectors, so the square of their sum is "
+    "|a + b|² = a² + b² + 2 a · b.": c.unmixed_velocities,
     "This is right for {wrong}. The rate of a joint is relative to the previous link: angular "
     "velocities are sums, {right}.": c.alone(
         Belief(spins_alone=True),
