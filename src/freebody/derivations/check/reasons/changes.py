@@ -214,11 +214,9 @@ def _inertias(x: Subject) -> Iterator[tuple[str, Any, str]]:
     s = x.bodies.s
     for i in s.weighted:
         (mass,) = s.tree.bodies[i].masses
-        name, c = generator(s.symbols.element(mass.inertia)), s.symbols.element(mass.c[0])
-        if name in x.names and s.symbols.element(mass.c[1]).is_zero and not c.is_zero:
-            value = x.bodies.number(mass.m * mass.c[0] * mass.c[0])
-            heavy = generator(s.symbols.element(mass.m))
-            yield name, value, f"{sym(heavy)} {sym(generator(c))}²"
+        name, m, c = (generator(s.symbols.element(v)) for v in (mass.inertia, mass.m, mass.c[0]))
+        if name in x.names and m and c and s.symbols.element(mass.c[1]).is_zero:
+            yield name, x.bodies.number(mass.m * mass.c[0] * mass.c[0]), f"{sym(m)} {sym(c)}²"
 
 
 # ---------------------------------------------------------------- angles
