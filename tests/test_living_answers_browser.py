@@ -159,3 +159,16 @@ def test_pages_have_not_become_much_larger():
     before = {"five_bar": 425_268, "3R": 484_677, "2R": 273_498, "slider_crank": 306_631}
     for robot, size in before.items():
         assert len(fb.derive(fb.load(robot)).html().encode()) < size + LARGER
+
+
+def test_a_vector_may_stand_in_round_brackets(driver, tmp_path):
+    page = tmp_path / "page.html"
+    page.write_text(fb.derive(fb.load("2R"), "lagrange").html(), encoding="utf-8")
+    driver.get(page.as_uri())
+    names = [name for name, _ in driver.execute_script(FRESH)]
+    for text, said in (
+        ("(-lc1 s1 θ̇1, lc1 c1 θ̇1)", "Right"),
+        (r"(-lc1 s1 θ̇1, lc1 c1 θ̇1)^\top", "Right"),
+        ("(lc1 c1 θ̇1, -lc1 s1 θ̇1)", "Not right"),
+    ):
+        assert driver.execute_script(ANSWER, names.index("vc1"), text).startswith(said)
