@@ -38,7 +38,7 @@ def part_of(powers: Mapping[str, int]) -> str:
 
 
 def parts(factor: int | Fraction, *kinds: str) -> Change:
-    """A factor of some kinds of terms of a torque, a force or an acceleration."""
+    """Terms of some kinds multiplied by a factor, in a torque, a force or an acceleration."""
 
     def change(x: Subject) -> Iterator[Changed]:
         if x.accelerates and any(part_of(powers) in kinds for powers, _ in x.rows):
@@ -103,7 +103,7 @@ def degrees(x: Subject) -> Iterator[Changed]:
 
 # ---------------------------------------------------------------- values
 def gravity(factor: int) -> Change:
-    """Another gravity."""
+    """All weights multiplied by a factor."""
 
     def change(x: Subject) -> Iterator[Changed]:
         g = x.setting.order.gravity
@@ -143,7 +143,7 @@ def massless(x: Subject) -> Iterator[Changed]:
 
 
 def pointlike(x: Subject) -> Iterator[Changed]:
-    """Without moments of inertia."""
+    """All masses taken for points: without moments of inertia."""
     moments = {name for name, (_, kind) in x.setting.order.inertial.items() if kind == 1}
     yield {}, x.scaled(0, lambda p: bool(moments & p.keys()))
 
@@ -195,7 +195,7 @@ def _lengths(x: Subject) -> Iterator[tuple[str, str]]:
 
 
 def axes(factor: int) -> Change:
-    """Moments of inertia with m c² as often more."""
+    """Each moment of inertia with m c² added as often as `factor` says."""
 
     def change(x: Subject) -> Iterator[Changed]:
         rows = list(_inertias(x)) if x.setting.is_planar and x.bodies.is_told else []
@@ -221,7 +221,7 @@ def _inertias(x: Subject) -> Iterator[tuple[str, Any, str]]:
 
 # ---------------------------------------------------------------- angles
 def turned(x: Subject) -> Iterator[Changed]:
-    """The angles at the ground measured from elsewhere."""
+    """The angles of the joints at the ground measured from another direction."""
     coordinates = x.setting.symbols.coordinates
     first = [row[0] for row in _chains(x).values() if len(row) == 1]
     quarters = x.setting.quarters or (0,) * len(coordinates)
@@ -236,7 +236,7 @@ def turned(x: Subject) -> Iterator[Changed]:
 
 
 def absolute(x: Subject) -> Iterator[Changed]:
-    """Angles from the x axis for angles from the link before."""
+    """Joint angles taken for angles from the x axis; they are measured from the link before."""
     s = x.bodies.s
     before = {row[-1]: row[-2] for row in _chains(x).values() if len(row) > 1}
     if not before:
@@ -260,7 +260,7 @@ def absolute(x: Subject) -> Iterator[Changed]:
 
 
 def _chains(x: Subject) -> dict[int, list[str]]:
-    """Of each body in the plane that turns the angles which its direction is made up of."""
+    """The joint angles that add up to the direction of a body, for each that turns in the plane."""
     s, found = x.bodies.s, dict[int, list[str]]()
     is_told = s.planar and not s.tree.follows
     for i, body in enumerate(s.tree.bodies if is_told else ()):
@@ -285,7 +285,7 @@ def believed(*beliefs: Belief, of_next: bool = False) -> Change:
 
 
 def arms(*often: int, of_next: bool = False) -> Change:
-    """Other arms in Euler's equation."""
+    """Other arms of the forces in Euler's equation."""
     return believed(Belief(arms=often), of_next=of_next)
 
 

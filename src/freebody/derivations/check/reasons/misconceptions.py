@@ -67,7 +67,7 @@ THOUGHTS: Mapping[str, Change] = {
     f"The terms with {{name}} are missing{_REST}": c.without_acceleration,
     "Every term with the mass or the moment of inertia of {links} is missing; the rest is "
     "right.": c.massless,
-    "The moments of inertia about the centres of mass are missing: right for point masses "
+    "The moments of inertia about the centres of mass are missing: this is right for point masses "
     "only.": c.pointlike,
     "A factor ½ is missing: the kinetic energy of a body is ½ m v² + ½ I ω².": c.twice_the_energy,
     "The mixed terms are missing: a sum of rates is squared as (θ̇ᵢ + θ̇ⱼ)² = θ̇ᵢ² + 2 θ̇ᵢ θ̇ⱼ + "
@@ -159,8 +159,8 @@ TABLES = ((THOUGHTS, 2), (OF_BODIES, 1))
 
 
 def explaining(x: Subject, value: Any) -> list[str]:
-    """The thoughts under which the right answer is the user's: two at most, or one about the
-    equations of the bodies."""
+    """Sentences on the thoughts that turn the right answer into the user's: two at most, or one on
+    the equations of the bodies."""
     if value == 0:  # of many parts it would be right that they are missing
         return []
     for (_, most), rows in zip(TABLES, values(x), strict=True):
