@@ -104,16 +104,16 @@ WRONG = [
     # lengths and indices
     ("G2 = m2 g l2 cos(θ1+θ2)", "length", "the centre of mass of link 2 is lc₂ from its joint"),
     ("G1 = m1 g lc1 c1 + m2 g (lc1 c1 + lc2 c12)", "length", "l₁ is the distance to the next"),
-    ("H22 = m2 l2² + I2", "length", "You wrote l2 for lc2"),
-    ("H22 = m2 (l2/2)² + I2", "extra", "the midpoint of the link, lc2 = l2/2"),
+    ("H22 = m2 l2² + I2", "length", "You wrote l₂ for lc₂"),
+    ("H22 = m2 (l2/2)² + I2", "extra", "the midpoint of the link, lc₂ = l₂/2"),
     ("H12 = m1 (lc2² + l1 lc2 c2) + I2", "index", "‘m1’ must be m₂"),
     ("tau2 = H12 θ̈1 + H11 θ̈2 + h θ̇1² + G2", "index", "‘H11’ must be H22"),
     # parallel axis, moments of inertia
     ("H11 = I1 + m2 (l1² + lc2² + 2 l1 lc2 c2) + I2", "missing",
      "The parallel-axis theorem is missing"),
-    ("H22 = I2", "missing", "m2 lc2² must be added"),
+    ("H22 = I2", "missing", "m₂ lc₂² must be added"),
     ("H11 = m1 lc1² + m2 (l1² + lc2² + 2 l1 lc2 c2)", "missing", "right for point masses only"),
-    ("H11 = m1 lc1² + I1 + m2 (l1² + lc2² + 2 l1 lc2 c2)", "missing", "ω2 = θ̇₁ + θ̇₂"),
+    ("H11 = m1 lc1² + I1 + m2 (l1² + lc2² + 2 l1 lc2 c2)", "missing", "ω₂ = θ̇₁ + θ̇₂"),
     # angles and functions
     ("G2 = m2 g lc2 cos θ2", "angle", "each angle is measured from the previous link"),
     ("G1 = m1 g lc1 c1 + m2 g (l1 c1 + lc2 c2)", "angle", "were measured from the x axis"),

@@ -157,7 +157,7 @@ WRONG = [
     ("ω₂ = 90 rad/s at θ̇1 = 60 rpm, θ̇2 = 30 rpm", "must be put in as rad/s, not as rpm"),
     (f"G2 = {-G2:.3f} N m at {POSTURE}", "Only the sign is wrong."),
     (f"G2 = {G2 / 9.81 * 10:.4f} N m at {POSTURE}", "It is right for g = 10 m/s²; here it is 9.81"),
-    (f"G2 = {2 * G2:.3f} N m at {POSTURE}", "A possible reason: You wrote l2 for lc2"),
+    (f"G2 = {2 * G2:.3f} N m at {POSTURE}", "A possible reason: You wrote l₂ for lc₂"),
     (f"G2 = {weight(45):.3f} N m at {POSTURE}", "measured from the previous link"),
     (f"τ₁ = {TAU[1]:.3f} Nm at {STATE}", "A possible reason: What you wrote is right for τ2"),
     (f"τ₁ = {TAU[0] * 1.003:.3f} Nm at {STATE}", "It is off by 0.3 %: numbers may have been"),

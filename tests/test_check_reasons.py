@@ -48,7 +48,7 @@ DH = [{"alpha": math.pi / 2, "d": "d1", "m": "m1"}, {"a": "a2", "m": "m2", "com"
 def robots(tmp_path_factory: pytest.TempPathFactory) -> dict[str, fb.Model]:
     path: Path = tmp_path_factory.mktemp("robots") / "own.toml"
     path.write_text(OWN, encoding="utf-8")
-    bundled = ("four_bar", "slider_crank", "pendulum", "acrobot", "gyro")
+    bundled = ("four_bar", "slider_crank", "pendulum", "acrobot", "gyro", "cart_pole")
     planar = {word: fb.planar(word) for word in ("RR", "RRR", "RPR", "RP")}
     told = {name: fb.load(name) for name in bundled}
     return {**planar, **told, "own": fb.load(path), "dh": fb.dh(DH, convention="standard")}
@@ -59,6 +59,7 @@ NO_MOMENTS, FIXED = "The moments r × f of the forces on body", "if joint {} did
 ALONE = "The rate of a joint is relative to the previous link"
 WHERE = "here they are along the world's axes"
 HALF = "A factor ½ is missing"
+SQUARE, VECTORS = "a sum of rates is squared as", "velocities add as vectors"
 TWICE, STEINER = "is counted twice", "The parallel-axis theorem is missing"
 ABSOLUTE = "were measured from the x axis"
 
@@ -100,7 +101,7 @@ WRONG = [
     ("RR", "tau2 = I2 ω̇2 + m2 (vc2_d - gravity) × sc2", "the arm comes first"),
     ("RR", "tau2 = I2 ω̇2 + lc2 c12 f12y + lc2 s12 f12x", "The cross product has a minus"),
     ("RR", "tau2 = I2 ω̇2 + lc2 s12 f12y - lc2 c12 f12x", "components are mixed up"),
-    ("RR", "G1 = m1 g lc1 c1 + m2 g (lc1 c1 + lc2 c12)", "You wrote lc1 for l1"),
+    ("RR", "G1 = m1 g lc1 c1 + m2 g (lc1 c1 + lc2 c12)", "You wrote lc₁ for l₁"),
     ("own", "G1 = ma g ca c1 + mb g (ca c1 + e c12)", "You wrote ca for a"),
     ("own", "G1 = ma g a c1 + mb g (a c1 + e c12)", "You wrote a for ca"),
     # other axes
@@ -122,14 +123,19 @@ WRONG = [
     ("RR", "vc2_dx = -l1 (θ̈1 s1 + θ̇1² c1) - lc2 (θ̈2 s12 + θ̇2² c12)", ALONE),
     ("RR", "f12x = -m2 (l1 (θ̈1 s1 + θ̇1² c1) + lc2 (θ̈2 s12 + θ̇2² c12))", ALONE),
     ("RPR", "vc3x = -(l1 + d2) s1 θ̇1 + ḋ2 c1 - lc3 s13 θ̇3", ALONE),
-    ("RPR", "omega3 = θ̇3", "ω3 = θ̇₁ + θ̇₃"),
-    ("acrobot", "omega2 = θ̇2", "ω2 = θ̇₁ + θ̇₂"),
+    ("RPR", "omega3 = θ̇3", "ω₃ = θ̇₁ + θ̇₃"),
+    ("acrobot", "omega2 = θ̇2", "ω₂ = θ̇₁ + θ̇₂"),
     ("four_bar", "vc2x = -l1 s1 θ̇1 - lc2 s12 θ̇2", ALONE),
     ("slider_crank", "vc2y = l1 c1 θ̇1 + lc2 c12 θ̇2", ALONE),
     ("own", "H12 = mb a e cos(θ1 - θ2)", ABSOLUTE),
     ("RRR", "x = l1 c1 + l2 c2 + l3 c3", ABSOLUTE),
     # factors
     ("RR", "T1 = m1 lc1² θ̇1² + I1 θ̇1²", HALF),
+    ("RR", "T2 = ½ m2 vc2² + ½ I2 (θ̇1² + θ̇2²)", SQUARE),
+    ("RRR", "T2 = ½ m2 vc2² + ½ I2 (θ̇1² + θ̇2²)", SQUARE),
+    ("RR", "T2 = ½ m2 (l1² θ̇1² + lc2² (θ̇1 + θ̇2)²) + ½ I2 (θ̇1 + θ̇2)²", VECTORS),
+    ("own", "T2 = ½ mb (a² θ̇1² + e² (θ̇1 + θ̇2)²) + ½ Jb (θ̇1 + θ̇2)²", VECTORS),
+    ("cart_pole", "T = ½ (m1 + m2) ẋ² + ½ m2 l2² θ̇2²", VECTORS),
     ("RPR", "T2 = ½ m2 (ḋ2² + (l1 + d2 + lc2)² θ̇1²) + I2 θ̇1²", HALF),
     ("four_bar", "T2 = m2 vc2^2 + I2 ω2²", HALF),
     ("RP", "vc2_dy = d̈2 s1 + ḋ2 θ̇1 c1 + (l1 + d2 + lc2) (θ̈1 c1 - θ̇1² s1)", "factor of 2"),

@@ -16,12 +16,12 @@ ROCKER = "(I3 + m3 lc3²) θ̈3 + m3 g lc3 c3"
 @pytest.mark.parametrize(
     ("model", "lines", "notes"),
     [
-        (BAR, "Φ2 = l3 s3 - l1 s1 - l2 s12", ["Φ₂ has the other sign"]),
+        (BAR, "Φ2 = l3 s3 - l1 s1 - l2 s12", ["Φ₂ has the opposite sign"]),
         (BAR, "Φ1 = d + l3 c3 - l1 c1 - l2 c12\n" + "Φ2 = l1 s1 + l2 s12 - l3 s3", ["Φ₁ has", ""]),
         (
             BAR,
             "Φ_q = [[l1 s1 + l2 s12, l2 s12, -l3 s3], [-l1 c1 - l2 c12, -l2 c12, l3 c3]]",
-            ["Φ₁ and Φ₂ have the other sign"] * 6,
+            ["Φ₁ and Φ₂ have the opposite sign"] * 6,
         ),
         (BAR, f"0 = {ROCKER} + λ1 l3 s3 - λ2 l3 c3", [""]),
         (BAR, "d/dt (∂L/∂θ̇1) - ∂L/∂θ1 - ∂Φ1/∂θ1 λ1 - ∂Φ2/∂θ1 λ2 = τ1", ["τ = M q̈ + … − Φ_qᵀ λ"]),
@@ -29,7 +29,7 @@ ROCKER = "(I3 + m3 lc3²) θ̈3 + m3 g lc3 c3"
         (
             BAR,
             "Φ1 = d + l3 c3 - l1 c1 - l2 c12\n" + f"0 = {ROCKER} - λ1 l3 s3 - λ2 l3 c3",
-            ["Φ₁ has the other sign"] * 2,
+            ["Φ₁ has the opposite sign"] * 2,
         ),
     ],
 )

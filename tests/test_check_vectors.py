@@ -46,6 +46,18 @@ def test_vector_equations_are_worked_out_entry_by_entry(answer: str):
         assert not fb.check(ARM, f"{left}= 2 ({right})")
 
 
+@pytest.mark.parametrize(
+    "form", ["({}, {})^T", r"\left({}, {}\right)^{{\mathsf T}}", "({}, {})", "({}, {})."]
+)
+def test_vectors_stand_in_round_brackets_too(form: str):
+    entries = "-l1 s1 θ̇1 - lc2 s12 (θ̇1 + θ̇2)", "l1 c1 θ̇1 + lc2 c12 (θ̇1 + θ̇2)"
+    assert fb.check(ARM, f"v_c2 = {form.format(*entries)}")
+    assert not fb.check(ARM, f"v_c2 = {form.format(*reversed(entries))}")
+    assert fb.check(ARM, "tau = M (θ̈1, θ̈2)^T + c + G")
+    with pytest.raises(AnswerError, match="G2 is one number, not a vector"):
+        fb.check(ARM, f"G2 = {form.format(1, 2)}")
+
+
 def test_a_mistake_in_a_vector_is_named_in_its_entry():
     verdict = fb.check(ARM, "tau = M q̈ + [-m2 l1 lc2 s2 (θ̇1 θ̇2 + θ̇2²); m2 l1 lc2 s2 θ̇1²] + G")
     assert [x.equal for x in verdict.equations] == [False, True]

@@ -55,11 +55,12 @@ def opened(driver, folder, derivation) -> None:
     ],
 )
 def test_no_label_lies_on_another_or_is_cut_off(driver, tmp_path, name, states):
-    """And a drawing is made in less than a frame."""
+    """Nor is one crossed by the leader of another; and a drawing is made in less than a frame."""
     opened(driver, tmp_path, fb.derive(fb.load(name)))
     found = measured(driver, states)
     assert found["labels"] > 5 * states
     assert (found["overlaps"], found["cut"]) == (0, 0), found["examples"]
+    assert found["crossed"] == 0
     assert found["quick"] < FRAME
     assert not driver.get_log("browser")
 

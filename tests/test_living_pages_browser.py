@@ -673,7 +673,7 @@ def test_pages_read_answers_as_check_does(driver, tmp_path):
             assert said.startswith(verdict), (answer, said)
     for line, answer in (("omega2", "w2"), ("omega2", "omega_2"), ("f12", "[f12x, f_{12y}]")):
         said, _ = driver.execute_script(ANSWER, line, answer)
-        assert said.startswith("Cannot be read: There is no "), said  # its own reason
+        assert said.startswith("Cannot be read: there is no "), said  # its own reason
 
 
 def test_what_formulas_give_may_be_typed(driver, tmp_path):

@@ -14,7 +14,7 @@ const random = () => {
 const sliders = [...document.querySelectorAll('#try input[type=range]')].filter(
   e => e.max !== e.min);
 const starts = sliders.map(e => e.valueAsNumber);
-const found = {labels: 0, overlaps: 0, cut: 0, crowded: 0, examples: []}, times = [];
+const found = {labels: 0, overlaps: 0, cut: 0, crossed: 0, crowded: 0, examples: []}, times = [];
 for (let k = 0; k < states; k++) {
   if (k) {
     const share = random();
@@ -39,6 +39,7 @@ for (let k = 0; k < states; k++) {
       }
     };
     found.labels += texts.length;
+    found.crossed += svg.querySelectorAll('text.f ~ .leader').length;
     boxes.forEach((a, i) => {
       const beyond = Math.max(frame.left - a.left, frame.top - a.top,
         a.right - frame.right, a.bottom - frame.bottom);
@@ -62,7 +63,8 @@ return found;
 def measured(driver: Any, states: int, seed: int = 1) -> dict[str, Any]:
     """Labels of the drawings in an opened page, counted over its first state and random ones of
     its sliders, which reach from the first to all that they allow: pairs that overlap, labels
-    beyond the drawing's edge, states in which there is either, and the milliseconds in which one
-    drawing in ten is made: others are slowed down by what else the machine does."""
+    beyond the drawing's edge, leaders above labels, states in which labels overlap or are cut, and
+    the milliseconds in which one drawing in ten is made: others are slowed down by what else the
+    machine does."""
     found: dict[str, Any] = driver.execute_script(_MEASURE, states, seed)
     return found

@@ -117,6 +117,7 @@ class Picture:
 def picture(drawing: Drawing, width: float = 560.0, tallest: float = 460.0) -> Picture:
     """The drawing on a page `width` pixels wide and as tall as it needs."""
     page, height, boxes = laid_out(drawing, width, tallest)
+    page.body += filter(None, map(_leader, page.wanted, boxes))  # below all labels
     page.body += map(_label, page.wanted, boxes)
     page.body += _corners(drawing, page, height)
     for k, note in enumerate(drawing.notes):
@@ -294,10 +295,13 @@ def _label(wanted: Wanted, box: Box) -> str:
     after = [text.Run(wanted.after, "num")] if wanted.after else []
     shown = text.marked([*text.runs(wanted.text), *after])
     at = complex((left + right) / 2, bottom - RULE["below"])
+    return svg_symbols.words(f"halo f {wanted.css}", at, shown, "middle")
+
+
+def _leader(wanted: Wanted, box: Box) -> str:
     anchor = wanted.anchors[0][0]
     near = leader(anchor, box)
-    line = svg_symbols.line("leader", svg_symbols.path([anchor, near])) if near else ""
-    return line + svg_symbols.words(f"halo f {wanted.css}", at, shown, "middle")
+    return svg_symbols.line("leader", svg_symbols.path([anchor, near])) if near else ""
 
 
 def _corners(drawing: Drawing, page: Page, height: float) -> list[str]:

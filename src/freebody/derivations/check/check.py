@@ -54,16 +54,16 @@ def check(
 ) -> Verdict:
     """Whether an answer is equal to the model's own equations, and if not, where and why.
 
-    answer: equations as text or LaTeX, one per line, for any of τ_i, H_ij (M_ij), c_i, G_i (g_i),
-    J_ij, det J, J⁻¹, T, V, the tip's x and y, torques that hold a force F at the tip, coordinates
-    by inverse functions, accelerations solved for, a free body's equations in its axes, of body i
-    ω_i, r_ci, v_ci, v̇_ci and f_hi (the force of the body before), or for whole vectors and
-    matrices, M(q) = [...; ...]: "H12 = m2*(lc2^2 + l1*lc2*cos(theta2)) + I2"; a SymPy equation,
-    sympy.Eq(sympy.Symbol("H22"), I2 + m2*lc2**2); a dict of SymPy expressions or matrices, {"H22":
-    I2 + m2*lc2**2, "tau": sympy.Matrix([...])}; or a list of such. In the notes'
-    symbols: theta1, θ₁, q1; θ̇₁, theta1_d, dtheta1; l1, lc1, m1, I1, g; on the right c12 is
-    cos(θ1+θ2). names: what the user's own names stand for, {"L1": "l1"}, {"q": "theta"}
-    for all that are numbered, {"C": "cos", "S": "sin"} where C12 is a cosine.
+    answer: equations as text or LaTeX, one per line, such as "H12 = m2*(lc2^2 +
+    l1*lc2*cos(theta2)) + I2"; a SymPy equation, sympy.Eq(sympy.Symbol("H22"), I2 + m2*lc2**2); a
+    dict of SymPy expressions or matrices, {"H22": I2 + m2*lc2**2, "tau": sympy.Matrix([...])}; or a
+    list of such. On the left may stand τ_i, H_ij (M_ij), c_i, G_i (g_i), J_ij, det J, J⁻¹, T, V,
+    the tip's x and y; of body i ω_i, r_ci, v_ci, v̇_ci and f_hi (the force of the body before);
+    whole vectors and matrices, M(q) = [...; ...]; coordinates given by inverse functions,
+    accelerations solved for, torques that hold a force F at the tip, and a free body's equations in
+    its axes. Symbols are the notes': theta1, θ₁, q1; θ̇₁, theta1_d, dtheta1; l1, lc1, m1, I1, g; on
+    the right c12 is cos(θ1+θ2). names: what the user's own names stand for, {"L1": "l1"}, {"q":
+    "theta"} for all that are numbered, {"C": "cos", "S": "sin"} where C12 is a cosine.
 
     A path is that of a file: plain text, Markdown (.md), LaTeX (.tex), a notebook of Jupyter
     (.ipynb) or Python with SymPy (.py, never run), from which the equations are taken; words

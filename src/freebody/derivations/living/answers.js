@@ -28,13 +28,13 @@ function namesOf(word) {
   const isWhole = words.has(word.plain);
   const found = cutWord(word, (x) => words.has(x) && (isWhole || !words.get(x).apart), isFunction)
     || cutWord(word, (x) => page.glued.includes(x), () => false);
-  if (!found) throw unreadable(`There is no ${word.plain} that this line may use.`);
+  if (!found) throw unreadable(`there is no ${word.plain} that this line may use.`);
   return found;
 }
 
 // The tokens of the one equation that is typed, by its sides.
 function sidesOf(text) {
-  if (text.length > LONGEST) throw unreadable("The formula is too long.");
+  if (text.length > LONGEST) throw unreadable("the formula is too long.");
   const statements = [[[]]], lexemes = inOneSpelling(text);
   const isOf = (name) => lexemes.some((_, k) => namedPattern(name)(here)(lexemes, k, lexemes.length, {}) >= 0);
   if (isOf("at_rest") || isOf("condition")) throw undecided("What holds at a state or on a condition");
@@ -47,8 +47,8 @@ function sidesOf(text) {
     else if (token.kind !== "amp") statements.at(-1).at(-1).push(token);
   }
   const said = statements.filter((sides) => sides.length > 1 || sides[0].length);
-  if (!said.length) throw unreadable("Type what you expect on the right of the =.");
-  if (said.flat().some((side) => !side.length)) throw unreadable("One side of this = is empty.");
+  if (!said.length) throw unreadable("type what you expect on the right of the =.");
+  if (said.flat().some((side) => !side.length)) throw unreadable("one side of this = is empty.");
   if (said.length > 1) throw undecided("More than one equation");
   return said[0];
 }
@@ -60,7 +60,7 @@ function claimed(text, line) {
   const sides = sidesOf(text), left = sides.length > 1 ? sides.findIndex((side) => isLine(side, line)) : -1;
   if (sides.length > 1 && left < 0) {
     if (sides.flat().some((token) => token.kind === "name" && isOwn(token.text, line))) throw undecided(`What does not give ${line.name} alone`);
-    throw unreadable(`This line gives ${line.name} alone: type what stands on its right.`);
+    throw unreadable(`this line gives ${line.name} alone: type what stands on its right.`);
   }
   const right = sides.filter((_, k) => k !== left);
   const bodies = line.bodies || (!line.vector && right.flat().some((token) => token.kind === "name" && words.get(token.text).bodies));
@@ -71,7 +71,7 @@ const OF_BODIES = {g: "gravity", J: "JP"};
 function meaningOf(name, line, bodies) {
   const found = words.get(name), other = bodies && has(OF_BODIES, name) && words.get(OF_BODIES[name]);
   if (!found || !(found.s || found.t || found.isNowhere)) return undefined;
-  if (line.own?.includes(found.q)) throw unreadable(`There is no ${name} that this line may use: it would be its own reason.`);
+  if (line.own?.includes(found.q)) throw unreadable(`there is no ${name} that this line may use: it would be its own reason.`);
   return other && other.t ? {...found, t: other.t} : found;
 }
 
@@ -112,15 +112,15 @@ function compared(node, line) {
     return (any.length && isEqual(any)) || (!saysNothing && isEqual(some));
   });
 }
-// The thoughts under which the line would be what is typed, at the first state; the first sentence
-// says that nothing moves, and nothing else then.
+// The thoughts under which the line would be what is typed, at the first state: of the first table
+// that has any, one of a row.
 function thoughtsOf(node, line, right) {
   const found = entriesAt(states()[0], node, line).yours.flatMap((own, k) => {
     if (right[k] || !line.thoughts || vanishes(own)) return [];
-    const all = page.thoughts[line.thoughts[k]].split(" ").map((row) => row.split(",").map(Number));
-    const those = all.filter(([, value]) => Math.abs(value - own.v) <= ROUNDED * Math.abs(value) + EQUAL * own.s);
-    const said = [...new Set(those.map(([sentence]) => sentence))];
-    return said[0] === 0 ? [0] : said.slice(0, 2);
+    const isIt = ([, value]) => Math.abs(value - own.v) <= ROUNDED * Math.abs(value) + EQUAL * own.s;
+    const told = page.thoughts[line.thoughts[k]].split("|").map((rows, table) => rows.split(";").flatMap((row) =>
+      row.split(" ").map((x) => x.split(",").map(Number)).filter(isIt).slice(0, 1)).slice(0, page.most[table]));
+    return (told.find((rows) => rows.length) || []).map(([sentence]) => sentence);
   });
   return [...new Set(found)].map((k) => sentences[k]);
 }

@@ -4,6 +4,7 @@ that the robot can be in, and what a wrong answer may have been thought by."""
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import groupby, takewhile
@@ -23,7 +24,7 @@ from freebody.derivations.check.claims import own_names
 from freebody.derivations.check.reading.vocabulary import GLUED, Vocabulary
 from freebody.derivations.check.reasons.bodies_at_point import BodiesAtPoint
 from freebody.derivations.check.reasons.free_bodies import FreeBodyMotion
-from freebody.derivations.check.reasons.misconceptions import values
+from freebody.derivations.check.reasons.misconceptions import TABLES, values
 from freebody.derivations.check.reasons.misreadings import GRAVITY, TIPS
 from freebody.derivations.check.reasons.thoughts import Subject
 from freebody.derivations.check.states.admissible_states import AdmissibleStates, StateSampler
@@ -57,6 +58,11 @@ _ALIKE = 12
 """Characters that two sentences share if one is told by the other."""
 _DIGITS = 8
 """Of what an answer would be under a thought."""
+
+_Told = tuple[str, Any]
+"""A sentence, and what the right answer would be."""
+_MOST_TOLD = [1, *(most for _, most in TABLES)]
+"""How many thoughts of each table are told."""
 
 Slots = list[str | int]
 """A sum of symbols by name and of values by place in y; of a function of it the name first, behind
@@ -258,7 +264,8 @@ class PageAnswers:
         return [keys.index(_key(target)) for target in asked]
 
     def _thoughts(self, target: AskedQuantity) -> str:
-        """Sentences by number, and what the right answer would be under each at the first state."""
+        """Sentences by number, and what the right answer would be under each at the first state; |
+        stands between tables of thoughts, ; between rows."""
         setting = self.setting
         if setting.turned is not None or len(setting.symbols.coordinates) > MOST_THOUGHT:
             return ""
@@ -266,25 +273,33 @@ class PageAnswers:
         if not isinstance(right, Trig) or setting.is_free_body:
             return ""
         point = RealPoint.of_state(setting.ring, self._signed(self._any[0]))
-        told = [(text, float(x)) for text, x in self._thought_at(target, right, point)]
-        own = point.of(right)
-        kept = {
-            f"{self._sentence(text)},{x:.{_DIGITS}g}": None
-            for text, x in told
-            if np.isfinite(x) and not np.isclose(x, own, rtol=1e-9, atol=0.0)
-        }
-        return " ".join(kept)
+        told = {_rounded(point.of(right))}
+        tables = self._thought_at(target, right, point)
+        return "|".join(
+            self._of_one_table(rows, most, told)
+            for rows, most in zip(tables, _MOST_TOLD, strict=True)
+        )
+
+    def _of_one_table(self, rows: Iterator[Iterator[_Told]], most: int, told: set[str]) -> str:
+        """Those of one table that can be told: not where others before them always are; told:
+        values of tables before, and now of this one."""
+        here, made = Counter[str](), list[str]()
+        for row in rows:
+            said = {value: text for text, x in reversed([*row]) if (value := _rounded(x))}
+            kept = {x: text for x, text in said.items() if x not in told and here[x] < most}
+            here.update(kept.keys())
+            made += [" ".join(f"{self._sentence(text)},{x}" for x, text in kept.items())]
+        told.update(here)
+        return ";".join(filter(None, made))
 
     def _thought_at(
         self, target: AskedQuantity, right: Trig, point: RealPoint
-    ) -> Iterator[tuple[str, float]]:
-        """Also that nothing moves, where that may be meant."""
-        if target.kind.may_be_still:
-            moving = [name for name in self.setting.ring.names if name.endswith((RATE, SECOND))]
-            still = point.changed(dict.fromkeys(moving, 0)).of(right)
-            yield STILL, still if still else np.nan
-        bodies = BodiesAtPoint(self.setting, point)
-        yield from values(Subject(bodies, self.targets, target, right))
+    ) -> Iterator[Iterator[Iterator[_Told]]]:
+        """By table and row; in a table of its own that nothing moves, where that may be meant."""
+        moving = [name for name in self.setting.ring.names if name.endswith((RATE, SECOND))]
+        still = point.changed(dict.fromkeys(moving, 0)).of(right) or np.nan
+        yield iter([iter([(STILL, still)])] if target.kind.may_be_still else [])
+        yield from values(Subject(BodiesAtPoint(self.setting, point), self.targets, target, right))
 
     def _signed(self, row: Mapping[str, float]) -> dict[str, float]:
         """A state with the signs of its rates."""
@@ -425,6 +440,7 @@ class PageAnswers:
             "states": self._states(names, values),
             "sentences": list(_by_the_last(self.sentences)),
             "thoughts": list(self._thought.values()),
+            "most": _MOST_TOLD,
             "readings": self._readings(names),
         }
 
@@ -544,3 +560,8 @@ def _template(name: str) -> tuple[str, str]:
     runs = [("".join(run), is_figure) for is_figure, run in groupby(name, str.isdigit)]
     template = "".join("#" if is_figure else run for run, is_figure in runs)
     return template, ",".join(run for run, is_figure in runs if is_figure)
+
+
+def _rounded(x: Any) -> str:
+    """What an answer would be under a thought, as it travels; "" where that is no number."""
+    return f"{float(x):.{_DIGITS}g}" if np.isfinite(float(x)) else ""

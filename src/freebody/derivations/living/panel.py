@@ -45,14 +45,14 @@ def panel(
             state = ' open=""' if key in ("q", "lam") else ""
             groups.append(f"<details{state}><summary>{title}</summary>{''.join(rows)}</details>")
     turned = "".join(
-        f'<p class="slider"><label for="{name}">{name} the view</label><input id="{name}" '
+        f'<p class="slider view"><label for="{name}">{name} the view</label><input id="{name}" '
         f'type="range" min="{low}" max="{high}" value="{value:.0f}" step="1"/></p>'
         for name, low, high, value in (("turn", -180, 180, view[0]), ("tilt", -10, 90, view[1]))
         if dim == 3
     )
     if alone > MOST:
         turned += (
-            '<p class="slider"><label for="first">bodies alone</label><input id="first" '
+            '<p class="slider view"><label for="first">bodies alone</label><input id="first" '
             f'type="range" min="0" max="{alone - AT_ONCE}" value="0" step="1"/></p>'
         )
     moments = "; moments, with two heads, to another" if dim == 3 else ""
@@ -75,7 +75,7 @@ def _typed(inputs: list[dict[str, Any]], dim: int, letters: Lettering) -> str:
     """How names are typed: the first of each group."""
     first = {x["group"]: letters.symbol(sym_of(x["name"])).name for x in reversed(inputs)}
     names = ", ".join(f"<code>{html.escape(first[x])}</code>" for x in GROUPS if x in first)
-    return f"(typed as {names}, vectors as <code>[x, y{', z' * (dim == 3)}]</code>)"
+    return f"(typed as {names}, vectors as <code>[x, y{', z' * (dim == 3)}]</code>; or in LaTeX)"
 
 
 def _slider(k: int, x: dict[str, Any], letters: Lettering) -> str:

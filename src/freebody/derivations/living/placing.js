@@ -83,7 +83,7 @@ function settle(wanted, crowd, last) {
   return placed;
 }
 
-// A drawing in which labels are wanted; they are written when all is drawn.
+// A drawing in which labels are wanted; they are written when all is drawn, above all leaders.
 const memory = {arm: new Map(), bodies: new Map()};
 class Sheet {
   constructor(svg, wide, tall) {
@@ -116,7 +116,7 @@ class Sheet {
       text.setAttribute("x", (l + r) / 2);
       text.setAttribute("y", d - RULE.below);
       const near = [Math.min(Math.max(anchor[0], l), r), Math.min(Math.max(anchor[1], t), d)];
-      if (length(minus(near, anchor)) > RULE.leader) svg.insertBefore(line(svg, "leader", anchor, near), text);
+      if (length(minus(near, anchor)) > RULE.leader) svg.insertBefore(line(svg, "leader", anchor, near), wanted[0].text);
     });
   }
 }

@@ -21,12 +21,12 @@ class BodyValues:
 
     @property
     def n(self) -> int:
-        """Its number."""
+        """The number of the body."""
         return self.s.numbers[self.i]
 
     @property
     def is_whole(self) -> bool:
-        """Whether its parts are made one."""
+        """Whether the body has one mass, its parts made one."""
         return len(self.s.tree.bodies[self.i].masses) < 2
 
     @property
@@ -36,7 +36,7 @@ class BodyValues:
 
     @property
     def joint(self) -> tuple[Matrix, Vector]:
-        """Rotation from its axes to those of the body before, and where its origin is there."""
+        """The rotation from the body's axes to those of the body before, and its origin there."""
         R, p = self.motion.joints[self.i]
         return R, p
 
@@ -47,27 +47,27 @@ class BodyValues:
 
     @property
     def centre_acceleration(self) -> Vector:
-        """The acceleration of its centre of mass."""
+        """The acceleration of the body's centre of mass."""
         return self.s.centre_acceleration(self.i)
 
     @property
     def force(self) -> Vector:
-        """The force on it at its joint."""
+        """The force on the body at its joint."""
         return self.reactions.f[self.i]
 
     @property
     def moment(self) -> Vector:
-        """The moment on it at its joint."""
+        """The moment on the body at its joint."""
         return self.reactions.n[self.i]
 
     @property
     def inertia_force(self) -> Vector:
-        """Mass times acceleration of its centre."""
+        """The body's mass times the acceleration of its centre of mass."""
         return scale(self.s.mass(self.i), self.centre_acceleration)
 
     @property
     def inertia_moment(self) -> Vector:
-        """The rate of its angular momentum about its centre."""
+        """The rate of the body's angular momentum about its centre of mass."""
         I, w, wd = self.s.inertia(self.i), self.motion.w[self.i], self.motion.wd[self.i]
         if self.s.planar:
             return scale(I, wd)
@@ -87,7 +87,7 @@ class BodyValues:
         return tuple(map(self.vector, rows))
 
     def axes(self, v: Vector) -> tuple[Trig, ...]:
-        """What is given in its own axes, in those that are shown."""
+        """A vector in the body's own axes, in the axes that are shown."""
         return self.vector(self.s.axes(self.i, v))
 
     def angular(self, v: Vector) -> Any:
@@ -96,8 +96,8 @@ class BodyValues:
 
 
 class RecursionValues(BodyValues):
-    """The same of one run of the recursion, with gravity among the forces or in the base's
-    acceleration."""
+    """Body i of a setting, whose motion and forces come of one run of the recursive Newton-Euler
+    algorithm, with gravity among the forces or in the base's acceleration."""
 
     def __init__(self, s: Setting, i: int, record: Recursion, accelerated: bool):
         self.s, self.i, self.record, self.accelerated = s, i, record, accelerated

@@ -37,9 +37,10 @@ class Kind:
     is_matrix: bool = False
     """Whether its letter without a number stands for a matrix."""
     of: Literal["joints", "bodies", ""] = ""
-    """Whose equations have it: in those of bodies g is a vector and not a generalized force."""
+    """Whose equations contain it: in those of bodies g is a vector, in those of joints a
+    generalized force."""
     tells: Literal["", "motion", "weight"] = ""
-    """What counts besides in a line about a load."""
+    """What else counts in a line about a load: nothing, motion or weight."""
     dots: int = 0
     """How often it is a derivative."""
 

@@ -26,7 +26,8 @@ font-size:.9rem}
 .try h2{margin:.6rem 0}.try svg{display:block;width:100%;max-width:34rem}
 .try summary{padding:.3rem 0}
 .slider{display:flex;gap:.6rem;align-items:center;margin:.15rem 0}
-.slider label{min-width:2.4rem}.slider input{flex:1;min-width:4rem}.slider span{min-width:7.5rem}
+.slider label{min-width:2.4rem}.view label{min-width:6.2rem}
+.slider input{flex:1;min-width:4rem}.slider span{min-width:7.5rem}
 .values{color:#5a6675;font-size:.95rem;overflow-x:auto}.value{margin:.15rem 0;max-width:none}
 .value math,.slider math{font-size:1.05rem}.value math{math-style:normal}
 .value output{color:#b01e5c}

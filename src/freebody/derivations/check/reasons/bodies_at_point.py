@@ -123,7 +123,7 @@ class BodiesAtPoint:
         return self.point.of(self.setting.element(self.s.symbols.element(x)))
 
     def vector(self, v: Sequence[Any]) -> Vector:
-        """A vector of them."""
+        """A vector of polynomials of the equations at the point."""
         return tuple(map(self.number, v))
 
     def _zero(self, angular: bool = False) -> Vector:
@@ -170,7 +170,7 @@ class BodiesAtPoint:
     # ------------------------------------------------------------ states
     @cached_property
     def moving(self) -> State:
-        """All that there is."""
+        """The state in which nothing is left out: velocities, accelerations and gravity."""
         x = self.s.symbols
         rates, second = self.vector(x.qd), self.vector(x.qdd)
         return State(rates, second, self.vector(self.s.tree.gravity), True)

@@ -38,7 +38,7 @@ def part_of(powers: Mapping[str, int]) -> str:
 
 
 def parts(factor: int | Fraction, *kinds: str) -> Change:
-    """A factor of some kinds of terms of a torque, a force or an acceleration."""
+    """Terms of some kinds multiplied by a factor, in a torque, a force or an acceleration."""
 
     def change(x: Subject) -> Iterator[Changed]:
         if x.accelerates and any(part_of(powers) in kinds for powers, _ in x.rows):
@@ -68,6 +68,33 @@ def twice_the_energy(x: Subject) -> Iterator[Changed]:
         yield {}, x.scaled(2, meant)
 
 
+def unmixed_rates(x: Subject) -> Iterator[Changed]:
+    """A kinetic energy without products of two rates of turning joints: in all terms, or in those
+    with moments of inertia."""
+    rates = {name + RATE for name in _turning(x)} if x.is_energy else set()
+    moments = {name for name, (_, kind) in x.setting.order.inertial.items() if kind == 1}
+    for names in (x.names, moments) if rates else ():
+
+        def meant(powers: Mapping[str, int], names: set[str] = names) -> bool:
+            return len(rates & powers.keys()) > 1 and not names.isdisjoint(powers)
+
+        yield {}, x.scaled(0, meant)
+
+
+def unmixed_velocities(x: Subject) -> Iterator[Changed]:
+    """A kinetic energy without products of two lengths, or of a length and a slide's rate."""
+    turning = _turning(x) if x.is_energy else set()
+    if turning:
+        ways = {name for row in _lengths(x) for name in row}
+        ways |= {name + RATE for name in {*x.setting.symbols.coordinates} - turning}
+        yield {}, x.scaled(0, lambda powers: len(ways & powers.keys()) > 1)
+
+
+def _turning(x: Subject) -> set[str]:
+    """The coordinates of joints that turn."""
+    return {name for row in _chains(x).values() for name in row}
+
+
 def degrees(x: Subject) -> Iterator[Changed]:
     """A derivative by an angle in degrees, or a rate in them."""
     yield {}, x.value * x.point.number(PI / 180)
@@ -76,7 +103,7 @@ def degrees(x: Subject) -> Iterator[Changed]:
 
 # ---------------------------------------------------------------- values
 def gravity(factor: int) -> Change:
-    """Another gravity."""
+    """All weights multiplied by a factor."""
 
     def change(x: Subject) -> Iterator[Changed]:
         g = x.setting.order.gravity
@@ -116,15 +143,15 @@ def massless(x: Subject) -> Iterator[Changed]:
 
 
 def pointlike(x: Subject) -> Iterator[Changed]:
-    """Without moments of inertia."""
+    """All masses taken for points: without moments of inertia."""
     moments = {name for name, (_, kind) in x.setting.order.inertial.items() if kind == 1}
     yield {}, x.scaled(0, lambda p: bool(moments & p.keys()))
 
 
 def _groups(rows: Sequence[Any]) -> Iterator[Sequence[Any]]:
-    """All together, and each alone."""
-    yield from [rows] * bool(rows)
-    yield from ([x] for x in rows if len(rows) > 1)
+    """Each alone, and all together."""
+    yield from ([x] for x in rows)
+    yield from [rows] * (len(rows) > 1)
 
 
 def lengths(reach: str = "l", centre: str = "lc") -> Change:
@@ -140,13 +167,14 @@ def lengths(reach: str = "l", centre: str = "lc") -> Change:
             for l, lc in group:
                 named = {"l": v[l], "lc": v[lc], "half": v[l] * half}
                 put |= {l: named[reach], lc: named[centre]}
+            shown = [(str(sym(l)), str(sym(lc))) for l, lc in group]
             said = {
-                "l": group[0][0],
-                "lc": group[0][1],
-                "centres": " and ".join(lc for _, lc in group),
-                "wrong": ", ".join(f"{l} for {lc}" for l, lc in group),
-                "back": ", ".join(f"{lc} for {l}" for l, lc in group),
-                "half": ", ".join(f"{lc} = {l}/2" for l, lc in group),
+                "l": shown[0][0],
+                "lc": shown[0][1],
+                "centres": " and ".join(lc for _, lc in shown),
+                "wrong": ", ".join(f"{l} for {lc}" for l, lc in shown),
+                "back": ", ".join(f"{lc} for {l}" for l, lc in shown),
+                "half": ", ".join(f"{lc} = {l}/2" for l, lc in shown),
             }
             yield said, x.at(put)
 
@@ -167,13 +195,14 @@ def _lengths(x: Subject) -> Iterator[tuple[str, str]]:
 
 
 def axes(factor: int) -> Change:
-    """Moments of inertia with m c² as often more."""
+    """Each moment of inertia with m c² added as often as `factor` says."""
 
     def change(x: Subject) -> Iterator[Changed]:
         rows = list(_inertias(x)) if x.setting.is_planar and x.bodies.is_told else []
         for group in _groups(rows):
             put = {name: x.point.values[name] + factor * value for name, value, _ in group}
-            names, lacking = (" and ".join(row[k] for row in group) for k in (0, 2))
+            names = " and ".join(str(sym(name)) for name, _, _ in group)
+            lacking = " and ".join(term for _, _, term in group)
             are = "are" if len(group) > 1 else "is"
             yield {"names": names, "are": are, "lacking": lacking}, x.at(put)
 
@@ -185,15 +214,14 @@ def _inertias(x: Subject) -> Iterator[tuple[str, Any, str]]:
     s = x.bodies.s
     for i in s.weighted:
         (mass,) = s.tree.bodies[i].masses
-        name, c = generator(s.symbols.element(mass.inertia)), s.symbols.element(mass.c[0])
-        if name in x.names and s.symbols.element(mass.c[1]).is_zero and not c.is_zero:
-            value = x.bodies.number(mass.m * mass.c[0] * mass.c[0])
-            yield name, value, f"{generator(s.symbols.element(mass.m))} {generator(c)}²"
+        name, m, c = (generator(s.symbols.element(v)) for v in (mass.inertia, mass.m, mass.c[0]))
+        if name in x.names and m and c and s.symbols.element(mass.c[1]).is_zero:
+            yield name, x.bodies.number(mass.m * mass.c[0] * mass.c[0]), f"{sym(m)} {sym(c)}²"
 
 
 # ---------------------------------------------------------------- angles
 def turned(x: Subject) -> Iterator[Changed]:
-    """The angles at the ground measured from elsewhere."""
+    """The angles of the joints at the ground measured from another direction."""
     coordinates = x.setting.symbols.coordinates
     first = [row[0] for row in _chains(x).values() if len(row) == 1]
     quarters = x.setting.quarters or (0,) * len(coordinates)
@@ -208,7 +236,7 @@ def turned(x: Subject) -> Iterator[Changed]:
 
 
 def absolute(x: Subject) -> Iterator[Changed]:
-    """Angles from the x axis for angles from the link before."""
+    """Joint angles taken for angles from the x axis; they are measured from the link before."""
     s = x.bodies.s
     before = {row[-1]: row[-2] for row in _chains(x).values() if len(row) > 1}
     if not before:
@@ -232,7 +260,7 @@ def absolute(x: Subject) -> Iterator[Changed]:
 
 
 def _chains(x: Subject) -> dict[int, list[str]]:
-    """Of each body in the plane that turns the angles which its direction is made up of."""
+    """The joint angles that add up to the direction of a body, for each that turns in the plane."""
     s, found = x.bodies.s, dict[int, list[str]]()
     is_told = s.planar and not s.tree.follows
     for i, body in enumerate(s.tree.bodies if is_told else ()):
@@ -257,7 +285,7 @@ def believed(*beliefs: Belief, of_next: bool = False) -> Change:
 
 
 def arms(*often: int, of_next: bool = False) -> Change:
-    """Other arms in Euler's equation."""
+    """Other arms of the forces in Euler's equation."""
     return believed(Belief(arms=often), of_next=of_next)
 
 
@@ -308,7 +336,7 @@ def alone(*beliefs: Belief) -> Change:
 def _sums(x: Subject) -> dict[int, list[str]]:
     """ω of each body that turns on others that do, and the rates that make it up."""
     return {
-        i: [f"ω{x.bodies.s.numbers[i]}", *(str(sym(name + RATE)) for name in row)]
+        i: [str(sym(f"omega{x.bodies.s.numbers[i]}")), *(str(sym(name + RATE)) for name in row)]
         for i, row in _chains(x).items()
         if len(row) > 1
     }

@@ -45,7 +45,7 @@ class FreeBodyMotion:
 
     @cached_property
     def R(self) -> list[list[Trig]]:
-        """From the body's axes to the world's."""
+        """The rotation from the body's axes to the world's."""
         s = self.body.s
         return [[s.symbols.element(x) for x in row] for row in s.world[self.body.i][0]]
 

@@ -17,7 +17,7 @@ class FreeMotion:
     images: Mapping[str, Value]
 
     def concerns(self, x: Value) -> bool:
-        """Whether one of the generators occurs."""
+        """Whether one of the generators that the equations determine occurs in a polynomial."""
         return any(self.images.keys() & powers.keys() for p in pair(x) for powers, _ in p.terms())
 
     def of(self, x: Value) -> Value:

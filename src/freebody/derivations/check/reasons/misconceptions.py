@@ -67,9 +67,13 @@ THOUGHTS: Mapping[str, Change] = {
     f"The terms with {{name}} are missing{_REST}": c.without_acceleration,
     "Every term with the mass or the moment of inertia of {links} is missing; the rest is "
     "right.": c.massless,
-    "The moments of inertia about the centres of mass are missing: right for point masses "
+    "The moments of inertia about the centres of mass are missing: this is right for point masses "
     "only.": c.pointlike,
     "A factor ½ is missing: the kinetic energy of a body is ½ m v² + ½ I ω².": c.twice_the_energy,
+    "The mixed terms are missing: a sum of rates is squared as (θ̇ᵢ + θ̇ⱼ)² = θ̇ᵢ² + 2 θ̇ᵢ θ̇ⱼ + "
+    "θ̇ⱼ².": c.unmixed_rates,
+    "The mixed terms are missing: velocities add as vectors, so the square of their sum is "
+    "|a + b|² = a² + b² + 2 a · b.": c.unmixed_velocities,
     "This is right for {wrong}. The rate of a joint is relative to the previous link: angular "
     "velocities are sums, {right}.": c.alone(
         Belief(spins_alone=True),
@@ -150,27 +154,36 @@ OF_BODIES: Mapping[str, Change] = {
 alone: other equations of the bodies."""
 
 
+TABLES = ((THOUGHTS, 2), (OF_BODIES, 1))
+"""The tables in the order in which they are tried, and how many thoughts of each are told."""
+
+
 def explaining(x: Subject, value: Any) -> list[str]:
-    """The thoughts under which the right answer is the user's: two at most, or one about the
-    equations of the bodies."""
+    """Sentences on the thoughts that turn the right answer into the user's: two at most, or one on
+    the equations of the bodies."""
     if value == 0:  # of many parts it would be right that they are missing
         return []
-    for table, most in ((THOUGHTS, 2), (OF_BODIES, 1)):
-        agreeing = dict.fromkeys(said for said, y in _of(table, x) if x.point.agree(y, value))
-        if agreeing:
-            return list(islice(agreeing, most))
+    for (_, most), rows in zip(TABLES, values(x), strict=True):
+        agreeing = (next((said for said, y in row if x.point.agree(y, value)), "") for row in rows)
+        if told := list(islice(filter(None, agreeing), most)):
+            return told
     return []
 
 
-def values(x: Subject) -> Iterator[tuple[str, Any]]:
-    """All thoughts about a quantity: sentences, and what the right answer would be."""
-    yield from _of(THOUGHTS, x)
-    yield from _of(OF_BODIES, x)
+def values(x: Subject) -> Iterator[Iterator[Iterator[tuple[str, Any]]]]:
+    """All thoughts about a quantity, by table and row: sentences, and what the right answer would
+    be."""
+    yield from (_of(table, x) for table, _ in TABLES)
 
 
-def _of(table: Mapping[str, Change], x: Subject) -> Iterator[tuple[str, Any]]:
+def _of(table: Mapping[str, Change], x: Subject) -> Iterator[Iterator[tuple[str, Any]]]:
     for text, change in table.items() if table is OF_BODIES or not x.is_equation else ():
-        yield from ((text.format(**said), value) for said, value in change(x))
+        yield _filled(text, change(x))
+
+
+def _filled(text: str, changed: Iterator[Changed]) -> Iterator[tuple[str, Any]]:
+    """A sentence with what it names, and what the right answer would be."""
+    yield from ((text.format(**said), value) for said, value in changed)
 
 
 def related(targets: Targets, target: AskedQuantity) -> dict[str, Trig]:

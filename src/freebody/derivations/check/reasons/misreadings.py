@@ -95,7 +95,7 @@ def _links(
 
 
 def _kind(target: AskedQuantity) -> tuple[object, ...]:
-    """What tells a quantity from others."""
+    """What tells a quantity from all others: its kind, indices, axis and words."""
     return target.kind, target.index, target.axis, target.words
 
 

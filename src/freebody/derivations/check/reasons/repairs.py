@@ -23,7 +23,7 @@ _TRIPLE_COST, _TRIPLE_MOST = 2.0, 300
 
 
 class Repairs(SmallChanges):
-    """The search for those that fill the gap."""
+    """The search for changes of an answer that make up for its difference from the right one."""
 
     def __init__(self, setting: RightEquations, work: Workspace, right: int, related: Related):
         super().__init__(setting, work, right, related)

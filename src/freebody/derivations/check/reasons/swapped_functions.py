@@ -1,4 +1,4 @@
-"""What is often mixed up among inverse functions."""
+"""Inverse functions that are often mixed up."""
 
 from __future__ import annotations
 

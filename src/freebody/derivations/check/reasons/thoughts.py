@@ -106,8 +106,8 @@ class Subject:
 
     @cached_property
     def torque(self) -> tuple[str, State, int] | None:
-        """Of torques and what they are made of: the name in the equations, the state in which they
-        are needed, and the body."""
+        """Of a torque, or a part of one: its name in the equations, the state that needs it,
+        and the body; None of other quantities."""
         if self.is_equation or not self.bodies.is_told:
             return None
         b, value = self.reference
@@ -125,7 +125,7 @@ class Subject:
 
     @cached_property
     def components(self) -> list[Component]:
-        """Of vectors of bodies and kinetic energies: which it is, found by its value."""
+        """Entries of vectors, or kinetic energies, of bodies that have the quantity's value."""
         if not self.bodies.is_told or self.right.is_zero or self.torque is not None:
             return []
         bodies, value = self.reference
@@ -144,7 +144,7 @@ class Subject:
 
     @cached_property
     def about(self) -> list[int]:
-        """The bodies to which it belongs."""
+        """The bodies to which the quantity belongs."""
         b = self.bodies
         if not b.is_told:
             return []
@@ -166,7 +166,7 @@ class Subject:
 
     @cached_property
     def accelerates(self) -> bool:
-        """Whether it is a force or an acceleration."""
+        """Whether the quantity is a torque, a force or an acceleration."""
         if not self.bodies.is_told:
             return any(x.endswith(SECOND) for x in self.names)
         if self.torque is not None:

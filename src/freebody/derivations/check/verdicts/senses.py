@@ -16,9 +16,9 @@ from freebody.derivations.expressions.nodes import Expression, Negative, Sum, no
 from freebody.derivations.expressions.printed_names import sym
 from freebody.errors import listed
 
-_LOOPS = "{} {} the other sign here than in the robot's file."
+_LOOPS = "{} {} the opposite sign to that in the robot's file; both are right."
 _LOAD = "F is a force on the mechanism, from outside."
-_MULTIPLIERS = "The multipliers have the other sense: τ = M q̈ + … − Φ_qᵀ λ."
+_MULTIPLIERS = "The multipliers have the opposite sign, τ = M q̈ + … − Φ_qᵀ λ; both are right."
 
 
 def others(

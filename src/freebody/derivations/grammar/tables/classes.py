@@ -52,6 +52,7 @@ CLASSES = {
     "brace": ("{", "}"),
     "bracket": ("(", ")", "[", "]"),
     "list_end": (")", "]"),
+    "entry_end": ("(", ")", "[", "]", ",", "="),
     "word_bracket": ("〖", "〗"),
     "bar": ("|", "‖", "\\|", "\\vert", "\\lvert", "\\rvert", "\\Vert", "\\lVert", "\\rVert"),
     "stop": (".", ":", ";"),
@@ -104,7 +105,7 @@ PATTERNS = {
     "content": "< @nested | %not_brace >",
     "d": "< d | \\mathrm { d } | \\mathrm d >",
     "squared": "< ^ { 2 } | ^ 2 | ² >",
-    "roman_T": "< T | %upright { T } >",
+    "roman_T": "< T | %upright < T | { T } > >",
     "subscript": "_ < @group | %name >",
     "symbol": "< %font { < %command | %latin{1,8} > } | %greek_command | %plain_letter >"
     " < @subscript | < ~%digit | ~%low_digit >{1,2} >?",
@@ -166,6 +167,9 @@ PATTERNS = {
     "sum_above": "^ < { < %digit{1,2} | n | N > } | %digit | n | N >",
     "sum_arguments": ", < @sum_index = first:%digit{1,2} . . < last:%digit{1,2} | n | N >"
     " | (? @sum_index , first:%digit{1,2} , < last:%digit{1,2} | n | N > )? >",
+    "round": "( %not_entry_end{0,60} )",
+    "entry": "< ( < @round | %not_entry_end >{0,60} ) | %not_entry_end >{1,200}",
+    "listed": "@entry < , @entry >{1,9}",
     "force_number": "F _? < { %counted } | %counted | %low_digit >",
 }
 """Parts of patterns."""

@@ -101,4 +101,7 @@ SPELLINGS: tuple[tuple[str, ...], ...] = (
     ("%fresh name:@force_number < @asterisk | ~* &< = | + | %last | %minus < %apart | %last > > >",
      "$name '"),
     ("%fresh F @asterisk _ {? number:%digit }?", "F $number '"),
+    # A vector as (x, y)ᵀ, or as (x, y) where it is a whole side.
+    ("!-%name_or_close ( of:@listed ) ᵀ", "[ $of ]"),
+    ("< --= | %first > ( of:@listed ) &< < . | , >? %last >", "[ $of ]"),
 )  # fmt: skip
