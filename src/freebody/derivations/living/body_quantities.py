@@ -5,11 +5,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from freebody.derivations.methods.body_quantities import BODY_QUANTITIES, numbers
+from freebody.derivations.methods.body_values import BodyValues
 from freebody.derivations.methods.energies import Energies
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.quantities.bodies import BODY_QUANTITIES, numbers
-from freebody.derivations.quantities.body_values import BodyValues
 
 
 def body_quantities(s: Setting, reactions: SolvedReactions) -> dict[str, Any]:

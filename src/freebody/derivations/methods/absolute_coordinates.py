@@ -18,6 +18,7 @@ from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.printed_names import entry, sym
 from freebody.derivations.methods import glossary
 from freebody.derivations.methods.back_to_joints import BackToJoints, turn_of
+from freebody.derivations.methods.body_quantities import meanings
 from freebody.derivations.methods.cut_loops import Loops, block_system, dotted
 from freebody.derivations.methods.energies import HALF
 from freebody.derivations.methods.method import Worked
@@ -26,7 +27,6 @@ from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.shown_mechanism import LONGEST
 from freebody.derivations.methods.step_reasons import Efforts
 from freebody.derivations.polynomials.symbols import RATE, SECOND
-from freebody.derivations.quantities.bodies import meanings
 from freebody.errors import FreebodyError, listed
 from freebody.scalars.trig import Trig
 

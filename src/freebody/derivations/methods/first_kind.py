@@ -15,6 +15,7 @@ from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.nodes import Words
 from freebody.derivations.expressions.printed_names import entry, sym
 from freebody.derivations.methods import absolute_coordinates, glossary, lagrange, modular_ring
+from freebody.derivations.methods.body_quantities import meanings
 from freebody.derivations.methods.cut_loops import LONG, Loops, block_system
 from freebody.derivations.methods.energies import HALF, Energies
 from freebody.derivations.methods.method import Method, MethodOption, Worked
@@ -22,7 +23,6 @@ from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import Efforts
 from freebody.derivations.methods.virtual_work import virtual_work
 from freebody.derivations.polynomials.symbols import RATE, SECOND
-from freebody.derivations.quantities.bodies import meanings
 from freebody.scalars.trig import Trig
 
 SHORT = 14

@@ -12,11 +12,11 @@ from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Symbol, nodes
 from freebody.derivations.expressions.nodes import Words
 from freebody.derivations.expressions.printed_names import sym, vec
+from freebody.derivations.methods.body_quantities import meanings
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import joints_that
 from freebody.derivations.naming import sym_of
 from freebody.derivations.polynomials.symbols import RATE, SECOND
-from freebody.derivations.quantities.bodies import meanings
 from freebody.derivations.render.literal import literal
 from freebody.errors import listed
 from freebody.model.joints import JointWords

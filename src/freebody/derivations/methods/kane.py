@@ -17,6 +17,7 @@ from freebody.derivations.expressions.expression import Expression, eq
 from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods import glossary, step_reasons
 from freebody.derivations.methods.body_motion import motion
+from freebody.derivations.methods.body_quantities import meanings
 from freebody.derivations.methods.coupled_joints import joints
 from freebody.derivations.methods.ending import ending
 from freebody.derivations.methods.geometry import geometry
@@ -24,7 +25,6 @@ from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.reactions import rotor_part
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import RATE
-from freebody.derivations.quantities.bodies import meanings
 from freebody.errors import listed
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, dot, scale

@@ -14,12 +14,12 @@ from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods import loop_kinematics
+from freebody.derivations.methods.body_quantities import meanings
 from freebody.derivations.methods.glossary import METER
 from freebody.derivations.methods.inverse_position import inverse_position
 from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.symbols import RATE, SECOND
-from freebody.derivations.quantities.bodies import meanings
 from freebody.lazy import cached_property
 
 

@@ -12,6 +12,7 @@ from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.methods import glossary, step_reasons
+from freebody.derivations.methods.body_quantities import meanings
 from freebody.derivations.methods.ending import ending
 from freebody.derivations.methods.energies import Energies, kinetic_step, potential_step
 from freebody.derivations.methods.geometry import rotation_name
@@ -21,7 +22,6 @@ from freebody.derivations.methods.squared_speeds import squared_speeds
 from freebody.derivations.methods.term_sources import KINETIC, POTENTIAL, TIME, TermSources
 from freebody.derivations.methods.virtual_work import virtual_work
 from freebody.derivations.polynomials.symbols import RATE
-from freebody.derivations.quantities.bodies import meanings
 from freebody.scalars.trig import Trig
 
 

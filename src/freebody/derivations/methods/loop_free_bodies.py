@@ -17,6 +17,7 @@ from freebody.derivations.expressions.printed_names import entry, sym
 from freebody.derivations.methods import glossary
 from freebody.derivations.methods.body_by_body import FreeBodies
 from freebody.derivations.methods.body_motion import motion
+from freebody.derivations.methods.body_quantities import meanings
 from freebody.derivations.methods.cut_loops import LONG, Loops
 from freebody.derivations.methods.ending import ending
 from freebody.derivations.methods.loop_forces import (
@@ -29,7 +30,6 @@ from freebody.derivations.methods.loop_forces import (
 from freebody.derivations.methods.method import Worked
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import Efforts
-from freebody.derivations.quantities.bodies import meanings
 from freebody.errors import FreebodyError, listed
 
 

@@ -13,6 +13,7 @@ from freebody.derivations.expressions.expression import Expression, eq
 from freebody.derivations.expressions.nodes import Words
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.methods import glossary
+from freebody.derivations.methods.body_quantities import meanings
 from freebody.derivations.methods.cut_loops import LONG, Loops
 from freebody.derivations.methods.equilibrium import Equilibrium
 from freebody.derivations.methods.loop_forces import FEW, LoopForces, LoopReactions, needs_of
@@ -20,7 +21,6 @@ from freebody.derivations.methods.method import Worked
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import Efforts
-from freebody.derivations.quantities.bodies import meanings
 from freebody.errors import listed
 from freebody.lazy import cached_property
 

@@ -14,6 +14,7 @@ from freebody.derivations.derivation import Meaning
 from freebody.derivations.methods import free_bodies, glossary, loop_free_bodies, recursive
 from freebody.derivations.methods.body_by_body import FreeBodies
 from freebody.derivations.methods.body_motion import motion
+from freebody.derivations.methods.body_quantities import meanings
 from freebody.derivations.methods.coupled_joints import shared_motors
 from freebody.derivations.methods.cross_products import angles_between_arms
 from freebody.derivations.methods.ending import ending
@@ -22,7 +23,6 @@ from freebody.derivations.methods.method import Method, MethodOption, Worked
 from freebody.derivations.methods.moments_about_pivots import about_pivots, arms_of_pivots
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.quantities.bodies import meanings
 
 
 def work_out(setting: Setting, route: str) -> Worked:

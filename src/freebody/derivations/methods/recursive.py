@@ -12,6 +12,7 @@ from freebody.derivations.expressions.expression import Equation, Expression, eq
 from freebody.derivations.expressions.nodes import Words
 from freebody.derivations.expressions.printed_names import sym, vec
 from freebody.derivations.methods import glossary
+from freebody.derivations.methods.body_quantities import meanings
 from freebody.derivations.methods.ending import ending
 from freebody.derivations.methods.geometry import geometry, rotation_name
 from freebody.derivations.methods.inward_recursion import Inward, worked
@@ -19,7 +20,6 @@ from freebody.derivations.methods.method import Method, MethodOption, Worked
 from freebody.derivations.methods.modular import ModularSetting, last_step
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import coriolis
-from freebody.derivations.quantities.bodies import meanings
 from freebody.scalars.trig import Trig
 
 GRAVITIES = ("base", "explicit")

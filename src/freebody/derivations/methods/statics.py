@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from freebody.derivations.derivation import Meaning
 from freebody.derivations.methods import glossary, loop_statics
+from freebody.derivations.methods.body_quantities import meanings
 from freebody.derivations.methods.coupled_joints import shared_motors
 from freebody.derivations.methods.equilibrium import Equilibrium
 from freebody.derivations.methods.geometry import geometry
@@ -14,7 +15,6 @@ from freebody.derivations.methods.method import Method, Worked
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.step_reasons import Efforts
-from freebody.derivations.quantities.bodies import meanings
 
 
 def work_out(setting: Setting) -> Worked:

@@ -1,2 +1,1 @@
-"""The quantities of a robot, tables of rows: kinds with letters, units and words, and those of
-bodies with their values."""
+"""What is common to quantities: their kinds with letters, units and words, and the symbols of links."""

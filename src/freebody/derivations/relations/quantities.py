@@ -13,13 +13,13 @@ from freebody.derivations.equations.kinematics import Kinematics
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Expression
 from freebody.derivations.grammar.atoms import atom
+from freebody.derivations.methods.body_quantities import values_of
+from freebody.derivations.methods.body_values import RecursionValues
 from freebody.derivations.methods.method import LOADS
 from freebody.derivations.methods.recursive import GRAVITIES
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.methods.whole_bodies import symbols_of_bodies
 from freebody.derivations.polynomials.textbook_form import Layout
-from freebody.derivations.quantities.bodies import values_of
-from freebody.derivations.quantities.body_values import RecursionValues
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.model.model import Model

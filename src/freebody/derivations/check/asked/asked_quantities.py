@@ -25,7 +25,7 @@ from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.asked.tip import TipQuantities
 from freebody.derivations.check.asked.tree_bodies import BodiesOfTrees, LoopForceSystem
 from freebody.derivations.grammar.lexemes import NOTHING, Lexemes
-from freebody.derivations.quantities.bodies import soft_names
+from freebody.derivations.methods.body_quantities import soft_names
 from freebody.derivations.quantities.kinds import USUAL_LETTERS
 from freebody.lazy import cached_property
 

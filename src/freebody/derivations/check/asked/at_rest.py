@@ -12,10 +12,10 @@ from freebody.derivations.check.asked.load_names import JOINT_FORCE, MOMENT, VEC
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.patterns import LexemePattern
+from freebody.derivations.methods.body_quantities import BODY_QUANTITIES
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.quantities import kinds
-from freebody.derivations.quantities.bodies import BODY_QUANTITIES
 from freebody.derivations.relations.quantities import QuantityValues, branches
 from freebody.lazy import cached_property
 

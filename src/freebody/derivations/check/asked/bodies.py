@@ -10,9 +10,9 @@ from typing import Any
 from freebody.derivations.check.asked.group import Named, QuantityGroup
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.grammar.dotted_names import spellings
+from freebody.derivations.methods.body_quantities import BODY_QUANTITIES, BodyQuantity, numbers
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.quantities import kinds
-from freebody.derivations.quantities.bodies import BODY_QUANTITIES, BodyQuantity, numbers
 from freebody.derivations.relations.quantities import QuantityValues, branches
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig

@@ -10,8 +10,8 @@ from freebody.derivations.check.asked.bodies import QuantitiesOfBodies
 from freebody.derivations.check.asked.group import Named
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.grammar.words import FRAMES
+from freebody.derivations.methods.body_quantities import BODY_QUANTITIES, numbers
 from freebody.derivations.quantities import kinds
-from freebody.derivations.quantities.bodies import BODY_QUANTITIES, numbers
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 

@@ -14,14 +14,14 @@ from freebody.derivations.expressions.printed_names import vec
 from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.patterns import LexemePattern
 from freebody.derivations.grammar.words import spelt
+from freebody.derivations.methods.body_quantities import BY_NAME
+from freebody.derivations.methods.body_values import BodyValues
 from freebody.derivations.methods.cut_loops import Loops
 from freebody.derivations.methods.loop_forces import LoopForces, LoopReactions, needs_of
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.polynomials.determinant import determinant
 from freebody.derivations.quantities import kinds
-from freebody.derivations.quantities.bodies import BY_NAME
-from freebody.derivations.quantities.body_values import BodyValues
 from freebody.derivations.relations.quantities import branches
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig

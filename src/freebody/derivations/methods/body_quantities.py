@@ -11,10 +11,10 @@ from typing import Any, Literal
 from freebody.derivations.derivation import Meaning
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar.dotted_names import spellings
+from freebody.derivations.methods.body_values import BodyValues
 from freebody.derivations.methods.energies import Energies
 from freebody.derivations.methods.setting import Setting
 from freebody.derivations.quantities import units
-from freebody.derivations.quantities.body_values import BodyValues
 from freebody.derivations.quantities.kinds import (
     BODY_KINETIC,
     BODY_POTENTIAL,
