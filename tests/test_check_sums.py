@@ -55,7 +55,9 @@ def test_a_wrong_sum_is_not_right(robot: str, line: str):
 
 def test_a_mistake_in_a_sum_is_shown_where_it_is_written():
     text = fb.check(fb.load("2R"), "T = Σ m_i v_ci² + ½ I_i ω_i²").text
-    assert "‘m_i v_ci²’ is twice as large as it should be: it must be ½ m₁ lc₁² θ̇₁²" in text
+    assert "A factor ½ is missing: the kinetic energy of a body is ½ m v² + ½ I ω²." in text
+    text = fb.check(fb.load("2R"), "V = Σ m_i g y_ci + m_i g x_ci").text
+    assert "m_i g x_ci" in text
 
 
 @pytest.mark.parametrize(

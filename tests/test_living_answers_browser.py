@@ -37,7 +37,7 @@ QUICK, LONG = 15, 50
 MOST_UNDECIDED = 0.4
 """Derivatives, states, quantities that have no value on the page."""
 LOOK = "look at it again"
-LARGER = 60_000  # bytes, all tables, names, states and sentences together
+LARGER = 70_000  # bytes, all tables, names, states and sentences together
 
 FRESH = """const predict = document.getElementById('predict');
 for (const on of [false, true]) {

@@ -119,7 +119,7 @@ function thoughtsOf(node, line, right) {
     if (right[k] || !line.thoughts || vanishes(own)) return [];
     const isIt = ([, value]) => Math.abs(value - own.v) <= ROUNDED * Math.abs(value) + EQUAL * own.s;
     const told = page.thoughts[line.thoughts[k]].split("|").map((rows, table) => rows.split(";").flatMap((row) =>
-      row.split(" ").map((x) => x.split(",").map(Number)).filter(isIt).slice(0, 1)).slice(0, page.most[table]));
+      row.split(" ").map((x) => x.split(",")).map(([k, x]) => [+k, unpacked(x)]).filter(isIt).slice(0, 1)).slice(0, page.most[table]));
     return (told.find((rows) => rows.length) || []).map(([sentence]) => sentence);
   });
   return [...new Set(found)].map((k) => sentences[k]);
@@ -130,7 +130,12 @@ for (const x of page.sentences) {
   const last = sentences.at(-1);
   sentences.push(typeof x === "string" ? x : last.slice(0, x[0]) + x[1] + last.slice(last.length - x[2]));
 }
-const ROUNDED = 1e-7;  // Of the numbers in which thoughts travel.
+// A number in 32 bits, as it travels; none is no number.
+function unpacked(x) {
+  if (!x || x.length < 6) return x ? +x : NaN;
+  return new DataView(Uint8Array.from(atob(x + "=="), (c) => c.charCodeAt(0)).buffer).getFloat32(0);
+}
+const ROUNDED = 1e-7;  // Of these.
 
 // Symbols that may be read in another way: an answer that is right in one of them is right.
 function readings(node, line) {

@@ -4,10 +4,12 @@ that the robot can be in, and what a wrong answer may have been thought by."""
 from __future__ import annotations
 
 import json
+from base64 import b64encode
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import groupby, takewhile
+from struct import pack
 from typing import Any
 
 import numpy as np
@@ -56,8 +58,6 @@ _MOST_ALIKE = 40
 """Names without value with the same letters up to which a page knows them."""
 _ALIKE = 12
 """Characters that two sentences share if one is told by the other."""
-_DIGITS = 8
-"""Of what an answer would be under a thought."""
 
 _Told = tuple[str, Any]
 """A sentence, and what the right answer would be."""
@@ -563,5 +563,8 @@ def _template(name: str) -> tuple[str, str]:
 
 
 def _rounded(x: Any) -> str:
-    """What an answer would be under a thought, as it travels; "" where that is no number."""
-    return f"{float(x):.{_DIGITS}g}" if np.isfinite(float(x)) else ""
+    """What an answer would be under a thought, as it travels: 32 bits in six characters, 0 as it
+    is; "" where that is no number."""
+    if not np.isfinite(float(x)):
+        return ""
+    return b64encode(pack(">f", x)).decode().rstrip("=") if x else "0"

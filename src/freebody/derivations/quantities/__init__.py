@@ -1,1 +1,1 @@
-"""What is common to quantities: their kinds with letters, units and words, and the symbols of links."""
+"""Kinds of quantities with their letters, units and words, and the symbols of links."""
