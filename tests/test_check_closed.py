@@ -239,3 +239,14 @@ def test_numbers_of_a_closed_chain_follow_from_its_loops_and_nothing_is_taken_fo
 def test_velocities_of_joints_are_known_in_closed_chains(line: str):
     assert fb.check(fb.load("slider_crank"), line)
     assert not fb.check(fb.load("slider_crank"), line.replace("= ", "= 2 "))
+
+
+def test_c_is_the_rest_of_a_loop_equation_or_a_velocity_term_as_its_value_tells():
+    assert fb.check(BAR, "c1 = l1 c1 θ̇1² + l2 c12 (θ̇1+θ̇2)² - l3 c3 θ̇3²")
+    term = "m2 l1 lc2 s2 (2 θ̇1 θ̇2 + θ̇2²)"
+    verdict = fb.check(BAR, f"c1 = -{term}")
+    assert verdict
+    assert "the velocity term of joint 1" in verdict.text
+    verdict = fb.check(BAR, f"c1 = {term}")
+    assert not verdict
+    assert "is read as the velocity term of joint 1" in verdict.text

@@ -197,3 +197,9 @@ def test_a_letter_that_derivations_have_for_forces_may_be_gravitys():
     gravity = [str(x) for x in closed.equations if str(x).startswith("Q")]
     assert len(gravity) == 2
     assert fb.check(ARM, "\n".join(gravity), notation=style)
+
+
+@pytest.mark.parametrize("options", [{"notation": 5}, {"parameters": 5}])
+def test_a_notation_of_another_type_is_refused(options: dict):
+    with pytest.raises(fb.FreebodyError, match=next(iter(options))):
+        fb.check(ARM, "T = 0", **options)

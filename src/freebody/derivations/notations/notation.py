@@ -19,7 +19,7 @@ from freebody.derivations.quantities.kinds import (
     USUAL_LETTERS,
     VELOCITY,
 )
-from freebody.errors import FreebodyError, UnknownNameError, shown
+from freebody.errors import FreebodyError, UnknownNameError, listed, shown
 from freebody.formats import read_file
 from freebody.formats.toml import table_of
 from freebody.formats.toml_table import TomlTable
@@ -155,6 +155,11 @@ def notation_of(
 ) -> BookNotation:
     """A notation by name, a user's own by its file, or itself; None for that of the notes.
     parameters: further ones that are given by formulas or numbers."""
+    if parameters is not None and not isinstance(parameters, Mapping):
+        raise FreebodyError(
+            f"parameters: {shown(parameters)} is no dict of names with formulas, "
+            'such as {"lc": "l/2"}.'
+        )
     if parameters:
         style = notation_of(given)
         return replace(style, parameters={**style.parameters, **parameters})
@@ -162,6 +167,10 @@ def notation_of(
         return preset("notes")
     if isinstance(given, BookNotation):
         return given
+    if not isinstance(given, str | PathLike):
+        raise FreebodyError(
+            f"notation: {shown(given)} is none; give one of {listed(PRESETS)}, or a file's path."
+        )
     path = fspath(given)
     if isinstance(given, str) and not path.endswith(".toml"):
         return preset(path)

@@ -96,8 +96,8 @@ class Kind:
     """Whether the loops give it in other ways, along other legs."""
     is_velocity_term: bool = False
     of_one_body: bool = False
-    is_about_any_point: bool = False
-    """Whether the answer tells about which point it is."""
+    is_told_by_value: bool = False
+    """Whether its value tells which of several quantities with one name is meant."""
     has_velocity_terms: bool = False
     """Whether c_1 or V_1 may stand in it as a sum of velocity terms."""
 
@@ -222,7 +222,7 @@ TIP_ACCELERATION = Kind(
 TIP_TWIST = Kind("twist", "a velocity of the tip", of="bodies", dots=1)
 MASS_OF_BODY = Kind("m", unit=units.MASS)
 OF_BODY = Kind("of body", of="bodies", of_one_body=True, has_own_sense=True, may_be_still=True)
-ANGULAR_MOMENTUM = Kind("angular momentum", unit=units.SPIN, is_about_any_point=True)
+ANGULAR_MOMENTUM = Kind("angular momentum", unit=units.SPIN, is_told_by_value=True)
 HELD = Kind("held", unit=_force, of="joints", holds_by_loops=True)
 """The torque that a drive of a closed chain gives while a force from outside acts."""
 LOAD = Kind("load", is_load=True)
@@ -231,7 +231,7 @@ LOAD = Kind("load", is_load=True)
 LOOP = Kind("Phi", of="joints", of_loops="positions", may_be_zero=True, is_of_loop_equation=True)
 LOOP_RATE = Kind("Phi_d", of="joints", of_loops="rates", may_be_zero=True, is_of_loop_equation=True)
 LOOP_JACOBIAN = Kind("Phi_q", of="joints", of_loops="slopes", is_of_loop_equation=True)
-LOOP_REST = Kind("closing", of="joints", is_of_loop_equation=True)
+LOOP_REST = Kind("closing", of="joints", is_of_loop_equation=True, is_told_by_value=True)
 MULTIPLIER = Kind("lam", of="joints")
 APPLIED = Kind("applied", unit=_force, of="joints")
 OF_INDEPENDENT = Kind("N", of="joints", holds_by_loops=True)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from freebody.derivations.check.asked.group import Named, QuantityGroup
-from freebody.derivations.check.asked.quantity import AskedQuantity, Table
+from freebody.derivations.check.asked.quantity import AskedQuantity, Mistaken, Table
 from freebody.derivations.closed_chains.first_kind import multiplier_names
 from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.quantities import kinds
@@ -22,9 +23,15 @@ class LoopQuantities(QuantityGroup):
             yield (f"Phi{i}",), x
             yield tuple(spellings("Phi", str(i), 1)), rate
             yield tuple(spellings("Phi", str(i), 2)), self._second(rate)
-            yield (f"c{i}",), c
+            yield (f"c{i}",), replace(c, also=tuple(self._velocity_term(i)))
             for j, entry in enumerate(self._tables["Phiq"][i - 1], 1):
                 yield (f"Phiq{i}{j}",), entry
+
+    def _velocity_term(self, i: int) -> Iterator[Mistaken]:
+        """What c_i may be besides, the velocity term of a joint."""
+        if i in self.numbers:
+            note = f"It is read as the velocity term of {self.joint(i)}."
+            yield note, self.entry(kinds.VELOCITY.name, i)
 
     def _second(self, rate: AskedQuantity) -> AskedQuantity:
         """The second derivative of a loop equation."""

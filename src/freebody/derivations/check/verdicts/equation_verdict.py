@@ -190,10 +190,13 @@ class Judge:
         target = claim.target
         if not target.also:
             return target
-        if target.kind.is_about_any_point:  # about which point tells the answer
+        if target.kind.is_told_by_value:
             ways = [(target.note, target.compute), *target.also]
             note, compute = min(ways, key=lambda way: len(difference(claim.value, way[1]())))
-            return replace(target, compute=compute, note=note)
+            if compute is target.compute:
+                return target
+            words = f"{target.title}, {note[3:].rstrip('.')}" if note else target.words
+            return replace(target, compute=compute, note=note, words=words)
         ((note, other),) = target.also
         senses = self._senses(target.kind)
         second = senses.index(max(senses)) if any(senses) else self._nearer(claim)
