@@ -99,7 +99,7 @@ def check(
         raise AnswerError(f"tolerance is a share from 0 to 1, such as 0.01, not {tolerance!r}")
     style = notation_of(notation, parameters)
     document = document_of(answer, form)
-    formulas = AnswerText(document.formulas).lexemes
+    formulas = document.lexemes
     written = as_written(freed(model, style.parameters), formulas, names or ())
     loads = named_in(written, formulas)
     where = in_notation(equations_of(written, loads), style, absolute)

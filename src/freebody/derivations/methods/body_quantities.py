@@ -222,6 +222,16 @@ BODY_QUANTITIES = (
         for letter, dim in (("M", 2), ("n", 3))
     ),
     BodyQuantity(
+        "f{n}{h}", "the force of body {n} on body {h} at their joint",
+        lambda b: b.vector(neg(b.force)), units.FORCE, (("F{n}{h}", 0),),
+        reaction="This is f{h}{n}, the force of body {h} on body {n}.",
+    ),
+    BodyQuantity(
+        "n{n}{h}", "the moment of body {n} on body {h} at their joint",
+        lambda b: b.angular(neg(b.moment)), units.ENERGY, (("N{n}{h}", 0),),
+        reaction="This is n{h}{n}, the moment of body {h} on body {n}.", angular=True, soft=True,
+    ),
+    BodyQuantity(
         "fc{n}", "the mass of body {n} times the acceleration of its centre",
         lambda b: b.vector(b.inertia_force), units.FORCE, soft=True, of_centre=True,
         framed=("F{n}",), symbol="f_ci",

@@ -25,6 +25,7 @@ from freebody.derivations.quantities import kinds
 from freebody.derivations.relations.quantities import branches
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
+from freebody.spatial import neg
 
 _SYSTEM = LexemePattern("!-%latin A < λ | \\lambda | %font { < \\lambda | λ > >")
 _OF_CENTRE = (BY_NAME["sc{n}"], BY_NAME["fc{n}"])
@@ -79,12 +80,17 @@ class BodiesOfTrees(QuantityGroup):
                     yield vec(record.known.format(n=n)), record.value(b), n, record.told(n)
             yield s.naming.force(h, n), b.force, n, BY_NAME["f{h}{n}"].told(n, h)
             yield s.naming.moment(h, n), b.moment, n, BY_NAME["n{n}"].told(n, h)
+            yield s.naming.force(n, h), neg(b.force), n, BY_NAME["f{n}{h}"].told(n, h)
+            yield s.naming.moment(n, h), neg(b.moment), n, BY_NAME["n{n}{h}"].told(n, h)
         for loop in s.tree.loops if loops else ():
             assert loops is not None
             force, moment = loops.wrench(loop)
             n = s.numbers[loops.ends(loop)[1]]
             yield loops.force_name(loop), force, n, f"the force of the loop on body {n}"
             yield loops.moment_name(loop), moment, n, f"the moment of the loop on body {n}"
+            on, by = s.naming.loop_bodies(s.symbols.tree.loops.index(loop))[::-1]
+            words = f"the force of body {on} on body {by} in the loop"
+            yield s.naming.force(on, by), neg(force), n, words
 
     def _table(self, vector: list[Any], n: int, words: str) -> Table:
         axes = "xyz" if len(vector) > 1 else ("",)

@@ -22,7 +22,7 @@ from freebody.derivations.check.reading.answer_lines import DocumentReader, Line
 from freebody.derivations.check.reading.circular_answers import refuse_circles
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reading.vocabulary import Vocabulary
-from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerText
+from freebody.derivations.check.spelling.answer_text import AnswerError
 from freebody.derivations.check.verdict import UnreadEquation
 from freebody.derivations.check.verdicts import singular_poses
 from freebody.derivations.grammar import words
@@ -56,7 +56,7 @@ def statements(
     at: Mapping[str, Any] | str | None = None,
 ) -> Statements:
     """All that an answer states; at: the state of its numbers."""
-    formulas = AnswerText(document.formulas).lexemes
+    formulas = document.lexemes
     coefficients = (
         setting.turned is None
         and not any("h" in letters for letters in notation.letters.values())

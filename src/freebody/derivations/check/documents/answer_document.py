@@ -7,8 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from freebody.derivations.check.documents.macros import expanded
-from freebody.derivations.check.spelling.answer_text import AnswerError
+from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerText
+from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.source import Span, decomposed
+from freebody.lazy import cached_property
 
 LARGEST = 400_000
 """Characters of a document; of its formulas fewer are read, see `AnswerText.longest`."""
@@ -47,6 +49,11 @@ class AnswerDocument:
     strict: bool = False
     """Whether an equation about a quantity of the robot's that cannot be read raises an error;
     else it is told, and the verdict is not true."""
+
+    @cached_property
+    def lexemes(self) -> Lexemes:
+        """Those of its formulas."""
+        return AnswerText(self.formulas).lexemes
 
     @property
     def tells_lines(self) -> bool:
