@@ -103,7 +103,7 @@ def check(
     written = as_written(freed(model, style.parameters), formulas, names or ())
     loads = named_in(written, formulas)
     where = in_notation(equations_of(written, loads), style, absolute)
-    asked = _Asked(document, names or {}, style, at, tolerance)
+    asked = _WholeAnswer(document, names or {}, style, at, tolerance)
     first = found = asked.judged(where)
     for opposed in senses.others(where, first.wrong, document.formulas):
         own = asked.judged(replace(where, opposed=opposed))
@@ -115,7 +115,7 @@ def check(
 
 
 @dataclass(frozen=True)
-class _Asked:
+class _WholeAnswer:
     """An answer with all that is told of it."""
 
     document: AnswerDocument

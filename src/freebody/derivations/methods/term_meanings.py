@@ -21,7 +21,7 @@ MANY = 12
 
 
 @dataclass(frozen=True)
-class Kind:
+class TermKind:
     """A kind of term: its name; words for one, with {here} for the joint in whose equation it
     stands and {others} for what it comes from, and for all that there are."""
 
@@ -32,39 +32,39 @@ class Kind:
     """When such terms are there, of those that are not always."""
 
 
-INERTIA = Kind(
+INERTIA = TermKind(
     "inertia", "inertia felt at {here}", "inertia felt at a joint that accelerates", "accelerate"
 )
-COUPLING = Kind(
+COUPLING = TermKind(
     "coupling",
     "coupling: what the acceleration of {others} takes at {here}",
     "coupling: what the acceleration of one joint takes at another",
     "accelerate",
 )
-CENTRIFUGAL = Kind(
+CENTRIFUGAL = TermKind(
     "centrifugal",
     "centrifugal, at {here} by the rate of {others}",
     "centrifugal with the square of one rate",
     "move",
 )
-CORIOLIS = Kind(
+CORIOLIS = TermKind(
     "Coriolis",
     "Coriolis, at {here} by the rates of {others} together",
     "Coriolis with the rates of two joints",
     "move",
 )
-GYROSCOPIC = Kind(
+GYROSCOPIC = TermKind(
     "gyroscopic", "gyroscopic, at {here} by the rates of {others}", "gyroscopic, by rates", "move"
 )
-RATES = Kind(
+RATES = TermKind(
     "velocity terms", "velocity terms, at {here} by the rate of {others}", "velocity terms", "move"
 )
-WEIGHT = Kind("gravity", "gravity: the weight of {others}, at {here}", "gravity: the weights")
-WEIGHTS = Kind("gravity", "gravity, at {here}", "gravity")
-VISCOUS = Kind("viscous friction", "viscous friction of {here}", "viscous friction", "move")
-DRY = Kind("dry friction", "dry friction of {here}", "dry friction", "move")
-SPRING = Kind("spring", "spring of {here}", "springs")
-CLOSING = Kind(
+WEIGHT = TermKind("gravity", "gravity: the weight of {others}, at {here}", "gravity: the weights")
+WEIGHTS = TermKind("gravity", "gravity, at {here}", "gravity")
+VISCOUS = TermKind("viscous friction", "viscous friction of {here}", "viscous friction", "move")
+DRY = TermKind("dry friction", "dry friction of {here}", "dry friction", "move")
+SPRING = TermKind("spring", "spring of {here}", "springs")
+CLOSING = TermKind(
     "closing forces", "what the closing forces take at {here}", "what the closing forces take"
 )
 _ORDER = (
@@ -79,7 +79,7 @@ class Term:
     comes from, and the symbol that it stands behind in the equation."""
 
     shown: Expression
-    kind: Kind
+    kind: TermKind
     here: str
     others: tuple[str, ...]
     symbol: Expression
@@ -109,10 +109,10 @@ def term_meanings(s: Setting, closed: Step) -> list[Step]:
 
 def _by_kind(terms: Iterable[Term]) -> Iterator[Meaning]:
     """A row for the symbols of each kind; of a symbol that stands for several all of these."""
-    kinds: dict[Expression, dict[Kind, None]] = {}
+    kinds: dict[Expression, dict[TermKind, None]] = {}
     for term in terms:
         kinds.setdefault(term.symbol, {})[term.kind] = None
-    symbols: dict[tuple[Kind, ...], list[Expression]] = {}
+    symbols: dict[tuple[TermKind, ...], list[Expression]] = {}
     for symbol, found in kinds.items():
         symbols.setdefault(tuple(sorted(found, key=_ORDER.index)), []).append(symbol)
     for found, those in symbols.items():
@@ -165,7 +165,7 @@ class _Terms:
         what = "body" if s.symbols.turned else "joint"
         return f"{what} {s.numbers[s.leaders[i]]}"
 
-    def _kind(self, i: int, part: Expression, is_drive: bool) -> tuple[Kind, tuple[str, ...]]:
+    def _kind(self, i: int, part: Expression, is_drive: bool) -> tuple[TermKind, tuple[str, ...]]:
         found = sorted(patterns(part, self.names))
         names = found[0] if found else ()
         coordinates = self.s.symbols.coordinates

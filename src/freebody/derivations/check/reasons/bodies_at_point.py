@@ -51,7 +51,7 @@ Key = tuple[str, int]
 
 
 @dataclass(frozen=True)
-class Body:
+class BodyThere:
     """One body; vectors are along the world's axes, the inertia along its own."""
 
     parent: int
@@ -84,7 +84,7 @@ class State:
 
 
 @dataclass(frozen=True)
-class Motion:
+class InertialMotion:
     """Of one body: ω and ω̇ in I ω and in ω × r, and what moves its joint and its centre."""
 
     spin: tuple[Vector, Vector]
@@ -95,7 +95,7 @@ class Motion:
     vcd: Vector
 
 
-Inertial = tuple[Motion, Vector, Vector, Any]
+Inertial = tuple[InertialMotion, Vector, Vector, Any]
 """Motion, force and moment of one body, and ω · I ω."""
 
 
@@ -130,9 +130,9 @@ class BodiesAtPoint:
         return (0,) * (1 if angular and self.s.planar else self.s.tree.space.dim)
 
     @cached_property
-    def bodies(self) -> list[Body]:
+    def bodies(self) -> list[BodyThere]:
         """All, parents first."""
-        s, found, world = self.s, list[Body](), list[Any]()
+        s, found, world = self.s, list[BodyThere](), list[Any]()
         system = self.setting.system
         acting = (
             loop_loads(system.loops.tree, s.symbols.q, tuple(system.multipliers)) if system else []
@@ -156,7 +156,7 @@ class BodiesAtPoint:
             )
             mass, inertia = body.masses, s.inertia(i)
             found.append(
-                Body(
+                BodyThere(
                     body.parent, body.coordinates.v[0], s.turns(i), R,
                     times(before[0], joint[1]) if before else joint[1],
                     turned(turn), turned(slide), self.number(s.mass(i)),
@@ -203,11 +203,11 @@ class BodiesAtPoint:
         """ω̇ × r + ω × (ω × r)."""
         return add(self._crossed(w[1], r), self._crossed(w[0], self._crossed(w[0], r)))
 
-    def motions(self, state: State, of: Collection[int], belief: Belief) -> list[Motion]:
+    def motions(self, state: State, of: Collection[int], belief: Belief) -> list[InertialMotion]:
         """How the bodies move; the belief is about some of them."""
         still = self._zero(True), self._zero(True)
-        found, true, alone = list[Motion](), {-1: still}, {-1: still}
-        ground = Motion(still, still, *[self._zero()] * 4)
+        found, true, alone = list[InertialMotion](), {-1: still}, {-1: still}
+        ground = InertialMotion(still, still, *[self._zero()] * 4)
         for i, body in enumerate(self.bodies):
             held, k = belief if i in of else RIGHT, body.parent
             before = found[k] if k >= 0 else ground
@@ -226,10 +226,12 @@ class BodiesAtPoint:
                 add(scale(second, body.slide), scale(twice, self._crossed(arm[0], sliding))),
             )
             vc = add(v, self._crossed(arm[0], body.centre))
-            found.append(Motion(spin, arm, v, vd, vc, add(vd, self._whirled(arm, body.centre))))
+            found.append(
+                InertialMotion(spin, arm, v, vd, vc, add(vd, self._whirled(arm, body.centre)))
+            )
         return found
 
-    def _spun(self, body: Body, motion: Motion, gyroscopic: int) -> tuple[Vector, Any]:
+    def _spun(self, body: BodyThere, motion: InertialMotion, gyroscopic: int) -> tuple[Vector, Any]:
         """The rate of its angular momentum about the centre of mass, and ω · I ω."""
         if self.s.planar:
             ((w,), (wd,)) = motion.spin
