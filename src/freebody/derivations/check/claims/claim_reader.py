@@ -11,7 +11,7 @@ from freebody.derivations.check.algebra.answer_tree import Named
 from freebody.derivations.check.algebra.quotients import Value, difference, generator, pair
 from freebody.derivations.check.algebra.tables_in_formulas import Shape
 from freebody.derivations.check.asked.momenta import WHOLE
-from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity, Table
+from freebody.derivations.check.asked.quantity import INVERSE, AskedQuantity
 from freebody.derivations.check.claims.formula_reader import all_right, entry_label
 from freebody.derivations.check.claims.own_definitions import OwnDefinitions
 from freebody.derivations.check.claims.unnamed_equations import UnnamedEquations
@@ -108,14 +108,6 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         node = self.parse(side, self._shape_of(named[0], as_vector))
         return [claim for subject in named for claim in self._pairs(subject, node)]
 
-    def _may_be_vector(self, name: str, node: Number, table: Table) -> bool:
-        """Whether one number may be a vector: 0 of one that vanishes, or where other lines give the
-        letter as vectors."""
-        if name[0] in self.letters_of_vectors:
-            return True
-        of_bodies = node.value == 0 and all(len(row) == 1 for row in table)
-        return of_bodies and all(x.kind.of == "bodies" and x.polynomial().is_zero for (x,) in table)
-
     def _has_own_axes(self, name: str) -> bool:
         """Whether a name is that of a vector in the axes of its body: of ω3 = ω2 = [...] the
         entries are those of ω3."""
@@ -196,7 +188,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         momentum = self._momentum(name.text, node)
         if momentum is not None:
             return [self.claim(label, momentum, node)]
-        if isinstance(node, Number) and table and self._may_be_vector(name.text, node, table):
+        if isinstance(node, Number) and table and self.may_be_vector(name.text, node):
             zeros = tuple((replace(node),) for _ in table)
             node = Matrix(zeros, span=node.span) if node.value == 0 else node
         if table and [len(row) for row in table] == [1] and single is None:

@@ -211,8 +211,18 @@ class OwnDefinitions(SolvedQuantities):
     def _is_zero_vector(self, name: str, line: Line) -> bool:
         """Whether a line says v1 = 0 of a letter that other lines give as a vector."""
         node = self.parse(line[1])
-        zero = isinstance(node, Number) and not node.value
-        return zero and name[0] in self.letters_of_vectors
+        return isinstance(node, Number) and not node.value and self.may_be_vector(name, node)
+
+    def may_be_vector(self, name: str, node: Number) -> bool:
+        """Whether one number may be a vector: 0 of one that vanishes, or where other lines give the
+        letter as vectors."""
+        if name[0] in self.letters_of_vectors:
+            return True
+        table = self.targets.tables.get(name, [])
+        of_bodies = node.value == 0 and table and all(len(row) == 1 for row in table)
+        return bool(of_bodies) and all(
+            x.kind.of == "bodies" and x.polynomial().is_zero for (x,) in table
+        )
 
     def _is_own_h(self, name: str, line: Line, lines: Sequence[Line]) -> bool:
         """Whether a line defines a velocity coefficient that other lines are written with."""
