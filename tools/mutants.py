@@ -127,7 +127,7 @@ AREAS = (
         ("derivations/*.py", "derivations/methods/*.py", "derivations/closed_chains/*.py",
          "derivations/render/*.py", "derivations/equations/*.py", "derivations/expressions/*.py",
          "derivations/grammar/**/*.py", "derivations/notations/*.py",
-         "derivations/polynomials/*.py",
+         "derivations/polynomials/*.py", "derivations/quantities/*.py",
          "derivations/relations/*.py"),
         ("derivation_words", "equations", "expression", "relation", "closed_equations",
          "closed_derivations", "naming", "notations", "vector_functions", "term_sources",
