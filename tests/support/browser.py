@@ -31,9 +31,10 @@ def browser(profile):
     get = driver.get
 
     def whole(url: str) -> None:
-        """Chromedriver may come back while a page is still read."""
+        """Chromedriver may come back while a page is still read, or before its data is inflated."""
         get(url)
-        there = "return document.readyState === 'complete' && location.href.split('#')[0]"
+        there = """return document.readyState === 'complete'
+            && !document.querySelector('#try[hidden]') && location.href.split('#')[0]"""
         WebDriverWait(driver, 30, poll_frequency=0.02).until(
             lambda opened: opened.execute_script(there) == url.split("#")[0]
         )

@@ -2,25 +2,13 @@
 // can be in, and of a wrong one what may have been thought.
 
 const words = new Map([["t", {}], ["pi", {}]]);
-for (const [spellings, meanings, sums, none, marks] of page.words) {
-  const found = new Map(Object.entries(meanings).map(([figures, x]) => [figures, Array.isArray(x) ? {s: x} : x]));
-  const listed = (text) => text.split(" ").filter(Boolean);
-  for (const figures of listed(sums)) {
-    const parts = [...figures].map((x) => found.get(x).s), isWave = typeof parts[0][0] === "string";
-    found.set(figures, {s: parts.flatMap((part, k) => part.slice(+(isWave && k > 0)))});
-  }
-  for (const figures of listed(none)) found.set(figures === "-" ? "" : figures, {isNowhere: true});
-  for (const spelling of spellings.split(" ").flatMap(allSpellings)) {
-    for (const [figures, meaning] of found) {
+for (const [spellings, meanings] of page.words) {
+  for (const [figures, x] of Object.entries(meanings)) {
+    for (const spelling of spellings) {
       const runs = figures.split(",");
-      words.set(spelling.replace(/#/g, () => runs.shift()), {...meaning, apart: marks & 1, bodies: marks & 2});
+      words.set(spelling.replace(/#/g, () => runs.shift()), {...x, isNowhere: !(x.s || x.t)});
     }
   }
-}
-// theta~1# is theta# in all ways with a dot.
-function allSpellings(text) {
-  const [letter, behind] = text.split("~");
-  return behind ? page.dotted[behind[0] - 1].map((x) => x.replace("@", letter).replace("%", behind.slice(1))) : [text];
 }
 const isFunction = (word) => has(page.functions, word);
 // Names of vectors stand alone, but for those of the equations of motion, Mq̈.
@@ -118,24 +106,13 @@ function thoughtsOf(node, line, right) {
   const found = entriesAt(states()[0], node, line).yours.flatMap((own, k) => {
     if (right[k] || !line.thoughts || vanishes(own)) return [];
     const isIt = ([, value]) => Math.abs(value - own.v) <= ROUNDED * Math.abs(value) + EQUAL * own.s;
-    const told = page.thoughts[line.thoughts[k]].split("|").map((rows, table) => rows.split(";").flatMap((row) =>
-      row.split(" ").map((x) => x.split(",")).map(([k, x]) => [+k, unpacked(x)]).filter(isIt).slice(0, 1)).slice(0, page.most[table]));
+    const told = page.thoughts[line.thoughts[k]].map((rows, table) =>
+      rows.flatMap((row) => row.filter(isIt).slice(0, 1)).slice(0, page.most[table]));
     return (told.find((rows) => rows.length) || []).map(([sentence]) => sentence);
   });
-  return [...new Set(found)].map((k) => sentences[k]);
+  return [...new Set(found)].map((k) => page.sentences[k]);
 }
-// A sentence may be told by the one before: how it begins, and how it ends, as that does.
-const sentences = [];
-for (const x of page.sentences) {
-  const last = sentences.at(-1);
-  sentences.push(typeof x === "string" ? x : last.slice(0, x[0]) + x[1] + last.slice(last.length - x[2]));
-}
-// A number in 32 bits, as it travels; none is no number.
-function unpacked(x) {
-  if (!x || x.length < 6) return x ? +x : NaN;
-  return new DataView(Uint8Array.from(atob(x + "=="), (c) => c.charCodeAt(0)).buffer).getFloat32(0);
-}
-const ROUNDED = 1e-7;  // Of these.
+const ROUNDED = 1e-7;  // As these travel.
 
 // Symbols that may be read in another way: an answer that is right in one of them is right.
 function readings(node, line) {

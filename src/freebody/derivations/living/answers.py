@@ -4,12 +4,10 @@ that the robot can be in, and what a wrong answer may have been thought by."""
 from __future__ import annotations
 
 import json
-from base64 import b64encode
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from itertools import groupby, takewhile
-from struct import pack
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -36,8 +34,6 @@ from freebody.derivations.derivation import Derivation
 from freebody.derivations.expressions.expression import Symbol
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.grammar.atoms import atom
-from freebody.derivations.grammar.dotted_names import spellings
-from freebody.derivations.grammar.tables.characters import DOT
 from freebody.derivations.grammar.words import spelt
 from freebody.derivations.living.kernel import PageProgram
 from freebody.derivations.living.language import tables
@@ -54,10 +50,9 @@ MOST_THOUGHT = 4
 """Coordinates up to which thoughts are told: of more the right values are too long."""
 _STATES, _SETS = 2, 2
 """States with one set of parameters, and sets of parameters."""
+
 _MOST_ALIKE = 40
-"""Names without value with the same letters up to which a page knows them."""
-_ALIKE = 12
-"""Characters that two sentences share if one is told by the other."""
+"""Names without value that differ by their figures, up to which a page knows them."""
 
 _Told = tuple[str, Any]
 """A sentence, and what the right answer would be."""
@@ -68,7 +63,7 @@ Slots = list[str | int]
 """A sum of symbols by name and of values by place in y; of a function of it the name first, behind
 a ~."""
 _Key = tuple[Any, ...]
-_WordRow = dict[str, dict[str, Any]]
+_Thoughts = list[list[list[tuple[int, float]]]]
 
 
 class PageAnswers:
@@ -104,7 +99,7 @@ class PageAnswers:
                 self._values.setdefault(key, [place])
         self._meanings = dict(self._all_meanings())
         _ = self._velocity_terms  # their places, before the page's size is known
-        self._thought: dict[_Key, str] = {}
+        self._thought: dict[_Key, _Thoughts] = {}
         self.sentences = [STILL]
 
     def _equations(self, plain: Derivation) -> RightEquations:
@@ -168,7 +163,7 @@ class PageAnswers:
 
     def _all_meanings(self) -> Iterator[tuple[str, dict[str, Any]]]:
         """What each name stands for: "s" a scalar, "t" a vector or matrix, "q" a quantity's number,
-        "b" whether it is one of bodies."""
+        "bodies" whether it is one of bodies."""
         vocabulary, targets = self.vocabulary, self.targets
         for name in dict.fromkeys((*sorted(vocabulary.known), *self._own, *self._called)):
             meant = vocabulary.aliases.get(name, self._called.get(name, name))
@@ -195,7 +190,7 @@ class PageAnswers:
             if found and keys and any(key in self._values for key in keys):
                 found["q"] = self._number(keys[0])
             if found and asked and name not in vocabulary.symbols and _is_of_bodies(asked):
-                found["b"] = 1
+                found["bodies"] = 1
             if name not in ("t", "pi"):
                 yield name, found
 
@@ -263,34 +258,36 @@ class PageAnswers:
         keys = [*self._thought]
         return [keys.index(_key(target)) for target in asked]
 
-    def _thoughts(self, target: AskedQuantity) -> str:
-        """Sentences by number, and what the right answer would be under each at the first state; |
-        stands between tables of thoughts, ; between rows."""
+    def _thoughts(self, target: AskedQuantity) -> _Thoughts:
+        """By table and row: sentences by number, each with what the right answer would be under it
+        at the first state."""
         setting = self.setting
         if setting.turned is not None or len(setting.symbols.coordinates) > MOST_THOUGHT:
-            return ""
+            return []
         right = target.compute()
         if not isinstance(right, Trig) or setting.is_free_body:
-            return ""
+            return []
         point = RealPoint.of_state(setting.ring, self._signed(self._any[0]))
         told = {_rounded(point.of(right))}
         tables = self._thought_at(target, right, point)
-        return "|".join(
+        return [
             self._of_one_table(rows, most, told)
             for rows, most in zip(tables, _MOST_TOLD, strict=True)
-        )
+        ]
 
-    def _of_one_table(self, rows: Iterator[Iterator[_Told]], most: int, told: set[str]) -> str:
+    def _of_one_table(
+        self, rows: Iterator[Iterator[_Told]], most: int, told: set[float | None]
+    ) -> list[list[tuple[int, float]]]:
         """Those of one table that can be told: not where others before them always are; told:
         values of tables before, and now of this one."""
-        here, made = Counter[str](), list[str]()
+        here, made = Counter[float](), list[list[tuple[int, float]]]()
         for row in rows:
-            said = {value: text for text, x in reversed([*row]) if (value := _rounded(x))}
+            said = {x: text for text, full in reversed([*row]) if (x := _rounded(full)) is not None}
             kept = {x: text for x, text in said.items() if x not in told and here[x] < most}
             here.update(kept.keys())
-            made += [" ".join(f"{self._sentence(text)},{x}" for x, text in kept.items())]
+            made.append([(self._sentence(text), x) for x, text in kept.items()])
         told.update(here)
-        return ";".join(filter(None, made))
+        return list(filter(None, made))
 
     def _thought_at(
         self, target: AskedQuantity, right: Trig, point: RealPoint
@@ -434,11 +431,10 @@ class PageAnswers:
             "grammar": tables(),
             "functions": self.vocabulary.functions,
             "words": self._words(names),
-            "dotted": [list(spellings("@", "%", dots)) for dots in (1, 2)],
             "glued": [x for x in self._apart if x in GLUED],
             "others": [values[x] for x in others],
             "states": self._states(names, values),
-            "sentences": list(_by_the_last(self.sentences)),
+            "sentences": self.sentences,
             "thoughts": list(self._thought.values()),
             "most": _MOST_TOLD,
             "readings": self._readings(names),
@@ -450,34 +446,24 @@ class PageAnswers:
         own = self.vocabulary
         return [x for x in self._meanings if x in own.alone and x not in {*own.symbols, *own.waves}]
 
-    def _words(self, order: Sequence[str]) -> list[list[Any]]:
-        """All names by their spellings, θ1 and θ̇2 as theta# and ˙theta#: the spellings, what they
-        mean by their figures, the figures of those that have no value; and 1 of names that stand
-        alone, 2 of those of bodies."""
-        index = _places(order)
-        apart, groups = frozenset(self._apart), dict[tuple[Any, ...], list[str]]()
+    def _words(self, order: Sequence[str]) -> list[tuple[list[str], dict[str, dict[str, Any]]]]:
+        """All names, those that differ by their figures together, θ1 and θ12 as theta#: spellings
+        that mean the same, and by their figures what they mean; nothing where they have no value
+        here; "apart" of names that stand alone."""
+        index, apart = _places(order), frozenset(self._apart)
+        rows: dict[str, dict[str, dict[str, Any]]] = {}
         for name, meaning in self._meanings.items():
             said = {key: x for key, x in meaning.items() if key != "q" or x in self._asked_for}
-            marks = (name in apart) + 2 * said.pop("b", 0)
-            made = json.dumps(_numbered(said, index))
+            said = _numbered(said, index) | ({"apart": 1} if name in apart else {})
             template, figures = _template(name)
-            target = self._targets_of.get(name)
-            groups.setdefault((made, figures, marks, target), []).append(template)
-        rows: dict[tuple[str, int], _WordRow] = {}
-        for (made, figures, marks, _), templates in groups.items():
-            own = " ".join(_by_dots(set(templates)))
-            rows.setdefault((own, marks), {})[figures] = json.loads(made)
-        made_rows = ([own, *_row(row), marks] for (own, marks), row in rows.items())
-        return [row for row in made_rows if any(row[1:4])]
-
-    @cached_property
-    def _targets_of(self) -> dict[str, Any]:
-        """What names stand for, to keep apart those without value."""
-        single, tables = self.targets.single, self.targets.tables
-        return {
-            name: _key(single[name]) if name in single else id(tables.get(name))
-            for name in self._meanings
-        }
+            rows.setdefault(template, {})[figures] = said
+        alike: dict[str, tuple[list[str], dict[str, dict[str, Any]]]] = {}
+        for template, row in rows.items():
+            unvalued = [figures for figures, x in row.items() if not {"s", "t"} & {*x}]
+            for figures in unvalued if len(unvalued) > _MOST_ALIKE else ():
+                del row[figures]
+            alike.setdefault(json.dumps(row), ([], row))[0].append(template)
+        return [row for row in alike.values() if row[1]]
 
 
 def _key(target: AskedQuantity) -> _Key:
@@ -487,23 +473,6 @@ def _key(target: AskedQuantity) -> _Key:
 
 def _is_of_bodies(target: AskedQuantity) -> bool:
     return target.kind.of == "bodies"
-
-
-def _by_the_last(texts: Sequence[str]) -> Iterator[str | list[Any]]:
-    """Texts, of those that are like the one before how many characters they begin with as it does,
-    what follows, and how many they end with as it does."""
-    before = ""
-    for text in texts:
-        begin = _alike(before, text)
-        end = _alike(before[begin:][::-1], text[begin:][::-1])
-        middle = text[begin : len(text) - end]
-        yield [begin, middle, end] if begin + end > _ALIKE else text
-        before = text
-
-
-def _alike(one: str, other: str) -> int:
-    """With how many equal characters two texts begin."""
-    return sum(1 for _ in takewhile(lambda both: both[0] == both[1], zip(one, other, strict=False)))
 
 
 def _places(names: Sequence[str]) -> dict[str, int]:
@@ -519,42 +488,6 @@ def _numbered(meaning: Mapping[str, Any], index: Mapping[str, int]) -> dict[str,
     return made
 
 
-def _by_dots(templates: set[str]) -> list[str]:
-    """Templates, those of all spellings with dots as one: theta~1# for ˙theta#, theta#_d, …"""
-    found: list[str] = []
-    for dots in (2, 1):
-        for name in sorted(x[dots:] for x in templates if x.startswith(DOT * dots)):
-            for k in range(1, len(name) + 1):
-                every = {*spellings(name[:k], name[k:], dots)}
-                if every <= templates:
-                    templates = templates - every
-                    found.append(f"{name[:k]}~{dots}{name[k:]}")
-                    break
-    return [*sorted(templates), *found]
-
-
-def _row(row: _WordRow) -> list[Any]:
-    """What spellings mean by their figures; the figures of those that are sums of others of them,
-    θ12; and those of names that have no value here."""
-    sums = [figures for figures, meaning in row.items() if _is_sum(figures, meaning, row)]
-    none = [figures for figures, meaning in row.items() if not meaning]
-    none = none if len(none) <= _MOST_ALIKE else []
-    said = {
-        figures: meaning["s"] if [*meaning] == ["s"] else meaning
-        for figures, meaning in row.items()
-        if meaning and figures not in sums
-    }
-    return [said, " ".join(sums), " ".join(figures or "-" for figures in none)]
-
-
-def _is_sum(figures: str, meaning: Mapping[str, Any], row: _WordRow) -> bool:
-    if len(figures) < 2 or [*meaning] != ["s"] or not figures.isdigit():
-        return False
-    parts = [row.get(x, {}).get("s", [None]) for x in figures]
-    function = [x for x in parts[0][:1] if isinstance(x, str)]
-    return bool(meaning["s"] == [*function, *(x for part in parts for x in part[len(function) :])])
-
-
 def _template(name: str) -> tuple[str, str]:
     """A name with # for each run of figures, and these."""
     runs = [("".join(run), is_figure) for is_figure, run in groupby(name, str.isdigit)]
@@ -562,9 +495,7 @@ def _template(name: str) -> tuple[str, str]:
     return template, ",".join(run for run, is_figure in runs if is_figure)
 
 
-def _rounded(x: Any) -> str:
-    """What an answer would be under a thought, as it travels: 32 bits in six characters, 0 as it
-    is; "" where that is no number."""
-    if not np.isfinite(float(x)):
-        return ""
-    return b64encode(pack(">f", x)).decode().rstrip("=") if x else "0"
+def _rounded(x: Any) -> float | None:
+    """What an answer would be under a thought, with the digits that travel; None where that is no
+    number."""
+    return float(f"{float(x):.8g}") if np.isfinite(float(x)) else None

@@ -6,6 +6,8 @@ from __future__ import annotations
 import json
 import math
 import re
+import zlib
+from base64 import b64encode
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cache
@@ -56,8 +58,8 @@ _WIDEST: dict[str, float] = {"rad": math.pi, "rad/s": 5.0, "rad/s²": 20.0, "m/s
 """The end of a slider, by unit; of other units three times the value, at least 1."""
 
 SCRIPTS = (
-    "grammar.js", "reader.js", "symbols.js", "placing.js", "drawing.js", "free_bodies.js",
-    "closing.js", "answers.js", "page.js",
+    "unpacked.js", "grammar.js", "reader.js", "symbols.js", "placing.js", "drawing.js",
+    "free_bodies.js", "closing.js", "answers.js", "page.js",
 )  # fmt: skip
 """The page's own script in its parts."""
 
@@ -151,7 +153,7 @@ def _parts(
     page["figure"] |= {"tip": tip} if tip else {}
     page |= answers.page(inputs) | {"option": _option(letters)}
     own = dict(zip(plain.steps, derivation.steps, strict=True))
-    script = _script().replace("PAGE", _json(page), 1)
+    script = _script().replace("PAGE", packed(page), 1)
     of_lines = LineUnits(plain, units)
     dim, alone = plain.equations.symbols.model.dim, sum(body["alone"] for body in bodies)
     naming = Naming(plain.equations.symbols.model)
@@ -287,10 +289,10 @@ def _angles(derivation: Derivation) -> set[str]:
     return {name for names, body in pairs for name in names if body.kind.turns}
 
 
-def _json(page: dict[str, Any]) -> str:
-    """Data inside a script element, which no name in it can end."""
+def packed(page: dict[str, Any]) -> str:
+    """Data for the script, deflated: browsers inflate it themselves."""
     text = json.dumps(page, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    return text.replace("<", "\\u003c")
+    return b64encode(zlib.compress(text.encode(), 9)).decode()
 
 
 @cache
@@ -301,7 +303,7 @@ def _script() -> str:
     text = "\n".join(folder.joinpath(name).read_text(encoding="utf-8") for name in names)
     lines = filter(None, (line.partition("  // ")[0].strip() for line in text.splitlines()))
     code = "\n".join(_dense(line) for line in lines if not line.startswith("//"))
-    return f'(function () {{\n"use strict";\nconst page = PAGE;\n{code}\n}})();\n'
+    return f'(async function () {{\n"use strict";\n{code}\n}})();\n'
 
 
 _QUOTED = re.compile(r"""("(?:\\.|[^"\\])*"|`[^`]*`)""")
