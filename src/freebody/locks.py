@@ -31,7 +31,7 @@ IMPORTS = threading.RLock()
 above."""
 
 
-_OURS = ("freebody.", "freebody_notes.")
+_OURS = ("freebody.", "freebody_textbook.", "freebody_notes.")
 """What names of this distribution's modules begin with."""
 
 

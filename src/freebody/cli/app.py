@@ -11,11 +11,9 @@ from typing import Annotated, Any
 
 import typer
 
-from freebody import __version__
+from freebody import __version__, beside
 from freebody.cli import (
     INTERRUPTED,
-    check,
-    derive,
     export,
     fbd,
     models,
@@ -27,7 +25,6 @@ from freebody.cli import (
     terminal,
 )
 from freebody.errors import FreebodyError, MissingPackageError
-from freebody.locks import imported
 
 _UNREAD = 141
 """128 and the number of SIGPIPE, as shells count: `| head` has read enough."""
@@ -46,43 +43,32 @@ def _command(function: Callable[..., None], example: str, **more: Any) -> None:
     app.command(epilog=example, help=terminal.paragraphs(function.__doc__), **more)(function)
 
 
-COMMANDS = (study, plan, simulate, sweep, show, derive, check, fbd, export, models)
-"""Modules, each with a function of its name, an EXAMPLE, and where it writes its own help a
-`Command`."""
+COMMANDS = (study, plan, simulate, sweep, show, fbd, export, models)
+"""Modules, each with a function of its name and an EXAMPLE."""
 for _module in COMMANDS:
     _own = vars(_module)
-    _command(_own[_module.__name__.rpartition(".")[2]], _module.EXAMPLE, cls=_own.get("Command"))
-
-BESIDE = {"notes": "freebody_notes.command"}
-"""Commands of packages that build on freebody, each with the module that has the function of this
-name, and an EXAMPLE."""
+    _command(_own[_module.__name__.rpartition(".")[2]], _module.EXAMPLE)
 
 
 def _add(name: str, module: str) -> None:
-    """A command from beside; where its package is not installed, one that says so."""
-    package = module.partition(".")[0]
+    """A command of a package beside; where that is not installed, one that says so."""
     try:
-        found = imported(module)
-    except ModuleNotFoundError as failure:
-        if failure.name != package:
-            raise
-        anything = {"allow_extra_args": True, "ignore_unknown_options": True}
-        short = f"Needs the package {package}, which is not installed."
-        app.command(name, help=short, context_settings=anything, add_help_option=False)(
-            _missing(name, package)
-        )
+        found = beside.found(module, f"freebody {name}")
+    except MissingPackageError as problem:
+        _refuse(name, problem)
     else:
-        _command(getattr(found, name), found.EXAMPLE, name=name)
+        _command(getattr(found, name), found.EXAMPLE, name=name, cls=vars(found).get("Command"))
 
 
-def _missing(name: str, package: str) -> Callable[[], None]:
+def _refuse(name: str, problem: MissingPackageError) -> None:
     def refuse() -> None:
-        raise MissingPackageError(f"freebody {name}", package)
+        raise problem
 
-    return refuse
+    anything = {"allow_extra_args": True, "ignore_unknown_options": True}
+    app.command(name, help=str(problem), context_settings=anything, add_help_option=False)(refuse)
 
 
-for _name, _module in BESIDE.items():
+for _name, _module in beside.COMMANDS.items():
     _add(_name, _module)
 
 

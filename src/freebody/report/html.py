@@ -15,6 +15,8 @@ import numpy as np
 from markupsafe import Markup
 
 import freebody
+from freebody import beside
+from freebody.errors import MissingPackageError
 from freebody.figures import colours
 from freebody.formats.loading import SUFFIXES
 from freebody.loops.mobility import mobility
@@ -24,7 +26,6 @@ from freebody.outputs import files
 from freebody.outputs.numbers import significant
 from freebody.outputs.page import SHEETS, math_style, policy
 from freebody.outputs.text import legal
-from freebody.report import equations
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
 from freebody.report.load_case import load_case
@@ -58,7 +59,7 @@ def page(study: Study) -> str:
             robot=figures.robot(study),
             energy=energy_text(study.summary, study.motion.duration),
             **{table.__name__: table(study) for table in tables.TABLES},
-            equations=equations.shown(study.model),
+            equations=_equations(study),
             plots={plots.__name__: list(plots(study)) for plots in figures.PLOTS},
             free_bodies=[
                 (diagram, tables.loads(study, body))
@@ -85,6 +86,15 @@ def _templates() -> jinja2.Environment:
     environment.filters["svg"] = Markup
     environment.filters["typeset"] = typeset
     return environment
+
+
+def _equations(study: Study) -> Any:
+    """The equations of motion where they are short, or the words that say which package they need;
+    None where they are long."""
+    try:
+        return beside.found(beside.EQUATIONS_OF_A_STUDY, "equations of motion").shown(study.model)
+    except MissingPackageError as problem:
+        return str(problem)
 
 
 def _facts(study: Study) -> dict[str, Any]:
