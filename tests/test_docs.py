@@ -181,7 +181,7 @@ def test_files_that_the_architecture_sends_to_are_there():
     for path in re.findall(r"`([\w/]+(?:/|\.py))`", text):
         full = Path(path) if "/" in path else folder / path
         folder = full if path.endswith("/") else full.parent
-        package = "src" if full.parts[0] == "freebody_notes" else "src/freebody"
+        package = "src" if full.parts[0].startswith("freebody_") else "src/freebody"
         assert (ROOT / package / full).exists(), full
         found += 1
     assert found > 15

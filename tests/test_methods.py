@@ -16,7 +16,7 @@ from freebody_textbook.methods import METHODS
 from freebody_textbook.methods.method import Method
 from support.symbolic import spatial_arm
 
-SOURCE = Path(fb.__file__).parent
+SOURCE = Path(fb.__file__).parents[1]
 FOLDER = Path(methods.__file__).parent
 DOCS = Path(__file__).parents[1] / "docs"
 NAMES = {name for method in METHODS.values() for name in (method.name, *method.aliases)}
@@ -24,10 +24,10 @@ NAMES = {name for method in METHODS.values() for name in (method.name, *method.a
 
 OTHERWISE = [
     (
-        "cli/derive.py",
+        "freebody_textbook/commands/derive.py",
         "Example: freebody derive 2R --method lagrange",
     ),  # the help's example, which is run
-    ("derivations/equations/kinematics.py", "kinematics"),  # the function that an error is of
+    ("freebody/expressions/kinematics.py", "kinematics"),  # the function that an error is of
 ]
 """Where such a word means something else, or is shown to be typed."""
 

@@ -180,7 +180,7 @@ def test_text_with_subscripts_is_well_formed(text: str):
 def test_every_name_in_a_sentence_is_literal():
     """Source of the derivations' sentences: no f-string holds a name of the model as it is, but in
     errors, which are plain text; names of joint kinds are the library's own."""
-    for path in (Path(fb.__file__).parent / "derivations" / "methods").glob("*.py"):
+    for path in (Path(fb.__file__).parents[1] / "freebody_textbook" / "methods").glob("*.py"):
         tree = ast.parse(path.read_text(encoding="utf-8"))
         raised = {
             x for node in ast.walk(tree) if isinstance(node, ast.Raise) for x in ast.walk(node)

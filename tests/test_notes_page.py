@@ -332,7 +332,7 @@ def test_without_the_course_freebody_does_the_rest_and_says_what_is_missing():
     assert done.stderr == f"error: freebody notes: {missing}\n"
     assert said[0] == f"fb.notes_figure: {missing}"
     assert said[-1] == "2 0 0"
-    assert "Needs the package freebody_notes" in done.stdout
+    assert "freebody notes: freebody_notes is not installed" in " ".join(done.stdout.split())
 
 
 def test_a_fault_of_the_course_itself_is_not_taken_for_its_absence(monkeypatch):

@@ -119,16 +119,15 @@ AREAS = (
     ),
     Area(
         "figures",
-        ("figures/**/*.py", "derivations/living/*.py"),
+        ("figures/**/*.py", "freebody_textbook/living/*.py"),
         ("figures", "diagrams", "free_bodies", "living_units", "hostile_names", "reach_diagrams"),
     ),
     Area(
         "derivations",
-        ("derivations/*.py", "derivations/methods/*.py", "derivations/closed_chains/*.py",
-         "derivations/render/*.py", "derivations/equations/*.py", "derivations/expressions/*.py",
-         "derivations/grammar/**/*.py", "derivations/notations/*.py",
-         "derivations/polynomials/*.py", "derivations/quantities/*.py",
-         "derivations/relations/*.py"),
+        ("freebody_textbook/*.py", "freebody_textbook/methods/*.py",
+         "freebody_textbook/closed_chains/*.py", "freebody_textbook/render/*.py",
+         "freebody_textbook/equations/*.py", "freebody_textbook/relations/*.py",
+         "freebody/expressions/**/*.py"),
         ("derivation_words", "equations", "expression", "relation", "closed_equations",
          "closed_derivations", "naming", "notations", "vector_functions", "term_sources",
          "names_in_print", "singularities", "diagrams", "notes", "zero_parameters", "derive",
@@ -136,7 +135,7 @@ AREAS = (
     ),
     Area(
         "check",
-        ("derivations/check/**/*.py",),
+        ("freebody_textbook/check/**/*.py",),
         ("check", "check_other_forms", "check_numbers", "advice", "check_random", "notes"),
     ),
 )  # fmt: skip

@@ -7,9 +7,8 @@ from pathlib import Path
 import freebody
 
 SRC = Path(freebody.__file__).parents[1]
-SOURCES = sorted(
-    path for package in ("freebody", "freebody_notes") for path in (SRC / package).rglob("*.py")
-)
+PACKAGES = ("freebody", "freebody_textbook", "freebody_notes")
+SOURCES = sorted(path for package in PACKAGES for path in (SRC / package).rglob("*.py"))
 
 
 def place(path: Path) -> str:
