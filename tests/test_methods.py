@@ -14,9 +14,9 @@ from freebody.cli.app import run
 from freebody_textbook import methods
 from freebody_textbook.methods import METHODS
 from freebody_textbook.methods.method import Method
+from support.sources import SOURCES, place
 from support.symbolic import spatial_arm
 
-SOURCE = Path(fb.__file__).parents[1]
 FOLDER = Path(methods.__file__).parent
 DOCS = Path(__file__).parents[1] / "docs"
 NAMES = {name for method in METHODS.values() for name in (method.name, *method.aliases)}
@@ -27,7 +27,7 @@ OTHERWISE = [
         "freebody_textbook/commands/derive.py",
         "Example: freebody derive 2R --method lagrange",
     ),  # the help's example, which is run
-    ("freebody/expressions/kinematics.py", "kinematics"),  # the function that an error is of
+    ("expressions/kinematics.py", "kinematics"),  # the function that an error is of
 ]
 """Where such a word means something else, or is shown to be typed."""
 
@@ -54,8 +54,9 @@ def test_no_file_but_its_own_knows_a_method_by_name():
         name: re.compile(rf"^{name}$|['\"]{name}['\"]|--method[ =]{name}\b") for name in NAMES
     }
     found = [
-        (path.relative_to(SOURCE).as_posix(), node.value)
-        for path in SOURCE.rglob("*.py")
+        (place(path), node.value)
+        for path in SOURCES
+        if not place(path).startswith("freebody_notes/")
         for node in literals(path)
         for name, pattern in quoted.items()
         if pattern.search(str(node.value)) and path != homes[name]

@@ -7,7 +7,6 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +15,7 @@ import freebody as fb
 from freebody.motion.motion import vector_of_times
 from freebody.outputs.numbers import compared, fixed, rounded_up, shortest, significant
 from freebody.report.results import LimitUse
+from support.sources import SOURCES, place
 
 
 @pytest.mark.parametrize(
@@ -155,13 +155,10 @@ def sentences_of_several_numbers(text: str) -> Iterator[str]:
 
 
 def test_what_a_message_compares_goes_through_compared() -> None:
-    root = Path(fb.__file__).parents[1]
     found = {
-        path.relative_to(root).as_posix(): list(
-            sentences_of_several_numbers(path.read_text("utf-8"))
-        )
-        for path in root.rglob("*.py")
-        if not {"figures", "targets", "render", "typesetting"} & set(path.relative_to(root).parts)
+        place(path): list(sentences_of_several_numbers(path.read_text("utf-8")))
+        for path in SOURCES
+        if not {"figures", "targets", "render", "typesetting", "freebody_notes"} & {*path.parts}
     }
     assert {name: said for name, said in found.items() if said and name not in NOT_COMPARED} == {}
     assert [*sentences_of_several_numbers("f'{x:.4g} is above {y:g}'")] == [" is above "]
