@@ -43,15 +43,13 @@ for name in fb.__all__:
 arm, folder = fb.load("2R"), sys.argv[1]
 study = fb.study(arm)
 study.to_html(f"{folder}/study.html")
-svg = fb.free_body_diagram(arm, [0.3, 0.4]).svg()
+svg = fb.free_body_diagram(arm, [0.3, 0.4]).svg
 said = str(fb.singularities(fb.planar("RR")))
-with open(f"{folder}/q.csv", "w") as file:
-    file.write("t,joint1,joint2\\n0,0,0\\n0.5,0.1,0.1\\n1,0.2,0.2\\n")
 runs = {
     "show": run(["show", "ur5e"]),
-    "study": run(["study", "RR", "--out", f"{folder}/study"]),
-    "fbd": run(["fbd", "2R", "--out", f"{folder}/bodies"]),
-    "export": run(["export", "2R", "--out", f"{folder}/c"]),
+    "study": run(["study", "2R", "--out", f"{folder}/study"]),
+    "fbd": run(["fbd", "2R", "--out", f"{folder}/bodies.svg"]),
+    "export": run(["export", "2R", "inverse_dynamics", "--out", f"{folder}/c"]),
     "derive": run(["derive", "2R"]),
     "check": run(["check", "2R", "H22 = 1"]),
     "help": run(["--help"]),
