@@ -156,10 +156,11 @@ class Judge:
 
     def up_to_a_constant(self, claim: Claim, right: Value) -> bool:
         """Whether a claim is about an energy whose level is arbitrary, and may differ by one."""
+        if not claim.target.kind.up_to_a_constant:
+            return False
         both = claim.value, right
         told = all(isinstance(x, Trig) for x in both)  # the numerator of a quotient has other units
-        is_level = not told or can_be_a_level(self.setting, difference(*both))
-        return claim.target.kind.up_to_a_constant and is_level
+        return not told or can_be_a_level(self.setting, difference(*both))
 
     def _level(self, claim: Claim, right: Value) -> str:
         """By which constant a claim about an energy differs; "" where by none that it may."""

@@ -4,7 +4,7 @@ told by inverse functions."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,11 +14,12 @@ from freebody.derivations.check.algebra.finite_field_tree import without_values
 from freebody.derivations.check.algebra.quotients import Value, pair
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.numbers.states import in_words
+from freebody.derivations.check.numbers.units import in_other_units
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reasons.small_changes import Repair, SmallChanges
 from freebody.derivations.check.reasons.swapped_functions import swapped
 from freebody.derivations.check.states.admissible_states import AdmissibleStates, StateSampler
-from freebody.derivations.check.states.agreement import Agreement, Equal, agreement, few
+from freebody.derivations.check.states.agreement import Agreement, Equal, agreement, few, is_drowned
 from freebody.derivations.check.states.running import Running
 from freebody.derivations.check.states.state_values import (
     MOST_BRANCHES,
@@ -48,6 +49,10 @@ _OTHER_ASSEMBLY = (
     "together the other way."
 )
 ONE_ASSEMBLY = "It holds in one assembly of the mechanism, not in every one."
+_DROWNED = (
+    "terms that cancel are so much larger here than what is left of them that rounding could hide "
+    "a mistake"
+)
 _LEVEL = "It differs by a constant: the zero level of V is arbitrary."
 _OTHER_VALUES = {
     "arccos": "arccos and −arccos are the two postures that reach a point, elbow up and elbow down",
@@ -146,13 +151,30 @@ class _AtStates:
             return Running.exact(np.zeros(states.count))
         return states.of(self.right)
 
-    @property
+    @cached_property
     def _equal(self) -> Equal:
         """In which sense."""
         ring = self.judge.setting.ring
         is_angle = isinstance(self.right, Trig) and _is_angle(self.right, ring.angles)
-        has_level = self.judge.up_to_a_constant(self.claim, self.right)
+        has_level = self.judge.up_to_a_constant(self.claim, self.right) and self._is_energy
         return Equal(is_angle and self.claim.whole is None, has_level)
+
+    @cached_property
+    def _is_energy(self) -> bool:
+        """Whether the difference is an energy and a plain number: in other units it changes so."""
+        states, sampler = self.moving, StateSampler(self.judge.setting)
+        if states is None or self.is_in_numbers:
+            return True
+        names, held = list(states.values), [*sampler.loops[0], *sampler.passive]
+        first, gaps = self._gap(states), list[Running]()
+        for energy, sizes in in_other_units(self.judge.setting, names, held):
+            values = {x: states.values[x] * size for x, size in zip(names, sizes, strict=True)}
+            gap = self._gap(replace(states, values=values)) - first
+            gaps.append(gap * Running.exact(1 / (energy - 1)))
+        return not gaps or bool((gaps[0] - gaps[1]).vanishes.all())
+
+    def _gap(self, states: AdmissibleStates) -> Running:
+        return states.at(self._tree, {}) - self._sought(states)
 
     def _agreement(self, states: AdmissibleStates) -> Agreement:
         return agreement(states, self._tree, self._sought(states), self._equal)
@@ -164,6 +186,8 @@ class _AtStates:
         states, held = self.moving, self._held()
         assert states is not None
         found = self._agreement(states)
+        if is_drowned(states, self._tree, self._sought(states), found.gap):
+            self.claim.source.fail(_DROWNED, self.claim.node.span)
         if note := self._note(found):
             if by_functions and not self._shares_a_posture(found):
                 return self._wrong(found, (), (_OTHER_POSTURE,))
