@@ -721,7 +721,7 @@ def test_energies_are_typed_as_they_are_printed(driver, tmp_path):
         ("T1", "0,5 m1 vc1^2", "Not decided here: More than one equation"),
         ("rc1", "(lc1 c1, lc1 s1)", "Right: "),
         ("rc1", "(lc1 c1, lc1 s1", "Cannot be read: "),
-        ("V1", "9.81 m1 lc1 s1", "Right: equal at 4 random states. ‘9.81’ is read as g."),
+        ("V1", "9.81 m1 lc1 s1", "Right: equal at 8 random states. ‘9.81’ is read as g."),
     ):
         verdict, _ = driver.execute_script(ANSWER, line, answer)
         assert verdict.startswith(said), (answer, verdict)

@@ -8,6 +8,7 @@ from functools import cache
 from typing import Any
 
 from freebody.derivations.check.algebra.exact_polynomials import LARGEST_EXPONENT
+from freebody.derivations.check.numbers.written_units import UNITS
 from freebody.derivations.grammar import patterns
 from freebody.derivations.grammar.tables import characters
 from freebody.derivations.grammar.tables.classes import CLASSES, PATTERNS
@@ -36,6 +37,7 @@ def tables() -> dict[str, Any]:
         "CLASSES": {name: _shorter(x) for name, x in CLASSES.items() if name in used},
         "ITEM": patterns.ITEM.pattern.replace("?P<", "?<"),
         "LARGEST_EXPONENT": LARGEST_EXPONENT,
+        "UNITS": UNITS,
     }
 
 
