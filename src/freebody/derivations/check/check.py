@@ -17,6 +17,7 @@ from freebody.derivations.check.asked.right_equations import (
     equations_of,
     in_notation,
 )
+from freebody.derivations.check.claims import own_names
 from freebody.derivations.check.claims.claims import statements
 from freebody.derivations.check.documents import FORMS, AnswerDocument, form_of
 from freebody.derivations.check.reading.claim import Claim
@@ -98,12 +99,12 @@ def check(
     if tolerance is not None and not (isinstance(tolerance, int | float) and 0 <= tolerance < 1):
         raise AnswerError(f"tolerance is a share from 0 to 1, such as 0.01, not {tolerance!r}")
     style = notation_of(notation, parameters)
-    document = document_of(answer, form)
+    document, own = document_of(answer, form), own_names.as_texts(names or {})
     formulas = document.lexemes
-    written = as_written(freed(model, style.parameters), formulas, names or ())
+    written = as_written(freed(model, style.parameters), formulas, own)
     loads = named_in(written, formulas)
     where = in_notation(equations_of(written, loads), style, absolute)
-    asked = _WholeAnswer(document, names or {}, style, at, tolerance)
+    asked = _WholeAnswer(document, own, style, at, tolerance)
     first = found = asked.judged(where)
     for opposed in senses.others(where, first.wrong, document.formulas):
         own = asked.judged(replace(where, opposed=opposed))

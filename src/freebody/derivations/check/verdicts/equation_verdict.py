@@ -20,7 +20,7 @@ from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.numbers.units import can_be_a_level, misfit
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reading.vocabulary import Vocabulary
-from freebody.derivations.check.reasons import coriolis, undriven_joints
+from freebody.derivations.check.reasons import coriolis, undriven_joints, unread_conditions
 from freebody.derivations.check.reasons.bodies_at_point import BodiesAtPoint
 from freebody.derivations.check.reasons.free_bodies import FreeBodyMotion
 from freebody.derivations.check.reasons.misconceptions import explaining
@@ -106,7 +106,8 @@ class Judge:
                     return replace(again, note=f"{reading.note} {again.note}".strip())
                 if reading.target is not None and _is_zero(claim.target):
                     meant = other
-        return self._as_read(meant, True) if explain else found
+        wrong = self._as_read(meant, True) if explain else found
+        return replace(wrong, causes=(*wrong.causes, *unread_conditions.advice(claim)))
 
     def _value(self, claim: Claim, node: Expression) -> Value:
         """The value of a tree that is read in another way."""
