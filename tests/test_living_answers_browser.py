@@ -190,9 +190,13 @@ def test_a_vector_may_stand_in_round_brackets(driver, tmp_path):
         ("T1", "θ̇1²", "Not decided here: An answer in numbers"),
         ("H22", "I2", "Not right"),
         ("H22", "0", "Not right"),
+        ("vc1", "[-lc1 s1 θ̇1, lc1 c1 θ̇1, 0]", "Right"),
+        ("vc1", "[-lc1 s1 θ̇1, lc1 c1 θ̇1, 3]", "Not right"),
+        ("G2", "m2 😀", "Cannot be read: 😀 has no meaning here"),
+        ("G2", "m2 ≠ 3", "Cannot be read: a dot, stroke or accent"),
     ],
 )
-def test_levels_and_numbers_as_check_reads_them(driver, tmp_path, name, text, said):
+def test_levels_numbers_and_signs_as_check_reads_them(driver, tmp_path, name, text, said):
     """Or what is right in numbers is left to it."""
     model = fb.load("2R")
     page = tmp_path / "page.html"

@@ -128,10 +128,12 @@ function isInNumbers(node, line) {
 // The thoughts under which the line would be what is typed, at the first state: of the first table
 // that has any, one of a row.
 function thoughtsOf(node, line, right) {
-  const found = entriesAt(states()[0], node, line).yours.flatMap((own, k) => {
-    if (right[k] || !line.thoughts || vanishes(own)) return [];
+  const {yours} = entriesAt(states()[0], node, line), ahead = line.vector ? 0 : yours.length - 1;
+  const found = yours.flatMap((own, k) => {
+    const thoughts = page.thoughts[line.thoughts?.[k - ahead]];  // not of what a plane lacks
+    if (right[k] || !thoughts || vanishes(own)) return [];
     const isIt = ([, value]) => Math.abs(value - own.v) <= ROUNDED * Math.abs(value) + EQUAL * own.s;
-    const told = page.thoughts[line.thoughts[k]].map((rows, table) =>
+    const told = thoughts.map((rows, table) =>
       rows.flatMap((row) => row.filter(isIt).slice(0, 1)).slice(0, page.most[table]));
     return (told.find((rows) => rows.length) || []).map(([sentence]) => sentence);
   });

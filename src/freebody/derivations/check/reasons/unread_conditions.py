@@ -1,4 +1,4 @@
-"""Conditions in words, as for small angles: lines are judged without them, and wrong ones say so."""
+"""Conditions in words, as for small angles: lines are judged without them; wrong ones say so."""
 
 from __future__ import annotations
 
