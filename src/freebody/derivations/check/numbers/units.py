@@ -121,9 +121,10 @@ def misfit(setting: RightEquations, yours: Trig, right: Trig) -> tuple[Trig, Uni
     return None
 
 
-def can_be_a_level(setting: RightEquations, gap: Trig) -> bool:
-    """Whether what does not move in a difference between energies can be their level: it is an
-    energy or a plain number, and has the robot's own symbols only."""
+def can_be_a_level(setting: RightEquations, gap: Trig, right: Trig) -> bool:
+    """Whether what does not move in a difference from an energy can be its level: it has the
+    robot's own symbols only, and is an energy or a plain number, where units tell: not of a robot
+    whose masses or lengths are numbers, as 20 g then is an energy too."""
     polynomial, rates = setting.ring.polynomial, setting.symbols.rates
     parts = [(powers, polynomial([(powers, k)])) for powers, k in gap.terms()]
     still = [p for p, x in parts if all(x.derivative(name).is_zero for name in rates)]
@@ -134,7 +135,9 @@ def can_be_a_level(setting: RightEquations, gap: Trig) -> bool:
     ):
         return False
     found = {unit_of(setting, powers) for powers in still if powers}
-    return _has_numbers_for_parameters(setting) or found <= {units.ENERGY, None}
+    own = {unit_of(setting, powers) for powers, _ in right.terms()}
+    tell = own <= {units.ENERGY, None} and not _has_numbers_for_parameters(setting)
+    return not tell or found <= {units.ENERGY, None}
 
 
 def _has_numbers_for_parameters(setting: RightEquations) -> bool:

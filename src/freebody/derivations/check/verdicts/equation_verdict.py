@@ -17,6 +17,7 @@ from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.at_rest import MOVES
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked.right_equations import RightEquations
+from freebody.derivations.check.asked.terms_by_motion import moving
 from freebody.derivations.check.numbers.units import can_be_a_level, misfit
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reading.vocabulary import Vocabulary
@@ -159,9 +160,10 @@ class Judge:
         """Whether a claim is about an energy whose level is arbitrary, and may differ by one."""
         if not claim.target.kind.up_to_a_constant:
             return False
-        both = claim.value, right
-        told = all(isinstance(x, Trig) for x in both)  # the numerator of a quotient has other units
-        return not told or can_be_a_level(self.setting, difference(*both))
+        yours = claim.value
+        if not (isinstance(yours, Trig) and isinstance(right, Trig)):
+            return True  # the numerator of a quotient has other units
+        return can_be_a_level(self.setting, yours - right, right)
 
     def _level(self, claim: Claim, right: Value) -> str:
         """By which constant a claim about an energy differs; "" where by none that it may."""
@@ -306,15 +308,19 @@ class Judge:
         wrong = rounded.wrong(MEASURED) if decimal else rounded.wrong()
         if wrong is None:
             return None
-        if not wrong:
+        has_level = self.up_to_a_constant(claim, right)
+        moves = moving(self.setting)
+        off = [x for x in wrong if x.instead or not has_level or not x.names.isdisjoint(moves)]
+        if not off:
             note = "Numbers were compared to three digits."
             if rounded.applies:
                 note = f"In numbers, with the values of {model.name!r}, to the digits given."
+            note = f"{note} {verdict_at_states.LEVEL}" if wrong else note
             return EquationVerdict(claim.label, claim.target.title, True, note=note)
         if not rounded.is_in_numbers:
             return None
         wording = Wording(self.setting, claim.source)
-        findings = first([wording.of_number(row) for row in wrong])
+        findings = first([wording.of_number(row) for row in off])
         causes = [f"In numbers, with the values of {model.name!r}, to the digits given:"]
         return self._with_example(claim, rounded.target, findings, causes)
 

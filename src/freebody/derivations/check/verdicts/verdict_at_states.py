@@ -53,7 +53,7 @@ _DROWNED = (
     "terms that cancel are so much larger here than what is left of them that rounding could hide "
     "a mistake"
 )
-_LEVEL = "It differs by a constant: the zero level of V is arbitrary."
+LEVEL = "It differs by a constant: the zero level of V is arbitrary."
 _OTHER_VALUES = {
     "arccos": "arccos and −arccos are the two postures that reach a point, elbow up and elbow down",
     "sqrt": "the two signs of the root are the two postures, elbow up and elbow down",
@@ -273,7 +273,7 @@ class _AtStates:
             return f"In numbers, with the values of {self.judge.setting.symbols.model.name!r}."
         if found.is_everywhere:
             plain = agreement(found.states, self._tree, self._sought(found.states))
-            return f"{compared}." if plain.is_everywhere or self._equal.as_angles else _LEVEL
+            return f"{compared}." if plain.is_everywhere or self._equal.as_angles else LEVEL
         if found.is_with_branches:
             others = ", and ".join(dict.fromkeys(_OTHER_VALUES[x] for x in found.others))
             count = int(found.right.sum())
