@@ -411,7 +411,9 @@ class PageAnswers:
         set are in other units."""
         held = [*self._sampler.loops[0], *self._sampler.passive]
         units = [(1.0, [1.0] * len(names))] * _STATES
-        units += in_other_units(self.setting, names, held)
+        potential = self.targets.single.get("V")
+        energy = potential.polynomial() if potential else self.setting.zero
+        units += in_other_units(self.setting, names, held, energy)
         rows = list[list[float]]()
         for k, some in self._sets():
             for row, (energy, sizes) in zip(cycle(some), units, strict=False):

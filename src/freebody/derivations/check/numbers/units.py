@@ -67,13 +67,13 @@ def _unit_of_multiplier(loop: str) -> Unit:
 
 
 def in_other_units(
-    setting: RightEquations, names: Sequence[str], conditions: Iterable[Trig]
+    setting: RightEquations, names: Sequence[str], conditions: Iterable[Trig], energy: Trig
 ) -> list[tuple[float, list[float]]]:
     """By how much an energy and each of some symbols change in other units. What holds at a state
-    holds where all change alike; none where the units in its conditions, polynomials that vanish,
-    are not known, as where numbers stand for lengths."""
-    unknown = setting.is_free_body or _has_numbers_for_parameters(setting)
-    if unknown or not all(_has_one_unit(setting, x) for x in conditions):
+    holds where all change alike; none where the units of the energy or of the state's conditions,
+    polynomials that vanish, are not known, as where numbers stand for lengths."""
+    known = _units_tell(setting, energy) and not setting.is_free_body
+    if not known or not all(_has_one_unit(setting, x) for x in conditions):
         return []
     found = [unit_of(setting, {name: 1}) or units.NONE for name in names]
     return [
@@ -135,9 +135,13 @@ def can_be_a_level(setting: RightEquations, gap: Trig, right: Trig) -> bool:
     ):
         return False
     found = {unit_of(setting, powers) for powers in still if powers}
-    own = {unit_of(setting, powers) for powers, _ in right.terms()}
-    tell = own <= {units.ENERGY, None} and not _has_numbers_for_parameters(setting)
-    return not tell or found <= {units.ENERGY, None}
+    return not _units_tell(setting, right) or found <= {units.ENERGY, None}
+
+
+def _units_tell(setting: RightEquations, energy: Trig) -> bool:
+    """Whether the terms of an energy have its unit: no numbers stand for parameters."""
+    own = {unit_of(setting, powers) for powers, _ in energy.terms()}
+    return own <= {units.ENERGY, None} and not _has_numbers_for_parameters(setting)
 
 
 def _has_numbers_for_parameters(setting: RightEquations) -> bool:

@@ -167,10 +167,11 @@ class _AtStates:
             return True
         names, held = list(states.values), [*sampler.loops[0], *sampler.passive]
         first, gaps = self._gap(states), list[Running]()
-        for energy, sizes in in_other_units(self.judge.setting, names, held):
+        energy = self.judge.targets.single["V"].polynomial()
+        for size_of_energy, sizes in in_other_units(self.judge.setting, names, held, energy):
             values = {x: states.values[x] * size for x, size in zip(names, sizes, strict=True)}
             gap = self._gap(replace(states, values=values)) - first
-            gaps.append(gap * Running.exact(1 / (energy - 1)))
+            gaps.append(gap * Running.exact(1 / (size_of_energy - 1)))
         return not gaps or bool((gaps[0] - gaps[1]).vanishes.all())
 
     def _gap(self, states: AdmissibleStates) -> Running:
