@@ -494,3 +494,16 @@ def test_how_many_more_numbers_differ_is_said():
     assert six[-1].message == "6 more terms differ."
     most = fb.check(fb.load("3R"), "H11 = I1 + I2 + I3 + m3*lc3^2 + m3*l2^2 + m3*l1^2").findings
     assert [x.kind for x in most] == ["missing"] * 7
+
+
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [
+        ({"names": 5}, "names: 5 is no dict"),
+        ({"at": {"theta1": 10**400}}, "'theta1' is neither a number nor a text"),
+        ({"parameters": {5: 5}}, "is no dict of names with formulas"),
+    ],
+)
+def test_arguments_of_other_types_are_refused(told, words):
+    with pytest.raises(fb.FreebodyError, match=words):
+        fb.check(fb.load("2R"), "H22 = m2*lc2^2 + I2", **told)

@@ -128,3 +128,17 @@ def test_a_zero_behind_the_paragraph_of_a_condition_is_not_taken_for_one_there(c
     assert fb.check(ARM, f"{condition}\n{line}")
     with pytest.raises(AnswerError, match="was said of the paragraph before"):
         fb.check(ARM, f"{condition}\n{line}\n\n{line}")
+
+
+@pytest.mark.parametrize(
+    "words",
+    ["For small θ2", "when the arm is horizontal", "if θ1 > 0", "Neglecting I2", "Linearised"],
+)
+def test_a_wrong_line_says_which_words_in_front_are_no_condition_that_is_read(words):
+    arm = fb.load("2R")
+    told = f"‘{words}’ in front of it is not read as a condition"
+    line = "{}: G1 = m1 g lc1 + m2 g (l1 + lc2)"
+    assert told in fb.check(arm, line.format(words)).text
+    assert told not in fb.check(arm, f"{words}: G2 = m2 g lc2 c12").text
+    for other in ("For the first joint", "In equilibrium", "For all θ1"):
+        assert "not read as a condition" not in fb.check(arm, line.format(other)).text

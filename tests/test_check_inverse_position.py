@@ -126,6 +126,26 @@ def test_where_a_function_is_steep_or_loops_divide_by_nothing_wrong_is_wrong(rob
     assert "another assembly" not in verdict.text
 
 
+@pytest.mark.parametrize(
+    ("robot", "line"),
+    [
+        ("2R", "G2 = m2 g lc2 c12 + 0.001 + 10^12 sqrt(l1) - 10^12 sqrt(l1)"),
+        ("2R", "θ2 = arccos((x²+y²-l1²-l2²)/(2 l1 l2)) + 0.01 + 10^9 (sqrt(l1)² - l1)/l1"),
+        (
+            "four_bar",
+            "ω3 = l1 s2 θ̇1/(l3 sin(θ1+θ2-θ3)) + θ̇1/10 + 10^12 θ̇1 (l1 s1 + l2 s12 - l3 s3)",
+        ),
+        ("four_bar", "T1 + 0.1 + 10^9 l1 s1 = T1 + 10^9 (l3 s3 - l2 s12)"),
+        ("cart_pole", "τ1 = (m1+m2) ẍ + 10^9 (c2 ẍ + l2 θ̈2 + g s2)"),
+    ],
+)
+def test_what_cancels_hides_no_mistake(robot, line):
+    """Where rounding could, the line is left unread; smaller terms that cancel do no harm."""
+    with pytest.raises(AnswerError, match="rounding could hide a mistake"):
+        fb.check(fb.load(robot), line)
+    assert fb.check(ARM, "G2 = m2 g lc2 c12 + 100 sqrt(l1) - 100 sqrt(l1)")
+
+
 _WRIST = "x_w = x - l3 cos(θ1+θ2+θ3)\ny_w = y - l3 sin(θ1+θ2+θ3)\n"
 
 
@@ -147,3 +167,12 @@ def test_a_line_is_about_what_names_of_ones_own_are_given_by(line: str):
 def test_a_line_that_holds_whatever_stands_behind_ones_own_names_is_refused():
     with pytest.raises(fb.FreebodyError, match="nothing to check"):
         fb.check(fb.planar("RR"), "A = T + V\nB = A + T\nB - V = 2 T")
+
+
+@pytest.mark.parametrize("robot", ["2R", "four_bar"])
+def test_a_level_is_an_energy_also_under_a_root(robot):
+    model = fb.load(robot)
+    for level in ("m1 g sqrt(l1²)", "m1 g l1 sqrt(m2/m1) + 5", "sqrt(5)"):
+        assert fb.check(model, f"V1 = m1 g lc1 s1 + {level}")
+    for level in ("m1 g sqrt(l1)", "sqrt(l1)", "m1 g l1 + g sqrt(m1)"):
+        assert not fb.check(model, f"V1 = m1 g lc1 s1 + {level}")

@@ -399,3 +399,40 @@ def test_the_cosine_of_an_angle_is_not_the_angle(state: str):
 )
 def test_a_moment_is_told_in_newton_metres_and_an_energy_in_joules(answer, words):
     assert words in str(fb.check(fb.load("2R"), answer))
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        "G2 = 500 + 1.0e6 - 1.0e6 N m at θ1 = 0, θ2 = 0",
+        "H22 = 90 ± 100 kg m²",
+        "τ2 = 0 ± 1000 N m at θ1 = 0, θ2 = 0, q̇ = 0, q̈ = 0",
+    ],
+)
+def test_digits_and_tolerances_that_leave_everything_open_tell_nothing(answer):
+    with pytest.raises(AnswerError, match="is larger than the right number"):
+        fb.check(fb.load("2R"), answer)
+
+
+def test_digits_that_leave_more_open_than_a_term_has_do_not_make_it_right():
+    two = fb.load("2R")
+    assert not fb.check(two, "G2 = (500 + 1.0e6 - 1.0e6) cos(θ1+θ2)")
+    assert not fb.check(two, "G2 = 11.772 cos(θ1+θ2) + (5 + 1.0e6 - 1.0e6) sin θ1")
+    assert fb.check(two, "G2 = (11.8 + 1.0 - 1.0) cos(θ1+θ2)")
+    assert fb.check(two, "H22 = 0.6")
+    assert fb.check(two, "τ2 = 0 ± 0.01 N m at θ1 = 90°, θ2 = 0, q̇ = 0, q̈ = 0")
+
+
+def test_the_level_of_an_energy_is_free_in_numbers_too():
+    two, scara = fb.load("2R"), fb.load("scara")
+    right = "V = 58.86 s1 + 11.77 s12"
+    for level in ("", " + 5", " - 3.25"):
+        assert fb.check(two, right + level)
+    assert "the zero level of V is arbitrary" in fb.check(two, right + " + 5").text
+    for wrong in (" + 5 s1", " + 5 θ1", " + 0.1 θ̇1", " + l1", " + m1 g"):
+        assert not fb.check(two, right + wrong)
+    assert not fb.check(two, "G1 = 58.86 c1 + 11.77 c12 + 5")
+    for level in ("", " + 3", " + 20 g"):
+        assert fb.check(scara, f"V = -2.5 g d3{level}")
+    for wrong in ("V = -2.4 g d3", "V = -2.5 g d3 + 3 θ1", "V = 2.5 g d3"):
+        assert not fb.check(scara, wrong)

@@ -172,3 +172,37 @@ def test_a_vector_may_stand_in_round_brackets(driver, tmp_path):
         ("(lc1 c1 θ̇1, -lc1 s1 θ̇1)", "Not right"),
     ):
         assert driver.execute_script(ANSWER, names.index("vc1"), text).startswith(said)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("V1", "m1 g lc1 s1 + m1 g l1 + 5", "Right"),
+        ("V1", "m1 g lc1 s1 + l1", "Not right"),
+        ("V1", "m1 g lc1 s1 + m1 g sqrt(l1)", "Not right"),
+        ("V1", "m1 g lc1 s1 + m1 g l1 sqrt(s1²)/s1", "Not right"),
+        ("V1", "m1 g lc1 s1 + l1/(l1 - l1)", "Cannot be read: this divides by zero."),
+        ("G2", "m2 g lc2 c12 + 0.001 + 10^12 l1 - 10^12 l1", "Not decided here"),
+        ("G2", "m2 g lc2 c12 + 100 l1 - 100 l1", "Right"),
+        ("G2", "11.77 c12", "Not decided here: An answer in numbers"),
+        ("H22", "0.6", "Not decided here: An answer in numbers"),
+        ("H22", "0.64 kg m²", "Not decided here: A unit"),
+        ("T1", "θ̇1²", "Not decided here: An answer in numbers"),
+        ("H22", "I2", "Not right"),
+        ("H22", "0", "Not right"),
+        ("vc1", "[-lc1 s1 θ̇1, lc1 c1 θ̇1, 0]", "Right"),
+        ("vc1", "[-lc1 s1 θ̇1, lc1 c1 θ̇1, 3]", "Not right"),
+        ("G2", "m2 😀", "Cannot be read: 😀 has no meaning here"),
+        ("G2", "m2 ≠ 3", "Cannot be read: a dot, stroke or accent"),
+    ],
+)
+def test_levels_numbers_and_signs_as_check_reads_them(driver, tmp_path, name, text, said):
+    """Or what is right in numbers is left to it."""
+    model = fb.load("2R")
+    page = tmp_path / "page.html"
+    page.write_text(fb.derive(model, "lagrange").html(), encoding="utf-8")
+    driver.get(page.as_uri())
+    names = [x for x, _ in driver.execute_script(FRESH)]
+    assert driver.execute_script(ANSWER, names.index(name), text).startswith(said)
+    expected = {"Right": "right", "Not r": "wrong", "Canno": "unread"}.get(said[:5])
+    assert expected is None or checked(model, f"{name} = {text}")[0] == expected

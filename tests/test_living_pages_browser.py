@@ -529,6 +529,21 @@ def test_other_robots_have_pages_without_a_script():
     assert "<script" not in fb.derive(model).html()
 
 
+@pytest.mark.parametrize("width", [500, 1000, 1500])
+def test_without_a_script_neither_panel_nor_values_are_shown(driver, tmp_path, width):
+    """Nor before it is there: sliders that move nothing, and values without numbers."""
+    page, size = tmp_path / "page.html", driver.get_window_size()
+    html = fb.derive(fb.load("2R"), "lagrange").html()
+    page.write_text(html.replace("<script", "<template").replace("</script", "</template"), "utf-8")
+    driver.set_window_size(width, 900)
+    driver.execute("get", {"url": page.as_uri()})
+    seen = """return [...document.querySelectorAll(arguments[0])]
+        .filter((x) => x.getClientRects().length).length"""
+    assert not driver.execute_script(seen, ".try, .values")
+    assert driver.execute_script(seen, "math") > 40
+    driver.set_window_size(size["width"], size["height"])
+
+
 def test_action_and_reaction_are_drawn_equal(driver, tmp_path):
     opened(driver, tmp_path, fb.derive(fb.load("2R"), "newton-euler"))
     arrows = np.array(driver.execute_script(ARROWS))
@@ -721,7 +736,7 @@ def test_energies_are_typed_as_they_are_printed(driver, tmp_path):
         ("T1", "0,5 m1 vc1^2", "Not decided here: More than one equation"),
         ("rc1", "(lc1 c1, lc1 s1)", "Right: "),
         ("rc1", "(lc1 c1, lc1 s1", "Cannot be read: "),
-        ("V1", "9.81 m1 lc1 s1", "Right: equal at 4 random states. ‘9.81’ is read as g."),
+        ("V1", "9.81 m1 lc1 s1", "Right: equal at 8 random states. ‘9.81’ is read as g."),
     ):
         verdict, _ = driver.execute_script(ANSWER, line, answer)
         assert verdict.startswith(said), (answer, verdict)

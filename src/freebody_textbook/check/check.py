@@ -19,6 +19,7 @@ from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.letters_for_numbers import as_written
 from freebody_textbook.check.asked.load_names import named_in
 from freebody_textbook.check.asked.right_equations import RightEquations, equations_of, in_notation
+from freebody_textbook.check.claims import own_names
 from freebody_textbook.check.claims.claims import statements
 from freebody_textbook.check.documents import FORMS, AnswerDocument, form_of
 from freebody_textbook.check.reading.claim import Claim
@@ -94,12 +95,12 @@ def check(
     if tolerance is not None and not (isinstance(tolerance, int | float) and 0 <= tolerance < 1):
         raise AnswerError(f"tolerance is a share from 0 to 1, such as 0.01, not {tolerance!r}")
     style = notation_of(notation, parameters)
-    document = document_of(answer, form)
+    document, own = document_of(answer, form), own_names.as_texts(names or {})
     formulas = document.lexemes
-    written = as_written(freed(model, style.parameters), formulas, names or ())
+    written = as_written(freed(model, style.parameters), formulas, own)
     loads = named_in(written, formulas)
     where = in_notation(equations_of(written, loads), style, absolute)
-    asked = _WholeAnswer(document, names or {}, style, at, tolerance)
+    asked = _WholeAnswer(document, own, style, at, tolerance)
     first = found = asked.judged(where)
     for opposed in senses.others(where, first.wrong, document.formulas):
         own = asked.judged(replace(where, opposed=opposed))

@@ -16,6 +16,7 @@ function namesOf(word) {
   const isWhole = words.has(word.plain);
   const found = cutWord(word, (x) => words.has(x) && (isWhole || !words.get(x).apart), isFunction)
     || cutWord(word, (x) => page.glued.includes(x), () => false);
+  if (!found && table.UNITS.includes(word.plain)) throw undecided("A unit");
   if (!found) throw unreadable(`there is no ${word.plain} that this line may use.`);
   return found;
 }
@@ -70,11 +71,12 @@ const lookedUp = (x, y) => {
   return look;
 };
 let drawn = null;
-const states = () => drawn ||= page.states.map(([set, ...values]) => {
+function stateOf(values) {
   const x = Float64Array.from(values), y = new Float64Array(page.size);
   live(x, y);
-  return {set, x, y};
-});
+  return {x, y};
+}
+const states = () => drawn ||= page.states.map(([set, energy, ...values]) => ({set, energy, ...stateOf(values)}));
 // The entries of a tree that is to be equal to a line, and those of the line.
 function entriesAt({x, y}, node, line) {
   const valuer = new Valuer(lookedUp(x, y)), size = line.vector || 1;
@@ -85,28 +87,53 @@ function entriesAt({x, y}, node, line) {
   if (padded.length !== yours.length || (found.rows && !shapeOf(found).includes(1))) throw unreadable(`${line.name} has ${size} ${size > 1 ? "entries" : "entry"} here.`);
   return {yours, right: padded};
 }
+// How many times larger than a line the terms of an answer may be, or rounding could hide a mistake.
+const LARGEST = 1e5;
 // Entry by entry whether it is right: everywhere, or where loops are closed and what nothing drives
-// moves by itself; energies up to a constant.
+// moves by itself; energies up to a plain number and an energy, told by the states in other units.
 function compared(node, line) {
-  const found = states().map((state) => ({set: state.set, ...entriesAt(state, node, line)}));
+  const found = states().map((state) => ({...state, ...entriesAt(state, node, line)}));
   const some = found.filter(({set}) => set >= 0), any = found.filter(({set}) => set < 0);
   return found[0].yours.map((_, k) => {
-    const isEqual = (all) => all.every(({set, yours, right}) => {
-      const first = all.find((one) => one.set === set), level = line.level ? first.yours[k].v - first.right[k] : 0;
-      return Math.abs(yours[k].v - right[k] - level) <= EQUAL * (yours[k].s + Math.abs(right[k]));
+    const gap = ({yours, right}) => yours[k].v - right[k];
+    const levelOf = ({set, energy}) => {
+      const own = found.filter((one) => one.set === set), [first] = own, other = own.find((one) => one.energy !== 1);
+      return gap(first) + (other ? (gap(other) - gap(first)) * (energy - 1) / (other.energy - 1) : 0);
+    };
+    const isEqual = (all) => all.every((one) => {
+      const {yours, right} = one, level = line.level ? levelOf(one) : 0;
+      return Math.abs(gap(one) - level) <= EQUAL * (yours[k].s + Math.abs(right[k]));
     });
+    const isDrowned = found.every(({yours, right}) => right[k] && yours[k].s > LARGEST * Math.abs(right[k]));
+    if (isDrowned) throw undecided("What is so much smaller than terms that cancel");
     const largest = (all) => Math.max(...all.map(({right}) => Math.abs(right[k])));
     const saysNothing = any.length && !line.idle && largest(some) <= EQUAL * largest(any);
     return (any.length && isEqual(any)) || (!saysNothing && isEqual(some));
   });
 }
+// Whether an answer may be in numbers, with the values of the robot's parameters, where the line has
+// such: of one without any symbol that has a value, nearly.
+const NEARLY = 0.3;
+function isInNumbers(node, line) {
+  const {values, given} = page.own, parts = nodesOf(node);
+  if (!values) return false;
+  const [here, other] = [1, 1.37].map((size) => stateOf(values.map((v, k) => given.includes(k) ? size * v : v)));
+  if (line.places.every((k) => here.y[k] === other.y[k])) return false;
+  const slots = parts.filter(({is}) => is === "name").flatMap(({s = [], t = []}) => [s, t].flat(3));
+  const isMixed = slots.some((k) => k >= 0 || given.includes(-k - 1));
+  if (isMixed && !parts.some(({is}) => is === "number")) return false;
+  const {yours, right} = entriesAt(here, node, line);
+  return yours.every(({v, s}, k) => Math.abs(v - right[k]) <= (isMixed ? EQUAL * s : NEARLY * Math.abs(v)));
+}
 // The thoughts under which the line would be what is typed, at the first state: of the first table
 // that has any, one of a row.
 function thoughtsOf(node, line, right) {
-  const found = entriesAt(states()[0], node, line).yours.flatMap((own, k) => {
-    if (right[k] || !line.thoughts || vanishes(own)) return [];
+  const {yours} = entriesAt(states()[0], node, line), ahead = line.vector ? 0 : yours.length - 1;
+  const found = yours.flatMap((own, k) => {
+    const thoughts = page.thoughts[line.thoughts?.[k - ahead]];  // not of what a plane lacks
+    if (right[k] || !thoughts || vanishes(own)) return [];
     const isIt = ([, value]) => Math.abs(value - own.v) <= ROUNDED * Math.abs(value) + EQUAL * own.s;
-    const told = page.thoughts[line.thoughts[k]].map((rows, table) =>
+    const told = thoughts.map((rows, table) =>
       rows.flatMap((row) => row.filter(isIt).slice(0, 1)).slice(0, page.most[table]));
     return (told.find((rows) => rows.length) || []).map(([sentence]) => sentence);
   });
@@ -142,6 +169,7 @@ function judged(row, text) {
       const other = readings(node, line).find(([tree]) => isRight(tree, line));
       if (!isRight(node, line) && !other) {
         valuable(node);
+        if (isInNumbers(node, line)) throw undecided("An answer in numbers");
         return [false, wrong(row, text, node)];
       }
       notes.push(isRight(node, line) ? "" : other[1]);
@@ -159,6 +187,10 @@ function isRight(node, line) {
 function valuable(node) {
   const part = nodesOf(node).find((one) => one.isNowhere);
   if (part) throw undecided(`${part.text} has no value on this page: what is written with it`);
+  const isNothing = (below) => states().every(({x, y}) => entriesOf(new Valuer(lookedUp(x, y)).at(below)).every(vanishes));
+  for (const {is, parts, exponent} of nodesOf(node)) {
+    if (is === "quotient" ? isNothing(parts[1]) : exponent < 0 && isNothing(parts[0])) throw unreadable("this divides by zero");
+  }
 }
 function wrong(row, text, node) {
   const {line} = row, said = thoughtsOf(node, line, compared(node, line));

@@ -7,7 +7,9 @@ import json
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from itertools import groupby
+from dataclasses import replace
+from itertools import cycle, groupby
+from operator import mul
 from typing import Any
 
 import numpy as np
@@ -26,6 +28,7 @@ from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.asked.right_equations import RightEquations, equations_of, in_notation
 from freebody_textbook.check.claims import own_names
+from freebody_textbook.check.numbers.units import in_other_units
 from freebody_textbook.check.reading.vocabulary import GLUED, Vocabulary
 from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint
 from freebody_textbook.check.reasons.free_bodies import FreeBodyMotion
@@ -45,7 +48,7 @@ from freebody_textbook.relations.formula_values import rank
 MOST_THOUGHT = 4
 """Coordinates up to which thoughts are told: of more the right values are too long."""
 _STATES, _SETS = 2, 2
-"""States with one set of parameters, and sets of parameters."""
+"""States with one set of parameters, in each of the units, and sets of parameters."""
 
 _MOST_ALIKE = 40
 """Names without value that differ by their figures, up to which a page knows them."""
@@ -328,7 +331,11 @@ class PageAnswers:
             return StateSampler(self.setting, images=motion.motion(thrusts).images).states()
         if self.setting.system is None and not self.setting.symbols.model.passive:
             return None
-        return StateSampler(self.setting, still=self._at_rest).states()
+        return self._sampler.states()
+
+    @cached_property
+    def _sampler(self) -> StateSampler:
+        return StateSampler(self.setting, still=self._at_rest)
 
     def _readings(self, names: Sequence[str]) -> list[dict[str, Any]]:
         """What may be read in another way: the numbers or names, and what is said of it; terms: of
@@ -396,18 +403,53 @@ class PageAnswers:
 
     def _states(self, names: Sequence[str], values: Mapping[str, float]) -> list[list[float]]:
         """Of each state the number of its set of parameters, -1 of one that need not be admissible
-        where others are; and its values."""
+        where others are; how large an energy is in its units; and its values. The last ones of a
+        set are in other units."""
+        held = [*self._sampler.loops[0], *self._sampler.passive]
+        units = [(1.0, [1.0] * len(names))] * _STATES
+        potential = self.targets.single.get("V")
+        energy = potential.polynomial() if potential else self.setting.zero
+        units += in_other_units(self.setting, names, held, energy)
+        rows = list[list[float]]()
+        for k, some in self._sets():
+            for row, (energy, sizes) in zip(cycle(some), units, strict=False):
+                numbers = (row.get(x, values.get(x, 0.0)) for x in names)
+                rows.append([k, energy, *map(mul, numbers, sizes)])
+        return rows
+
+    def _own_state(self, names: Sequence[str], values: Mapping[str, float]) -> dict[str, Any]:
+        """A state with the values of the robot's own parameters, by which answers in numbers are
+        told, and which of the symbols these are, gravity apart; nothing where there are none."""
+        model, gravity = self.setting.symbols.model, self.setting.order.gravity
+        given = {x: float(v) for x, v in model.parameters.items() if v is not None and x in names}
+        row = self._any[0] | given
+        if self._admissible is not None:
+            found = replace(self._sampler, own_values=True).states()
+            row = {} if found is None else {x: float(v[0]) for x, v in found.values.items()}
+        if not row or self.setting.is_free_body:
+            return {}
+        numbers = [row.get(x, values.get(x, 0.0)) for x in names]
+        return {"values": numbers, "given": [names.index(x) for x in given if x != gravity]}
+
+    def _sets(self) -> Iterator[tuple[int, list[dict[str, float]]]]:
+        """Sets of parameters by number, each with its states."""
         found = self._admissible
-        rows = [[-1 if found else k // _STATES, row] for k, row in enumerate(self._any)]
+        first = range(0, len(self._any), _STATES)
+        for k in first if found is None else first[:1]:
+            own = self._any[k : k + _STATES]
+            yield (k if found is None else -1), [*own, *map(self._turned_back, own)]
         if found is not None:
-            rows = rows[:_STATES]
             closed = self.setting.system is not None
             for k in np.unique(found.parameters)[:_SETS]:
                 own = np.flatnonzero(found.parameters == k)
                 own = own[found.branch[own] == found.branch[own].min()] if closed else own
-                for i in own[:_STATES]:
-                    rows.append([int(k), {x: float(v[i]) for x, v in found.values.items()}])
-        return [[k, *(row.get(x, values.get(x, 0.0)) for x in names)] for k, row in rows]
+                rows = own[: 2 * _STATES]
+                yield int(k), [{x: float(v[i]) for x, v in found.values.items()} for i in rows]
+
+    def _turned_back(self, row: Mapping[str, float]) -> dict[str, float]:
+        """A state with coordinates of the other sign."""
+        names = self.setting.symbols.coordinates
+        return {x: -v / 2 if x in names else v for x, v in row.items()}
 
     # ------------------------------------------------------------ for the script
     def symbols(self, inputs: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -430,6 +472,7 @@ class PageAnswers:
             "glued": [x for x in self._apart if x in GLUED],
             "others": [values[x] for x in others],
             "states": self._states(names, values),
+            "own": self._own_state(names, values),
             "sentences": self.sentences,
             "thoughts": list(self._thought.values()),
             "most": _MOST_TOLD,

@@ -401,8 +401,8 @@ function tokensOf(all, names, isFunction) {
     else if (["row", "begin", "end"].includes(x.kind)) is(x.kind, text);
     else if (table.FRACTIONS.includes(text)) is("fraction", text);
     else if (table.FUNCTION_COMMANDS.includes(name) && isFunction(name)) is("function", name);
-    else if (x.kind === "mark") throw unreadable("a dot without a letter under it");
-    else throw unreadable(name ? `the command ${text.slice(0, 40)} is not known here` : `${text.slice(0, 1)} has no meaning here`);
+    else if (x.kind === "mark") throw unreadable("a dot, stroke or accent without a letter under it");
+    else throw unreadable(name ? `the command ${text.slice(0, 40)} is not known here` : `${[...text][0]} has no meaning here`);
   };
   while (k < all.length) {
     const x = all[k];

@@ -12,6 +12,7 @@ from freebody.expressions.grammar.tables import characters
 from freebody.expressions.grammar.tables.classes import CLASSES, PATTERNS
 from freebody.expressions.grammar.tables.spellings import SPELLINGS
 from freebody_textbook.check.algebra.exact_polynomials import LARGEST_EXPONENT
+from freebody_textbook.check.numbers.written_units import UNITS
 
 _CHARACTERS = (
     "LETTERS", "LETTER_COMMANDS", "FONTS", "ACCENTS", "MARKS", "PRIMES", "STARS", "LOW", "HIGH",
@@ -36,6 +37,7 @@ def tables() -> dict[str, Any]:
         "CLASSES": {name: _shorter(x) for name, x in CLASSES.items() if name in used},
         "ITEM": patterns.ITEM.pattern.replace("?P<", "?<"),
         "LARGEST_EXPONENT": LARGEST_EXPONENT,
+        "UNITS": UNITS,
     }
 
 

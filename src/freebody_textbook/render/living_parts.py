@@ -47,5 +47,7 @@ overflow-y:auto}}
 @media screen and (min-width:82rem){.living{margin-right:27rem}.try{width:23rem}}
 @media screen and (prefers-color-scheme:dark){.try{border-color:#48525e}.values{color:#9aa6b5}
 .value output{color:#ff86b3}.answer.right p{color:#74cf8a}}
+.try[hidden],.try[hidden]~section .values{display:none}
 """
-"""Of the panel and the values; wide windows have the panel beside the steps."""
+"""Of the panel and the values; wide windows have the panel beside the steps, and neither is shown
+before the script is there, or without one."""

@@ -42,7 +42,6 @@ STATE = """
 .try summary::after{content:": "}.slider label::after{content:" = "}
 .slider:not(:last-child)::after{content:", "}.try details:last-of-type::after{content:"."}
 details:not(:last-of-type) .slider:last-child::after,.value:not(:last-child)::after{content:"; "}
-.try[hidden],.try[hidden]~section .values{display:none}
 .values{font-size:.92em;overflow:visible}
 .value math,.slider math{font-size:1.05em}.value output{color:inherit}}
 """

@@ -148,7 +148,7 @@ def _mark(source: Source, x: Lexeme, language: Grammar) -> Token:
     if x.command in table.FUNCTION_COMMANDS and x.command in language.functions:
         return Token("function", x.command, *span)
     if x.kind == "mark":
-        source.fail("a dot without a letter under it", span)
+        source.fail("a dot, stroke or accent without a letter under it", span)
     if text == "\\":
         source.fail("a backslash alone", span)
     if text == "\\prime":

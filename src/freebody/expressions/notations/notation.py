@@ -155,7 +155,8 @@ def notation_of(
 ) -> BookNotation:
     """A notation by name, a user's own by its file, or itself; None for that of the notes.
     parameters: further ones that are given by formulas or numbers."""
-    if parameters is not None and not isinstance(parameters, Mapping):
+    is_dict = isinstance(parameters, Mapping) and all(isinstance(x, str) for x in parameters)
+    if parameters is not None and not is_dict:
         raise FreebodyError(
             f"parameters: {shown(parameters)} is no dict of names with formulas, "
             'such as {"lc": "l/2"}.'

@@ -61,7 +61,7 @@ def _is_printed(name: str, target: AskedQuantity, notation: BookNotation) -> boo
 
 def of_user(vocabulary: Vocabulary, targets: Targets, names: Mapping[str, str]) -> None:
     """The user's names, all at once too; one may stand for what others do."""
-    here, waiting = vocabulary.copy(), _as_texts(names)
+    here, waiting = vocabulary.copy(), dict(names)
     while waiting:
         problem = None
         for name, meaning in list(waiting.items()):
@@ -76,7 +76,7 @@ def of_user(vocabulary: Vocabulary, targets: Targets, names: Mapping[str, str]) 
         here, names = vocabulary.copy(), dict(waiting)
 
 
-def _as_texts(names: object) -> dict[str, str]:
+def as_texts(names: object) -> dict[str, str]:
     """Names and their meanings, of which a number is one too; raises AnswerError."""
     if not isinstance(names, Mapping):
         raise AnswerError(f"names: {names!r} is no dict such as {{'L1': 'l1'}}")

@@ -94,7 +94,7 @@ class StateReader:
         for name, value in at.items():
             try:
                 text = value if isinstance(value, str) else repr(float(value))
-            except (TypeError, ValueError):
+            except (TypeError, ValueError, OverflowError):
                 raise AnswerError(
                     f"at: {name!r} is neither a number nor a text such as '30 deg'"
                 ) from None

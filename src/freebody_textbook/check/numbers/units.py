@@ -3,7 +3,8 @@ fit cannot be right, whatever it should be."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Mapping, Sequence
 
 from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.quantities import units
@@ -21,6 +22,10 @@ _TEXTS = {
 }
 """Units of a model's numbers, as its catalogue writes them."""
 _WAVES = ("sin_", "cos_", "sgn_")
+_POSITIONS = ("x", "y", "z")
+"""Coordinates of a slide along an axis of the world."""
+_OTHERS = ((1.3, 1.2, 0.9), (0.7, 0.8, 1.2))
+"""kg, m and s in other units: of these sizes no product of two parameters changes as an energy."""
 
 
 def unit_of(setting: RightEquations, powers: Mapping[str, int]) -> Unit | None:
@@ -44,7 +49,10 @@ def _unit(setting: RightEquations, name: str) -> Unit | None:
     if name.startswith(MULTIPLIER) and setting.system is not None:
         return _unit_of_multiplier(setting.system.loops.names[int(atom(name).figures) - 1])
     own = atom(name)
-    is_known = setting.is_planar or name.split("_d")[0] in setting.symbols.coordinates
+    moves = name.split("_d")[0] in setting.symbols.coordinates
+    if moves and own.letter in _POSITIONS and not own.index:
+        return 0, 1, -own.dots
+    is_known = setting.is_planar or moves
     if not is_known or not own.is_numbered or own.letter not in BY_LETTER:
         return None
     kg, m, s = BY_LETTER[own.letter].unit
@@ -56,6 +64,32 @@ def _unit_of_multiplier(loop: str) -> Unit:
     part = loop.rpartition(".")[2]
     length = 2 if part == "tension" else int(part.startswith("f"))
     return 1, 2 - length, -2
+
+
+def in_other_units(
+    setting: RightEquations, names: Sequence[str], conditions: Iterable[Trig], energy: Trig
+) -> list[tuple[float, list[float]]]:
+    """By how much an energy and each of some symbols change in other units. What holds at a state
+    holds where all change alike; none where the units of the energy or of the state's conditions,
+    polynomials that vanish, are not known, as where numbers stand for lengths."""
+    known = _units_tell(setting, energy) and not setting.is_free_body
+    if not known or not all(_has_one_unit(setting, x) for x in conditions):
+        return []
+    found = [unit_of(setting, {name: 1}) or units.NONE for name in names]
+    return [
+        (_factor(sizes, units.ENERGY), [_factor(sizes, unit) for unit in found])
+        for sizes in _OTHERS
+    ]
+
+
+def _has_one_unit(setting: RightEquations, x: Trig) -> bool:
+    """Whether all terms have the same, and it is known."""
+    found = {unit_of(setting, powers) for powers, _ in x.terms()}
+    return len(found) <= 1 and None not in found
+
+
+def _factor(sizes: tuple[float, float, float], unit: Unit) -> float:
+    return math.prod(size**power for size, power in zip(sizes, unit, strict=True))
 
 
 def unit_of_quantity(setting: RightEquations, target: AskedQuantity, right: Value) -> Unit | None:
@@ -87,9 +121,10 @@ def misfit(setting: RightEquations, yours: Trig, right: Trig) -> tuple[Trig, Uni
     return None
 
 
-def can_be_a_level(setting: RightEquations, gap: Trig) -> bool:
-    """Whether what does not move in a difference between energies can be their level: it is an
-    energy or a plain number, and has the robot's own symbols only."""
+def can_be_a_level(setting: RightEquations, gap: Trig, right: Trig) -> bool:
+    """Whether what does not move in a difference from an energy can be its level: it has the
+    robot's own symbols only, and is an energy or a plain number, where units tell: not of a robot
+    whose masses or lengths are numbers, as 20 g then is an energy too."""
     polynomial, rates = setting.ring.polynomial, setting.symbols.rates
     parts = [(powers, polynomial([(powers, k)])) for powers, k in gap.terms()]
     still = [p for p, x in parts if all(x.derivative(name).is_zero for name in rates)]
@@ -100,7 +135,13 @@ def can_be_a_level(setting: RightEquations, gap: Trig) -> bool:
     ):
         return False
     found = {unit_of(setting, powers) for powers in still if powers}
-    return _has_numbers_for_parameters(setting) or found <= {units.ENERGY, None}
+    return not _units_tell(setting, right) or found <= {units.ENERGY, None}
+
+
+def _units_tell(setting: RightEquations, energy: Trig) -> bool:
+    """Whether the terms of an energy have its unit: no numbers stand for parameters."""
+    own = {unit_of(setting, powers) for powers, _ in energy.terms()}
+    return own <= {units.ENERGY, None} and not _has_numbers_for_parameters(setting)
 
 
 def _has_numbers_for_parameters(setting: RightEquations) -> bool:

@@ -39,6 +39,8 @@ _TOGETHER = {
     for parts in itertools.product(_FORCES, _ALONG, _BEHIND)
 }
 """Units written without blanks, and their parts: Nm, Nms, kgm."""
+UNITS = (*_KNOWN, *_SYNONYMS, *filter(None, _TOGETHER))
+"""Words that are units."""
 _WORD = LexemePattern("< word:@unit_letters raised:~%two_or_three? !~%unit_goes_on | word:° >")
 _LONG_WORD = LexemePattern("word:@unit_letters")
 _POWER = LexemePattern(

@@ -30,6 +30,12 @@ class Difference:
     right: Fraction
     instead: Key | None = None
 
+    @property
+    def names(self) -> set[str]:
+        """The symbols in it, those of its angles too."""
+        monomial, wave = self.key
+        return {x for x, _ in monomial} | {x for _, angle, _ in wave for x, _ in angle}
+
 
 def terms(setting: RightEquations, x: Trig) -> Terms:
     """A polynomial term by term, powers of symbols in a fixed order."""

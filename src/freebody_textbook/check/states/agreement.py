@@ -3,19 +3,22 @@ one assembly of a closed chain, or up to a constant."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
 
-from freebody.expressions.nodes import Expression
+from freebody.expressions.nodes import Expression, Negative, Sum
 from freebody.lazy import cached_property
 from freebody_textbook.check.asked.quantity import Acting
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.states.admissible_states import AdmissibleStates, StateSampler
 from freebody_textbook.check.states.running import Array, Running
 from freebody_textbook.check.states.state_values import Known, choices, second_values
+
+_LARGEST = 1e5
+"""How many times larger than what is compared its terms may be."""
 
 _Drawn = tuple[bool, bool, frozenset[tuple[str, float]], Acting]
 
@@ -130,6 +133,31 @@ def agreement(
             break
     assert first is not None  # there is one choice at least
     return Agreement(states, first.vanishes, fits, tuple(others), first)
+
+
+def is_drowned(states: AdmissibleStates, yours: Expression, right: Running, gap: Running) -> bool:
+    """Whether terms are so much larger than what is compared, the right value or else the least
+    term of an equation, that rounding could hide a mistake."""
+    with np.errstate(all="ignore"):
+        least = right.size if right.size.any() else _least(states, yours)
+        return bool(np.median(gap.size / least) > _LARGEST)
+
+
+def _least(states: AdmissibleStates, yours: Expression) -> Array:
+    """The size of the least term of a sum, of those that do not vanish."""
+    terms = (states.at(x, {}) for x in _terms(yours))
+    return np.min([np.where(x.vanishes, np.inf, np.abs(x.value)) for x in terms], axis=0)
+
+
+def _terms(node: Expression) -> Iterator[Expression]:
+    """Those of a sum of sums."""
+    if isinstance(node, Sum):
+        for term in node.terms:
+            yield from _terms(term)
+    elif isinstance(node, Negative):
+        yield from _terms(node.operand)
+    else:
+        yield node
 
 
 @dataclass(frozen=True)

@@ -23,10 +23,11 @@ from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.at_rest import MOVES
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.asked.right_equations import RightEquations
+from freebody_textbook.check.asked.terms_by_motion import moving
 from freebody_textbook.check.numbers.units import can_be_a_level, misfit
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reading.vocabulary import Vocabulary
-from freebody_textbook.check.reasons import coriolis, undriven_joints
+from freebody_textbook.check.reasons import coriolis, undriven_joints, unread_conditions
 from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint
 from freebody_textbook.check.reasons.free_bodies import FreeBodyMotion
 from freebody_textbook.check.reasons.misconceptions import explaining
@@ -106,7 +107,8 @@ class Judge:
                     return replace(again, note=f"{reading.note} {again.note}".strip())
                 if reading.target is not None and _is_zero(claim.target):
                     meant = other
-        return self._as_read(meant, True) if explain else found
+        wrong = self._as_read(meant, True) if explain else found
+        return replace(wrong, causes=(*wrong.causes, *unread_conditions.advice(claim)))
 
     def _value(self, claim: Claim, node: Expression) -> Value:
         """The value of a tree that is read in another way."""
@@ -156,10 +158,12 @@ class Judge:
 
     def up_to_a_constant(self, claim: Claim, right: Value) -> bool:
         """Whether a claim is about an energy whose level is arbitrary, and may differ by one."""
-        both = claim.value, right
-        told = all(isinstance(x, Trig) for x in both)  # the numerator of a quotient has other units
-        is_level = not told or can_be_a_level(self.setting, difference(*both))
-        return claim.target.kind.up_to_a_constant and is_level
+        if not claim.target.kind.up_to_a_constant:
+            return False
+        yours = claim.value
+        if not (isinstance(yours, Trig) and isinstance(right, Trig)):
+            return True  # the numerator of a quotient has other units
+        return can_be_a_level(self.setting, yours - right, right)
 
     def _level(self, claim: Claim, right: Value) -> str:
         """By which constant a claim about an energy differs; "" where by none that it may."""
@@ -304,15 +308,19 @@ class Judge:
         wrong = rounded.wrong(MEASURED) if decimal else rounded.wrong()
         if wrong is None:
             return None
-        if not wrong:
+        has_level = self.up_to_a_constant(claim, right)
+        moves = moving(self.setting)
+        off = [x for x in wrong if x.instead or not has_level or not x.names.isdisjoint(moves)]
+        if not off:
             note = "Numbers were compared to three digits."
             if rounded.applies:
                 note = f"In numbers, with the values of {model.name!r}, to the digits given."
+            note = f"{note} {verdict_at_states.LEVEL}" if wrong else note
             return EquationVerdict(claim.label, claim.target.title, True, note=note)
         if not rounded.is_in_numbers:
             return None
         wording = Wording(self.setting, claim.source)
-        findings = first([wording.of_number(row) for row in wrong])
+        findings = first([wording.of_number(row) for row in off])
         causes = [f"In numbers, with the values of {model.name!r}, to the digits given:"]
         return self._with_example(claim, rounded.target, findings, causes)
 

@@ -100,10 +100,27 @@ class NumberAtState:
     @cached_property
     def _noise(self) -> float:
         """What floating point leaves where terms cancel, as cos 90°."""
+        return EXACT * (self._size + abs(self.yours))
+
+    @cached_property
+    def _size(self) -> float:
+        """How large the terms of the right number are together."""
         point = RealPoint.of_state(self.setting.ring, self.values)
         above, below = pair(self.right_value)
         size = sum(abs(point.term(powers, c)) for powers, c in above.terms())
-        return EXACT * (size / (abs(point.of(below)) or math.nan) + abs(self.yours))
+        return size / (abs(point.of(below)) or math.nan)
+
+    @property
+    def is_right(self) -> bool:
+        """Whether the numbers are equal to the digits given, or within the tolerance."""
+        return self.point.agree(self.yours, self.right)
+
+    @property
+    def is_vague(self) -> bool:
+        """Whether digits or tolerance leave more room than the right number's terms have, so that
+        nearly any number would do."""
+        exactly = replace(self.point, slack=self._noise).agree(self.yours, self.right)
+        return not exactly and self.point.slack > self._size + self._noise
 
     @cached_property
     def thought(self) -> RealPoint:

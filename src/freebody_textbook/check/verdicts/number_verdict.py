@@ -31,6 +31,7 @@ from freebody_textbook.check.verdict import EquationVerdict, Example, Mistake
 from freebody_textbook.check.verdicts.number_at_state import EXACT, NumberAtState, symbol_of
 from freebody_textbook.check.verdicts.number_reasons import reasons
 
+_VAGUE = "the tolerance, or what the digits leave open, is larger than the right number"
 _FORCE = re.compile(r"[fn]_?\{?[0-9₀-₉]|tau|τ")
 """The name of a force or moment in a joint."""
 
@@ -219,7 +220,9 @@ class _NumberVerdict:
             claim.source.fail(
                 f"{claim.label} has no value {self._where()}: a division by 0", claim.node.span
             )
-        if number.fits and number.point.agree(number.yours, number.right):
+        if number.fits and number.is_right:
+            if number.is_vague:
+                claim.source.fail(_VAGUE, claim.node.span)
             return EquationVerdict(claim.label, claim.target.title, True, note=self._note())
         causes = [] if number.fits else [self._other_kind()]
         example = None

@@ -124,12 +124,18 @@ class Rounded:
         ):
             return None
         slack = self._slack()
+
+        def within(row: Difference) -> Fraction:
+            """What the digits leave open; nothing where that is more than the right number, so that
+            nearly any would do."""
+            half = slack.get(row.key, Fraction(0))
+            return half if half <= abs(row.right) else Fraction(0)
+
         return [
             row
             for row in differences(self.setting, self.yours, self.target)
             if row.instead is not None
-            or abs(row.yours - row.right)
-            > slack.get(row.key, Fraction(0)) + relative * abs(row.right)
+            or abs(row.yours - row.right) > within(row) + relative * abs(row.right)
         ]
 
     # ------------------------------------------------------------ digits

@@ -4,7 +4,7 @@ told by inverse functions."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,11 +17,12 @@ from freebody_textbook.check.algebra.finite_field_tree import without_values
 from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.numbers.states import in_words
+from freebody_textbook.check.numbers.units import in_other_units
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reasons.small_changes import Repair, SmallChanges
 from freebody_textbook.check.reasons.swapped_functions import swapped
 from freebody_textbook.check.states.admissible_states import AdmissibleStates, StateSampler
-from freebody_textbook.check.states.agreement import Agreement, Equal, agreement, few
+from freebody_textbook.check.states.agreement import Agreement, Equal, agreement, few, is_drowned
 from freebody_textbook.check.states.running import Running
 from freebody_textbook.check.states.state_values import (
     MOST_BRANCHES,
@@ -48,7 +49,11 @@ _OTHER_ASSEMBLY = (
     "together the other way."
 )
 ONE_ASSEMBLY = "It holds in one assembly of the mechanism, not in every one."
-_LEVEL = "It differs by a constant: the zero level of V is arbitrary."
+_DROWNED = (
+    "terms that cancel are so much larger here than what is left of them that rounding could hide "
+    "a mistake"
+)
+LEVEL = "It differs by a constant: the zero level of V is arbitrary."
 _OTHER_VALUES = {
     "arccos": "arccos and −arccos are the two postures that reach a point, elbow up and elbow down",
     "sqrt": "the two signs of the root are the two postures, elbow up and elbow down",
@@ -146,13 +151,31 @@ class _AtStates:
             return Running.exact(np.zeros(states.count))
         return states.of(self.right)
 
-    @property
+    @cached_property
     def _equal(self) -> Equal:
         """In which sense."""
         ring = self.judge.setting.ring
         is_angle = isinstance(self.right, Trig) and _is_angle(self.right, ring.angles)
-        has_level = self.judge.up_to_a_constant(self.claim, self.right)
+        has_level = self.judge.up_to_a_constant(self.claim, self.right) and self._is_energy
         return Equal(is_angle and self.claim.whole is None, has_level)
+
+    @cached_property
+    def _is_energy(self) -> bool:
+        """Whether the difference is an energy and a plain number: in other units it changes so."""
+        states, sampler = self.moving, StateSampler(self.judge.setting)
+        if states is None or self.is_in_numbers:
+            return True
+        names, held = list(states.values), [*sampler.loops[0], *sampler.passive]
+        first, gaps = self._gap(states), list[Running]()
+        energy = self.judge.targets.single["V"].polynomial()
+        for size_of_energy, sizes in in_other_units(self.judge.setting, names, held, energy):
+            values = {x: states.values[x] * size for x, size in zip(names, sizes, strict=True)}
+            gap = self._gap(replace(states, values=values)) - first
+            gaps.append(gap * Running.exact(1 / (size_of_energy - 1)))
+        return not gaps or bool((gaps[0] - gaps[1]).vanishes.all())
+
+    def _gap(self, states: AdmissibleStates) -> Running:
+        return states.at(self._tree, {}) - self._sought(states)
 
     def _agreement(self, states: AdmissibleStates) -> Agreement:
         return agreement(states, self._tree, self._sought(states), self._equal)
@@ -164,6 +187,8 @@ class _AtStates:
         states, held = self.moving, self._held()
         assert states is not None
         found = self._agreement(states)
+        if is_drowned(states, self._tree, self._sought(states), found.gap):
+            self.claim.source.fail(_DROWNED, self.claim.node.span)
         if note := self._note(found):
             if by_functions and not self._shares_a_posture(found):
                 return self._wrong(found, (), (_OTHER_POSTURE,))
@@ -249,7 +274,7 @@ class _AtStates:
             return f"In numbers, with the values of {self.judge.setting.symbols.model.name!r}."
         if found.is_everywhere:
             plain = agreement(found.states, self._tree, self._sought(found.states))
-            return f"{compared}." if plain.is_everywhere or self._equal.as_angles else _LEVEL
+            return f"{compared}." if plain.is_everywhere or self._equal.as_angles else LEVEL
         if found.is_with_branches:
             others = ", and ".join(dict.fromkeys(_OTHER_VALUES[x] for x in found.others))
             count = int(found.right.sum())
