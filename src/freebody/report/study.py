@@ -21,7 +21,7 @@ from freebody.motion.files.read_motion import read_motion
 from freebody.motion.files.tables import Table, motion_from_table
 from freebody.motion.motion import Motion, require_motion
 from freebody.motion.ranges import ranges
-from freebody.motion.simulation.paced import Progress
+from freebody.motion.simulation.simulation import Progress
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.report.checks import checks
 from freebody.report.jacobians import singularity

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.motion.simulation.joint_contacts import JointContacts
-from freebody.motion.simulation.motion_lanes import MotionLanes, Some
-from freebody.motion.simulation.steppers import Rates, State
+from freebody.motion.simulation.lanes import MotionLanes, Some
+from freebody.motion.simulation.steppers import LaneState, Rates
 
 _NEAR = 1e-14  # of the duration
 _TURNS = 200
@@ -27,8 +27,8 @@ _BEND = 0.2
 """Of a bound, of what is needed to hold: what this may bend by within a step."""
 _FINE = 1e-6  # of the duration: steps in which torques that jump may change as they like
 
-Index = NDArray[np.intp]
-Move = Callable[[Some, State, Array, Array], State]
+LaneIndex = NDArray[np.intp]
+StepMove = Callable[[Some, LaneState, Array, Array], LaneState]
 """(lanes, states, start, h) -> the states a step later."""
 
 
@@ -61,7 +61,7 @@ class ContactEvents:
         push = -own.coulomb * np.sign(qd)
         return ContactEvents(own, rates, duration, push, np.zeros(push.shape))
 
-    def begin(self, lanes: slice, state: State, start: float) -> State:
+    def begin(self, lanes: slice, state: LaneState, start: float) -> LaneState:
         """At a time from which torques may be others."""
         each = np.arange(len(self.push))[lanes]
         contacts = self.contacts.some(each)
@@ -75,8 +75,14 @@ class ContactEvents:
         return q, qd
 
     def through(
-        self, lanes: slice, before: State, after: State, start: float, h: float, move: Move
-    ) -> State:
+        self,
+        lanes: slice,
+        before: LaneState,
+        after: LaneState,
+        start: float,
+        h: float,
+        move: StepMove,
+    ) -> LaneState:
         """The states a whole step after `before`, of which `after` holds what a step that nothing
         cuts leads to."""
         every = np.arange(len(self.push))[lanes]
@@ -92,8 +98,14 @@ class ContactEvents:
         return q, qd
 
     def cut(
-        self, lanes: Index, before: State, after: State, start: Array, h: Array, move: Move
-    ) -> tuple[Array, State]:
+        self,
+        lanes: LaneIndex,
+        before: LaneState,
+        after: LaneState,
+        start: Array,
+        h: Array,
+        move: StepMove,
+    ) -> tuple[Array, LaneState]:
         """How long the steps from `before` to `after` are up to their first change, and the states
         there; start, h (lanes,)."""
         margins = self._margins(lanes, after, start + h)
@@ -116,7 +128,11 @@ class ContactEvents:
         return ends, (q, qd)
 
     def unseen(
-        self, lanes: Index, states: tuple[State, State, State], start: Array, h: Array
+        self,
+        lanes: LaneIndex,
+        states: tuple[LaneState, LaneState, LaneState],
+        start: Array,
+        h: Array,
     ) -> Array:
         """(lanes,) what may happen unseen in steps of size h to coordinates that are held, as an
         error of order 4 above 1 where steps are to be shorter; states at their start, halfway and
@@ -143,7 +159,7 @@ class ContactEvents:
         return found
 
     def _first_change(
-        self, lanes: Index, before: State, start: Array, h: Array, move: Move
+        self, lanes: LaneIndex, before: LaneState, start: Array, h: Array, move: StepMove
     ) -> Array:
         """Just behind which time (lanes,), at most h, something changes: a margin is used up, by
         no more than `_HAIR`."""
@@ -174,7 +190,7 @@ class ContactEvents:
             speed[k[~past]] = reached[1][~past]
         return high
 
-    def _margins(self, lanes: Some, state: State, t: Array) -> Array:
+    def _margins(self, lanes: Some, state: LaneState, t: Array) -> Array:
         """(lanes, 4 nv): how far motions are from a change, below 0 behind it: sliding ones from
         rest, all from their stops, what is held from what can hold it."""
         (q, qd), held, push = state, self.held[lanes] > 0.0, self.push[lanes]
@@ -195,13 +211,13 @@ class ContactEvents:
 
     def _dips(
         self,
-        lanes: Index,
-        before: State,
-        after: State,
+        lanes: LaneIndex,
+        before: LaneState,
+        after: LaneState,
         start: Array,
         ends: Array,
         changes: NDArray[np.bool_],
-        move: Move,
+        move: StepMove,
     ) -> None:
         """Find stops that were passed and left again within a step, and rests that sliding motions
         went through and back: `changes` there, and `ends` at the farthest, where the cubic through
@@ -219,7 +235,9 @@ class ContactEvents:
             ends[rows[past]] = there[past]
             changes[rows[past]] = True
 
-    def _suspected(self, lanes: Index, before: State, after: State, h: Array) -> Iterator[Array]:
+    def _suspected(
+        self, lanes: LaneIndex, before: LaneState, after: LaneState, h: Array
+    ) -> Iterator[Array]:
         """In which part of a step (lanes,) the cubic through its ends first has a coordinate
         farthest behind its lower stop, behind its upper one, or slowest, having turned round;
         infinite where it has none."""
@@ -236,7 +254,7 @@ class ContactEvents:
         if sliding.any():
             yield _earliest(sliding, *_slowest(side * (x1 - x0), side * d0, side * d1))
 
-    def _decided(self, lanes: Index, state: State, t: Array) -> State:
+    def _decided(self, lanes: LaneIndex, state: LaneState, t: Array) -> LaneState:
         """States put right where something changes, and what holds from there."""
         (q, qd), contacts = (x.copy() for x in state), self.contacts.some(lanes)
         stopped = (self.held[lanes] == 0.0) & (-np.sign(self.push[lanes]) * qd < 0.0)
@@ -310,5 +328,5 @@ def _earliest(which: NDArray[np.bool_], part: Array, value: Array) -> Array:
         return np.where(which & (value < 0.0), part, np.inf).min(axis=-1)
 
 
-def _finite(state: State) -> NDArray[np.bool_]:
+def _finite(state: LaneState) -> NDArray[np.bool_]:
     return np.asarray(np.isfinite(np.concatenate(state, axis=-1)).all(axis=-1))

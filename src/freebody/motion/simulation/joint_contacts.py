@@ -15,7 +15,7 @@ from freebody.errors import FreebodyError, listed
 from freebody.model.model import Model
 from freebody.motion.friction import smooth_friction
 from freebody.motion.ranges import Flags, position_columns, ranges
-from freebody.motion.simulation.motion_lanes import MotionLanes, Some
+from freebody.motion.simulation.lanes import MotionLanes, Some
 from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import Index
 

@@ -22,7 +22,7 @@ from freebody.motion.ranges import angular
 from freebody.motion.simulation.first_order_system import System, loads_over, row_at, system
 from freebody.motion.simulation.joint_contacts import JointContacts
 from freebody.motion.simulation.simulation import Simulated, Simulation
-from freebody.motion.simulation.torques import Given, drive_of
+from freebody.motion.simulation.torques import TorqueInput, drive_of
 from freebody.trees.passive_joints import all_driven
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 class States:
     """Times first, t (R,), so that a family comes last: q (R, ..., nq), qd and tau (R, ..., nv)."""
 
-    asked: Simulation
+    run: Simulation
     t: Array
     q: Array
     qd: Array
@@ -42,28 +42,28 @@ class States:
     @property
     def model(self) -> Model:
         """Whose states they are."""
-        return self.asked.model
+        return self.run.model
 
     @cached_property
     def qdd(self) -> Array:
         """Accelerations (R, ..., nv)."""
-        asked = self.asked
-        axes = len(asked.lanes.shape) + 2  # all: times come first, what is common to motions last
-        loads = {n: np.expand_dims(w, [*range(axes - w.ndim)]) for n, w in asked.wrenches.items()}
-        whole = system(asked.model, asked.width, *loads_over(asked.t, loads))
+        run = self.run
+        axes = len(run.lanes.shape) + 2  # all: times come first, what is common to motions last
+        loads = {n: np.expand_dims(w, [*range(axes - w.ndim)]) for n, w in run.wrenches.items()}
+        whole = system(run.model, run.width, *loads_over(run.t, loads))
         assert self.tau is not None
-        acting = self.tau if asked.forces is None else self.tau + self._forces(asked.forces, axes)
-        if asked.contacts is None:
+        acting = self.tau if run.forces is None else self.tau + self._forces(run.forces, axes)
+        if run.contacts is None:
             return whole.acceleration(self.t, self.q, self.qd, acting)
-        return self._under_contact(whole, asked.contacts, acting)
+        return self._under_contact(whole, run.contacts, acting)
 
-    def _forces(self, given: Given, axes: int) -> Array:
+    def _forces(self, given: TorqueInput, axes: int) -> Array:
         """Those besides the torques (R, ..., nv)."""
         if isinstance(given, np.ndarray):
             table = np.expand_dims(given, [*range(axes - given.ndim)])
-            return row_at(self.t, self.asked.t, table)
-        shape = self.asked.lanes.shape
-        drive = drive_of(all_driven(self.model), self.asked.t, given, shape, "forces")
+            return row_at(self.t, self.run.t, table)
+        shape = self.run.lanes.shape
+        drive = drive_of(all_driven(self.model), self.run.t, given, shape, "forces")
         return np.stack([drive(*now) for now in zip(self.t, self.q, self.qd, strict=True)])
 
     def _under_contact(self, whole: System, contacts: JointContacts, tau: Array) -> Array:
@@ -71,7 +71,7 @@ class States:
         forces = tau - whole.torque(self.t, self.q, self.qd, np.zeros(self.qd.shape))
         M = _kernel(self.model, "mass_matrix")(self.q)
         times, nv = len(self.q), self.model.nv
-        own = contacts.lanes(self.asked.lanes).repeated(times)
+        own = contacts.lanes(self.run.lanes).repeated(times)
         states = self.q.reshape(-1, self.model.nq), self.qd.reshape(-1, nv)
         found = own.contact(*states, M.reshape(-1, nv, nv), forces.reshape(-1, nv))
         return found.qdd.reshape(self.qd.shape)
@@ -143,16 +143,16 @@ def recorded(model: Model, names: Sequence[str] | str | None) -> tuple[str, ...]
     return listed
 
 
-def dataset(asked: Simulation, result: Simulated, names: Sequence[str]) -> xr.Dataset:
+def dataset(run: Simulation, result: Simulated, names: Sequence[str]) -> xr.Dataset:
     """Over the batch's dimensions and `time`; NaN where a motion has not come that far."""
     import xarray as xr
 
-    model, batch = asked.model, asked.lanes.shape
+    model, batch = run.model, run.lanes.shape
     axis = len(batch)
     found = [result.q, result.qd]
     if any(RECORDED[name].of_torque for name in names):
         found.append(result.torques())
-    states = States(asked, result.t, *(np.moveaxis(x, axis, 0) for x in found))
+    states = States(run, result.t, *(np.moveaxis(x, axis, 0) for x in found))
     dims = (*_batch_dims(model, batch), "time")
     variables = {}
     with np.errstate(invalid="ignore"):
@@ -174,7 +174,7 @@ def dataset(asked: Simulation, result: Simulated, names: Sequence[str]) -> xr.Da
         coordinates["effort_unit"] = ("coordinate", np.where(turns, "N m", "N"))
     if "loop" in used:
         coordinates["loop"] = [loop.name for loop in model.loops]
-    aspects = DYNAMIC if asked.contacts is None else (*DYNAMIC, RANGES)
+    aspects = DYNAMIC if run.contacts is None else (*DYNAMIC, RANGES)
     doubts = attribute(doubts_used(model, *aspects))
     return xr.Dataset(variables, coordinates, {"robot": model.name, **result.used, **doubts})
 

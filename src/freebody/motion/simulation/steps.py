@@ -1,5 +1,5 @@
-"""From one time to the next in steps: of a given size, or of sizes that each motion chooses for
-itself so that its error stays small."""
+"""Steps from one time to the next: the times at which steps of many motions end, equal steps, made
+one by one or many in a call of compiled code, and steps that each motion chooses by its error."""
 
 from __future__ import annotations
 
@@ -13,15 +13,92 @@ from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.motion.simulation.contact_events import ContactEvents
-from freebody.motion.simulation.course import Track
-from freebody.motion.simulation.motion_lanes import Some
-from freebody.motion.simulation.steppers import State, Stepper
+from freebody.motion.simulation.lanes import Some
+from freebody.motion.simulation.schedules import merged
+from freebody.motion.simulation.simulation import Simulated
+from freebody.motion.simulation.steppers import KernelStepper, LaneState, Stepper
 from freebody.motion.simulation.unending import IN_A_ROW, MOST, GivenUp, Growth
+from freebody.targets.in_turn import Placed
 
+_ULPS = 8.0  # more than the rounding of a sum of steps
 _ROUND = 1e-9  # of a step: what is left of an interval that rounding left
 _SHORTEST = 1e-13  # of the duration, or of 1 s: steps this short lead nowhere
 _WATCHED = 50  # steps between two looks at the shortest
-_SAFETY, _LEAST, _MOST = 0.9, 0.2, 4.0  # of a step: how much the next may differ
+_SAFETY, _SMALLEST, _LARGEST = 0.9, 0.2, 4.0  # of a step: how much the next may differ
+STAYING = 1024
+"""Motions whose states, numbers and torques stay in a processor's caches from step to step."""
+_MOST_AT_ONCE = 4096
+"""Steps of a call, whose addresses stay there too."""
+
+
+@dataclass(frozen=True, eq=False)
+class StepTimes:
+    """The times at which steps end (k,), and for each of them which row of the result it is, -1
+    where it is none; at `calls`, some of the edges, a controller is called.
+
+    begins, ends (k - 1,): between which times the steps from an edge to the next go: these, but for
+    rounding on the inner side of a jump of the torque.
+    """
+
+    edges: Array
+    begins: Array
+    ends: Array
+    rows: NDArray[np.intp]
+    calls: tuple[int, ...]
+
+
+def step_times(t: Array, every: int, others: Array, calls: Array) -> StepTimes:
+    """Of the times t, of which every so many are kept, other times at which steps end, and those of
+    a controller's calls; those within rounding of each other are one."""
+    near = 1e-9 * min(np.diff(t).min(), np.diff(calls).min() if len(calls) > 1 else np.inf)
+    jumps = np.unique(others)
+    apart = jumps[np.diff(jumps, prepend=-np.inf) > near]
+    edges = merged(t, np.concatenate([apart, calls]), near)
+    rows = np.full(len(edges), -1)
+    rows[np.searchsorted(edges, t[::every])] = np.arange(len(t[::every]))
+    place = _nearest(edges, jumps)
+    off = np.abs(edges[place] - jumps)
+    at = off <= near
+    inner = np.zeros(len(edges))
+    np.maximum.at(inner, place[at], off[at] + _ULPS * np.spacing(np.abs(edges).max()))
+    called = np.unique(_nearest(edges, calls)).tolist()
+    return StepTimes(edges, (edges + inner)[:-1], (edges - inner)[1:], rows, tuple(called))
+
+
+def _nearest(edges: Array, times: Array) -> NDArray[np.intp]:
+    """Which of the increasing edges is nearest to each time."""
+    after = np.clip(np.searchsorted(edges, times), 1, len(edges) - 1)
+    return after - (times - edges[after - 1] < edges[after] - times)
+
+
+@dataclass(eq=False)
+class LaneMotions:
+    """The states of all lanes on a course, q (rows, n) and q̇ (rows, n): now, and in the result.
+
+    Each row is moved on by itself: a lane, or all that are moved together.
+    """
+
+    times: StepTimes
+    state: LaneState
+    result: Simulated
+
+    @property
+    def rows(self) -> int:
+        """How many."""
+        return len(self.state[0])
+
+    def kept(self, block: slice) -> list[Array]:
+        """What the result has of q and q̇ of some rows, (rows, lanes of each, R, …), to be filled
+        in."""
+        all_of = ((x, x.shape[-2:]) for x in (self.result.q, self.result.qd))
+        return [x.reshape(self.rows, -1, *core)[block] for x, core in all_of]
+
+    def record(self, block: slice, edge: int, state: LaneState) -> None:
+        """Put states at an edge where they belong, if anywhere."""
+        row = self.times.rows[edge]
+        if row >= 0:
+            for kept, x in zip(self.kept(block), state, strict=True):
+                kept[:, :, row] = x.reshape(len(x), kept.shape[1], kept.shape[-1])
 
 
 class Advance(Protocol):
@@ -29,7 +106,9 @@ class Advance(Protocol):
 
     block: int
 
-    def __call__(self, track: Track, block: slice, first: int, last: int) -> Iterator[float]:
+    def __call__(
+        self, motions: LaneMotions, block: slice, first: int, last: int
+    ) -> Iterator[float]:
         """From one edge to another: the states there, and those of the result on the way; NaN where
         a motion cannot go on. Stops at times between them."""
         ...
@@ -40,29 +119,24 @@ class SpanBySpan:
     """By Python from edge to edge. through: of rows, their states, and two times -> the states at
     the second one."""
 
-    through: Callable[[slice, State, float, float], State]
+    through: Callable[[slice, LaneState, float, float], LaneState]
     stop: threading.Event
     block: int = 8192
     """So that a step lasts long: threads wait for each other between two steps, for Python."""
 
-    def __call__(self, track: Track, block: slice, first: int, last: int) -> Iterator[float]:
+    def __call__(
+        self, motions: LaneMotions, block: slice, first: int, last: int
+    ) -> Iterator[float]:
         """See `Advance`."""
-        way, (q, qd) = track.course, track.state
+        times, (q, qd) = motions.times, motions.state
         state = q[block], qd[block]
         for k in range(first, last):
-            state = self.through(block, state, float(way.begins[k]), float(way.ends[k]))
+            state = self.through(block, state, float(times.begins[k]), float(times.ends[k]))
             if self.stop.is_set():
                 return
-            track.record(block, k + 1, state)
-            yield float(way.edges[k + 1])
+            motions.record(block, k + 1, state)
+            yield float(times.edges[k + 1])
         q[block], qd[block] = state
-
-
-def step_counts(lengths: Array, step: float | None) -> NDArray[np.intp]:
-    """How many equal steps of at most `step` (s; None: one) intervals take."""
-    if step is None:
-        return np.ones(lengths.shape, dtype=np.intp)
-    return np.maximum(1, np.ceil(lengths / step - _ROUND).astype(np.intp))
 
 
 @dataclass(eq=False)
@@ -74,7 +148,7 @@ class FixedSteps:
     stop: threading.Event
     events: ContactEvents | None = None
 
-    def __call__(self, lanes: slice, state: State, start: float, end: float) -> State:
+    def __call__(self, lanes: slice, state: LaneState, start: float, end: float) -> LaneState:
         """See `SpanBySpan`."""
         if self.events is not None:
             state = self.events.begin(lanes, state, start)
@@ -88,6 +162,13 @@ class FixedSteps:
             if self.events is not None:
                 state = self.events.through(lanes, before, state, now, h, self.stepper.step)
         return state
+
+
+def step_counts(lengths: Array, step: float | None) -> NDArray[np.intp]:
+    """How many equal steps of at most `step` (s; None: one) intervals take."""
+    if step is None:
+        return np.ones(lengths.shape, dtype=np.intp)
+    return np.maximum(1, np.ceil(lengths / step - _ROUND).astype(np.intp))
 
 
 @dataclass(eq=False)
@@ -110,7 +191,7 @@ class ControlledSteps:
     sizes: Array
     stop: threading.Event
     events: ContactEvents | None = None
-    watch: Callable[[int, float, State, float], None] | None = None
+    watch: Callable[[int, float, LaneState, float], None] | None = None
     """Told now and then of a lane, a time, its state there, and the step it took."""
     order: int = 4
     given_up: dict[int, GivenUp] = field(default_factory=dict)
@@ -123,7 +204,7 @@ class ControlledSteps:
         self.slow = np.zeros(len(self.sizes), dtype=int)
         self.growth = Growth(len(self.sizes), self.end)
 
-    def __call__(self, lanes: slice, state: State, start: float, end: float) -> State:
+    def __call__(self, lanes: slice, state: LaneState, start: float, end: float) -> LaneState:
         """See `SpanBySpan`."""
         if self.events is not None:
             state = self.events.begin(lanes, state, start)
@@ -144,8 +225,8 @@ class ControlledSteps:
                 error = np.maximum(error, self.events.unseen(first + going, states, now[going], h))
             good = error <= 1.0
             with np.errstate(divide="ignore", invalid="ignore"):
-                factor = np.nan_to_num(_SAFETY * error ** (-1.0 / (self.order + 1)), nan=_LEAST)
-            h_next = h * np.clip(factor, _LEAST, _MOST)
+                factor = np.nan_to_num(_SAFETY * error ** (-1.0 / (self.order + 1)), nan=_SMALLEST)
+            h_next = h * np.clip(factor, _SMALLEST, _LARGEST)
             # a step that the edge cut short says nothing of the next
             sizes[going] = np.where(good & (h < wanted), np.maximum(wanted, h_next), h_next)
             done, taken, reached = going[good], h[good], _of(reached, good)
@@ -178,12 +259,12 @@ class ControlledSteps:
             going = going[now[going] < end]
         return q, qd
 
-    def _moved(self, lanes: Some, state: State, start: Array, h: Array) -> State:
+    def _moved(self, lanes: Some, state: LaneState, start: Array, h: Array) -> LaneState:
         return self._tried(lanes, state, start, h)[0]
 
     def _tried(
-        self, lanes: Some, state: State, start: Array, h: Array
-    ) -> tuple[State, Array, State]:
+        self, lanes: Some, state: LaneState, start: Array, h: Array
+    ) -> tuple[LaneState, Array, LaneState]:
         """The states after a step, their error over what is allowed (lanes,), NaN where one is not
         finite, and the states halfway."""
         half, step = 0.5 * h, self.stepper.step
@@ -202,5 +283,55 @@ class ControlledSteps:
         return (better[0], better[1]), error, middle
 
 
-def _of(state: State, which: NDArray[np.bool_]) -> State:
+def _of(state: LaneState, which: NDArray[np.bool_]) -> LaneState:
     return state[0][which], state[1][which]
+
+
+@dataclass(eq=False)
+class CompiledSteps:
+    """Equal steps of at most `step` (s; None: one from edge to edge). See `Advance`."""
+
+    stepper: KernelStepper
+    step: float | None
+    stop: threading.Event
+    block: int = STAYING
+
+    def __call__(
+        self, motions: LaneMotions, block: slice, first: int, last: int
+    ) -> Iterator[float]:
+        """See `Advance`; between two rows of the result the states move on where they are, and to
+        and from these rows without a copy."""
+        times = motions.times
+        begins, ends = times.begins[first:last], times.ends[first:last]
+        counts = step_counts(ends - begins, self.step)
+        lengths, passed = (ends - begins) / counts, np.cumsum(counts)
+        state = [x[block][None] for x in motions.state]
+        kept = [x[:, 0].swapaxes(0, 1) for x in motions.kept(block)]
+        places, row = [*zip(state, kept, strict=True)], -1
+        at_once = min(
+            _MOST_AT_ONCE, max(1, self.stepper.kernel.at_once // (block.stop - block.start))
+        )
+        for begin in range(0, passed[-1], at_once):
+            if self.stop.is_set():
+                return
+            steps = np.arange(begin, min(begin + at_once, passed[-1]))
+            span = np.searchsorted(passed, steps, side="right")
+            h = lengths[span]
+            start = begins[span] + (steps - (passed - counts)[span]) * h
+            rows = np.where(steps + 1 == passed[span], times.rows[first + 1 + span], -1)
+            before, row = np.append(row, rows[:-1]), rows[-1]
+            self.stepper.in_turn(
+                block,
+                [Placed(x, *here) for here in map(_place, (before, rows)) for x in places],
+                start,
+                h,
+            )
+            yield float(start[-1] + h[-1])
+        if row >= 0:
+            for x, every in places:
+                x[0] = every[row]
+
+
+def _place(rows: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Of steps that end at rows of the result, or at none: -1, whether in the result, and where."""
+    return (rows >= 0).astype(np.intp), np.maximum(rows, 0)

@@ -1,18 +1,57 @@
-"""Torques as step kernels take them: a line over each step from a table, a value that is held, or
-the inputs of a compiled law."""
+"""Motions side by side, one a lane: their batch shape flattened, and torques and wrenches as step
+kernels take them: a line over each step from a table, a value that is held, or the inputs of a
+compiled law."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import prod
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array
-from freebody.motion.simulation.motion_lanes import MotionLanes, Some, some_of
 from freebody.program import Program
 from freebody.targets.in_turn import Placed
+
+
+@dataclass(frozen=True)
+class MotionLanes:
+    """The shape of a batch, and its members one after another."""
+
+    shape: tuple[int, ...]
+
+    @property
+    def count(self) -> int:
+        """How many."""
+        return prod(self.shape)
+
+    def each(self, array: Array, core: int) -> Array:
+        """(count, *core) of an array (..., *core); one without leading axes, which is the same for
+        all lanes, as it is. core: number of its axes."""
+        if array.ndim == core:
+            return array
+        own = array.shape[array.ndim - core :]
+        return np.broadcast_to(array, (*self.shape, *own)).reshape(self.count, *own)
+
+    def all(self, array: Array, core: int) -> Array:
+        """(count, *core), a copy."""
+        own = array.shape[array.ndim - core :]
+        return np.array(np.broadcast_to(array, (*self.shape, *own))).reshape(self.count, *own)
+
+    def index(self, lane: int) -> tuple[int, ...]:
+        """The index of a lane in the batch."""
+        return tuple(map(int, np.unravel_index(lane, self.shape))) if self.shape else ()
+
+
+Some = int | slice | NDArray[np.intp]
+"""Which lanes: one without its axis, or several."""
+
+
+def some_of(array: Array, core: int, lanes: Some) -> Array:
+    """Of what `MotionLanes.each` returned the rows of some lanes."""
+    return array if array.ndim == core else array[lanes]
 
 
 class LaneTorque(Protocol):
@@ -77,11 +116,6 @@ class TableTorque:
         return self.rows[..., int(np.searchsorted(self.t, t)), :]
 
 
-def steady(tau: Array) -> tuple[Array, Array, Array]:
-    """A torque that does not change, as the step kernel takes it."""
-    return tau, tau, np.zeros(2)
-
-
 @dataclass(eq=False)
 class HeldTorque:
     """What a controller gave at its last instant (lanes, nv)."""
@@ -92,19 +126,6 @@ class HeldTorque:
     def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
         """It, held."""
         return steady(self.tau[lanes])
-
-    in_turn = inputs
-
-
-@dataclass(frozen=True, eq=False)
-class SteadyWrench:
-    """A wrench that does not change (lanes, six), or (six,) for all."""
-
-    value: Array
-
-    def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
-        """It alone."""
-        return (some_of(self.value, 1, lanes),)
 
     in_turn = inputs
 
@@ -130,3 +151,21 @@ class LawTorque:
         return tuple(some_of(x, core, lanes) for x, core in zip(self.more, self.cores, strict=True))
 
     in_turn = inputs
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyWrench:
+    """A wrench that does not change (lanes, six), or (six,) for all."""
+
+    value: Array
+
+    def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
+        """It alone."""
+        return (some_of(self.value, 1, lanes),)
+
+    in_turn = inputs
+
+
+def steady(tau: Array) -> tuple[Array, Array, Array]:
+    """A torque that does not change, as the step kernel takes it."""
+    return tau, tau, np.zeros(2)
