@@ -1,4 +1,5 @@
-"""`Motion`: positions, rates and accelerations over time, and the smooth curve through them."""
+"""`Motion`: positions, rates and accelerations over time, the smooth curve through them, and their
+extremes, between samples too."""
 
 from __future__ import annotations
 
@@ -22,8 +23,7 @@ from freebody.lazy import cached_property
 from freebody.locks import imported
 from freebody.model.doubts import Doubt, named, told
 from freebody.model.model import Model
-from freebody.motion.peaks import Peaks, peaks_of
-from freebody.motion.piecewise import PiecewisePolynomial, hermite
+from freebody.motion.piecewise import Extremes, PiecewisePolynomial, hermite
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import (
@@ -43,6 +43,9 @@ _ON_CURVE = 1e-9  # rad, m: how far samples may lie from the curve that they are
 NEAR = 1e-9  # of the duration: a break this near to a sample is that
 _JUMP = 1e-9  # of the largest acceleration
 _MEET = 1e-9  # of the largest position or rate: by how much motions in a row may miss each other
+_BETWEEN = 16
+"""Places in each piece at which rates of joints with quaternions, which are no polynomials, are
+looked at."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -268,24 +271,6 @@ class Motion(Tabled, ByValue):
         return replace(found, source=f"{self.source}; {times} times") if times > 1 else found
 
 
-def require_motion(function: str, model: Model, motion: object) -> Motion:
-    """A motion of the model, else KindError or FreebodyError."""
-    if not isinstance(motion, Motion):
-        raise KindError(
-            function,
-            "motion",
-            motion,
-            "a Motion",
-            "fb.read_motion reads one from a file, fb.Motion.of makes one of arrays and tables.",
-        )
-    if motion.q.shape[-1] != model.nq or motion.qd.shape[-1] != model.nv:
-        raise FreebodyError(
-            f"{function}: the motion has {motion.q.shape[-1]} positions and "
-            f"{motion.qd.shape[-1]} rates, {model.name!r} has nq = {model.nq} and nv = {model.nv}."
-        )
-    return motion
-
-
 def _refuse_gap(first: Motion, second: Motion) -> None:
     """Refuse motions that cannot follow each other."""
     if not isinstance(second, Motion):
@@ -310,6 +295,24 @@ def _refuse_gap(first: Motion, second: Motion) -> None:
                 f"{start}; plan a motion between them, such as "
                 f"fb.quintic(model, [first.q[-1], second.q[0]], acceleration=...)."
             )
+
+
+def require_motion(function: str, model: Model, motion: object) -> Motion:
+    """A motion of the model, else KindError or FreebodyError."""
+    if not isinstance(motion, Motion):
+        raise KindError(
+            function,
+            "motion",
+            motion,
+            "a Motion",
+            "fb.read_motion reads one from a file, fb.Motion.of makes one of arrays and tables.",
+        )
+    if motion.q.shape[-1] != model.nq or motion.qd.shape[-1] != model.nv:
+        raise FreebodyError(
+            f"{function}: the motion has {motion.q.shape[-1]} positions and "
+            f"{motion.qd.shape[-1]} rates, {model.name!r} has nq = {model.nq} and nv = {model.nv}."
+        )
+    return motion
 
 
 def motion_of(model: Model, t: ArrayLike, q: ArrayLike, source: str = "given as arrays") -> Motion:
@@ -352,3 +355,58 @@ def vector_of_times(t: ArrayLike) -> Array:
         now, before = compared(times[k], times[k - 1], digits=6)
         raise FreebodyError(f"motion: t must increase; t[{k}] = {now} follows {before}.")
     return times
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Peaks(Tabled, ByValue):
+    """Extremes of a motion's positions (nq,), rates and accelerations (nv,), with their times (s).
+
+    Exact for coordinates that are numbers of their own; of joints with quaternions the extremes of
+    16 places between neighbouring samples.
+    """
+
+    position: Extremes
+    velocity: Extremes
+    acceleration: Extremes
+
+    def _title(self) -> str:
+        return f"Peaks of {counted(len(self.position.low), 'position')}"
+
+    def _table(self) -> TextTable:
+        named = {"q": self.position, "qd": self.velocity, "qdd": self.acceleration}
+        rows = [
+            (f"{name}[{k}]", *entries)
+            for name, found in named.items()
+            for k, *entries in found._table().rows
+        ]
+        units = ("Units: rad or m, and s.",)
+        return TextTable(("", "lowest", "at t (s)", "highest", "at t (s)"), rows, units)
+
+
+def peaks_of(curve: PiecewisePolynomial, where: CoordinateLayout) -> Peaks:
+    """Of position coordinates along a curve."""
+    functions = curve, curve.derivative(), curve.derivative(2)
+    exact = [function.extremes for function in functions]
+    if where.flat:
+        return Peaks(*exact)
+    t = np.unique(np.linspace(curve.breaks[:-1], curve.breaks[1:], _BETWEEN + 1))
+    seen = state_of(where, *(function(t) for function in functions))
+    found = []
+    for columns, values, of in zip(
+        (where.plain[0], where.plain[1], where.plain[1]), seen, exact, strict=True
+    ):
+        entries = _sampled(t, values)
+        for name in ("low", "low_at", "high", "high_at"):
+            entries[name][columns] = getattr(of, name)[where.plain[0]]
+        found.append(Extremes(**entries))
+    return Peaks(*found)
+
+
+def _sampled(t: Array, values: Array) -> dict[str, Array]:
+    low, high = values.argmin(axis=0), values.argmax(axis=0)
+    return {
+        "low": values.min(axis=0),
+        "low_at": t[low],
+        "high": values.max(axis=0),
+        "high_at": t[high],
+    }

@@ -17,7 +17,7 @@ from freebody.errors import FreebodyError, KindError, SingularError, listed
 from freebody.model.doubts import readings
 from freebody.model.model import Model
 from freebody.motion.default_motion import default_motion
-from freebody.motion.files.read_motion import read_motion
+from freebody.motion.files.csv_files import read_motion
 from freebody.motion.files.tables import Table, motion_from_table
 from freebody.motion.motion import Motion, require_motion
 from freebody.motion.ranges import ranges

@@ -63,6 +63,10 @@ class CsvColumns:
             found[k] = _numbers(self.path, line, self.header, cells, self.separator)
         return found * self.factors
 
+    def refusal(self, text: str, row: int | None = None) -> FileError:
+        """An error about a row of numbers, or about the header, with its line."""
+        return FileError(self.path, self.rows[0 if row is None else row + 1][0], text)
+
 
 def kinds(model: Model) -> dict[str, str]:
     """What each position is: "angle", "length", or "number" (a quaternion's component)."""

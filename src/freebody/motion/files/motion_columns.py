@@ -1,4 +1,5 @@
-"""A motion from columns of numbers by name, wherever they were read: in SI units."""
+"""A motion from columns of numbers by name, wherever they were read, in SI units; with a notice
+where the values look like another unit: degrees, millimetres, milliseconds."""
 
 from __future__ import annotations
 
@@ -9,21 +10,24 @@ from typing import Literal
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import LoopError, UnknownNameError
+from freebody.errors import LoopError, UnknownNameError, listed
 from freebody.model.model import Model
 from freebody.motion.closed_chain_motion import completed
 from freebody.motion.files.contradictions import contradictions
 from freebody.motion.files.csv_columns import quoted
-from freebody.motion.files.implausible_units import implausible_units
 from freebody.motion.files.measured_motions import along_rates, rested
 from freebody.motion.motion import FEWEST, Motion, derivatives, motion_of
 from freebody.motion.piecewise import hermite
-from freebody.motion.ranges import Flags, angular, position_columns
+from freebody.motion.ranges import Flags, angular, position_columns, ranges
 from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import layout, state_of
 
+_BEYOND = 1.5  # times the range: what is farther out is doubtful
+_TURNS = 2.0  # without a range
+_FAR = 50.0  # m, without a range
+_SLOW = 1.0, 100  # s between samples, and so many of them
 _UNIT = 1e-3  # how far a quaternion of a file, printed with few digits, may be off unit length
-Problem = Callable[..., Exception]
+Refusal = Callable[..., Exception]
 """(text, row or None) -> what to raise."""
 
 
@@ -33,11 +37,11 @@ def doubted(
     """The motion with a notice on what looks like another unit; positions that were not given are
     not looked at."""
     found = told | {name for name in model.position_names if name not in columns}
-    said = implausible_units(model, motion.t, motion.q, found, where)
+    said = _implausible_units(model, motion.t, motion.q, found, where)
     return replace(motion, notices=(*said, *motion.notices))
 
 
-def check_names(model: Model, header: list[str], problem: Problem) -> None:
+def check_names(model: Model, header: list[str], problem: Refusal) -> None:
     """Every column known, every position there."""
     simple = {model.position_names[k] for k in position_columns(model)[0]}
     known = [
@@ -70,7 +74,7 @@ def check_names(model: Model, header: list[str], problem: Problem) -> None:
         )
 
 
-def _check_leaders(model: Model, header: list[str], problem: Problem) -> None:
+def _check_leaders(model: Model, header: list[str], problem: Refusal) -> None:
     """Of a closed chain some positions suffice."""
     if not set(header) & set(model.position_names):
         drives = ", ".join(model.driven_names)
@@ -113,7 +117,7 @@ def motion_from_columns(
     t: Array,
     columns: dict[str, Array],
     source: str,
-    problem: Problem,
+    problem: Refusal,
     before: Array | None = None,
 ) -> Motion:
     """The motion of columns by name; before: as `without_jumps` finds them."""
@@ -220,7 +224,7 @@ def _in_line(model: Model, moved: Array) -> list[str]:
     ]
 
 
-def _unit(model: Model, q: Array, problem: Problem) -> Array:
+def _unit(model: Model, q: Array, problem: Refusal) -> Array:
     """q with quaternions of exactly unit length; refuses those that are far off."""
     where = layout(model)
     for iq, _ in where.turns:
@@ -235,3 +239,54 @@ def _unit(model: Model, q: Array, problem: Problem) -> Array:
                 row,
             )
     return state_of(where, q, np.zeros_like(q), np.zeros_like(q))[0]
+
+
+def _implausible_units(
+    model: Model, t: Array, q: Array, told: frozenset[str], where: str
+) -> list[str]:
+    """Sentences on positions q (T, nq) and times t that are in SI units only if the motion is a
+    strange one.
+
+    told: columns whose unit was stated, which are believed. where: what the unit is written in,
+    with a place for a name and a unit.
+    """
+    iq, iv = position_columns(model)
+    allowed = ranges(model)
+    found: dict[bool, list[str]] = {True: [], False: []}
+    words: dict[bool, str] = {}
+    for a, k in zip(iq.tolist(), iv.tolist(), strict=True):
+        name = model.position_names[a]
+        turns = bool(allowed.turns[k])
+        far = float(np.abs(q[:, a]).max())
+        bound = max(abs(float(allowed.lower[k])), abs(float(allowed.upper[k])))
+        ranged = np.isfinite(bound)
+        limit = _BEYOND * bound if ranged else 2 * np.pi * _TURNS if turns else _FAR
+        if name in told or far <= limit or far / (180 / np.pi if turns else 1e3) > limit:
+            continue
+        found[turns].append(name)
+        if turns not in words:
+            size = f"{far:.3g} rad, {far / (2 * np.pi):.3g} turns" if turns else f"{far:.3g} m"
+            ends = (
+                f", where its range ends at {bound:.3g} {'rad' if turns else 'm'}" if ranged else ""
+            )
+            words[turns] = f"{size}{ends}"
+    sentences = [
+        _position(found[turns], words[turns], turns, where)
+        for turns in (True, False)
+        if found[turns]
+    ]
+    if "t" not in told and len(t) >= _SLOW[1] and np.median(np.diff(t)) >= _SLOW[0]:
+        sentences.append(
+            f"The samples are {np.median(np.diff(t)):.3g} s apart. If t is in milliseconds, write "
+            f"{where.format('t', 'ms')}."
+        )
+    return sentences
+
+
+def _position(names: list[str], reached: str, turns: bool, where: str) -> str:
+    name, others = names[0], names[1:]
+    rest = f" ({listed(others, 6)} likewise)" if others else ""
+    unit, short = ("degrees", "deg") if turns else ("millimetres", "mm")
+    return (
+        f"{name} goes to {reached}{rest}. If these are {unit}, write {where.format(name, short)}."
+    )

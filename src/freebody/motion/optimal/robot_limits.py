@@ -24,7 +24,7 @@ from freebody.lazy import cached_property
 from freebody.loops.dynamics import drive_torques
 from freebody.model.model import Model
 from freebody.model.tree import Tree
-from freebody.motion.optimal.path_samples import PathSamples
+from freebody.motion.optimal.geometric_path import PathSamples
 from freebody.motion.optimal.speed_profile import ENDS, PathRows, both_ends, row_arguments
 from freebody.motion.ranges import Flags
 from freebody.outputs.display import counted

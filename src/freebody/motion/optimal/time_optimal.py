@@ -23,10 +23,14 @@ from freebody.motion.optimal.geometric_path import (
     path_curve,
     refuse_out_of_range,
 )
-from freebody.motion.optimal.path_limits import PathProblem, path_problem
+from freebody.motion.optimal.path_limits import (
+    PathProblem,
+    path_problem,
+    refuse_unreachable,
+    without_motion,
+)
 from freebody.motion.optimal.robot_limits import Reached, RobotLimits
 from freebody.motion.optimal.speed_profile import quickest_profile
-from freebody.motion.optimal.unreachable import refuse_unreachable, without_motion
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planning.planned import sample_times
 from freebody.motion.planning.planning_limits import Limit, PlanningLimits, planning_limits

@@ -15,9 +15,8 @@ from freebody.inverse.kinematics import inverse_kinematics
 from freebody.inverse.numerical_solver import NumericalSolver
 from freebody.inverse.task import combined_rates
 from freebody.lazy import cached_property
-from freebody.motion.planning.tip_mobility import TipMobility, TipPosture
+from freebody.motion.planning.tip_mobility import TipMobility, TipPosture, TipSteps
 from freebody.motion.planning.tip_paths import TipPath
-from freebody.motion.planning.tip_steps import TipSteps
 from freebody.outputs.display import counted
 
 _HALVINGS = 12

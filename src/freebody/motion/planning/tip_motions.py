@@ -18,7 +18,6 @@ from freebody.inverse.task import TASKS, Task, read_target, row_names
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.piecewise import PiecewisePolynomial, of_spline
-from freebody.motion.planning.driven_waypoints import DrivenWaypoints
 from freebody.motion.planning.planned import SAMPLES, sample_times
 from freebody.motion.planning.planned_joints import PlannedJoints
 from freebody.motion.planning.planning_limits import (
@@ -28,7 +27,7 @@ from freebody.motion.planning.planning_limits import (
     quickest,
     within_limits,
 )
-from freebody.motion.planning.through_loops import through_loops
+from freebody.motion.planning.through_loops import DrivenWaypoints, through_loops
 from freebody.motion.planning.tip_following import TipFollower
 from freebody.motion.planning.tip_mobility import TipPosture
 from freebody.motion.planning.tip_paths import TipPath, arc_path, rounded_lines
