@@ -31,9 +31,9 @@ _MOST_REASONS = 20
 
 
 Reasons = dict[tuple[int, int], str]
-"""By row and column."""
-Named = Mapping[str, Array]
-"""By output."""
+"""Why a point has no value, by its row and column."""
+ByOutput = Mapping[str, Array]
+"""An array for each output, by its name."""
 
 
 class FailedPoint(NamedTuple):
@@ -166,42 +166,41 @@ class SweepTask:
 
     def _values(
         self, rows: range, columns: range, refused: dict[int, str], reasons: Reasons
-    ) -> Named:
+    ) -> ByOutput:
         """By output (R, C, *core). A part that is refused is halved, until it is one point, or one
         robot."""
-        given = self.grid.part(rows, columns)
-        robot = refused.get(rows.start) if len(rows) == 1 else None
-        try:
-            if robot is None:
-                if any(r in refused for r in rows):
-                    raise FreebodyError("some robots of the part are refused")
-                numbers = {name: given[name] for name in self.function.numbers}
-                if numbers and not self.rows_are_robots:
-                    one = len(rows) == len(columns) == 1
-                    self.model.bind(_of_one(numbers) if one else numbers)
-                found = self.function(given, self.hoisted)
-                shape = len(rows), len(columns)
-                return {
-                    name: np.broadcast_to(found[name], (*shape, *core))
-                    for name, core in self.outputs
-                }
-        except FAULTS:
-            raise
-        except FAILURES as problem:
-            robot = str(problem) if len(rows) == len(columns) == 1 else None
-        if robot is not None:
-            reasons[rows.start, columns.start] = robot
-            shape = len(rows), len(columns)
+        shape = len(rows), len(columns)
+        reason = refused.get(rows.start) if len(rows) == 1 else None
+        if reason is None:
+            try:
+                return self._all_values(rows, columns, refused)
+            except FAULTS:
+                raise
+            except FAILURES as problem:
+                reason = str(problem) if shape == (1, 1) else None
+        if reason is not None:
+            reasons[rows.start, columns.start] = reason
             return {name: np.full((*shape, *core), np.nan) for name, core in self.outputs}
-        axis = 0 if len(rows) > 1 else 1
-        parts = [
-            self._values(*((half, columns) if axis == 0 else (rows, half)), refused, reasons)
-            for half in _halved(rows if axis == 0 else columns)
-        ]
+        if len(rows) > 1:
+            axis, halves = 0, [(half, columns) for half in _halved(rows)]
+        else:
+            axis, halves = 1, [(rows, half) for half in _halved(columns)]
+        parts = [self._values(*half, refused, reasons) for half in halves]
         return {
             name: np.concatenate([part[name] for part in parts], axis=axis)
             for name, _ in self.outputs
         }
+
+    def _all_values(self, rows: range, columns: range, refused: dict[int, str]) -> ByOutput:
+        """By output (R, C, *core), of a part in which every point has a value, else raises."""
+        if any(r in refused for r in rows):
+            raise FreebodyError("some robots of the part are refused")
+        given, shape = self.grid.part(rows, columns), (len(rows), len(columns))
+        numbers = {name: given[name] for name in self.function.numbers}
+        if numbers and not self.rows_are_robots:
+            self.model.bind(_of_one(numbers) if shape == (1, 1) else numbers)
+        found = self.function(given, self.hoisted)
+        return {name: np.broadcast_to(found[name], (*shape, *core)) for name, core in self.outputs}
 
     def _refused(self, rows: range) -> dict[int, str]:
         """Rows whose numbers no robot has, and why, where rows are robots."""
@@ -240,7 +239,7 @@ def with_more(
     return list(found.values())[:most]
 
 
-def _of_one(numbers: Named) -> dict[str, float]:
+def _of_one(numbers: ByOutput) -> dict[str, float]:
     """Of one robot, so that an error speaks of no member."""
     return {name: float(x.flat[0]) for name, x in numbers.items()}
 

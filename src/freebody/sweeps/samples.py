@@ -29,7 +29,7 @@ _RUN = 1 << 18
 _HELD = 1 << 24
 """Numbers of samples that are held as a whole: 128 MB."""
 
-Unit = Callable[[int, int, np.random.Generator], Array]
+UnitPoints = Callable[[int, int, np.random.Generator], Array]
 """(count, dimensions, generator) -> points of the unit cube (count, dimensions)."""
 
 
@@ -54,7 +54,7 @@ class Sampler:
     """A way to spread points. runs: whether each run of points can be made without the others.
     scipy: whether its points are SciPy's, and may change with it."""
 
-    unit: Unit
+    unit: UnitPoints
     runs: bool
     scipy: bool
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import prod
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from freebody.arrays import is_count
+from freebody.arrays import Array, is_count
 from freebody.errors import FreebodyError, KindError, UnknownNameError, listed
 from freebody.model.model import Model
 from freebody.sweeps.axes import SweepAxis, SweepGrid, read_axes
@@ -28,13 +28,15 @@ from freebody.sweeps.functions import (
 )
 from freebody.sweeps.identity import computed_with, identity, needs_of
 from freebody.sweeps.reductions import SweepReduction, reductions
-from freebody.sweeps.run import Progress, Watched, evaluated, points_of
+from freebody.sweeps.run import Watched, evaluated, points_of
 from freebody.sweeps.store import SweepStore
 from freebody.targets import Kernel, compile_program
 from freebody.targets.target import target_named
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from freebody.motion.simulation.simulation import Progress
 
 _TILE = 1 << 18
 """Numbers of one output that are computed at once: they stay in a processor's cache."""
@@ -146,21 +148,10 @@ def _read(
     shapes = input_shapes(function, model, frame, reference)
     read = reader(model, shapes)
     axes = read_axes(over, read, None if shapes is None else list(shapes))
-    if at is not None and not isinstance(at, Mapping):
-        raise KindError("sweep", "at", at, "a dict of what is the same at all points, by name")
-    constants = dict(read(name, value, 0) for name, value in (at or {}).items())
+    constants = _constants(at, axes, read)
     names = [name for axis in axes for name in axis.given] + list(constants)
-    for name in constants:
-        if names.count(name) > 1:
-            raise FreebodyError(f"sweep: {name!r} is given by over and by at; give it once.")
     numbers = _numbers(model, names, shapes)
-    if shapes is not None:
-        missing = [name for name in shapes if name not in names]
-        if missing:
-            raise FreebodyError(
-                f"sweep: the function needs {listed(missing)}; let it vary in over=, or give it "
-                f"in at=."
-            )
+    _require_inputs(shapes, names)
     rows, columns = _split(axes, *split)
     swept: SweptFunction
     if isinstance(function, Kernel):
@@ -175,6 +166,27 @@ def _read(
     else:
         swept = named_formulas(model, names_of(function), frame, reference, numbers, target)
     return SweepGrid(rows, columns, constants), swept
+
+
+def _constants(at: Any, axes: Sequence[SweepAxis], read: Callable[..., Any]) -> dict[str, Array]:
+    """Inputs and numbers that are the same at all points, read; none of them varies as well."""
+    if at is not None and not isinstance(at, Mapping):
+        raise KindError("sweep", "at", at, "a dict of what is the same at all points, by name")
+    constants = dict(read(name, value, 0) for name, value in (at or {}).items())
+    names = [name for axis in axes for name in axis.given] + list(constants)
+    for name in constants:
+        if names.count(name) > 1:
+            raise FreebodyError(f"sweep: {name!r} is given by over and by at; give it once.")
+    return constants
+
+
+def _require_inputs(shapes: Mapping[str, Any] | None, names: Sequence[str]) -> None:
+    """Refuse a function that lacks an input."""
+    missing = [name for name in shapes or () if name not in names]
+    if missing:
+        raise FreebodyError(
+            f"sweep: the function needs {listed(missing)}; let it vary in over=, or give it in at=."
+        )
 
 
 def _target(cpu: Any, function: Any) -> str | None:
