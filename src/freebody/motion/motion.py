@@ -20,7 +20,6 @@ from freebody.arrays import (
 )
 from freebody.errors import FreebodyError, KindError
 from freebody.lazy import cached_property
-from freebody.locks import imported
 from freebody.model.doubts import Doubt, named, told
 from freebody.model.model import Model
 from freebody.motion.piecewise import Extremes, PiecewisePolynomial, hermite
@@ -106,7 +105,9 @@ class Motion(Tabled, ByValue):
         through the positions, or through the rates. Raises FreebodyError.
         """
         # above this module: tables are completed and smoothed there, which takes motions
-        return imported("freebody.motion.files.tables").motion_of_samples(model, t, q, qd, qdd)
+        from freebody.motion.files.tables import motion_of_samples
+
+        return motion_of_samples(model, t, q, qd, qdd)
 
     def _title(self) -> str:
         return (

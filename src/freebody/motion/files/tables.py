@@ -24,7 +24,7 @@ from freebody.motion.motion import Motion, vector_of_times
 from freebody.trees.public_calls import finite_vector
 
 
-class Table(Protocol):
+class MotionTable(Protocol):
     """Columns by name: a dict, a DataFrame or a Dataset."""
 
     def items(self) -> Any:

@@ -14,7 +14,7 @@ from freebody.errors import FreebodyError, MissingArgumentError, listed
 from freebody.model.model import Model
 from freebody.motion.friction import drive_arrays
 from freebody.motion.optimal.geometric_path import PathSamples, sampled
-from freebody.motion.optimal.robot_limits import Reached, RobotLimits
+from freebody.motion.optimal.robot_limits import LimitsReached, RobotLimits
 from freebody.motion.optimal.speed_profile import PathRows, SpeedProfile, speed_limits
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.ranges import Flags, angular
@@ -80,7 +80,7 @@ class PathProblem:
         share = np.abs(self.viscous) * error[..., None] / self.limits.size
         return share.max(axis=(0, 2), initial=0.0)
 
-    def reached(self, x: Array) -> Reached:
+    def reached(self, x: Array) -> LimitsReached:
         """By motions with x (N + 1, P): by a parabola in each interval, and where one might not be
         enough, at `_PLACES` of it."""
         found = self.limits.reached(self.with_friction(x), x, self.at, self.between)
@@ -92,7 +92,7 @@ class PathProblem:
         return found
 
     def _within(self, x: Array, interval: Index, path: Index) -> Array:
-        """(k, m) by how much the rows exceed their limits in k intervals; see `Reached`."""
+        """(k, m) by how much the rows exceed their limits in k intervals; see `LimitsReached`."""
         at, size = self.at, self.limits.size
         start, end = x[interval, path], x[interval + 1, path]
         way = at.s[interval + 1, path] - at.s[interval, path]
@@ -109,7 +109,7 @@ class PathProblem:
         top, bottom = (_highest(way * values) for way in (1.0, -1.0))
         return np.maximum(top - size, 0.0) - np.maximum(bottom - size, 0.0)
 
-    def tightened(self, x: Array, reached: Reached, paths: Flags) -> PathProblem:
+    def tightened(self, x: Array, reached: LimitsReached, paths: Flags) -> PathProblem:
         """With limits that are stricter by what motions with x (N + 1, P) exceed them by, of those
         paths."""
         by, speed = reached.by, reached.speed

@@ -35,7 +35,7 @@ from freebody.trees.dynamics import inverse_dynamics
 _NAME = "time_optimal"
 
 
-class Reached(NamedTuple):
+class LimitsReached(NamedTuple):
     """What a motion does within the intervals: by how much its rows exceed their limits, above the
     upper one, or negative below the lower one (N, P, m); the largest as a fraction of its limit
     (N, P); the share of a limit that one might come to (N, P); and the largest speed as a fraction
@@ -96,14 +96,18 @@ class RobotLimits:
             self._refuse_singular(at, np.isnan(found[0]).any(axis=-1))
         return found
 
-    def reached(self, rows: PathRows, x: Array, at: PathSamples, between: PathSamples) -> Reached:
+    def reached(
+        self, rows: PathRows, x: Array, at: PathSamples, between: PathSamples
+    ) -> LimitsReached:
         """By motions with x (N + 1, P); at, between: the grid, and halfway in its intervals."""
         along = *between.orders[:3], at.first[:-1], at.first[1:], *both_ends(rows)
         ends = (a.ravel() for a in (x[:-1], x[1:], rows.h))
         finite = np.minimum(self.velocity, path_timing.FAR)
         by, *others = self._kernel("reached")(*_flat(along), *ends, self.size, finite, *self._loads)
         shape = rows.h.shape
-        found = Reached(by.reshape(*shape, len(self.size)), *(x.reshape(shape) for x in others))
+        found = LimitsReached(
+            by.reshape(*shape, len(self.size)), *(x.reshape(shape) for x in others)
+        )
         if self.model.loops:
             lost = np.isnan(found.share) & np.isfinite(x[:-1] + x[1:])
             self._refuse_singular(between, lost)
@@ -229,7 +233,7 @@ def _reached(
     second: Vector,
     *given: Any,
 ) -> tuple[Any, ...]:
-    """Of one interval, see `Reached`."""
+    """Of one interval, see `LimitsReached`."""
     start, end, *rows, x, y, h, size, velocity = given
     qd, qdd = path_timing.halfway(first, second, x, y, h)
     every = (*driven(rnea(tree, q, qd, qdd, loads).tau), *qdd)

@@ -29,7 +29,7 @@ from freebody.motion.optimal.path_limits import (
     refuse_unreachable,
     without_motion,
 )
-from freebody.motion.optimal.robot_limits import Reached, RobotLimits
+from freebody.motion.optimal.robot_limits import LimitsReached, RobotLimits
 from freebody.motion.optimal.speed_profile import quickest_profile
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planning.planned import sample_times
@@ -37,7 +37,7 @@ from freebody.motion.planning.planning_limits import Limit, PlanningLimits, plan
 from freebody.outputs.numbers import rounded_up
 from freebody.trees.public_calls import Wrenches, wrenches_by_frame
 
-Path = ArrayLike | Motion | PPoly
+PathArgument = ArrayLike | Motion | PPoly
 
 _NAME = "time_optimal"
 _BLOCK = 16  # paths computed side by side: what is known of them stays in the processor's cache
@@ -53,7 +53,7 @@ _SOURCE = "the quickest along a path within the limits"
 
 def time_optimal(
     model: Model,
-    path: Path | Sequence[Motion | PPoly],
+    path: PathArgument | Sequence[Motion | PPoly],
     *,
     velocity: Limit = None,
     acceleration: Limit = None,
@@ -260,7 +260,7 @@ def _solved(problem: PathProblem, labels: list[str]) -> _Quickest:
     return found
 
 
-def _quickest(x: Array, reached: Reached) -> _Quickest:
+def _quickest(x: Array, reached: LimitsReached) -> _Quickest:
     return _Quickest(x, reached.share.max(axis=0), reached.speed.max(axis=0))
 
 
