@@ -81,7 +81,7 @@ def home(model: Model) -> Array:
 
 
 def outside(model: Model, q: Array) -> int:
-    """How many coordinates of q (nq,) are beyond their limits."""
+    """The number of coordinates of q (nq,) beyond their limits."""
     iq, iv = position_columns(model)
     allowed = ranges(model)
     return int(((q[iq] < allowed.lower[iv]) | (q[iq] > allowed.upper[iv])).sum())

@@ -61,14 +61,14 @@ class Motion(Tabled, ByValue):
     qd: Array
     qdd: Array
     source: str
-    """Where the motion comes from, in words."""
+    """Words for where the motion comes from."""
     layout: CoordinateLayout
     notices: tuple[str, ...] = ()
     doubts: tuple[Doubt, ...] = ()
-    """Of a planned motion, on what of the robot it rests: its limits, of a time-optimal one its
-    masses and drives too."""
+    """Doubts about the robot on which a planned motion rests: about its limits, of a time-optimal
+    one about its masses and drives too."""
     differentiated: Literal["", "positions", "rates"] = ""
-    """What samples the accelerations are derivatives of, where they were not given."""
+    """The samples of which the accelerations are derivatives, where they were not given."""
     pieces: PiecewisePolynomial | None = None
     """The positions (nq,) over time as they were planned; None: interpolated."""
     _aside = ("source", "notices", "doubts")
@@ -222,7 +222,8 @@ class Motion(Tabled, ByValue):
         return self.curve, self.curve.derivative(), self.curve.derivative(2)
 
     def faster(self, factor: float) -> Motion:
-        """The same path run `factor` times as fast from the same start (below 1: slower)."""
+        """The motion run `factor` times as fast along its path from the same start (below 1:
+        slower)."""
         factor = above_zero("faster", "factor", factor)
         return replace(
             self,
@@ -385,7 +386,7 @@ class Peaks(Tabled, ByValue):
 
 
 def peaks_of(curve: PiecewisePolynomial, where: CoordinateLayout) -> Peaks:
-    """Of position coordinates along a curve."""
+    """Extremes of position coordinates along a curve, of their rates and accelerations."""
     functions = curve, curve.derivative(), curve.derivative(2)
     exact = [function.extremes for function in functions]
     if where.flat:

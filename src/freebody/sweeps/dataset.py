@@ -33,7 +33,8 @@ class SweepArrays:
         rows, columns = grid.shape
         self.reasons: list[FailedPoint] = []
         self.values: dict[tuple[str, str], Array] = {}
-        """By output and reduction (rows, *core), or (rows, columns, *core) and no reduction."""
+        """Arrays by output and reduction (rows, *core), or (rows, columns, *core) and no
+        reduction."""
         self._open: list[Gathered] | None = None
         names = [x.name for x in reductions] or [""]
         try:
@@ -70,7 +71,7 @@ class SweepArrays:
 
 
 def _about(model: Model, function: SweptFunction, arrays: SweepArrays) -> dict[str, Any]:
-    """What the attributes tell; a warning where points failed, an error where all did."""
+    """The attributes of a result; warns where points failed, raises where all did."""
     grid, points = arrays.grid, arrays.grid.shape[0] * arrays.grid.shape[1]
     failed = int(arrays.failed.sum())
     reasons = [_told(grid, point) for point in arrays.reasons]
@@ -108,7 +109,7 @@ def lazy_dataset(
 
 
 def dataset(model: Model, function: SweptFunction, arrays: SweepArrays) -> xr.Dataset:
-    """With the axes that stay in front."""
+    """The result as a dataset over the axes that stay in front."""
     import xarray as xr
 
     about, grid = _about(model, function, arrays), arrays.grid
@@ -163,7 +164,8 @@ def _dimensions(
     coordinates: dict[str, Any],
     front: tuple[str, ...],
 ) -> tuple[str, ...]:
-    """Of an output's core; joints are called by their names, other places by number."""
+    """Names of the dimensions of an output's core; joints are called by their names, other places
+    by number."""
     told = function.dimensions(output) or ("",) * len(core)
     found: list[str] = []
     for k, dimension in enumerate(told):
@@ -184,7 +186,7 @@ def _places(
     front: tuple[tuple[str, ...], tuple[int, ...]],
     inner: tuple[str, ...],
 ) -> dict[str, Any]:
-    """On each reduced axis the place, -1 for none, and what is given there."""
+    """Variables for the place on each reduced axis, -1 for none, and for the values there."""
     (dims, sizes), found = front, {}
     core = values.shape[1:]
     for axis, (place, given) in grid.column(values.astype(np.int64)).items():

@@ -27,7 +27,7 @@ NOT_A_NUMBER = "the result is not a number"
 _GATHERED = 1 << 23
 """Bytes that are gathered from a tile: a histogram has half a megabyte for a row of six joints."""
 _MOST_REASONS = 20
-"""Of a block's failures, of which place and reason are kept; the others are counted."""
+"""Failures of a block that are kept with place and reason; the others are counted."""
 
 
 Reasons = dict[tuple[int, int], str]
@@ -53,9 +53,9 @@ class SweepBlock(NamedTuple):
 
 @dataclass
 class BlockResult:
-    """What came out of a block: of each output what its reductions are or, where rows go on in
-    further blocks, what they need, or all values; how many points of each row failed; some of
-    these."""
+    """The results of a block: of each output its reductions or, where rows go on in further
+    blocks, the numbers that these need, or all values; how many points of each row failed; some
+    of these."""
 
     gathered: list[Gathered]
     values: list[Array]
@@ -64,14 +64,14 @@ class BlockResult:
 
 
 InOrder = Callable[[Callable[[SweepBlock], BlockResult], list[SweepBlock]], Iterator[BlockResult]]
-"""What a function makes of each tile, in order, as `map`."""
+"""A `map`: the result of a function for each tile, in order."""
 Keep = Callable[[SweepBlock, BlockResult], object]
-"""What is done with a block as soon as it is there."""
+"""A function that is given each block with its result, as soon as that is there."""
 
 
 @dataclass(frozen=True)
 class SweepTask:
-    """All that a block needs, besides which one it is; it can be sent to another process."""
+    """A sweep as a function of a block, which can be sent to another process."""
 
     model: Model
     grid: SweepGrid
@@ -79,7 +79,7 @@ class SweepTask:
     outputs: tuple[tuple[str, tuple[int, ...]], ...]
     """Names and core shapes."""
     reductions: tuple[SweepReduction, ...]
-    """None: the values themselves."""
+    """The reductions; none: the values themselves are kept."""
     whole_rows: bool
     """Whether a block has all columns of its rows, so that they are reduced there."""
     rows_are_robots: bool
@@ -130,7 +130,7 @@ class SweepTask:
         return [finished(self.reductions, x) for x in found] if self.whole_rows else found
 
     def empty(self) -> list[Gathered]:
-        """What a block of one row has of each output, of values that are not there."""
+        """The results of a block of one row, of values that are not there."""
         return self._reduced(self._nothing())
 
     def _nothing(self) -> list[Gathered]:
@@ -139,13 +139,13 @@ class SweepTask:
 
     @cached_property
     def _row_bytes(self) -> int:
-        """Of what is gathered for a row, before it is reduced."""
+        """Bytes that are gathered for a row, before it is reduced."""
         return max(1, sum(array.nbytes for x in self._nothing() for array in x.values()))
 
     def _tile(
         self, tile: SweepBlock, block: SweepBlock, refused: dict[int, str], places: list[Array]
     ) -> BlockResult:
-        """What came out of a tile, reduced where it has all that the block has of its rows; its
+        """The results of a tile, reduced where it has all that the block has of its rows; its
         values, where all are wanted, are put into the block's."""
         rows, columns = tile
         reasons: Reasons = {}
@@ -167,8 +167,8 @@ class SweepTask:
     def _values(
         self, rows: range, columns: range, refused: dict[int, str], reasons: Reasons
     ) -> ByOutput:
-        """By output (R, C, *core). A part that is refused is halved, until it is one point, or one
-        robot."""
+        """Values (R, C, *core) by output. A part that is refused is halved, until it is one point,
+        or one robot."""
         shape = len(rows), len(columns)
         reason = refused.get(rows.start) if len(rows) == 1 else None
         if reason is None:
@@ -192,7 +192,8 @@ class SweepTask:
         }
 
     def _all_values(self, rows: range, columns: range, refused: dict[int, str]) -> ByOutput:
-        """By output (R, C, *core), of a part in which every point has a value, else raises."""
+        """Values (R, C, *core) by output, of a part in which every point has one; raises
+        elsewhere."""
         if any(r in refused for r in rows):
             raise FreebodyError("some robots of the part are refused")
         given, shape = self.grid.part(rows, columns), (len(rows), len(columns))
@@ -219,7 +220,7 @@ class SweepTask:
 
 
 def _told(tile: SweepBlock, failed: np.ndarray, reasons: Reasons) -> list[FailedPoint]:
-    """Of each row that has failed points each reason once, at the first of them."""
+    """Failed points of each row that has some, each reason once, at the first of them."""
     rows = np.flatnonzero(failed.any(axis=1))
     first = failed.argmax(axis=1)
     places = {(tile.rows.start + r, tile.columns.start + int(first[r])) for r in rows.tolist()}
@@ -240,7 +241,7 @@ def with_more(
 
 
 def _of_one(numbers: ByOutput) -> dict[str, float]:
-    """Of one robot, so that an error speaks of no member."""
+    """Numbers of one robot, so that an error speaks of no member."""
     return {name: float(x.flat[0]) for name, x in numbers.items()}
 
 
@@ -282,7 +283,7 @@ class SweepBlocks:
         return -(-self.shape[0] // self.high), -(-self.shape[1] // self.wide)
 
     def place(self, block: SweepBlock) -> tuple[int, int]:
-        """Where a block is, counted in blocks."""
+        """The place of a block, counted in blocks."""
         return block.rows.start // self.high, block.columns.start // self.wide
 
     def __iter__(self) -> Iterator[SweepBlock]:

@@ -28,15 +28,16 @@ from freebody.targets.target import chosen_target
 
 
 class SweepNeeds(NamedTuple):
-    """What computes a sweep. target: of its kernel; None of a function of Python, which may call
-    kernels of the process's own target and whatever NumPy has. scipy: whether it makes samples."""
+    """The target and libraries that compute a sweep. target: of its kernel; None of a function of
+    Python, which may call kernels of the process's own target and whatever NumPy has. scipy:
+    whether it makes samples."""
 
     target: str | None
     scipy: bool
 
 
 def needs_of(task: SweepTask) -> SweepNeeds:
-    """What computes a task."""
+    """The target and libraries that compute a task."""
     kernel = _kernel(task.function)
     every = [axis.given for axis in (*task.grid.rows, *task.grid.columns)]
     scipy = any(isinstance(x, Samples) and SAMPLERS[x.method].scipy for x in every)
@@ -44,8 +45,8 @@ def needs_of(task: SweepTask) -> SweepNeeds:
 
 
 def computed_with(needs: SweepNeeds) -> dict[str, str]:
-    """What last digits depend on besides the arguments: versions, and the processor that code is
-    made for, which for a level (`cpu=`) is the same everywhere."""
+    """Names and versions on which last digits depend besides the arguments, and the processor that
+    code is made for, which for a level (`cpu=`) is the same everywhere."""
     target, _, level = (needs.target or chosen_target(None)).partition(":")
     found = {"freebody": compiler_version(), "NumPy": np.__version__}
     if target == "cpu":

@@ -154,7 +154,7 @@ class _SentBlocks(NamedTuple):
 def _done(
     packed: bytes, blocks: list[SweepBlock], needs: SweepNeeds, wanted: Mapping[str, str]
 ) -> tuple[list[BlockResult], float]:
-    """On a worker: the results, and the seconds that they took."""
+    """The results of blocks on a worker, and the seconds that they took."""
     others = differing(wanted, computed_with(needs))
     if others:
         advice = "Run the sweep on machines of one kind, with the same packages"
@@ -173,13 +173,13 @@ def _done(
 
 @lru_cache(maxsize=1)
 def _unpickled(packed: bytes) -> SweepTask:
-    """Once for all blocks: its kernel is compiled, or found in the cache."""
+    """The task, read once for all blocks: its kernel is compiled, or found in the cache."""
     task: SweepTask = pickle.loads(packed)
     return task
 
 
 def points_of(block: SweepBlock) -> int:
-    """How many points a block has."""
+    """The number of points of a block."""
     return len(block.rows) * len(block.columns)
 
 
@@ -192,7 +192,7 @@ class Watched:
         self._progress, self._begun = progress, time.monotonic()
 
     def __call__(self, block: SweepBlock, result: BlockResult) -> BlockResult:
-        """The same result, when the caller has been told."""
+        """Tell the caller how far the sweep is with one more block; its result."""
         self._here += points_of(block)
         if self._progress is not None:
             done = self._found + self._here

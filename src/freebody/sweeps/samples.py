@@ -100,7 +100,7 @@ class Samples(Titled, Mapping[str, Array]):
         return len(self.bounds)
 
     def at(self, places: slice | np.ndarray) -> dict[str, Array]:
-        """By name those at some places, (*places, ...)."""
+        """The samples at some places by name, (*places, ...)."""
         points = self._points(places)
         found, first = {}, 0
         for name, (low, high) in self.bounds.items():
@@ -110,7 +110,7 @@ class Samples(Titled, Mapping[str, Array]):
         return found
 
     def renamed(self, names: Mapping[str, str]) -> Samples:
-        """The same points by other names."""
+        """The points by other names."""
         bounds = {names[name]: pair for name, pair in self.bounds.items()}
         return Samples(self.count, self.method, self.seed, bounds)
 
@@ -122,7 +122,7 @@ class Samples(Titled, Mapping[str, Array]):
         return sum(low.size for low, _ in self.bounds.values())
 
     def _points(self, places: slice | np.ndarray) -> Array:
-        """Of the unit cube, (*places, dimensions)."""
+        """Points of the unit cube, (*places, dimensions)."""
         if not SAMPLERS[self.method].runs or self.count * self._dimensions <= _HELD:
             return self._all[places]
         if isinstance(places, slice):

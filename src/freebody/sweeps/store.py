@@ -103,7 +103,7 @@ class SweepStore:
         return all(x.name == "zarr.json" and x.parts[0] in (x.name, PARTS) for x in self._files())
 
     def _files(self) -> list[Path]:
-        """What is in the folder, besides what a killed process was writing."""
+        """Files in the folder, but those that a killed process was writing."""
         every = self.path.rglob("*")
         return [x.relative_to(self.path) for x in every if not (x.is_dir() or _LEFT.search(x.name))]
 
@@ -113,7 +113,8 @@ class SweepStore:
         )
 
     def _shapes(self) -> dict[str, tuple[tuple[int, ...], np.dtype]]:
-        """By name of an array what a point of a block's rows has in it, and its type."""
+        """Shape and type of the entries of each array, by its name, for a point of a block's
+        rows."""
         task = self._task
         if not task.reductions:
             return {name: (core, np.dtype(float)) for name, core in task.outputs}
@@ -177,7 +178,7 @@ class SweepStore:
             self._failed[rows, part] = result.failed.astype(float)
 
     def read(self, block: SweepBlock) -> BlockResult:
-        """What was written of a block, without its values."""
+        """The stored results of a block, without its values."""
         rows, (group, part) = slice(block.rows.start, block.rows.stop), self._blocks.place(block)
         with self._said():
             gathered = [

@@ -123,7 +123,7 @@ def sweep(
 def _joined(
     arrays: SweepArrays, blocks: SweepBlocks, results: Iterator[BlockResult]
 ) -> SweepArrays:
-    """With the results of all blocks, in order."""
+    """The arrays with the results of all blocks, in order."""
     for each, result in zip(blocks, results, strict=True):
         arrays.add(each, result)
     return arrays
@@ -190,7 +190,7 @@ def _require_inputs(shapes: Mapping[str, Any] | None, names: Sequence[str]) -> N
 
 
 def _target(cpu: Any, function: Any) -> str | None:
-    """Where kernels run: on processors of a level."""
+    """The target of kernels for a level of processors; None for this machine's own."""
     if cpu is None:
         return None
     levels = target_named("cpu").kinds
@@ -213,7 +213,7 @@ def _for(target: str | None, kernel: Kernel) -> Kernel:
 
 
 def _numbers(model: Model, names: list[str], shapes: Mapping[str, Any] | None) -> tuple[str, ...]:
-    """Those among the names that are numbers of the model."""
+    """Names among those given that are numbers of the model."""
     from freebody.model.numbers import known
 
     rows = known(model).rows
@@ -272,7 +272,7 @@ def _task(
     chosen: tuple[SweepReduction, ...],
     points: int,
 ) -> SweepTask:
-    """All that is decided by the grid as a whole, and so the same in each block."""
+    """The task of all blocks, with whatever is decided by the grid as a whole."""
     moved = {name for axis in grid.columns for name in axis.given}
     by_row = bool(swept.numbers) and not moved & set(swept.numbers)
     largest = max(int(np.prod(core)) for _, core in outputs)

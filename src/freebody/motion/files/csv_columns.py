@@ -46,7 +46,7 @@ class CsvColumns:
     header: list[str]
     """Names of the columns; `t` is the time."""
     factors: Array
-    """Of the columns, to SI units."""
+    """Factors (columns,) that turn each column into SI units."""
     told: frozenset[str]
     """Columns whose unit the header states."""
     separator: str
@@ -69,7 +69,8 @@ class CsvColumns:
 
 
 def kinds(model: Model) -> dict[str, str]:
-    """What each position is: "angle", "length", or "number" (a quaternion's component)."""
+    """The kind of each position by name: "angle", "length", or "number" (a quaternion's
+    component)."""
     found = dict.fromkeys(model.position_names, "number")
     turns = angular(model)
     for body, at in zip(model.bodies, model.coordinates, strict=True):
@@ -82,8 +83,8 @@ def kinds(model: Model) -> dict[str, str]:
 
 
 def factor(column: str, unit: str, quantities: Mapping[str, str]) -> float | str:
-    """What a column in that unit is multiplied with to be in SI units, 1 where there is no such
-    quantity; or what is wrong, as a sentence."""
+    """The factor from a column's unit to SI units, 1 where there is no such quantity; or the fault
+    of the unit, as a sentence."""
     ending = column[-2:] if column[-2:] in (".v", ".a") and column not in quantities else ""
     if column != "t" and column.removesuffix(ending) not in quantities:
         return 1.0  # refused where columns are looked up
@@ -169,7 +170,7 @@ def named_unit(cell: str, quantities: Mapping[str, str]) -> tuple[str, str | Non
 
 
 def _hint(cells: list[str]) -> str:
-    """What may be wrong with a header without a time."""
+    """A likely reason for a header without a time."""
     if cells[0].startswith(("%", "//", "!")):
         return "; a line that is not part of the table starts with #"
     if len(cells) == 1 and cells[0].lower().startswith(("t ", "time ")):

@@ -36,7 +36,8 @@ from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import continuous, state_of
 
 REST = 1e-6
-"""Of the fastest rate of its kind (turning, sliding): what is slower is at rest."""
+"""Rate below which a coordinate is at rest, as a part of the fastest of its kind (turning,
+sliding)."""
 LOUD = 0.05
 """Noise in an acceleration, as RMS over the largest acceleration of the motion, from which it is
 worth a word."""
@@ -51,7 +52,7 @@ _FEWEST = 30
 _WHITE = 0.5
 _SMALL = 0.02  # of the range: what is rougher was sampled too coarsely and is no noise on a curve
 _FINE = 2e-3
-"""In rad, m or a second's: what is this small and this rough is no motion, whatever the range."""
+"""Noise (rad or m, of rates by s) that is none of the motion, whatever the range."""
 _ROUNDING = 1e-12  # of the largest sample: what is smaller is the arithmetic's
 _KNOTS = 10.0  # a period of the cutoff frequency
 _NOISE = (0.15, 0.2, 0.25, 0.3)
@@ -69,11 +70,11 @@ class Noise:
     sigma: float
     """Standard deviation of the loudest coordinate: rad or m, of rates by s."""
     name: str
-    """That coordinate."""
+    """Name of the loudest coordinate."""
     acceleration: float
     """RMS of the noise in its acceleration, rad/s² or m/s²."""
     share: float
-    """The same over the largest acceleration of the smoothed motion."""
+    """RMS of the noise in its acceleration over the largest acceleration of the smoothed motion."""
     cutoff: float
     """Hz: where `smoothed` would cut."""
     text: str
@@ -211,7 +212,7 @@ def along_rates(t: Array, q: Array, rates: Array) -> Array:
 
 
 def _samples(motion: Motion) -> Array:
-    """What the accelerations were differentiated from."""
+    """The samples that the accelerations were differentiated from: rates or positions."""
     if motion.differentiated == "rates":
         return motion.qd
     return continuous(motion.layout, motion.q)

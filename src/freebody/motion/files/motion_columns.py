@@ -75,7 +75,7 @@ def check_names(model: Model, header: list[str], problem: Refusal) -> None:
 
 
 def _check_leaders(model: Model, header: list[str], problem: Refusal) -> None:
-    """Of a closed chain some positions suffice."""
+    """Refuse columns of a closed chain without any position; some positions suffice."""
     if not set(header) & set(model.position_names):
         drives = ", ".join(model.driven_names)
         raise problem(
@@ -202,7 +202,7 @@ def _differentiated(known: Flags, told: Flags) -> Literal["", "positions", "rate
 
 
 def _told(model: Model, rates: Array) -> Iterator[str]:
-    """Where the rates come from."""
+    """Words for where the rates come from."""
     iq, iv = position_columns(model)
     names = [model.position_names[k] for k in iq[~np.isnan(rates[0, iv])]]
     all_given = len(names) == model.nq

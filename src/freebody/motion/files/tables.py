@@ -32,7 +32,7 @@ class MotionTable(Protocol):
 
 
 def motion_of_samples(model: Model, t: Any, q: Any, qd: Any, qdd: Any) -> Motion:
-    """What `Motion.of` describes."""
+    """The motion of arrays or of one table, see `Motion.of`."""
     require_model("Motion.of", model)
     model.require_values("a motion")
     if q is None:

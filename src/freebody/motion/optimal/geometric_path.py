@@ -54,11 +54,11 @@ class PathSamples(NamedTuple):
         return self.orders[2]
 
     def part(self, points: slice) -> PathSamples:
-        """At some of the points."""
+        """Samples at some of the points."""
         return PathSamples(self.s[points], tuple(x[points] for x in self.orders))
 
     def only(self, paths: Flags) -> PathSamples:
-        """Of some paths."""
+        """Samples of some paths."""
         return PathSamples(self.s[:, paths], tuple(x[:, paths] for x in self.orders))
 
 
@@ -114,7 +114,7 @@ def path_curve(
 def _led(
     function: str, model: Model, positions: Any, limits: PlanningLimits, name: str
 ) -> PiecewisePolynomial:
-    """Of a closed chain."""
+    """The curve of a closed chain, which its driven joints lead."""
     if model.nq != model.nv:
         raise FreebodyError(
             f"{function}: {model.name!r} has joints whose positions are quaternions, for which "

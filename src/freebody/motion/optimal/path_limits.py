@@ -24,13 +24,14 @@ from freebody.trees.position_rates import Index
 _INSTANT = 1e-6
 """s: no path takes less time; what would be quicker has no limit."""
 RESERVE = 2e-4
-"""Of a limit of torque or acceleration: kept from it in the rows, for what is between points."""
+"""Part of a limit of torque or acceleration that is kept from it in the rows, for the motion
+between points."""
 _CUSHION = 5e-5
-"""Of a limit: by how much more than what it was exceeded by it is made stricter."""
+"""Part of a limit by which it is made stricter than what it was exceeded by."""
 _PLACES = np.linspace(0.0, 1.0, 17)
-"""Of an interval, by way."""
+"""Places in an interval, as parts of its way."""
 _SLIGHTLY = 0.01
-"""Of a squared speed: what is given away at once rather than by computing the motion again."""
+"""Part of a squared speed that is given away at once rather than by computing the motion again."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +64,7 @@ class PathProblem:
         )
 
     def strict(self, x: Array) -> PathRows:
-        """The same with the margins."""
+        """The rows within their margins, with the friction of motions with x (N + 1, P)."""
         rows = self.with_friction(x)
         if self.margin is None:
             return rows
@@ -81,8 +82,8 @@ class PathProblem:
         return share.max(axis=(0, 2), initial=0.0)
 
     def reached(self, x: Array) -> LimitsReached:
-        """By motions with x (N + 1, P): by a parabola in each interval, and where one might not be
-        enough, at `_PLACES` of it."""
+        """Excesses of motions with x (N + 1, P): by a parabola in each interval, and where one
+        might not be enough, at `_PLACES` of it."""
         found = self.limits.reached(self.with_friction(x), x, self.at, self.between)
         interval, path = np.nonzero(found.near > 1.0)
         if len(interval):
@@ -110,8 +111,8 @@ class PathProblem:
         return np.maximum(top - size, 0.0) - np.maximum(bottom - size, 0.0)
 
     def tightened(self, x: Array, reached: LimitsReached, paths: Flags) -> PathProblem:
-        """With limits that are stricter by what motions with x (N + 1, P) exceed them by, of those
-        paths."""
+        """The problem with limits that are stricter by what motions with x (N + 1, P) exceed them
+        by, of those paths."""
         by, speed = reached.by, reached.speed
         most = 0.25 * self.limits.size  # a grid so coarse is told, not mended
         by = by + np.sign(by) * _CUSHION * self.limits.size
@@ -126,14 +127,14 @@ class PathProblem:
         return replace(self, margin=margin, rows=self.rows._replace(most=fastest))
 
     def without_reserve(self, paths: Flags) -> PathProblem:
-        """With the whole limits of those paths."""
+        """The problem with the whole limits of those paths."""
         more = np.where(paths[:, None], RESERVE * self.limits.size, 0.0)
         (lo, lo_end), (hi, hi_end) = self.rows.lo, self.rows.hi
         lo, hi = (lo - more, lo_end - more), (hi + more, hi_end + more)
         return replace(self, rows=self.rows._replace(lo=lo, hi=hi))
 
     def only(self, paths: Flags) -> PathProblem:
-        """Of some paths."""
+        """The problem of some paths."""
         if paths.all():
             return self
         h, most, a, b, lo, hi = self.rows
@@ -146,7 +147,8 @@ class PathProblem:
         return PathProblem(self.limits, at, between, rows, drag, margin)
 
     def coarse(self, every: int) -> PathProblem:
-        """On a grid of each `every`-th point; their number less 1 is a multiple of it."""
+        """The problem on a grid of each `every`-th point; their number less 1 is a multiple of
+        it."""
         rows, cut = self.rows, slice(None, None, every)
         starts, ends = cut, slice(every - 1, None, every)
         h = rows.h.reshape(-1, every, rows.h.shape[1]).sum(axis=1)
@@ -227,7 +229,7 @@ def _from_rest(s: Array, count: int) -> Array:
 
 
 def _parts(count: int) -> tuple[slice, slice]:
-    """Of samples at `count` points and then between them."""
+    """Slices of samples at `count` points and then between them."""
     return slice(count), slice(count, None)
 
 
@@ -266,7 +268,8 @@ def refuse_unreachable(
 
 
 def _held_still(problem: PathProblem, path: int) -> str:
-    """Where the robot is worst too weak for its weight and dry friction alone; empty if nowhere."""
+    """A sentence on the place where the robot is worst too weak for its weight and dry friction
+    alone; empty if nowhere."""
     ends = problem.rows.lo, problem.rows.hi
     (lo, lo_end), (hi, hi_end) = ((x[0][:, path], x[1][:, path]) for x in ends)
     size = problem.limits.size

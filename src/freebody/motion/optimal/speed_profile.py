@@ -70,8 +70,8 @@ def quickest_profile(rows: PathRows) -> SpeedProfile:
 
 
 def _polygons(kernel: Kernel, rows: PathRows) -> tuple[Array, ...]:
-    """What `path_timing.polygon` finds in each interval; where its search has not ended, it goes on
-    from there."""
+    """The polygon of each interval by `path_timing.polygon`; where its search has not ended, it
+    goes on from there."""
     given = [x.reshape(rows.h.size, x.shape[-1]) for x in both_ends(rows)]  # one axis is quickest
     most, beyond = (x.ravel() for x in (rows.most[:-1], rows.most[1:]))
     given += [beyond, rows.h.ravel()]
@@ -159,7 +159,7 @@ class _Kernels(NamedTuple):
 
 @lru_cache(maxsize=8)
 def _kernels(m: int) -> _Kernels:
-    """Of m rows at each end of an interval."""
+    """The kernels for m rows at each end of an interval."""
 
     def polygon(*given: Scalar) -> tuple[Scalar, ...]:
         start, end = path_timing.RowsAtEnd(*given[:4]), path_timing.RowsAtEnd(*given[4:8])

@@ -173,7 +173,7 @@ def _motions(
     curves: Sequence[PiecewisePolynomial],
     block: _PathBlock,
 ) -> Iterator[Motion]:
-    """Of the paths of a block."""
+    """The motions along the paths of a block."""
     own = [curves[k] for k in block.paths]
     grids = np.stack([grid(curve, block.intervals) for curve in own], axis=1)
     problem = path_problem(robot, own, grids)
@@ -197,8 +197,8 @@ def _motions(
 
 
 def _doubts(model: Model, limits: PlanningLimits) -> tuple[Doubt, ...]:
-    """On what the motion rests: drives whose speed nothing limits count, and those whose torque
-    nothing does where no acceleration is limited either."""
+    """Doubts on which the motion rests: drives whose speed nothing limits count, and those whose
+    torque nothing does where no acceleration is limited either."""
     unlimited = {
         EFFORTS: np.isinf(limits.torque) & np.isinf(limits.acceleration),
         SPEEDS: np.isinf(limits.velocity),

@@ -59,8 +59,8 @@ class PlannedJoints:
         one: str = "",
         straight: bool = False,
     ) -> PlannedJoints:
-        """Of waypoints as a user gives them; `one`: of one position, where they are the same;
-        straight: the planner moves straight from each to the next, as quaternions can."""
+        """The joints of waypoints as a user gives them; `one`: of one position, where they are the
+        same; straight: the planner moves straight from each to the next, as quaternions can."""
         model.require_values("a motion")
         if model.loops:
             driven = driven_waypoints(function, model, given, limits, one)
@@ -137,7 +137,8 @@ class TurningWaypoints:
 def _turning_waypoints(
     function: str, model: Model, given: Any, limits: PlanningLimits, one: str = ""
 ) -> TurningWaypoints:
-    """Of waypoints (k, nq), k > 1. Raises FreebodyError."""
+    """The coordinates of waypoints (k, nq), k > 1, between which each move turns about one axis.
+    Raises FreebodyError."""
     where = layout(model)
     q = finite_vector(function, model, one or "waypoints", given)
     if q.ndim != 2 or len(q) < 2:

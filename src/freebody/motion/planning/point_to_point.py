@@ -244,7 +244,7 @@ PROFILES = {
     "trapezoid": Profile("trapezoids of speed", ("acceleration",), _trapezoid),
     "s-curve": Profile("curves of limited jerk", ("jerk",), _s_curve),
 }
-"""By name."""
+"""The families of curves by name."""
 
 
 def _phases(phases: Sequence[tuple[float, float]], order: int) -> PiecewisePolynomial:

@@ -30,7 +30,7 @@ _UNHEEDED = 5e-7
 
 @dataclass(frozen=True, eq=False)
 class Missing:
-    """What the joints cannot do of a path, where it is most: a shift (dim,), m, or a rotation
+    """The largest part of a path that the joints cannot follow: a shift (dim,), m, or a rotation
     vector (3,), in the plane (1,), rad, world axes."""
 
     turns: bool
@@ -45,7 +45,8 @@ class Missing:
         return float(np.linalg.norm(self.vector))
 
     def told(self, length: float, means: str) -> str:
-        """In words, on a path of that length; means: of what has the motion."""
+        """The missing motion in words, on a path of that length; means: words for the joints that
+        have none for it."""
         verb, size = ("move", f"{self.size:.3g} m")
         if self.turns:
             verb, size = "turn", f"{np.degrees(self.size):.3g} °"
@@ -76,7 +77,7 @@ class TipFollower:
 
     @cached_property
     def mobility(self) -> TipMobility:
-        """Of the branch of q0."""
+        """The motions that the joints can give the tip on the branch of q0."""
         return TipMobility.of(self.solver, self.q0)
 
     def along(self, ways: Array) -> list[TipPosture]:
@@ -107,7 +108,8 @@ class TipFollower:
         return postures
 
     def notices(self, found: Sequence[TipPosture], ways: Array) -> tuple[str, ...]:
-        """What is worth a word of postures at the ways (N,)."""
+        """Sentences on postures at the ways (N,): near singular positions, and motions that are
+        left out."""
         q = np.array([at.q for at in found])
         return *self._near_singular(found, ways), *self._left_out(q, ways)
 
@@ -184,14 +186,14 @@ class TipFollower:
         return self.path.at(np.array([way]))[0]
 
     def _off(self, q: Array, way: float) -> float:
-        """What is missing (m, rad) of what has to be kept."""
+        """The error (m, rad) of the part of the pose that has to be kept."""
         T, _ = self.solver.pose_and_jacobian(q)
         error, k = self.solver.task.error(T, self._goal(way)), len(self.solver.task.linear)
         parts = [error[:k]] if self.nearest else [error[:k], error[k:]]
         return max(float(np.linalg.norm(part)) for part in parts)
 
     def _missing(self, q: Array, ways: Array) -> Missing:
-        """Where most is missing at positions q (N, nq): of the position, else of the
+        """The largest missing motion at positions q (N, nq): of the position, else of the
         orientation."""
         task = self.solver.task
         T, _ = self.solver.pose_and_jacobian(q)

@@ -43,7 +43,7 @@ class TipMobility:
 
     @staticmethod
     def of(solver: NumericalSolver, q0: Array) -> TipMobility:
-        """Of the branch of q0 (nq,)."""
+        """The mobility on the branch of q0 (nq,)."""
         model = solver.model
         columns = list(range(model.nv)) if model.loops else np.flatnonzero(solver.moving).tolist()
         found = [_ranks(solver, q, columns) for q in _positions(solver, q0)]
@@ -53,11 +53,11 @@ class TipMobility:
 
     @property
     def held(self) -> int:
-        """How many motions the loops hold."""
+        """The number of motions that the loops hold."""
         return len(self.columns) - self.freedom
 
     def posture(self, q: Array) -> TipPosture:
-        """At q (nq,)."""
+        """The posture at q (nq,)."""
         T, _ = self.solver.pose_and_jacobian(q)
         return TipPosture(self, q, self.solver.equations(q, T)[1][:, self.columns])
 
@@ -85,8 +85,8 @@ class TipPosture:
 
     @property
     def ratio(self) -> float:
-        """Of the smallest to the largest singular value of the tip's motions; 0 where it has lost
-        one, or the loops give way to one more."""
+        """Ratio of the smallest to the largest singular value of the tip's motions; 0 where it has
+        lost one, or the loops give way to one more."""
         s, k = self._tip[1], self.mobility.rank
         if self._allowed.shape[1] != self.mobility.freedom:
             return 0.0

@@ -271,12 +271,12 @@ class _TipPlan:
         return 1.0 / min(allowed, by_joints)
 
     def _fastest(self, motion: Motion) -> float:
-        """Of the frame, m/s."""
+        """The largest speed of the frame, m/s."""
         V = tip_velocity(self.model, motion.q, motion.qd, self.frame)
         return float(np.linalg.norm(V[:, : self.model.dim], axis=-1).max())
 
     def _off(self, motion: Motion, path: TipPath) -> float:
-        """How far the tip is from where it should be between samples, m or rad."""
+        """The largest distance of the tip from the path between samples, m or rad."""
         t = 0.5 * (motion.t[1:] + motion.t[:-1])
         goal = path.at(np.clip(_way(path.length, motion.duration, t)[0], 0.0, path.length))
         task = self.solver.task

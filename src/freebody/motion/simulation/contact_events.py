@@ -24,7 +24,7 @@ _ROUND = 1e-11
 _IDLE = 500  # events in a row that bring a motion no further
 _SHORTEST = 1e-13  # of the duration
 _BEND = 0.2
-"""Of a bound, of what is needed to hold: what this may bend by within a step."""
+"""Part of a bound by which the torque needed to hold a joint may bend within a step."""
 _FINE = 1e-6  # of the duration: steps in which torques that jump may change as they like
 
 LaneIndex = NDArray[np.intp]
@@ -34,7 +34,8 @@ StepMove = Callable[[Some, LaneState, Array, Array], LaneState]
 
 @dataclass(eq=False)
 class ContactEvents:
-    """What is held and what pushes (lanes, nv) in many motions, and how they change.
+    """Events of dry friction and stops in many motions: which coordinates are held, which torques
+    push (lanes, nv), and when that changes.
 
     A step is made as if nothing changed. Where that is not so at its end, or between (a stop that
     was passed and left again), it is made again up to the time of the change, the state is put
@@ -42,7 +43,7 @@ class ContactEvents:
     """
 
     contacts: JointContacts
-    """Of each lane."""
+    """Friction and stops of each lane."""
     rates: Rates
     duration: float
     push: Array
@@ -56,13 +57,13 @@ class ContactEvents:
     def of(
         contacts: JointContacts, lanes: MotionLanes, rates: Rates, duration: float, qd: Array
     ) -> ContactEvents:
-        """At the start of all motions, qd (lanes, nv)."""
+        """The events of all motions at their start, qd (lanes, nv) being the rates there."""
         own = contacts.lanes(lanes)
         push = -own.coulomb * np.sign(qd)
         return ContactEvents(own, rates, duration, push, np.zeros(push.shape))
 
     def begin(self, lanes: slice, state: LaneState, start: float) -> LaneState:
-        """At a time from which torques may be others."""
+        """The states at a time from which torques may be others, after what changes there."""
         each = np.arange(len(self.push))[lanes]
         contacts = self.contacts.some(each)
         some = contacts.resting(*state) | contacts.hitting(*state)
@@ -238,7 +239,7 @@ class ContactEvents:
     def _suspected(
         self, lanes: LaneIndex, before: LaneState, after: LaneState, h: Array
     ) -> Iterator[Array]:
-        """In which part of a step (lanes,) the cubic through its ends first has a coordinate
+        """The part of a step (lanes,) at which the cubic through its ends first has a coordinate
         farthest behind its lower stop, behind its upper one, or slowest, having turned round;
         infinite where it has none."""
         contacts, free = self.contacts.some(lanes), self.held[lanes] == 0.0
@@ -278,8 +279,8 @@ class ContactEvents:
 
 
 def _used_up(left: Array, right: Array, speed: Array) -> Array:
-    """In which part of an interval (n,) the first of some margins (n, 4 nv) is used up, by a hair:
-    where lines are, and to stops parabolas that begin with the motion's speed (n, nv)."""
+    """The part of an interval (n,) at which the first of some margins (n, 4 nv) is used up, by a
+    hair: along lines, and to stops along parabolas that begin with the motion's speed (n, nv)."""
     a, b, nv = left + _HAIR, right + _HAIR, speed.shape[-1]
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         part = np.where(b < 0.0, a / (a - b), np.inf)
@@ -294,13 +295,13 @@ def _used_up(left: Array, right: Array, speed: Array) -> Array:
 
 
 def _to_stops(contacts: JointContacts, x: Array) -> tuple[Array, Array]:
-    """How far positions are from the lower and the upper stop."""
+    """Distances of positions from the lower and the upper stop."""
     return x - contacts.lower, contacts.upper - x
 
 
 def _lowest(m0: Array, m1: Array, d0: Array, d1: Array) -> tuple[Array, Array]:
-    """Where, between 0 and 1, the cubic of two values and slopes, d0 < 0 < d1, is lowest, and its
-    value."""
+    """The place, between 0 and 1, at which the cubic of two values and slopes, d0 < 0 < d1, is
+    lowest, and its value."""
     with np.errstate(invalid="ignore", divide="ignore"):
         a, b = _cubic(m1 - m0, d0, d1)
         root = np.sqrt(np.maximum(b * b - 3.0 * a * d0, 0.0))
@@ -309,7 +310,8 @@ def _lowest(m0: Array, m1: Array, d0: Array, d1: Array) -> tuple[Array, Array]:
 
 
 def _slowest(way: Array, d0: Array, d1: Array) -> tuple[Array, Array]:
-    """Where the cubic that makes a way with two slopes has its least slope, and that slope."""
+    """The place at which the cubic that makes a way with two slopes has its least slope, and that
+    slope."""
     a, b = _cubic(way, d0, d1)
     with np.errstate(invalid="ignore", divide="ignore"):
         s = np.where(a > 0.0, -b / (3.0 * a), np.nan)

@@ -113,7 +113,7 @@ class System:
         return self._slopes(t, y, lambda now, q, qd: tau[..., None, :])
 
     def jacobian_under(self, t: Array, y: Array, drive: TorqueLaw) -> Array:
-        """The same of one state, with what the torque takes from it."""
+        """∂ẏ/∂y (n, n) of one state, the torque changing with it."""
         return self._slopes(t, y, drive)
 
     def _slopes(self, t: Array, y: Array, drive: TorqueLaw) -> Array:
@@ -131,7 +131,8 @@ class System:
         return max(0.0, -float(self._eigenvalues(t, y, drive).real.min(initial=0.0)))
 
     def fastest(self, t: Array, y: Array, drive: TorqueLaw) -> float:
-        """The same of motions that oscillate too: the largest |λ| of those that do not grow."""
+        """The rate (1/s) of the quickest motion near a state that does not grow, oscillations among
+        them: the largest |λ| of the eigenvalues of ∂ẏ/∂y."""
         found = self._eigenvalues(t, y, drive)
         return float(np.abs(found[found.real < 0.1 * np.abs(found)]).max(initial=0.0))
 
@@ -224,17 +225,18 @@ class Scheme:
     rate: Callable[[TorqueLaw], Callable[[float, Array], Array]]
     settled: Callable[[Array], Array]
     settings: dict[str, Any]
-    """Of scipy's solver: tolerances, the largest step."""
+    """Settings of scipy's solver: tolerances, the largest step."""
     require: Callable[[TorqueLaw, float, Array], None]
     """Refuses a start (torque, time, state) from which no motion leads on."""
     every_step: bool
     """Whether each step is settled before the next, not the ends of the pieces alone."""
     stopped: str
-    """What a run that cannot go on may have met, as a sentence."""
+    """A sentence on what a run that cannot go on may have met."""
 
 
 def open_scheme(system: System, tolerance: float, max_step: float) -> Scheme:
-    """Of a tree, tolerance being that of a step: quaternions are brought back to unit length."""
+    """The scheme of a tree, tolerance being that of a step: quaternions are brought back to unit
+    length."""
 
     def rate(drive: TorqueLaw) -> Callable[[float, Array], Array]:
         return lambda now, y: system.rate(
@@ -250,8 +252,8 @@ def open_scheme(system: System, tolerance: float, max_step: float) -> Scheme:
 
 
 def closed_chain_scheme(system: System, tolerance: float, max_step: float) -> Scheme:
-    """Of a closed chain, tolerance being that of a step: every step is brought back onto the
-    loops."""
+    """The scheme of a closed chain, tolerance being that of a step: every step is brought back onto
+    the loops."""
 
     def rate(drive: TorqueLaw) -> Callable[[float, Array], Array]:
         def at(now: float, y: Array) -> Array:
@@ -314,7 +316,7 @@ def _mobility(model: Model, q: Array, rates: Array) -> Array:
 
 
 def _lightest(mobility: Array, Vt: Array, way: Array) -> Array:
-    """Of the rates x with Vt x = way those of least energy."""
+    """The rates x of least energy with Vt x = way."""
     push = mobility @ Vt.T
     return push @ np.linalg.solve(Vt @ push, way)
 

@@ -24,7 +24,7 @@ class MotionLanes:
 
     @property
     def count(self) -> int:
-        """How many."""
+        """The number of lanes."""
         return prod(self.shape)
 
     def each(self, array: Array, core: int) -> Array:
@@ -46,29 +46,31 @@ class MotionLanes:
 
 
 Some = int | slice | NDArray[np.intp]
-"""Which lanes: one without its axis, or several."""
+"""A choice of lanes: one without its axis, or several."""
 
 
 def some_of(array: Array, core: int, lanes: Some) -> Array:
-    """Of what `MotionLanes.each` returned the rows of some lanes."""
+    """The rows of some lanes of an array that `MotionLanes.each` returned."""
     return array if array.ndim == core else array[lanes]
 
 
 class LaneTorque(Protocol):
-    """What acts at the joints of many motions."""
+    """A torque, or forces besides, at the joints of many motions."""
 
     @property
     def law(self) -> Program | None:
-        """What is compiled into the step; None where it takes a line from one torque to another."""
+        """The law that is compiled into the step; None where that takes a line from one torque to
+        another."""
         ...
 
     def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
-        """What the step kernel takes of some lanes for a step from one time to another, floats or
+        """Inputs of the step kernel for some lanes and a step from one time to another, floats or
         one for each lane, between which no edge lies."""
         ...
 
     def in_turn(self, lanes: slice, start: Array, end: Array) -> tuple[Array | Placed, ...]:
-        """The same for steps that follow one another, from times to others (k,)."""
+        """Inputs of the step kernel for steps that follow one another, from times to others
+        (k,)."""
         ...
 
 
@@ -93,7 +95,7 @@ class TableTorque:
         return rows[..., k, :], rows[..., k + 1, :], parts
 
     def in_turn(self, lanes: slice, start: Array, end: Array) -> tuple[Array | Placed, ...]:
-        """The same."""
+        """Rows of the table for steps that follow one another, see `LaneTorque`."""
         if self.rows.shape[-2] == 1:
             return self.inputs(lanes, 0.0, 0.0)
         k, parts = self._between(start, end)
@@ -118,13 +120,13 @@ class TableTorque:
 
 @dataclass(eq=False)
 class HeldTorque:
-    """What a controller gave at its last instant (lanes, nv)."""
+    """The torque that a controller gave at its last instant (lanes, nv)."""
 
     tau: Array
     law: None = None
 
     def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
-        """It, held."""
+        """The torque that is held, for some lanes."""
         return steady(self.tau[lanes])
 
     in_turn = inputs
@@ -142,7 +144,7 @@ class LawTorque:
     def of(
         law: Program, lanes: MotionLanes, more: tuple[Array, ...], cores: tuple[int, ...]
     ) -> LawTorque:
-        """With inputs of any batch shape."""
+        """The law with inputs of any batch shape."""
         each = tuple(lanes.each(x, core) for x, core in zip(more, cores, strict=True))
         return LawTorque(law, each, cores)
 
@@ -160,7 +162,7 @@ class SteadyWrench:
     value: Array
 
     def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
-        """It alone."""
+        """The wrench of some lanes."""
         return (some_of(self.value, 1, lanes),)
 
     in_turn = inputs

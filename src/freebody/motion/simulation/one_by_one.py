@@ -288,7 +288,7 @@ class _StiffnessWatch:
     switches: bool
     """Whether another method takes over; else a warning says that it should."""
     method: str = ""
-    """That which took over."""
+    """Name of the method that took over."""
     since: float = -np.inf
     """When it was found (s)."""
     count: int = 0
@@ -302,7 +302,7 @@ class _StiffnessWatch:
         return self.count % _EVERY == 0
 
     def look(self, drive: TorqueLaw, before: float, now: float, y: Array) -> None:
-        """At the step from one time to the other, to the state y."""
+        """Look at the step from one time to the other, to the state y."""
         decay = self.system.fastest_decay(np.asarray(now), y, drive)
         step = now - before
         if decay * step < _BOUND:

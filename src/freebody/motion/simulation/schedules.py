@@ -58,7 +58,7 @@ def schedule(
 
 
 def with_edges(plan: Schedule, times: Array) -> Schedule:
-    """The same in pieces that end at these times too."""
+    """The schedule in pieces that end at these times too."""
     edges = merged(plan.edges, times, _SAME * np.diff(plan.edges).min())
     return replace(plan, edges=edges, begin=_begin_within(plan, edges))
 

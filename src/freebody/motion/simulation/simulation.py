@@ -68,7 +68,7 @@ class Simulation:
 
     @property
     def duration(self) -> float:
-        """In s."""
+        """Duration of the simulation, s."""
         return float(self.t[-1] - self.t[0])
 
 
@@ -99,7 +99,7 @@ class Simulated:
         return found
 
     def until_now(self) -> Simulated:
-        """Without the times that no motion has reached."""
+        """The states without the times that no motion has reached."""
         reached = np.isfinite(self.qd).all(axis=-1).reshape(-1, len(self.t)).any(axis=0)
         last = int(np.flatnonzero(reached)[-1]) + 1 if reached.any() else 1
         tau = None if self.tau is None else self.tau[..., :last, :]

@@ -41,7 +41,7 @@ class States:
 
     @property
     def model(self) -> Model:
-        """Whose states they are."""
+        """The robot whose states they are."""
         return self.run.model
 
     @cached_property
@@ -58,7 +58,7 @@ class States:
         return self._under_contact(whole, run.contacts, acting)
 
     def _forces(self, given: TorqueInput, axes: int) -> Array:
-        """Those besides the torques (R, ..., nv)."""
+        """Forces besides the torques (R, ..., nv)."""
         if isinstance(given, np.ndarray):
             table = np.expand_dims(given, [*range(axes - given.ndim)])
             return row_at(self.t, self.run.t, table)
@@ -67,7 +67,7 @@ class States:
         return np.stack([drive(*now) for now in zip(self.t, self.q, self.qd, strict=True)])
 
     def _under_contact(self, whole: System, contacts: JointContacts, tau: Array) -> Array:
-        """Those with dry friction and stops."""
+        """Accelerations (R, ..., nv) with dry friction and stops."""
         forces = tau - whole.torque(self.t, self.q, self.qd, np.zeros(self.qd.shape))
         M = _kernel(self.model, "mass_matrix")(self.q)
         times, nv = len(self.q), self.model.nv
@@ -89,7 +89,7 @@ class RecordedQuantity(NamedTuple):
 
 
 def _kernel(model: Model, name: str) -> Bound:
-    """Which lets NaN through."""
+    """The kernel of a formula, which lets NaN through."""
     return fetch(model, (name,), Option())
 
 
@@ -180,8 +180,8 @@ def dataset(run: Simulation, result: Simulated, names: Sequence[str]) -> xr.Data
 
 
 def _batch_dims(model: Model, batch: tuple[int, ...]) -> list[str]:
-    """Of a family `member`, of what else the batch has `sample`; numbered where there are
-    several."""
+    """Names of the batch's dimensions: `member` of a family, `sample` of the others; numbered where
+    there are several."""
     family = len(model.family)
     names = []
     for kind, count in (("sample", len(batch) - family), ("member", family)):

@@ -132,7 +132,7 @@ def stepped(run: Simulation, method: str, result: Simulated) -> None:
 
 
 def _events(run: Simulation, driving: Driving, qd: Array) -> ContactEvents:
-    """Where dry friction and stops change the motions; qd (lanes, nv): their rates at the start."""
+    """The events of dry friction and stops; qd (lanes, nv): the rates at the start."""
     assert run.contacts is not None
     torque = driving.torque
     if torque is None and run.lanes.shape:
@@ -166,7 +166,7 @@ def _lane_kernel(run: Simulation, kernel: Bound) -> LaneKernel:
 
 
 def _frames(run: Simulation) -> tuple[tuple[str, ...], tuple[bool, ...]]:
-    """Of wrenches, and whether each changes."""
+    """Frames of the wrenches, and whether each wrench changes."""
     return tuple(run.wrenches), tuple(w.shape[-2] > 1 for w in run.wrenches.values())
 
 
@@ -309,7 +309,7 @@ def _tell_stopped(
 
 
 def _going(result: Simulated, at: tuple[Any, ...]) -> NDArray[np.bool_]:
-    """Which positions and rates there are numbers."""
+    """Flags of motions whose positions and rates there are numbers."""
     q, qd = (np.isfinite(x[at]).all(axis=-1) for x in (result.q, result.qd))
     return np.asarray(np.logical_and(q, qd))
 

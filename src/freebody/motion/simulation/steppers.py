@@ -51,7 +51,7 @@ class LaneKernel:
     def of(
         kernel: Bound, width: float, lanes: MotionLanes, wrenches: Sequence[LaneWrench]
     ) -> LaneKernel:
-        """With the model's numbers of a batch."""
+        """The kernel with the model's numbers of a batch."""
         (numbers,) = kernel.numbers
         numbers = lanes.each(numbers, 1)
         assert isinstance(kernel.kernel, Kernel)
@@ -72,7 +72,7 @@ class LaneKernel:
         start: Array | float,
         given: tuple[Array, ...],
     ) -> Any:
-        """Of some lanes; given: the torque, and what is held."""
+        """Evaluate the kernel for some lanes; given: the torque, and what is held."""
         loads = [x for w in self.wrenches for x in w.inputs(lanes, start, start + h)]
         p = some_of(self.numbers, 1, lanes)
         # what comes is checked, and blocks are short: a call as plain as there is
@@ -96,8 +96,8 @@ class LaneKernel:
 
 @dataclass(frozen=True, eq=False)
 class KernelStepper:
-    """By a step kernel. added: forces besides the torque. holding: torques that push besides, and
-    what is held (lanes, nv), arrays that change between steps."""
+    """Steps by a step kernel. added: forces besides the torque. holding: torques that push besides,
+    and flags of what is held (lanes, nv), arrays that change between steps."""
 
     kernel: LaneKernel
     torque: LaneTorque
@@ -117,7 +117,7 @@ class KernelStepper:
         return self.kernel(lanes, state, h, start, given)
 
     def in_turn(self, lanes: slice, places: Sequence[Placed], start: Array, h: Array) -> None:
-        """See `LaneKernel`; nothing is held."""
+        """Make steps that follow one another, see `LaneKernel`; nothing is held."""
         given = self.torque.in_turn(lanes, start, start + h)
         if self.added is not None:
             given = (*given, *self.added.in_turn(lanes, start, start + h))
@@ -126,7 +126,8 @@ class KernelStepper:
 
 @dataclass(frozen=True, eq=False)
 class FunctionStepper:
-    """By a Python function of all motions at once, which therefore take the same steps: one row.
+    """Steps under a Python function of all motions at once, which therefore take the same steps:
+    one row.
 
     The stages of the classical Runge-Kutta method over q and q̇, or semi-implicit Euler; quaternions
     are brought back to unit length.
@@ -141,7 +142,7 @@ class FunctionStepper:
     def step(
         self, lanes: Some, state: LaneState, start: Array | float, h: Array | float
     ) -> LaneState:
-        """As of a `KernelStepper`; start and h are the same for all motions."""
+        """The states a step h after `start`, which are the same for all motions."""
         now, length = float(np.max(start)), float(np.max(h))
         y = np.concatenate([x.reshape(*self.shape, -1) for x in state], axis=-1)
         nq = self.system.layout.nq
@@ -187,7 +188,7 @@ class KernelRates:
 
 @dataclass(frozen=True, eq=False)
 class FunctionRates:
-    """The same of one motion under a Python function."""
+    """Accelerations, what holds, and M of one motion under a Python function."""
 
     kernel: LaneKernel
     drive: TorqueLaw
@@ -227,7 +228,7 @@ class Driving:
 
 
 def driving_of(run: Simulation) -> Driving:
-    """What was asked for."""
+    """The torques and forces of a simulation, as its steps take them."""
     drive, torque = _torque(run)
     held = torque if isinstance(torque, HeldTorque) else None
     if run.forces is None:

@@ -48,8 +48,8 @@ class StepTimes:
 
 
 def step_times(t: Array, every: int, others: Array, calls: Array) -> StepTimes:
-    """Of the times t, of which every so many are kept, other times at which steps end, and those of
-    a controller's calls; those within rounding of each other are one."""
+    """The times at which steps end: the times t, of which every so many are kept, further times,
+    and those of a controller's calls; those within rounding of each other are one."""
     near = 1e-9 * min(np.diff(t).min(), np.diff(calls).min() if len(calls) > 1 else np.inf)
     jumps = np.unique(others)
     apart = jumps[np.diff(jumps, prepend=-np.inf) > near]
@@ -66,7 +66,7 @@ def step_times(t: Array, every: int, others: Array, calls: Array) -> StepTimes:
 
 
 def _nearest(edges: Array, times: Array) -> NDArray[np.intp]:
-    """Which of the increasing edges is nearest to each time."""
+    """Index of the increasing edge that is nearest to each time."""
     after = np.clip(np.searchsorted(edges, times), 1, len(edges) - 1)
     return after - (times - edges[after - 1] < edges[after] - times)
 
@@ -84,12 +84,12 @@ class LaneMotions:
 
     @property
     def rows(self) -> int:
-        """How many."""
+        """The number of rows."""
         return len(self.state[0])
 
     def kept(self, block: slice) -> list[Array]:
-        """What the result has of q and q̇ of some rows, (rows, lanes of each, R, …), to be filled
-        in."""
+        """The parts of the result for q and q̇ of some rows, (rows, lanes of each, R, …), to be
+        filled in."""
         all_of = ((x, x.shape[-2:]) for x in (self.result.q, self.result.qd))
         return [x.reshape(self.rows, -1, *core)[block] for x, core in all_of]
 
@@ -116,8 +116,8 @@ class Advance(Protocol):
 
 @dataclass(eq=False)
 class SpanBySpan:
-    """By Python from edge to edge. through: of rows, their states, and two times -> the states at
-    the second one."""
+    """An advance by Python from edge to edge. through: of rows, their states, and two times -> the
+    states at the second one."""
 
     through: Callable[[slice, LaneState, float, float], LaneState]
     stop: threading.Event
@@ -127,7 +127,7 @@ class SpanBySpan:
     def __call__(
         self, motions: LaneMotions, block: slice, first: int, last: int
     ) -> Iterator[float]:
-        """See `Advance`."""
+        """Move rows on from edge to edge, see `Advance`."""
         times, (q, qd) = motions.times, motions.state
         state = q[block], qd[block]
         for k in range(first, last):
@@ -149,7 +149,7 @@ class FixedSteps:
     events: ContactEvents | None = None
 
     def __call__(self, lanes: slice, state: LaneState, start: float, end: float) -> LaneState:
-        """See `SpanBySpan`."""
+        """The states at the end of a span, see `SpanBySpan`."""
         if self.events is not None:
             state = self.events.begin(lanes, state, start)
         count = int(step_counts(np.asarray(end - start), self.step))
@@ -165,7 +165,7 @@ class FixedSteps:
 
 
 def step_counts(lengths: Array, step: float | None) -> NDArray[np.intp]:
-    """How many equal steps of at most `step` (s; None: one) intervals take."""
+    """The number of equal steps of at most `step` (s; None: one) in intervals."""
     if step is None:
         return np.ones(lengths.shape, dtype=np.intp)
     return np.maximum(1, np.ceil(lengths / step - _ROUND).astype(np.intp))
@@ -195,17 +195,17 @@ class ControlledSteps:
     """Told now and then of a lane, a time, its state there, and the step it took."""
     order: int = 4
     given_up: dict[int, GivenUp] = field(default_factory=dict)
-    """By lane where it was when there was no end to be seen."""
+    """The last steps of motions that were given up, by lane."""
     growth: Growth = field(init=False)
     slow: NDArray[np.intp] = field(init=False)
-    """Of each lane, how many steps in a row were too short for the end to be reached."""
+    """The number of steps in a row of each lane that were too short for the end to be reached."""
 
     def __post_init__(self) -> None:
         self.slow = np.zeros(len(self.sizes), dtype=int)
         self.growth = Growth(len(self.sizes), self.end)
 
     def __call__(self, lanes: slice, state: LaneState, start: float, end: float) -> LaneState:
-        """See `SpanBySpan`."""
+        """The states at the end of a span, see `SpanBySpan`."""
         if self.events is not None:
             state = self.events.begin(lanes, state, start)
         q, qd = (x.copy() for x in state)
@@ -299,8 +299,8 @@ class CompiledSteps:
     def __call__(
         self, motions: LaneMotions, block: slice, first: int, last: int
     ) -> Iterator[float]:
-        """See `Advance`; between two rows of the result the states move on where they are, and to
-        and from these rows without a copy."""
+        """Move rows on, see `Advance`; between two rows of the result the states move on where they
+        are, and to and from these rows without a copy."""
         times = motions.times
         begins, ends = times.begins[first:last], times.ends[first:last]
         counts = step_counts(ends - begins, self.step)
@@ -333,5 +333,6 @@ class CompiledSteps:
 
 
 def _place(rows: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Of steps that end at rows of the result, or at none: -1, whether in the result, and where."""
+    """Places of the states at the ends of steps: whether a step ends at a row of the result (-1: at
+    none), and at which."""
     return (rows >= 0).astype(np.intp), np.maximum(rows, 0)

@@ -45,7 +45,7 @@ def torque_of(
     sample_time: float | None,
     forces: TorqueInput | None,
 ) -> TorqueInput:
-    """What `simulate` was given as torque, checked; forces: what acts besides."""
+    """The torque that `simulate` was given, checked; forces: those that act besides."""
     if inputs is not None and not isinstance(torque, Kernel):
         raise FreebodyError(
             "simulate: torque_inputs= is about a torque from fb.compile; a Python function has its "
@@ -63,7 +63,8 @@ def torque_of(
 
 
 def forces_of(model: Model, t: Array, forces: TorqueArgument) -> TorqueInput | None:
-    """The same of what was given as forces, which may act at passive joints; None for none."""
+    """The forces that `simulate` was given, checked, which may act at passive joints; None for
+    none."""
     return None if forces is None else _given(all_driven(model), t, forces, "forces")
 
 
@@ -87,8 +88,8 @@ def breakpoints_of(
 def all_wrenches(
     model: Model, t: Array, wrenches: Wrenches, tables: Wrenches
 ) -> dict[str, tuple[str, Array]]:
-    """By frame what it is called in messages, and its wrench: (..., 1, six), or (..., T, six) at
-    the times t (T,)."""
+    """Each wrench by its frame, with its name in messages: (..., 1, six), or (..., T, six) at the
+    times t (T,)."""
     given = wrenches_by_frame("simulate", model, wrenches)
     found = {frame: (f"wrenches[{frame!r}]", w[..., None, :]) for frame, w in given.items()}
     over = tables if isinstance(tables, Mapping) else {None: tables}
@@ -135,7 +136,7 @@ class CompiledTorque:
 
     @property
     def cores(self) -> tuple[int, ...]:
-        """Of each further input the axes of its core."""
+        """The number of axes of each further input's core."""
         return tuple(len(x.shape) for x in self.law.inputs if x.name not in STATE)
 
     @property
@@ -160,8 +161,8 @@ class CompiledTorque:
 
 
 TorqueInput = Array | TorqueFunction | CompiledTorque
-"""What was given, checked: a table (..., T, nv), one row (..., 1, nv) that counts at all times, a
-function, or one that was compiled."""
+"""A torque or force as it was given, checked: a table (..., T, nv), one row (..., 1, nv) that
+counts at all times, a function, or one that was compiled."""
 
 
 def _given(
@@ -248,8 +249,8 @@ def _input(model: Model, argument: Argument, given: Any, gain: bool) -> Array:
 
 
 def _gains(law: Program) -> tuple[str, ...]:
-    """What makes no sense below 0 among the inputs of a kernel that is one of `FORMULAS`: control
-    laws refuse it there as where they are called; in a law of the user's own a name says
+    """Names of the inputs that make no sense below 0, of a kernel that is one of `FORMULAS`:
+    control laws refuse it there as where they are called; in a law of the user's own a name says
     nothing."""
     formula, names = FORMULAS.get(law.name), tuple(x.name for x in law.inputs)
     if formula is None or names != formula.inputs:
@@ -295,7 +296,7 @@ def refuse_other_times(name: str, rows: Array | None, t: Array) -> None:
 def drive_of(
     model: Model, t: Array, given: TorqueInput, batch: tuple[int, ...], name: str = "torque"
 ) -> TorqueLaw:
-    """What was given, of all motions of a batch at once: at any time from the first of t to the
+    """The torque or force of all motions of a batch at once: at any time from the first of t to the
     last, linear between them where it is a table. name: of the argument."""
     if isinstance(given, np.ndarray):
         whole = (*batch, model.nv)
@@ -326,7 +327,7 @@ def batched(
 
 
 def one_lane(torque: CompiledTorque, lanes: MotionLanes, k: int) -> CompiledTorque:
-    """With the further inputs of one motion."""
+    """The compiled torque with the further inputs of one motion."""
     pairs = zip(torque.more, torque.cores, strict=True)
     more = tuple(some_of(lanes.each(x, core), core, k) for x, core in pairs)
     return replace(torque, model=member_at(torque.model, lanes.index(k)), more=more)

@@ -39,11 +39,12 @@ _FINER, _OCTAVES = 2.0**0.25, 40
 _RESOLVED = 1e-3  # rad, m: a step that the motion itself asks for
 _SHIFT = 1e-6  # of differences of the torque, relative to 1 + |y|
 _SHORT = 5e-4
-"""Of the duration: steps shorter than this are looked at."""
+"""Length of a step, as a part of the duration, below which it is looked at."""
 _STABLE = 1.5
 """Step times decay rate from which stability, not accuracy, tells the step (5 is the most)."""
 _BENT = 0.03
-"""The same from which the bends of smooth friction do, if it makes the rate twice as fast."""
+"""Step times decay rate from which the bends of smooth friction keep a step short, if it makes the
+rate twice as fast."""
 _SEEN, _LOOKS = 10, 500
 
 
@@ -54,13 +55,13 @@ class ShortSteps:
     run: Simulation
     driving: Driving
     text: str = ""
-    """What was found."""
+    """The sentence on what was found."""
     told: bool = False
     looks: int = 0
     seen: int = 0
 
     def look(self, lane: int, t: float, state: LaneState, step: float) -> None:
-        """At a motion at time t, q (nq,) and qd (nv,), after a step (s)."""
+        """Look at a motion at time t, q (nq,) and qd (nv,), after a step (s)."""
         if self.text or step > _SHORT * self.run.duration or self.looks >= _LOOKS:
             return
         self.looks += 1
@@ -93,7 +94,7 @@ class ShortSteps:
             warn(self.text)
 
     def while_telling(self, tell: Callable[[float], None]) -> Callable[[float], None]:
-        """The same function of the part that is done, which warns as soon as there is reason to."""
+        """A function that tells the part that is done, and warns as soon as there is reason to."""
 
         def both(done: float) -> None:
             self.tell()
@@ -198,7 +199,7 @@ def endless(run: Simulation, last: GivenUp, lane: int = 0) -> str:
 
 
 def too_late(t: Array) -> str:
-    """That times are so large that steps do not count beside them; "" where they are not."""
+    """A sentence on times so large that steps do not count beside them; "" where they are not."""
     apart = float(np.spacing(np.abs(t).max()))
     if apart <= _COARSE * (t[-1] - t[0]):
         return ""
@@ -215,7 +216,7 @@ def hopeless(run: Simulation, now: float, qd: Array) -> str:
 
 
 def _why_short(run: Simulation, qd: Array, step: float, lane: int) -> str:
-    """What makes the steps of one motion short, or their number large, as sentences."""
+    """The reason for the short steps of one motion, or for their number, as sentences."""
     told = why_sampled(run, lane) or too_late(run.t)
     if told:
         return told
@@ -234,7 +235,7 @@ def _why_short(run: Simulation, qd: Array, step: float, lane: int) -> str:
 
 
 def _moving(run: Simulation, qd: Array) -> str:
-    """What moves fastest, and how fast."""
+    """Words for the fastest coordinate and its rate."""
     k = int(np.argmax(np.abs(qd)))
     own = k % run.model.nv  # qd may be those of motions that step alike
     unit = "rad/s" if angular(run.model)[own] else "m/s"
@@ -242,8 +243,8 @@ def _moving(run: Simulation, qd: Array) -> str:
 
 
 def why_sampled(run: Simulation, lane: int = 0) -> str:
-    """That a motion grows because its torque is sampled too seldom, and up to which sampling time
-    it would not, as sentences; "" where it does not, or that cannot be told."""
+    """Sentences on a motion that grows because its torque is sampled too seldom, with the sampling
+    time up to which it would not; "" where it does not, or where that cannot be found."""
     if run.sample_time is None or run.model.loops or run.model.nq != run.model.nv:
         return ""
     try:
@@ -279,7 +280,7 @@ class _SampledLoop:
 
     @staticmethod
     def at_start(run: Simulation, lane: int) -> _SampledLoop:
-        """Of one motion, linearised at its start."""
+        """The loop of one motion, linearised at its start."""
         model, lanes = run.model, run.lanes
         whole, now = lane_system(run, lane), np.asarray(run.t[0])
         index, shape = lanes.index(lane), lanes.shape
@@ -350,5 +351,5 @@ def lane_drive(run: Simulation, k: int, driving: Driving) -> TorqueLaw:
 
 
 def _each(drive: TorqueLaw) -> TorqueLaw:
-    """Of one state at a time, for a batch of them."""
+    """A torque of one state at a time as one of a batch of states."""
     return lambda now, q, qd: np.stack([drive(now, *state) for state in zip(q, qd, strict=True)])
