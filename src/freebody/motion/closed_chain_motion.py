@@ -198,10 +198,10 @@ def _with_rates(
     simple = [
         (model.position_names[a], int(b)) for a, b in zip(*position_columns(model), strict=True)
     ]
-    told = any(f"{name}.a" in columns for name, _ in simple)
+    accelerated = any(f"{name}.a" in columns for name, _ in simple)
     rates = _leading_columns(columns, names, ".v")
     slopes = {f"{name}.a": derivatives(t, x[:, None])[0][:, 0] for name, x in rates.items()}
-    seconds = _leading_columns(columns if told else slopes, names, ".a")
+    seconds = _leading_columns(columns if accelerated else slopes, names, ".a")
     qd = loop_velocity(model, q, rates)
     qdd = loop_acceleration(model, q, qd, seconds)
     found = [(".v", qd, columns), (".a", qdd, columns)]
@@ -217,7 +217,7 @@ def _with_rates(
         for name, k in simple:
             closed = {f"{name}{ending}": values[:, k]}
             _refuse_off(model, t, held, closed, names, float(allowed[k]))
-    how = "" if told else "rates"
+    how = "" if accelerated else "rates"
     return Motion(t, q, qd, qdd, text, where, differentiated=how, pieces=pieces)
 
 

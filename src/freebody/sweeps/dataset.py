@@ -74,7 +74,7 @@ def _about(model: Model, function: SweptFunction, arrays: SweepArrays) -> dict[s
     """The attributes of a result; warns where points failed, raises where all did."""
     grid, points = arrays.grid, arrays.grid.shape[0] * arrays.grid.shape[1]
     failed = int(arrays.failed.sum())
-    reasons = [_told(grid, point) for point in arrays.reasons]
+    reasons = [_sentence(grid, point) for point in arrays.reasons]
     if failed == points:
         raise FreebodyError(f"sweep: no point has a value; {reasons[0]}")
     if failed:
@@ -126,9 +126,9 @@ def dataset(model: Model, function: SweptFunction, arrays: SweepArrays) -> xr.Da
             if reduction is None:
                 named[output] = (front + inner, values.reshape(sizes + core))
             elif not reduction.of_place:
-                said = {"long_name": reduction.meaning}
+                about_it = {"long_name": reduction.meaning}
                 shaped = values.reshape(sizes + core)
-                named[f"{output}_{reduction.name}"] = (front + inner, shaped, said)
+                named[f"{output}_{reduction.name}"] = (front + inner, shaped, about_it)
             else:
                 named |= _places(grid, reduction, output, values, (front, sizes), inner)
     kept = tuple(x.name for x in grid.rows)
@@ -139,7 +139,7 @@ def dataset(model: Model, function: SweptFunction, arrays: SweepArrays) -> xr.Da
     return xr.Dataset(named, coordinates, about)
 
 
-def _told(grid: SweepGrid, point: FailedPoint) -> str:
+def _sentence(grid: SweepGrid, point: FailedPoint) -> str:
     place = ", ".join(f"{name} {at}" for name, at in grid.point(*point[:2]).items())
     return f"at {place}: {point.reason}"
 
@@ -166,9 +166,9 @@ def _dimensions(
 ) -> tuple[str, ...]:
     """Names of the dimensions of an output's core; joints are called by their names, other places
     by number."""
-    told = function.dimensions(output) or ("",) * len(core)
+    labels = function.dimensions(output) or ("",) * len(core)
     found: list[str] = []
-    for k, dimension in enumerate(told):
+    for k, dimension in enumerate(labels):
         name, names = _NAMED.get(dimension, ("", ""))
         if not name or name in found or name in front:
             name = f"{output}_{k}"

@@ -156,13 +156,13 @@ class SweepTask:
             lacking = np.isnan(x)
             if lacking.any():
                 failed |= lacking.any(axis=tuple(range(2, x.ndim)))
-        told = _told(tile, failed, reasons) if failed.any() else []
+        points = _failed_points(tile, failed, reasons) if failed.any() else []
         for whole, x in zip(places, values, strict=False):
             whole[_within(rows, block.rows), _within(columns, block.columns)] = x
         found = gathered(values, needed(self.reductions), columns.start)
         if columns == block.columns:
             found = self._reduced(found)
-        return BlockResult(found, [], failed.sum(axis=1), told)
+        return BlockResult(found, [], failed.sum(axis=1), points)
 
     def _values(
         self, rows: range, columns: range, refused: dict[int, str], reasons: Reasons
@@ -219,7 +219,7 @@ class SweepTask:
         return {}
 
 
-def _told(tile: SweepBlock, failed: np.ndarray, reasons: Reasons) -> list[FailedPoint]:
+def _failed_points(tile: SweepBlock, failed: np.ndarray, reasons: Reasons) -> list[FailedPoint]:
     """Failed points of each row that has some, each reason once, at the first of them."""
     rows = np.flatnonzero(failed.any(axis=1))
     first = failed.argmax(axis=1)

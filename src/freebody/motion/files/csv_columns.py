@@ -47,7 +47,7 @@ class CsvColumns:
     """Names of the columns; `t` is the time."""
     factors: Array
     """Factors (columns,) that turn each column into SI units."""
-    told: frozenset[str]
+    stated: frozenset[str]
     """Columns whose unit the header states."""
     separator: str
     rows: list[tuple[int, str]]
@@ -123,22 +123,22 @@ def read_columns(
         cells.pop()
     if len(cells) * (len(rows) - 1) > _MOST_VALUES:
         raise FileError(path, None, f"the file has more than {_MOST_VALUES} values.")
-    header, factors, told = _header(quantities or kinds(model), path, line, cells)
+    header, factors, stated = _header(quantities or kinds(model), path, line, cells)
     if timed and "t" not in header:
         raise FileError(
             path,
             line,
             f"the header has no column 't' (time in s); it has {quoted(cells)}{_hint(cells)}.",
         )
-    return CsvColumns(path, header, factors, told, separator, rows)
+    return CsvColumns(path, header, factors, stated, separator, rows)
 
 
 def _header(
     quantities: Mapping[str, str], path: Path, line: int, cells: list[str]
 ) -> tuple[list[str], Array, frozenset[str]]:
-    """Names, factors to SI units, and the names whose units are told."""
+    """Names, factors to SI units, and the names whose units are stated."""
     header: dict[str, str] = {}  # name -> its cell
-    factors, told = [], set()
+    factors, stated = [], set()
     for cell in cells:
         name, unit = named_unit(cell, quantities)
         if name in header:
@@ -154,8 +154,8 @@ def _header(
             raise FileError(path, line, f"column {cell!r}: {size}")
         header[name] = cell
         factors.append(size)
-        told |= set() if unit is None else {name}
-    return list(header), np.array(factors), frozenset(told)
+        stated |= set() if unit is None else {name}
+    return list(header), np.array(factors), frozenset(stated)
 
 
 def named_unit(cell: str, quantities: Mapping[str, str]) -> tuple[str, str | None]:

@@ -56,7 +56,7 @@ def read_motion(model: Model, path: str | os.PathLike[str]) -> Motion:
     _require_increasing(read, t)
     source = f"read from {file.name}, {count} rows"
     motion = motion_from_columns(model, t, columns, source, read.refusal, before)
-    return doubted(model, motion, columns, read.told, "'{} ({})' in the header")
+    return doubted(model, motion, columns, read.stated, "'{} ({})' in the header")
 
 
 def _count(n: int) -> str:

@@ -250,8 +250,8 @@ def noise(t: Array, x: Array) -> Array:
     if len(t) < _FEWEST:
         return np.zeros(x.shape[1])
     low, high = _spread(t, x, 5), _spread(t, x, 7)
-    told = (high > _WHITE * low) & (high > _ROUNDING * np.abs(x).max(axis=0))
-    return np.where(told & (high < max(_SMALL * float(np.ptp(x, axis=0).max()), _FINE)), high, 0.0)
+    found = (high > _WHITE * low) & (high > _ROUNDING * np.abs(x).max(axis=0))
+    return np.where(found & (high < max(_SMALL * float(np.ptp(x, axis=0).max()), _FINE)), high, 0.0)
 
 
 def _spread(t: Array, x: Array, width: int) -> Array:
@@ -264,9 +264,9 @@ def _spread(t: Array, x: Array, width: int) -> Array:
     weights /= np.linalg.norm(weights, axis=-1, keepdims=True)
     found = np.abs(np.einsum("wk,wkn->wn", weights, x[window]))
     found[np.ptp(x[window], axis=1) == 0.0] = np.nan  # samples at rest, all alike, tell nothing
-    told = ~np.isnan(found).all(axis=0)
+    moving = ~np.isnan(found).all(axis=0)
     size = np.zeros(x.shape[1])
-    size[told] = np.nanmedian(found[:, told], axis=0) / 0.6745  # of |normal deviates|
+    size[moving] = np.nanmedian(found[:, moving], axis=0) / 0.6745  # of |normal deviates|
     return size
 
 

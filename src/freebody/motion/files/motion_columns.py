@@ -32,13 +32,13 @@ Refusal = Callable[..., Exception]
 
 
 def doubted(
-    model: Model, motion: Motion, columns: Mapping[str, Array], told: frozenset[str], where: str
+    model: Model, motion: Motion, columns: Mapping[str, Array], stated: frozenset[str], where: str
 ) -> Motion:
     """The motion with a notice on what looks like another unit; positions that were not given are
     not looked at."""
-    found = told | {name for name in model.position_names if name not in columns}
-    said = _implausible_units(model, motion.t, motion.q, found, where)
-    return replace(motion, notices=(*said, *motion.notices))
+    found = stated | {name for name in model.position_names if name not in columns}
+    sentences = _implausible_units(model, motion.t, motion.q, found, where)
+    return replace(motion, notices=(*sentences, *motion.notices))
 
 
 def check_names(model: Model, header: list[str], problem: Refusal) -> None:
@@ -131,7 +131,7 @@ def motion_from_columns(
     positions = np.stack([columns[name] for name in model.position_names], axis=-1)
     q = _unit(model, positions, problem)
     rates, accelerations = (_given(model, len(t), columns, ending) for ending in (".v", ".a"))
-    of_all = "".join(f"; {part}" for part in _told(model, rates))
+    of_all = "".join(f"; {part}" for part in _origin_of(model, rates))
     return given_motion(model, t, q, rates, accelerations, f"{source}{of_all}", before)
 
 
@@ -141,7 +141,7 @@ def _of_closed_chain(
     """The motion of the columns that lead, and the others by the loops; noisy positions are
     adjusted to rates given with them. Raises LoopError."""
     rates, accelerations = (_given(model, len(t), columns, ending) for ending in (".v", ".a"))
-    known, told = (np.asarray(~np.isnan(x).any(axis=0)) for x in (rates, accelerations))
+    known, accelerated = (np.asarray(~np.isnan(x).any(axis=0)) for x in (rates, accelerations))
     moved = np.zeros((len(t), model.nq))
     for kq, kv in zip(*position_columns(model), strict=True):
         name = model.position_names[kq]
@@ -150,8 +150,11 @@ def _of_closed_chain(
             moved[:, kq] = np.abs(q - columns[name])
             columns = columns | {name: q}
     motion = completed(model, t, columns, source, before)
-    said = (*_in_line(model, moved), *contradictions(model, motion, known, told, before))
-    return rested(model, replace(motion, notices=said), given=bool(known.any()))
+    sentences = (
+        *_in_line(model, moved),
+        *contradictions(model, motion, known, accelerated, before),
+    )
+    return rested(model, replace(motion, notices=sentences), given=bool(known.any()))
 
 
 def _given(model: Model, count: int, columns: Mapping[str, Array], ending: str) -> Array:
@@ -178,16 +181,16 @@ def given_motion(
     the times are reached, where they jump. Notices say what contradicts itself."""
     plain = motion_of(model, t, q, source)
     q, notices = plain.q, []
-    known, told = (np.asarray(~np.isnan(x).any(axis=0)) for x in (rates, accelerations))
+    known, accelerated = (np.asarray(~np.isnan(x).any(axis=0)) for x in (rates, accelerations))
     if known.all() and plain.layout.flat:
         q = along_rates(t, q, rates)
         notices += _in_line(model, np.abs(q - plain.q))
     qd, qdd = np.where(known, rates, plain.qd), plain.qdd.copy()
     if known.any():
         qdd[:, known] = derivatives(t, rates[:, known])[0]
-    qdd = np.where(told, accelerations, qdd)
-    motion = replace(plain, q=q, qd=qd, qdd=qdd, differentiated=_differentiated(known, told))
-    notices += contradictions(model, motion, known, told, before)
+    qdd = np.where(accelerated, accelerations, qdd)
+    motion = replace(plain, q=q, qd=qd, qdd=qdd, differentiated=_differentiated(known, accelerated))
+    notices += contradictions(model, motion, known, accelerated, before)
     motion = rested(model, replace(motion, notices=tuple(notices)), given=known)
     if before is None:
         return motion
@@ -195,13 +198,13 @@ def given_motion(
     return replace(motion, pieces=pieces)
 
 
-def _differentiated(known: Flags, told: Flags) -> Literal["", "positions", "rates"]:
-    if told.all():
+def _differentiated(known: Flags, accelerated: Flags) -> Literal["", "positions", "rates"]:
+    if accelerated.all():
         return ""
     return "rates" if known.all() else "positions"
 
 
-def _told(model: Model, rates: Array) -> Iterator[str]:
+def _origin_of(model: Model, rates: Array) -> Iterator[str]:
     """Words for where the rates come from."""
     iq, iv = position_columns(model)
     names = [model.position_names[k] for k in iq[~np.isnan(rates[0, iv])]]
@@ -242,12 +245,12 @@ def _unit(model: Model, q: Array, problem: Refusal) -> Array:
 
 
 def _implausible_units(
-    model: Model, t: Array, q: Array, told: frozenset[str], where: str
+    model: Model, t: Array, q: Array, stated: frozenset[str], where: str
 ) -> list[str]:
     """Sentences on positions q (T, nq) and times t that are in SI units only if the motion is a
     strange one.
 
-    told: columns whose unit was stated, which are believed. where: what the unit is written in,
+    stated: columns whose unit was stated, which are believed. where: what the unit is written in,
     with a place for a name and a unit.
     """
     iq, iv = position_columns(model)
@@ -261,7 +264,7 @@ def _implausible_units(
         bound = max(abs(float(allowed.lower[k])), abs(float(allowed.upper[k])))
         ranged = np.isfinite(bound)
         limit = _BEYOND * bound if ranged else 2 * np.pi * _TURNS if turns else _FAR
-        if name in told or far <= limit or far / (180 / np.pi if turns else 1e3) > limit:
+        if name in stated or far <= limit or far / (180 / np.pi if turns else 1e3) > limit:
             continue
         found[turns].append(name)
         if turns not in words:
@@ -275,7 +278,7 @@ def _implausible_units(
         for turns in (True, False)
         if found[turns]
     ]
-    if "t" not in told and len(t) >= _SLOW[1] and np.median(np.diff(t)) >= _SLOW[0]:
+    if "t" not in stated and len(t) >= _SLOW[1] and np.median(np.diff(t)) >= _SLOW[0]:
         sentences.append(
             f"The samples are {np.median(np.diff(t)):.3g} s apart. If t is in milliseconds, write "
             f"{where.format('t', 'ms')}."

@@ -64,7 +64,7 @@ def motion_from_table(model: Model, table: Any) -> Motion:
     if "position" in getattr(table, "coords", ()) and "q" in table:
         return _recorded(model, table)
     columns: dict[str, Array] = {}
-    told = set()
+    stated = set()
     quantities = kinds(model)
     for label, values, unit in _columns(table):
         name, own = named_unit(label, quantities)
@@ -82,7 +82,7 @@ def motion_from_table(model: Model, table: Any) -> Motion:
             if isinstance(size, str):
                 raise _problem(f"{label!r}: {size}")
             column = column * size
-            told.add(name)
+            stated.add(name)
         columns[name] = column
     if "t" not in columns:
         raise _problem("it needs a one-dimensional 'time' or 't' (s).")
@@ -95,7 +95,7 @@ def motion_from_table(model: Model, table: Any) -> Motion:
     t = vector_of_times(times)
     motion = motion_from_columns(model, t, columns, "a table", _problem, before)
     where = "attrs['units'] of '{}' as '{}'" if hasattr(table, "data_vars") else "'{} ({})'"
-    return doubted(model, motion, columns, frozenset(told), where)
+    return doubted(model, motion, columns, frozenset(stated), where)
 
 
 def _recorded(model: Model, result: Any) -> Motion:

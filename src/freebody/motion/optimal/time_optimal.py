@@ -192,7 +192,7 @@ def _motions(
                 f"{rounded_up(100 * over, 2)} %; give more points than {block.intervals + 1}, or "
                 f"larger limits."
             )
-        notices = _told(over) if over > _HELD else ()
+        notices = _excess_notice(over) if over > _HELD else ()
         yield replace(motion, notices=notices, doubts=doubts)
 
 
@@ -292,7 +292,7 @@ def _first_guess(problem: PathProblem, labels: list[str]) -> Array:
     return guess
 
 
-def _told(worst: float) -> tuple[str, ...]:
+def _excess_notice(worst: float) -> tuple[str, ...]:
     return (
         f"Between two points of the grid a limit is exceeded by {rounded_up(100 * worst, 2)} %; "
         f"more points keep it more closely.",

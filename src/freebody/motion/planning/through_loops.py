@@ -136,8 +136,8 @@ def through_loops(
         knots = np.sort(np.concatenate([knots, between[opened]]))
     t = sample_times(function, curve.breaks, step)
     states = state_of(where, *(pieces.derivative(k)(t) if k else pieces(t) for k in range(3)))
-    told = f"{words}; the loops determine the other joints"
-    motion = Motion(t, *states, told, where, pieces=pieces)
+    source = f"{words}; the loops determine the other joints"
+    motion = Motion(t, *states, source, where, pieces=pieces)
     _refuse_elsewhere(function, model, curve, waypoints, motion)
     return motion
 

@@ -44,7 +44,7 @@ class Missing:
         """m or rad."""
         return float(np.linalg.norm(self.vector))
 
-    def told(self, length: float, means: str) -> str:
+    def in_words(self, length: float, means: str) -> str:
         """The missing motion in words, on a path of that length; means: words for the joints that
         have none for it."""
         verb, size = ("move", f"{self.size:.3g} m")
@@ -133,7 +133,7 @@ class TipFollower:
     def _left_out(self, q: Array, ways: Array) -> Iterator[str]:
         missing = self._missing(q, ways)
         if missing.size > _UNHEEDED:
-            yield f"The tip does not {self._told(missing)}."
+            yield f"The tip does not {self._in_words(missing)}."
 
     def _refuse_start(self, at: TipPosture) -> None:
         model, freedom = self.solver.model, self.mobility.freedom
@@ -209,10 +209,10 @@ class TipFollower:
         whole = bool(ways[-1] == self.path.length)
         return Missing(turns, every[dim:] if turns else every[:dim], float(ways[n]), whole)
 
-    def _told(self, missing: Missing) -> str:
+    def _in_words(self, missing: Missing) -> str:
         count = self.mobility.freedom
         means = f"the {counted(count, 'drive' if self.solver.model.loops else 'joint')}"
-        return missing.told(self.path.length, means)
+        return missing.in_words(self.path.length, means)
 
     def _refuse_beyond_limits(self, q: Array, way: float) -> None:
         low, high = self.solver.bounds
@@ -261,7 +261,7 @@ class TipFollower:
             if missing.turns
             else "lead the path where they can bring it"
         )
-        self._refuse(way, f"the tip cannot {self._told(missing)}; {instead}")
+        self._refuse(way, f"the tip cannot {self._in_words(missing)}; {instead}")
 
     def _refuse_out_of_reach(self, q: Array, way: float) -> None:
         solver, task = self.solver, self.solver.task

@@ -203,8 +203,8 @@ def _integrate(
     passed: Callable[[float, float, Array], None],
 ) -> None:
     """Put the states (nq + nv,) at the times t (T,) into a list as they are reached, the first of
-    them y0. tell: of the part that is done. passed: told of each step its two times and the state
-    that it led to.
+    them y0. tell: of the part that is done. passed: called at each step with its two times and the
+    state behind it.
 
     The solver begins anew at each edge of the schedule, with the step that it had reached, and
     where the watch has found another method.
@@ -272,9 +272,9 @@ def _reached(solver: OdeSolver, scheme: Scheme, due: Array) -> list[Array]:
 
 
 def _refuse(scheme: Scheme, method: str, before: float, message: str | None) -> None:
-    told = f" ({message.rstrip('.')})" if message else ""
+    reason = f" ({message.rstrip('.')})" if message else ""
     raise SimulationStopped(
-        f"simulate: {method} stopped after t = {before:.6g} s{told}. {scheme.stopped}"
+        f"simulate: {method} stopped after t = {before:.6g} s{reason}. {scheme.stopped}"
     )
 
 

@@ -253,9 +253,9 @@ def simulation_of(
     try:
         shape = np.broadcast_shapes(*batches.values())
     except ValueError:
-        said = ", ".join(f"{name} {batch}" for name, batch in batches.items())
+        shapes = ", ".join(f"{name} {batch}" for name, batch in batches.items())
         raise FreebodyError(
-            f"simulate: the batch shapes do not broadcast together: {said}."
+            f"simulate: the batch shapes do not broadcast together: {shapes}."
         ) from None
     loads = {frame: w for frame, (_, w) in wrenches.items()}
     state = named["q"], named["qd"]

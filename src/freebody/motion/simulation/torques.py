@@ -53,8 +53,8 @@ def torque_of(
         )
     found = _given(model, t, np.zeros(model.nv) if torque is None else torque, "torque", inputs)
     breaks = len(breakpoints) and not callable(forces)
-    for name, told in (("breakpoints", breaks), ("sample_time", sample_time is not None)):
-        if told and not callable(found):
+    for name, present in (("breakpoints", breaks), ("sample_time", sample_time is not None)):
+        if present and not callable(found):
             raise FreebodyError(
                 f"simulate: {name}= applies only to a torque that is a function f(t, q, qd); a "
                 f"table is integrated from row to row. Leave it out."
@@ -317,8 +317,8 @@ def batched(
             tau = vector("simulate", model, returned, tau)
         tau = np.array(as_floats("simulate", returned, tau))
         if tau.shape not in (whole, (model.nv,)):
-            told = "it is called with all motions at once"
-            raise ShapeError("simulate", returned, tau.shape, str(whole), told)
+            hint = "it is called with all motions at once"
+            raise ShapeError("simulate", returned, tau.shape, str(whole), hint)
         if model.passive and np.isfinite(tau).all():
             refuse_passive("simulate", model, tau)
         return np.broadcast_to(tau, whole)

@@ -56,7 +56,7 @@ class ShortSteps:
     driving: Driving
     text: str = ""
     """The sentence on what was found."""
-    told: bool = False
+    warned: bool = False
     looks: int = 0
     seen: int = 0
 
@@ -89,8 +89,8 @@ class ShortSteps:
 
     def tell(self) -> None:
         """Warn, once, of what was found."""
-        if self.text and not self.told:
-            self.told = True
+        if self.text and not self.warned:
+            self.warned = True
             warn(self.text)
 
     def while_telling(self, tell: Callable[[float], None]) -> Callable[[float], None]:
@@ -217,9 +217,9 @@ def hopeless(run: Simulation, now: float, qd: Array) -> str:
 
 def _why_short(run: Simulation, qd: Array, step: float, lane: int) -> str:
     """The reason for the short steps of one motion, or for their number, as sentences."""
-    told = why_sampled(run, lane) or too_late(run.t)
-    if told:
-        return told
+    reason = why_sampled(run, lane) or too_late(run.t)
+    if reason:
+        return reason
     speed = float(np.abs(qd).max(initial=0.0))
     if speed > _FAST:
         return f"{_moving(run, qd)}: the motion diverges. Check the torque, its sign and units."
