@@ -124,16 +124,31 @@ def workspace(
     *,
     orientation: ArrayLike | None = None,
 ) -> WorkspaceMap:
-    """Which points a frame reaches within the joints' limits, and in how many ways.
-
-    points: (..., dim), m, world axes, such as a grid. frame: name, default the tip. orientation:
-    (dim, dim), a rotation that the frame keeps, world axes, or several (m, dim, dim), each of which
-    is tried at each point; without it the orientation is free.
+    """The points that a frame reaches within the joints' limits, and in how many ways.
 
     The ways are the solutions of `fb.inverse_kinematics`: all of them where it has a closed form,
     else what many starts found, which may miss some; of a closed chain its working modes, all
-    loops closed. Each member of a family is asked for each point. Returns WorkspaceMap. Raises
-    FreebodyError, ShapeError, NotFiniteError, UnknownNameError.
+    loops closed. Each member of a family is asked for each point.
+
+    Parameters
+    ----------
+    model
+        The robot.
+    points : (..., dim), m, world axes
+        Points, such as a grid.
+    frame
+        Name of the frame; None: the tip.
+    orientation : (dim, dim), or (m, dim, dim), world axes
+        A rotation that the frame keeps, or several, each of which is tried at each point; None: the
+        orientation is free.
+
+    Returns
+    -------
+    WorkspaceMap
+
+    Raises
+    ------
+    FreebodyError, ShapeError, NotFiniteError, UnknownNameError
     """
     function, d = "workspace", model.dim
     model.require_values("the workspace")

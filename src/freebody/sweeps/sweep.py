@@ -67,35 +67,58 @@ def sweep(
 ) -> xr.Dataset:
     """A function at every point of the grid of many parameters and states, reduced on the way.
 
-    function: the name of a formula ("inverse_dynamics", "jacobian", … as for `fb.kernel`) or
-    several; what `fb.compile` returns; or a function of (model, **what varies), which is given
-    batches (rows or 1, columns or 1, ...) by name and a family where numbers of the model vary, and
-    returns an array of that batch, or a dict of them.
-    over: the axes of the grid, in order. A number of the model or an input of the function with its
-    values (n, ...); a name of your own with a dict of such, which vary together (`fb.samples` makes
-    one); or a name with a `Motion`, whose q, qd and qdd the function gets.
-    at: inputs and numbers that are the same at all points, by name.
-    reduce: "max", "min", "mean", "rms", "peak" (largest absolute value), a quantile ("p99",
-    "p99.9": by a histogram, within 0.8 % of a value of that rank), "argmax", "argmin" or
-    "argpeak" (the place on each axis, and what is given there), or several; None: all values.
-    along: axes that are reduced; default the last.
-    frame, reference: as for `fb.kernel`. block: points in one piece of work: sums, and so the last
-    digits of means, depend on it but not on the number of processors; default 2**20, and up to
-    2**24 on grids of more than 10**9 points.
-    store: folder of a Zarr store, in which each block is put when it is done; the same call goes on
-    with what is there, after whatever stopped it, and ends with the same bytes. Without reduce= the
-    values stay there: they are read when they are looked at, over one axis `point` in the place of
-    all but the last. Needs the extra `sweep`.
-    client: a `distributed.Client` of Dask or the address of its scheduler: blocks are evaluated by
-    its workers, with the same bytes as here; default this process. Needs the extra `sweep`.
-    cpu: a level of processors for which kernels are compiled ("x86-64-v2", "x86-64-v3",
-    "x86-64-v4", "armv8-a"): all that reach it give the same bytes; default this machine's own.
-    progress: called after each block with a text (points done, points per second, time left) and
-    with the fraction done.
+    Parameters
+    ----------
+    model
+        The robot.
+    function
+        The name of a formula ("inverse_dynamics", "jacobian", … as for `fb.kernel`) or several;
+        what `fb.compile` returns; or a function of (model, **what varies), which is given batches
+        (rows or 1, columns or 1, ...) by name and a family where numbers of the model vary, and
+        returns an array of that batch, or a dict of them.
+    over
+        The axes of the grid, in order. A number of the model or an input of the function with its
+        values (n, ...); a name of your own with a dict of such, which vary together (`fb.samples`
+        makes one); or a name with a `Motion`, whose q, qd and qdd the function gets.
+    at
+        Inputs and numbers that are the same at all points, by name.
+    reduce
+        "max", "min", "mean", "rms", "peak" (largest absolute value), a quantile ("p99", "p99.9": by
+        a histogram, within 0.8 % of a value of that rank), "argmax", "argmin" or "argpeak" (the
+        place on each axis, and what is given there), or several; None: all values.
+    along
+        Axes that are reduced; None: the last.
+    frame, reference
+        As for `fb.kernel`.
+    block
+        Points in one piece of work: sums, and so the last digits of means, depend on it but not on
+        the number of processors; None: 2**20, and up to 2**24 on grids of more than 10**9 points.
+    store
+        Folder of a Zarr store, in which each block is put when it is done; the same call goes on
+        with what is there, after whatever stopped it, and ends with the same bytes. Without reduce=
+        the values stay there: they are read when they are looked at, over one axis `point` in the
+        place of all but the last. Needs the extra `sweep`.
+    client
+        A `distributed.Client` of Dask or the address of its scheduler: blocks are evaluated by its
+        workers, with the same bytes as here; None: this process. Needs the extra `sweep`.
+    cpu
+        A level of processors for which kernels are compiled ("x86-64-v2", "x86-64-v3", "x86-64-v4",
+        "armv8-a"): all that reach it give the same bytes; None: this machine's own.
+    progress
+        A function that is called after each block with a text (points done, points per second, time
+        left) and with the fraction done.
 
-    Returns an xarray Dataset over the other axes, with `failed`, how many points had no value (NaN,
-    or refused: a mass below 0, a singular matrix); they count in no reduction, and its attributes
-    name some and why. Raises FreebodyError where no point has a value, and for wrong arguments.
+    Returns
+    -------
+    xarray.Dataset
+        Over the other axes, with `failed`, how many points had no value (NaN, or refused: a mass
+        below 0, a singular matrix); they count in no reduction, and its attributes name some and
+        why.
+
+    Raises
+    ------
+    FreebodyError
+        No point has a value, or an argument is wrong.
     """
     target = _target(cpu, function)
     split = reduce is not None, along

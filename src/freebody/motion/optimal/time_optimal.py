@@ -64,23 +64,39 @@ def time_optimal(
     """The time-optimal motion along a path, from rest to rest, within limits of speed, acceleration
     and torque.
 
-    path: waypoints (k, nq), or a motion, of which the positions count: the natural cubic spline
-    through them, s from 0 to 1 along its chords; or a path of your own, q(s) as a scipy PPoly of nq
-    values with a continuous first derivative. Of a closed chain, waypoints of the driven joints (k,
-    n), closed positions or a motion: the driven joints follow the spline, the loops lead the
-    others; torques are those of the drives. Many at once: (P, k, nq), or a list of motions or
-    PPolys. velocity, acceleration, torque: limits, one number or (nv,), rad/s, m/s; rad/s², m/s²;
-    N m, N. The model's own apply too (zero means not given, see `Limits`). Torques contain friction
-    (viscous, Coulomb), rotors, springs and the payload. wrenches: constant ones by frame, world
-    axes. points: of the grid over s, to which 20 are added in its first and last interval; at least
-    one interval in each piece of the path; s̈ is constant in an interval. Limits are kept
-    within each interval too, or else notices say by how much torques or accelerations exceed
-    theirs (above 5 % it raises).
-    Returns the motion with its exact curve, samples at the grid; of many, a tuple. What is
-    doubtful about the robot's masses, drives and limits stands in its `doubts`.
-    Raises FreebodyError where the path leaves the joints' ranges, or where the robot cannot hold or
-    move it: at which s, which joint, which limit; LoopError and SingularError where the loops block
-    it, or the drives do not hold it.
+    Parameters
+    ----------
+    model
+        The robot.
+    path : (k, nq), rad or m; many: (P, k, nq), or a list of motions or PPolys
+        Waypoints, or a motion, of which the positions count: the natural cubic spline through them,
+        s from 0 to 1 along its chords; or a path of your own, q(s) as a scipy PPoly of nq values
+        with a continuous first derivative. Of a closed chain, waypoints of the driven joints
+        (k, n), closed positions or a motion: the driven joints follow the spline, the loops lead
+        the others; torques are those of the drives.
+    velocity, acceleration, torque : one number or (nv,); rad/s, rad/s², N m; m/s, m/s², N
+        Limits. The model's own apply too (zero means not given, see `Limits`). Torques contain
+        friction (viscous, Coulomb), rotors, springs and the payload.
+    wrenches
+        Constant ones by frame, world axes.
+    points
+        Points of the grid over s, to which 20 are added in its first and last interval; at least
+        one interval in each piece of the path; s̈ is constant in an interval.
+
+    Returns
+    -------
+    Motion, of many paths a tuple
+        With its exact curve, and samples at the grid. Limits are kept within each interval too, or
+        else notices say by how much torques or accelerations exceed theirs. What is doubtful about
+        the robot's masses, drives and limits stands in its `doubts`.
+
+    Raises
+    ------
+    FreebodyError
+        The path leaves the joints' ranges, the robot cannot hold or move it, or a limit is exceeded
+        by more than 5 % between points: at which s, which joint, which limit.
+    LoopError, SingularError
+        The loops block the path, or the drives do not hold it.
 
     Source: Bobrow, Dubowsky and Gibson 1985; Pham and Pham 2018 ("TOPP-RA").
     """

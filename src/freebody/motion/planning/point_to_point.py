@@ -46,18 +46,36 @@ def quintic(
     jerk: Limit = None,
     step: float | None = None,
 ) -> Motion:
-    """Straight lines in joint space from each waypoint to the next, at rest in each, by polynomials
-    of degree 5.
+    """The motion in straight lines of joint space from each waypoint to the next, at rest in each,
+    by polynomials of degree 5.
 
-    waypoints: (k, nq), k > 1; of a closed chain positions of its driven joints, (k, number of
-    them), on the branch of its home, or closed positions of all. With quaternions each move turns
-    about one axis; the origin of a free body moves in a straight line. times: (k,) s; default as
-    fast as the limits allow. velocity, acceleration, jerk: limits, one number for all joints (of a
-    closed chain: the driven ones) or (nv,), rad/s, rad/s², rad/s³ (m); the model's limits of
-    position and speed apply too. step: s between samples, by default 1/400 of the motion.
-    Accelerations are continuous, and zero at the waypoints.
+    With quaternions each move turns about one axis; the origin of a free body moves in a straight
+    line. Accelerations are continuous, and zero at the waypoints.
 
-    Raises FreebodyError with joint and time where a limit is not kept.
+    Parameters
+    ----------
+    model
+        The robot.
+    waypoints : (k, nq), k > 1, rad or m
+        Of a closed chain positions of its driven joints, (k, number of them), on the branch of its
+        home, or closed positions of all.
+    times : (k,), s
+        Times of the waypoints; None: as fast as the limits allow.
+    velocity, acceleration, jerk : one number for all joints, or (nv,); rad/s, rad/s², rad/s³ (m)
+        Limits, of a closed chain those of the driven joints; the model's limits of position and
+        speed apply too.
+    step : s
+        Time between samples; None: 1/400 of the motion.
+
+    Returns
+    -------
+    Motion
+        With its exact curve.
+
+    Raises
+    ------
+    FreebodyError
+        A limit is not kept: with joint and time.
     """
     limits = planning_limits("quintic", model, velocity, acceleration, jerk)
     return _stopping("quintic", "quintic", model, waypoints, times, limits, step)
@@ -72,12 +90,18 @@ def trapezoid(
     acceleration: Limit = None,
     step: float | None = None,
 ) -> Motion:
-    """From each waypoint to the next, at rest in each: constant acceleration, constant speed,
-    constant deceleration.
+    """The motion from each waypoint to the next, at rest in each, with constant acceleration,
+    constant speed, constant deceleration.
 
     All joints start and stop together: the slowest moves as quickly as its limits allow, the others
-    run their own quickest motion slowed to its duration. acceleration: needed, unless the limit of
-    each joint that moves is in it. The accelerations jump. All else as in `quintic`.
+    run their own quickest motion slowed to its duration. The accelerations jump.
+
+    Parameters
+    ----------
+    acceleration : one number for all joints, or (nv,), rad/s² or m/s²
+        Needed, unless the limit of each joint that moves is in it.
+    model, waypoints, times, velocity, step
+        As in `quintic`, with what it returns and raises.
     """
     limits = planning_limits("trapezoid", model, velocity, acceleration)
     return _stopping("trapezoid", "trapezoid", model, waypoints, times, limits, step)
@@ -93,11 +117,18 @@ def s_curve(
     acceleration: Limit = None,
     step: float | None = None,
 ) -> Motion:
-    """From each waypoint to the next, at rest in each, with limited jerk: accelerations rise and
-    fall in ramps.
+    """The motion from each waypoint to the next, at rest in each, with limited jerk: accelerations
+    rise and fall in ramps.
 
     All joints start and stop together: the slowest moves as quickly as its limits allow, the others
-    run their own quickest motion slowed to its duration. jerk: needed. All else as in `quintic`.
+    run their own quickest motion slowed to its duration.
+
+    Parameters
+    ----------
+    jerk : one number for all joints, or (nv,), rad/s³ or m/s³
+        Needed.
+    model, waypoints, times, velocity, acceleration, step
+        As in `quintic`, with what it returns and raises.
     """
     limits = planning_limits("s_curve", model, velocity, acceleration, jerk)
     return _stopping("s_curve", "s-curve", model, waypoints, times, limits, step)

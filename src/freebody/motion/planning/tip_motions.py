@@ -59,23 +59,49 @@ def line(
     acceleration: Limit = None,
     step: float | None = None,
 ) -> Motion:
-    """From rest at q0 the frame moves straight to a target, to rest, on the branch of q0.
+    """The motion in which a frame moves straight from rest at q0 to a target, to rest, on the branch
+    of q0.
 
-    q0: (nq,); of a closed chain closed, or positions of the driven joints, on the branch of its
-    home. target: a point (dim,) in m, or a pose (dim + 1, dim + 1), world axes; a pose's
-    orientation is reached about a fixed axis. duration: s, default as fast as the limits allow.
-    frame: default the tip. task: what counts, as in `inverse_kinematics`, of a point its position;
-    with "pose" a point keeps the orientation at q0; "reachable" is the whole position, and of a
-    pose's orientation what the joints can do, and `notices` say what they cannot. speed: limit of
-    the frame's speed, m/s. velocity, acceleration: of the joints (of a closed chain: the driven
-    ones), one number or (nv,); the model's limits of position and speed count too. step: s between
-    samples, by default a 400th. The way over time is a polynomial of degree 5. A redundant arm
-    moves its joints least.
+    The way over time is a polynomial of degree 5. A redundant arm moves its joints least. With
+    fewer joints than the task has rows, as of a SCARA or a delta, the path must ask for nothing
+    that they cannot do.
 
-    With fewer joints than the task has rows, as of a SCARA or a delta, the path must ask for
-    nothing that they cannot do. The tip stays within 1e-6 m and rad of its path, else `notices` say
-    how far off. Raises FreebodyError with the place where the path asks for such a motion, in which
-    direction and how much, is out of reach, the arm singular, or a joint at its limit.
+    Parameters
+    ----------
+    model
+        The robot.
+    q0 : (nq,), rad or m
+        The position at the start; of a closed chain closed, or positions of the driven joints, on
+        the branch of its home.
+    target : (dim,), m, or (dim + 1, dim + 1), world axes
+        A point, or a pose, whose orientation is reached about a fixed axis.
+    duration : s
+        None: as fast as the limits allow.
+    frame
+        Name of the frame; None: the tip.
+    task
+        What counts, as in `inverse_kinematics`, of a point its position; with "pose" a point keeps
+        the orientation at q0; "reachable" is the whole position, and of a pose's orientation what
+        the joints can do.
+    speed : m/s
+        Limit of the frame's speed.
+    velocity, acceleration : one number for all joints, or (nv,); rad/s and rad/s², m/s and m/s²
+        Limits, of a closed chain those of the driven joints; the model's limits of position and
+        speed apply too.
+    step : s
+        Time between samples; None: a 400th of the duration.
+
+    Returns
+    -------
+    Motion
+        The tip stays within 1e-6 m and rad of its path, else `notices` say how far off, and which
+        motions of a "reachable" task the joints cannot do.
+
+    Raises
+    ------
+    FreebodyError
+        The path asks for a motion that the joints cannot do, is out of reach, the arm is singular,
+        or a joint at its limit: with the place, and in which direction and how much.
     """
     plan = _TipPlan("line", model, q0, frame, task, velocity, acceleration)
     poses = plan.poses(target, 0)
@@ -97,9 +123,15 @@ def arc(
     acceleration: Limit = None,
     step: float | None = None,
 ) -> Motion:
-    """From rest at q0 the frame moves on a circle through a point to a target, to rest.
+    """The motion in which a frame moves from rest at q0 on a circle through a point to a target, to
+    rest.
 
-    via: (dim,) m, a point of the circle between. All else as in `line`.
+    Parameters
+    ----------
+    via : (dim,), m, world axes
+        A point of the circle between the start and the target.
+    model, q0, target, duration, frame, task, speed, velocity, acceleration, step
+        As in `line`, with what it returns and raises.
     """
     plan = _TipPlan("arc", model, q0, frame, task, velocity, acceleration)
     point = as_floats("arc", "via", via)
@@ -127,11 +159,18 @@ def blend(
     acceleration: Limit = None,
     step: float | None = None,
 ) -> Motion:
-    """From rest at q0 the frame moves along lines from target to target without a stop, the corners
-    rounded.
+    """The motion in which a frame moves from rest at q0 along lines from target to target without a
+    stop, the corners rounded.
 
-    targets: (k, dim) points or (k, dim + 1, dim + 1) poses. radius: m from a corner at which the
-    rounding begins and ends; the path passes the corner at up to 3/8 of it. All else as in `line`.
+    Parameters
+    ----------
+    targets : (k, dim), m, or (k, dim + 1, dim + 1), world axes
+        Points or poses.
+    radius : m
+        Distance from a corner at which the rounding begins and ends; the path passes the corner at
+        up to 3/8 of it.
+    model, q0, duration, frame, task, speed, velocity, acceleration, step
+        As in `line`, with what it returns and raises.
     """
     plan = _TipPlan("blend", model, q0, frame, task, velocity, acceleration)
     radius = above_zero("blend", "radius", radius, "m")
