@@ -70,16 +70,7 @@ def _axis(name: Any, value: Any, read: Read, inputs: Sequence[str] | None) -> Sw
         full = {key: read(key, np.stack(pair))[0] for key, pair in value.bounds.items()}
         return SweepAxis(name, value.renamed(full))
     if isinstance(value, Motion):
-        times = value.t
-        value = {
-            key: getattr(value, key)
-            for key in ("q", "qd", "qdd")
-            if inputs is None or key in inputs
-        }
-        if not value:
-            raise FreebodyError(
-                f"sweep: over[{name!r}] is a motion, and the function takes neither q, qd nor qdd."
-            )
+        times, value = value.t, _states(name, value, inputs)
     if not isinstance(value, Mapping):
         full, array = read(name, value)
         given = {full: array}
@@ -96,6 +87,18 @@ def _axis(name: Any, value: Any, read: Read, inputs: Sequence[str] | None) -> Sw
     if not min(sizes.values()):
         raise FreebodyError(f"sweep: over[{name!r}] has no value; give at least one.")
     return SweepAxis(name, given, times)
+
+
+def _states(name: str, motion: Motion, inputs: Sequence[str] | None) -> dict[str, Array]:
+    """Positions, rates and accelerations of a motion, those of them that the function takes."""
+    found = {
+        key: getattr(motion, key) for key in ("q", "qd", "qdd") if inputs is None or key in inputs
+    }
+    if not found:
+        raise FreebodyError(
+            f"sweep: over[{name!r}] is a motion, and the function takes neither q, qd nor qdd."
+        )
+    return found
 
 
 @dataclass(frozen=True)

@@ -59,8 +59,8 @@ def line(
     acceleration: Limit = None,
     step: float | None = None,
 ) -> Motion:
-    """The motion in which a frame moves straight from rest at q0 to a target, to rest, on the branch
-    of q0.
+    """The motion in which a frame moves straight from rest at q0 to a target, to rest, on the
+    branch of q0.
 
     The way over time is a polynomial of degree 5. A redundant arm moves its joints least. With
     fewer joints than the task has rows, as of a SCARA or a delta, the path must ask for nothing

@@ -228,7 +228,8 @@ def simulation_of(
     }
     for name, array in named.items():
         refuse_not_finite("simulate", name, array, 1)
-    model = taken_at(model, named["q"])
+    if model.loops:
+        model = taken_at(model, named["q"])
     batches = {name: x.shape[:-1] for name, x in named.items()}
     batches |= {name: w.shape[:-2] for name, w in wrenches.values()}
     warn_of_tables(t, wrenches, named["q"])
