@@ -254,36 +254,39 @@ def _implausible_units(
     with a place for a name and a unit.
     """
     iq, iv = position_columns(model)
-    allowed = ranges(model)
-    found: dict[bool, list[str]] = {True: [], False: []}
-    words: dict[bool, str] = {}
-    for a, k in zip(iq.tolist(), iv.tolist(), strict=True):
-        name = model.position_names[a]
-        turns = bool(allowed.turns[k])
-        far = float(np.abs(q[:, a]).max())
-        bound = max(abs(float(allowed.lower[k])), abs(float(allowed.upper[k])))
-        ranged = np.isfinite(bound)
-        limit = _BEYOND * bound if ranged else 2 * np.pi * _TURNS if turns else _FAR
-        if name in stated or far <= limit or far / (180 / np.pi if turns else 1e3) > limit:
-            continue
-        found[turns].append(name)
-        if turns not in words:
-            size = f"{far:.3g} rad, {far / (2 * np.pi):.3g} turns" if turns else f"{far:.3g} m"
-            ends = (
-                f", where its range ends at {bound:.3g} {'rad' if turns else 'm'}" if ranged else ""
-            )
-            words[turns] = f"{size}{ends}"
-    sentences = [
-        _position(found[turns], words[turns], turns, where)
-        for turns in (True, False)
-        if found[turns]
-    ]
+    turning = ranges(model).turns
+    sentences = []
+    for turns in (True, False):
+        doubtful: dict[str, str] = {}
+        for a, k in zip(iq.tolist(), iv.tolist(), strict=True):
+            name = model.position_names[a]
+            if bool(turning[k]) == turns and name not in stated:
+                size = _doubtful_size(model, k, float(np.abs(q[:, a]).max()))
+                doubtful |= {name: size} if size else {}
+        if doubtful:
+            sentences.append(_position(list(doubtful), next(iter(doubtful.values())), turns, where))
     if "t" not in stated and len(t) >= _SLOW[1] and np.median(np.diff(t)) >= _SLOW[0]:
         sentences.append(
             f"The samples are {np.median(np.diff(t)):.3g} s apart. If t is in milliseconds, write "
             f"{where.format('t', 'ms')}."
         )
     return sentences
+
+
+def _doubtful_size(model: Model, k: int, far: float) -> str:
+    """Words for how far a coordinate goes, where that is in degrees or millimetres rather than in
+    SI units; else empty."""
+    allowed = ranges(model)
+    turns = bool(allowed.turns[k])
+    bound = max(abs(float(allowed.lower[k])), abs(float(allowed.upper[k])))
+    ranged = np.isfinite(bound)
+    limit = _BEYOND * bound if ranged else 2 * np.pi * _TURNS if turns else _FAR
+    if far <= limit or far / (180 / np.pi if turns else 1e3) > limit:
+        return ""
+    size = f"{far:.3g} rad, {far / (2 * np.pi):.3g} turns" if turns else f"{far:.3g} m"
+    if not ranged:
+        return size
+    return f"{size}, where its range ends at {bound:.3g} {'rad' if turns else 'm'}"
 
 
 def _position(names: list[str], reached: str, turns: bool, where: str) -> str:

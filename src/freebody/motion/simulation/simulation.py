@@ -127,6 +127,7 @@ class SimulationInterrupted(KeyboardInterrupt):
 
 
 def require_counts(**given: Any) -> None:
+    """Refuse what is no whole number above 0, but for None."""
     for name, value in given.items():
         if value is not None and not is_count(value):
             raise FreebodyError(
@@ -137,6 +138,7 @@ def require_counts(**given: Any) -> None:
 def require_sizes(
     step: float | None, tolerance: float | None, friction_width: float | None, max_step: float
 ) -> None:
+    """Refuse steps, tolerances and widths that are not above 0."""
     above_zero("simulate", "friction_width", WIDTH if friction_width is None else friction_width)
     above_zero("simulate", "step", 1.0 if step is None else step, "seconds")
     above_zero("simulate", "tolerance", TOLERANCE if tolerance is None else tolerance)
@@ -165,10 +167,12 @@ def require_friction(model: Model, friction: str, width: float | None) -> None:
 
 
 def has_friction(model: Model) -> bool:
+    """Whether a drive of the model has Coulomb friction."""
     return any(b.drive is not None and np.any(b.drive.coulomb) for b in model.tree.bodies)
 
 
 def times_of(t: ArrayLike) -> Array:
+    """The times t (T,), at least two, which increase."""
     times = as_floats("simulate", "t", t)
     if times.ndim != 1 or len(times) < 2:
         raise FreebodyError(f"simulate: t has shape {times.shape}, expected at least two times.")
@@ -221,29 +225,23 @@ def simulation_of(
     wrenches: Mapping[str, tuple[str, Array]],
     **others: Any,
 ) -> Simulation:
-    """The arrays checked, and the batch that they make."""
-    named = {
-        name: vector("simulate", model, name, value)
+    """The simulation of checked arguments; t (T,), and wrenches by frame with their names."""
+    q, qd = (
+        vector("simulate", model, name, value)
         for name, value in zip(("q", "qd"), state, strict=True)
-    }
-    for name, array in named.items():
+    )
+    for name, array in (("q", q), ("qd", qd)):
         refuse_not_finite("simulate", name, array, 1)
     if model.loops:
-        model = taken_at(model, named["q"])
-    batches = {name: x.shape[:-1] for name, x in named.items()}
+        model = taken_at(model, q)
+    warn_of_tables(t, wrenches, q)
+    batches = {"q": q.shape[:-1], "qd": qd.shape[:-1]}
     batches |= {name: w.shape[:-2] for name, w in wrenches.values()}
-    warn_of_tables(t, wrenches, named["q"])
     for name, table in (("torque", torque), ("forces", forces)):
-        if not isinstance(table, np.ndarray):
-            continue
-        batches[name] = table.shape[:-2]
-        if table.shape[:-1] == (len(t),) == batches["q"]:
-            one = "one torque" if name == "torque" else "one row"
-            warn(
-                f"simulate: {name} {table.shape} is taken as a table over the {len(t)} times, the "
-                f"same for all motions; {one} for each is {(len(t), 1, model.nv)}, a table "
-                f"{(1, *table.shape)} says the same as this without a warning.",
-            )
+        if isinstance(table, np.ndarray):
+            batches[name] = table.shape[:-2]
+            if table.shape[:-1] == (len(t),) == batches["q"]:
+                _warn_of_shared_table(name, table)
     if isinstance(torque, CompiledTorque):
         batches |= torque.batches
     if model.family:
@@ -251,16 +249,30 @@ def simulation_of(
     contacts = others["contacts"]
     if contacts is not None:
         batches["restitution"] = contacts.restitution.shape[:-1]
+    loads, lanes = {frame: w for frame, (_, w) in wrenches.items()}, MotionLanes(_shape(batches))
+    return Simulation(model, q, qd, t, torque, forces, loads, lanes, **others)
+
+
+def _warn_of_shared_table(name: str, table: Array) -> None:
+    """Say that a table (T, nv) for T motions is one over time, the same for all of them."""
+    times, nv = table.shape
+    one = "one torque" if name == "torque" else "one row"
+    warn(
+        f"simulate: {name} {table.shape} is taken as a table over the {times} times, the "
+        f"same for all motions; {one} for each is {(times, 1, nv)}, a table "
+        f"{(1, *table.shape)} says the same as this without a warning.",
+    )
+
+
+def _shape(batches: Mapping[str, tuple[int, ...]]) -> tuple[int, ...]:
+    """The batch shape of all arguments together, by their names."""
     try:
-        shape = np.broadcast_shapes(*batches.values())
+        return np.broadcast_shapes(*batches.values())
     except ValueError:
         shapes = ", ".join(f"{name} {batch}" for name, batch in batches.items())
         raise FreebodyError(
             f"simulate: the batch shapes do not broadcast together: {shapes}."
         ) from None
-    loads = {frame: w for frame, (_, w) in wrenches.items()}
-    state = named["q"], named["qd"]
-    return Simulation(model, *state, t, torque, forces, loads, MotionLanes(shape), **others)
 
 
 def paced(progress: Progress | None, text: str) -> Callable[[float], None]:
