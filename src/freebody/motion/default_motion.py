@@ -23,7 +23,7 @@ from freebody.trees.position_rates import layout, state_of
 from freebody.trees.states import integrate, neutral
 
 DURATION = 5.0
-"""s."""
+"""Duration of the default motion, s."""
 SAMPLES = 401
 
 _MARGIN = 0.08  # of the range, kept free at each limit

@@ -143,7 +143,7 @@ class Motion(Tabled, ByValue):
 
     @property
     def duration(self) -> float:
-        """s."""
+        """Duration of the motion, s."""
         return float(self.t[-1] - self.t[0])
 
     def at(self, t: ArrayLike, around: Array | None = None) -> tuple[Array, Array, Array]:

@@ -78,7 +78,7 @@ class PiecewisePolynomial(Titled, ByValue):
         return self._of(np.searchsorted(self.breaks, around, side="right") - 1, t)
 
     def _of(self, piece: Any, t: Array) -> Array:
-        """Values of given pieces."""
+        """Values of given pieces at times."""
         piece = np.clip(piece, 0, len(self.breaks) - 2)
         return _polynomials(self.coefficients[:, piece], (t - self.breaks[piece])[..., None])
 
@@ -92,7 +92,7 @@ class PiecewisePolynomial(Titled, ByValue):
 
     @property
     def at_breaks(self) -> Array:
-        """Values (m + 1, n) there."""
+        """Values (m + 1, n) at the breaks."""
         end = _polynomials(self.coefficients[:, -1:], self.breaks[-1] - self.breaks[-2])
         return np.concatenate([self.coefficients[-1], end])
 
@@ -156,7 +156,7 @@ class Extremes(Tabled, ByValue):
 
     @property
     def size(self) -> Array:
-        """Largest absolute values."""
+        """Largest absolute values (n,)."""
         return np.maximum(np.abs(self.low), np.abs(self.high))
 
     @property
@@ -234,7 +234,7 @@ def side_by_side(curves: list[PiecewisePolynomial]) -> PiecewisePolynomial:
 
 
 def _lowest(curve: PiecewisePolynomial) -> tuple[Array, Array]:
-    """(lowest values, where), (n,) each.
+    """The lowest values and their places, (n,) each.
 
     A polynomial lies above the lowest of its Bernstein coefficients: only pieces in which these
     promise less than the ends of all pieces are searched for roots of the derivative.

@@ -203,7 +203,7 @@ def _at_once(model: Model, q: Array, frame: str, effort: Array, point: Array) ->
 
 
 def _compiled(model: Model, frame: str) -> Kernel:
-    """(q, effort, point) -> what is held."""
+    """The kernel (q, effort, point) -> mass, joint and overload."""
     pose = formula(model, "forward_kinematics", frame=frame)
     jacobian = formula(model, "jacobian", frame=frame)
     static, d = formula(model, "static_torque"), model.dim

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _AT_ONCE = 65536
-"""Targets side by side, which bounds the memory."""
+"""Targets of an open chain side by side, which bounds the memory."""
 _MODES_AT_ONCE = 4096
 """Targets of a closed chain side by side."""
 

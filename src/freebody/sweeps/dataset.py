@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _SHOWN = 10
-"""Failed points that the attributes tell."""
+"""The number of failed points that the attributes name."""
 
 
 class SweepArrays:
@@ -49,7 +49,7 @@ class SweepArrays:
             ) from None
 
     def add(self, block: SweepBlock, result: BlockResult) -> None:
-        """The next block."""
+        """Put the next block in its place."""
         rows = slice(block.rows.start, block.rows.stop)
         self.failed[rows] += result.failed
         self.reasons = with_more(self.reasons, result.reasons, _SHOWN)
@@ -62,7 +62,7 @@ class SweepArrays:
                 self._finish(rows)
 
     def _finish(self, rows: slice) -> None:
-        """All blocks of these rows are in."""
+        """Reduce rows all blocks of which are in."""
         for (output, _), found in zip(self.outputs, self._open or (), strict=True):
             done = found if self._whole_rows else finished(self.reductions, found)
             for name, values in done.items():

@@ -77,7 +77,7 @@ class SweepTask:
     grid: SweepGrid
     function: SweptFunction
     outputs: tuple[tuple[str, tuple[int, ...]], ...]
-    """Names and core shapes."""
+    """Names and core shapes of the outputs."""
     reductions: tuple[SweepReduction, ...]
     """The reductions; none: the values themselves are kept."""
     whole_rows: bool
@@ -269,17 +269,17 @@ class SweepBlocks:
 
     @property
     def wide(self) -> int:
-        """Columns of a block."""
+        """The number of columns of a block."""
         return min(self.shape[1], self.points)
 
     @property
     def high(self) -> int:
-        """Rows of a block: one, where it does not have all columns."""
+        """The number of rows of a block: one, where it does not have all columns."""
         return max(1, self.points // self.wide) if self.wide == self.shape[1] else 1
 
     @property
     def count(self) -> tuple[int, int]:
-        """Blocks along the rows and the columns."""
+        """The number of blocks along the rows and the columns."""
         return -(-self.shape[0] // self.high), -(-self.shape[1] // self.wide)
 
     def place(self, block: SweepBlock) -> tuple[int, int]:

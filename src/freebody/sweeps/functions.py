@@ -132,7 +132,7 @@ class SweptCallable:
     numbers: tuple[str, ...]
     threads: bool = False
     touches: tuple[str, ...] = ALL
-    """Whatever it asks the model."""
+    """All aspects of the model: the function may ask for any."""
 
     def __call__(self, given: Mapping[str, Array], hoisted: bool) -> dict[str, Array]:
         """Values by output, see `SweptFunction`."""
@@ -151,7 +151,7 @@ class SweptCallable:
         return {key: _of_batch(key, value, batch) for key, value in named.items()}
 
     def dimensions(self, output: str) -> None:
-        """Python's results have none that are known."""
+        """None: results of Python have no names of dimensions."""
 
 
 def _of_batch(name: str, value: Any, batch: tuple[int, ...]) -> Array:

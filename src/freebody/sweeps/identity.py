@@ -62,7 +62,7 @@ def computed_with(needs: SweepNeeds) -> dict[str, str]:
 
 
 def differing(here: Mapping[str, str], there: Mapping[str, str]) -> list[str]:
-    """Names of what is not the same."""
+    """Names of the entries that are not the same."""
     return [key for key in {**here, **there} if here.get(key) != there.get(key)]
 
 

@@ -94,7 +94,7 @@ def _place(key: Callable[[Array], Array]) -> Accumulator:
 
 
 def _total(x: Array) -> Array:
-    """The sum of those that are numbers."""
+    """The sum of the values that are numbers."""
     lacking = np.isnan(x)
     return np.add.reduce(np.where(lacking, 0.0, x) if lacking.any() else x, axis=-1)
 
@@ -135,7 +135,7 @@ class SweepReduction:
     finish: Callable[[Gathered], Array]
     meaning: str
     of_place: bool = False
-    """Whether it is the number of a column."""
+    """Whether the value is the number of a column."""
 
 
 def _divided(total: Array, count: Array) -> Array:
@@ -203,7 +203,7 @@ def _named(name: str) -> SweepReduction:
 
 
 def needed(reductions: Sequence[SweepReduction]) -> tuple[str, ...]:
-    """Accumulators."""
+    """Names of the accumulators that some reductions need."""
     return tuple(dict.fromkeys(key for x in reductions for key in x.needs))
 
 

@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from freebody.motion.simulation.simulation import Progress
 
 _WORTH = 0.5
-"""Seconds of work that are worth sending."""
+"""Seconds of work that are worth sending to a worker."""
 _MOST = 64
-"""Blocks that are sent together."""
+"""The largest number of blocks that are sent together."""
 _AHEAD = 2
 """Pieces for each thread of the cluster that may wait here for one before them."""
 

@@ -25,7 +25,7 @@ from freebody.lazy import cached_property
 from freebody.outputs.display import Titled
 
 _RUN = 1 << 18
-"""Points of a run."""
+"""The number of points of a run."""
 _HELD = 1 << 24
 """Numbers of samples that are held as a whole: 128 MB."""
 

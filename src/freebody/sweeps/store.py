@@ -33,7 +33,7 @@ _LEFT = re.compile(r"\.[0-9a-f]{32}\.partial$")
 _REASONS = 8192
 """Bytes for the failed points of a block that are told."""
 PARTS = "parts"
-"""The group of what is gathered block by block."""
+"""Name of the group of arrays that are gathered block by block."""
 
 
 class SweepStore:

@@ -318,7 +318,7 @@ def _block(
     chosen: tuple[SweepReduction, ...],
     grid: SweepGrid,
 ) -> int:
-    """Points of a block."""
+    """The number of points of a block."""
     if block is None:
         rows, columns = grid.shape
         block = min(max(_BLOCK, 1 << (rows * columns // _BLOCKS).bit_length()), _LARGEST_BLOCK)

@@ -40,7 +40,7 @@ _NAMED = re.compile(r"(.*\S)\s*(?:\(([^()]*)\)|\[([^\[\]]*)\])")
 
 @dataclass(frozen=True)
 class CsvColumns:
-    """A file whose header is understood."""
+    """The columns of a CSV file whose header is understood."""
 
     path: Path
     header: list[str]
@@ -51,7 +51,7 @@ class CsvColumns:
     """Columns whose unit the header states."""
     separator: str
     rows: list[tuple[int, str]]
-    """(line, text) of the header, then of each row."""
+    """Line number and text of the header, then of each row."""
 
     def values(self) -> Array:
         """(rows, columns) in SI units. Raises FileError with the line of what is no number."""
@@ -204,5 +204,5 @@ def _numbers(
 
 
 def quoted(names: Iterable[str]) -> str:
-    """Names in quotes, the first few of many."""
+    """A list of names in quotes, of many the first few."""
     return listed(map(repr, names), 8)

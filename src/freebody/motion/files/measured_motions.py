@@ -47,7 +47,7 @@ ROUNDED = 64.0 * float(
     np.finfo(float).eps
 )  # of the largest position, over a step: a rate that is rounding
 _FEWEST = 30
-"""Samples from which noise can be told."""
+"""The number of samples from which noise can be recognised."""
 # of the 4th differences' size that the 6th ones have in noise; of smooth curves next to nothing
 _WHITE = 0.5
 _SMALL = 0.02  # of the range: what is rougher was sampled too coarsely and is no noise on a curve
@@ -66,7 +66,7 @@ class Noise:
     """Noise in the samples that a motion's accelerations were differentiated from."""
 
     of: str
-    """ "positions" or "rates"."""
+    """The noisy samples: "positions" or "rates"."""
     sigma: float
     """Standard deviation of the loudest coordinate: rad or m, of rates by s."""
     name: str
@@ -76,9 +76,9 @@ class Noise:
     share: float
     """RMS of the noise in its acceleration over the largest acceleration of the smoothed motion."""
     cutoff: float
-    """Hz: where `smoothed` would cut."""
+    """The frequency (Hz) at which `smoothed` would cut."""
     text: str
-    """A sentence."""
+    """A sentence about the noise."""
 
 
 def smoothed(model: Model, motion: Motion, cutoff: float | None = None) -> Motion:

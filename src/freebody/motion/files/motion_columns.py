@@ -28,7 +28,7 @@ _FAR = 50.0  # m, without a range
 _SLOW = 1.0, 100  # s between samples, and so many of them
 _UNIT = 1e-3  # how far a quaternion of a file, printed with few digits, may be off unit length
 Refusal = Callable[..., Exception]
-"""(text, row or None) -> what to raise."""
+"""A function of a text and a row, or None, that makes the error to be raised."""
 
 
 def doubted(
@@ -42,7 +42,7 @@ def doubted(
 
 
 def check_names(model: Model, header: list[str], problem: Refusal) -> None:
-    """Every column known, every position there."""
+    """Refuse columns that are unknown, and positions that are lacking."""
     simple = {model.position_names[k] for k in position_columns(model)[0]}
     known = [
         "t",

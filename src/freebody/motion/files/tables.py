@@ -28,7 +28,7 @@ class MotionTable(Protocol):
     """Columns by name: a dict, a DataFrame or a Dataset."""
 
     def items(self) -> Any:
-        """(name, column) of each."""
+        """Name and column of each."""
 
 
 def motion_of_samples(model: Model, t: Any, q: Any, qd: Any, qdd: Any) -> Motion:
@@ -110,7 +110,7 @@ def _recorded(model: Model, result: Any) -> Motion:
 
 
 def _columns(table: Any) -> Iterator[tuple[str, Any, str | None]]:
-    """(label, values, unit) of a table's columns."""
+    """Label, values and unit of each column of a table."""
     if hasattr(table, "data_vars"):
         times = [table[name] for name in TIMES if name in table.variables]
         for name in table.variables:

@@ -40,17 +40,17 @@ class PathSamples(NamedTuple):
 
     @property
     def q(self) -> Array:
-        """(T, P, nv)."""
+        """Positions (T, P, nv)."""
         return self.orders[0]
 
     @property
     def first(self) -> Array:
-        """q' (T, P, nv)."""
+        """First derivatives q' (T, P, nv)."""
         return self.orders[1]
 
     @property
     def second(self) -> Array:
-        """q'' (T, P, nv)."""
+        """Second derivatives q'' (T, P, nv)."""
         return self.orders[2]
 
     def part(self, points: slice) -> PathSamples:
@@ -63,7 +63,7 @@ class PathSamples(NamedTuple):
 
 
 def sampled(curves: Sequence[PiecewisePolynomial], s: Array) -> PathSamples:
-    """Each path at its own points s (T, P)."""
+    """Samples of each path at its own points s (T, P)."""
     n = curves[0].coefficients.shape[-1]
     highest = max(len(curve.coefficients) for curve in curves) - 1
     kernel = _values(n, highest)
@@ -81,7 +81,7 @@ def sampled(curves: Sequence[PiecewisePolynomial], s: Array) -> PathSamples:
 
 @lru_cache(maxsize=8)
 def _values(n: int, degree: int) -> Kernel:
-    """`path_timing.curve_values` of n coordinates."""
+    """The kernel of `path_timing.curve_values` for n coordinates."""
 
     def values(powers: Scalar, beyond: Scalar) -> tuple[Scalar, ...]:
         return tuple(path_timing.curve_values(powers, beyond))

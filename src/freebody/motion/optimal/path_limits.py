@@ -42,7 +42,7 @@ class PathProblem:
     limits: RobotLimits
     at: PathSamples
     between: PathSamples
-    """Halfway in each interval."""
+    """Samples halfway in each interval."""
     rows: PathRows
     viscous: Array | None
     margin: tuple[Array, Array] | None = None
@@ -346,7 +346,7 @@ def _moving(model: Model, first: Array) -> Iterator[str]:
 
 
 def _row(limits: RobotLimits, row: int) -> tuple[str, str, str]:
-    """(coordinate, unit, quantity) of a row."""
+    """The coordinate, unit and quantity that a row limits."""
     torques = np.flatnonzero(np.isfinite(limits.torque))
     turns = angular(limits.model)
     if row < len(torques):
@@ -359,7 +359,7 @@ def _row(limits: RobotLimits, row: int) -> tuple[str, str, str]:
 
 
 def _at(problem: PathProblem, i: int, path: int) -> str:
-    """`at s = 0.3`, with the position there."""
+    """Words for a place on the path, `at s = 0.3`, with the position there."""
     s, q = problem.at.s[i, path], problem.at.q[i, path]
     some = ", ".join(f"{round(float(x), 9) + 0.0:.4g}" for x in q[:8])
     return f"at s = {s:.4g} (q = {some}{', …' if len(q) > 8 else ''})"

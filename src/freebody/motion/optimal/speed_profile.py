@@ -87,7 +87,7 @@ def _polygons(kernel: Kernel, rows: PathRows) -> tuple[Array, ...]:
 
 
 def both_ends(rows: PathRows) -> tuple[Array, ...]:
-    """(N, P, m) each, as `row_arguments` names them."""
+    """Rows at both ends of the intervals, (N, P, m) each, as `row_arguments` names them."""
     return (
         rows.a[:-1], rows.b[:-1], rows.lo[0], rows.hi[0],
         rows.a[1:], rows.b[1:], rows.lo[1], rows.hi[1],
@@ -111,7 +111,7 @@ def speed_limits(first: Array, velocity: Array) -> Array:
 
 @lru_cache(maxsize=8)
 def _speed_limit(n: int) -> Kernel:
-    """`path_timing.speed_limit` of n coordinates."""
+    """The kernel of `path_timing.speed_limit` for n coordinates."""
 
     def limit(*given: Scalar) -> tuple[Scalar]:
         return (path_timing.speed_limit(*given),)
@@ -140,7 +140,7 @@ def timed_pieces(derivatives: Sequence[Array], x: Array, h: Array) -> tuple[list
 
 @lru_cache(maxsize=8)
 def _timing(n: int, degree: int) -> Kernel:
-    """`path_timing.timed` of n coordinates."""
+    """The kernel of `path_timing.timed` for n coordinates."""
 
     def timed(*given: Scalar) -> tuple[Scalar, ...]:
         return tuple(path_timing.timed(given[:-2], *given[-2:]))

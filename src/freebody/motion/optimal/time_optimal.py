@@ -157,7 +157,7 @@ def time_optimal_through(
 
 
 def _each(path: Any) -> tuple[Sequence[Any], bool]:
-    """Paths one by one, and whether they were many."""
+    """The paths one by one, and whether they were many."""
     several = isinstance(path, list | tuple) and len(path) > 0
     if several and all(isinstance(one, Motion | PPoly) for one in path):
         return path, True

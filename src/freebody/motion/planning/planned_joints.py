@@ -73,7 +73,7 @@ class PlannedJoints:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """(n,)."""
+        """Names of the coordinates (n,)."""
         return self.model.velocity_names if self.driven is None else self.model.driven_names
 
     @cached_property

@@ -34,16 +34,16 @@ class LimitExcess:
     name: str
     """Name of the coordinate."""
     quantity: str
-    """ "position", "velocity" or "acceleration"."""
+    """The limited quantity: "position", "velocity" or "acceleration"."""
     value: float
     limit: float
     time: float
-    """s."""
+    """Time of the largest excess, s."""
     unit: str
 
     @property
     def text(self) -> str:
-        """A clause."""
+        """The excess as a clause."""
         value, limit = compared(self.value, self.limit, digits=5)
         end = ""
         if self.quantity == "position":

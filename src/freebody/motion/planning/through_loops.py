@@ -77,7 +77,7 @@ def driven_waypoints(
 
 
 def _columns(function: str, model: Model) -> list[int]:
-    """Positions of the driven joints."""
+    """Places of the driven joints in q."""
     names = model.driven_names
     if not set(names) <= set(model.position_names):
         raise FreebodyError(

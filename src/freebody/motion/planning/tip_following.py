@@ -37,11 +37,11 @@ class Missing:
     vector: Array
     way: float
     whole: bool
-    """Whether it is known along the whole path."""
+    """Whether the missing motion is known along the whole path."""
 
     @property
     def size(self) -> float:
-        """m or rad."""
+        """Size of the missing motion, m or rad."""
         return float(np.linalg.norm(self.vector))
 
     def in_words(self, length: float, means: str) -> str:

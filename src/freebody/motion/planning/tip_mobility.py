@@ -78,7 +78,7 @@ class TipPosture:
 
     @cached_property
     def _tip(self) -> tuple[Array, Array]:
-        """(U, s) of the tip's motions (r, k)."""
+        """The left singular vectors and singular values (U, s) of the tip's motions (r, k)."""
         rows = self.slopes[: len(self.mobility.solver.task.rows)]
         U, s, _ = np.linalg.svd(rows @ self._allowed)
         return U, s

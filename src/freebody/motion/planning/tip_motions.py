@@ -180,7 +180,7 @@ def blend(
 
 
 class _TipPlan:
-    """A motion of the tip in the making."""
+    """A plan for a motion of the tip: its limits, its start and its task."""
 
     def __init__(
         self,
@@ -231,7 +231,7 @@ class _TipPlan:
     def motion(
         self, path: TipPath, duration: float | None, speed: float | None, step: float | None
     ) -> Motion:
-        """Along a path from rest to rest."""
+        """The motion along a path from rest to rest."""
         if duration is not None:
             duration = above_zero(self.function, "duration", duration, "seconds")
         if speed is not None:

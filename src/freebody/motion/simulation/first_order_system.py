@@ -80,11 +80,11 @@ class System:
 
     @property
     def size(self) -> int:
-        """nq + nv."""
+        """The number of states: nq + nv."""
         return self.layout.nq + self.layout.nv
 
     def split(self, y: Array) -> tuple[Array, Array]:
-        """(q, q̇) of states y (..., nq + nv)."""
+        """Positions and rates (q, q̇) of states y (..., nq + nv)."""
         return y[..., : self.layout.nq], y[..., self.layout.nq :]
 
     def rate(self, t: Array, y: Array, tau: Array) -> Array:
@@ -99,7 +99,7 @@ class System:
         )
 
     def acceleration(self, t: Array, q: Array, qd: Array, tau: Array) -> Array:
-        """q̈ (..., nv)."""
+        """Accelerations q̈ (..., nv) under drive torques tau (..., nv)."""
         if self.friction.acts:
             tau = tau - self.friction.torque(qd)
         return self.forward(q, qd, tau, *self.loads(t))

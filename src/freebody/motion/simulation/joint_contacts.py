@@ -50,7 +50,7 @@ class JointContacts:
     place: Index
 
     def lanes(self, lanes: MotionLanes) -> JointContacts:
-        """One row for each motion of a batch."""
+        """Friction and stops with one row for each motion of a batch."""
         shape = (lanes.count, len(self.place))
         return self._each(lambda x: np.broadcast_to(lanes.each(x, 1), shape))
 

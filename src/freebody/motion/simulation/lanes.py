@@ -36,7 +36,7 @@ class MotionLanes:
         return np.broadcast_to(array, (*self.shape, *own)).reshape(self.count, *own)
 
     def all(self, array: Array, core: int) -> Array:
-        """(count, *core), a copy."""
+        """A copy (count, *core) of an array for all lanes."""
         own = array.shape[array.ndim - core :]
         return np.array(np.broadcast_to(array, (*self.shape, *own))).reshape(self.count, *own)
 
@@ -112,7 +112,7 @@ class TableTorque:
         return k, np.stack([(start - begun) / whole, (end - begun) / whole], axis=-1)
 
     def given(self, t: Array) -> Array:
-        """(lanes, nv) or (nv,) at a time of the table."""
+        """The row (lanes, nv) or (nv,) at a time of the table."""
         if self.rows.shape[-2] == 1:
             return self.rows[..., 0, :]
         return self.rows[..., int(np.searchsorted(self.t, t)), :]

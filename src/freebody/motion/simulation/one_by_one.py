@@ -290,7 +290,7 @@ class _StiffnessWatch:
     method: str = ""
     """Name of the method that took over."""
     since: float = -np.inf
-    """When it was found (s)."""
+    """Time at which stiffness was found (s)."""
     count: int = 0
     done: bool = False
 

@@ -64,7 +64,7 @@ def with_edges(plan: Schedule, times: Array) -> Schedule:
 
 
 def along_with(plan: Schedule, other: Schedule) -> Schedule:
-    """Both at once; what is given is the first."""
+    """The schedule of both at once; `given` is that of the first."""
     near = _SAME * min(np.diff(plan.edges).min(), np.diff(other.edges).min())
     edges = merged(plan.edges, other.edges, near)
     own, more = (_begin_within(x, edges) for x in (plan, other))
@@ -98,7 +98,7 @@ def merged(times: Array, others: Array, near: float) -> Array:
 
 
 def _of_table(t: Array, table: Array) -> Schedule:
-    """Straight lines from row to row."""
+    """The schedule of a table, in straight lines from row to row."""
     slopes = np.diff(table, axis=0) / np.diff(t)[:, None]
 
     def line(k: int) -> TorqueLaw:
@@ -126,7 +126,7 @@ def _of_function(function: TorqueLaw, edges: Array) -> Schedule:
 
 
 def instants(start: float, end: float, sample_time: float) -> Array:
-    """When a controller is called."""
+    """Times at which a controller is called."""
     above_zero("simulate", "sample_time", sample_time, "seconds")
     count = (end - start) / sample_time
     if count > _MOST:

@@ -34,7 +34,7 @@ TOLERANCE = 1e-10
 _FRICTION = ("smooth", "dry")
 _EVERY = 0.05  # s
 Progress = Callable[[str, float], None]
-"""A text, and the part that is done (0 to 1)."""
+"""A function that is called with a text and the part that is done (0 to 1)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +90,7 @@ class Simulated:
     given: TorqueLaw | None = None
 
     def torques(self) -> Array:
-        """(..., R, nv)."""
+        """The torques (..., R, nv) at the times of the result."""
         if self.tau is not None or self.given is None:
             return np.full(self.qd.shape, np.nan) if self.tau is None else self.tau
         found = np.empty(self.qd.shape)

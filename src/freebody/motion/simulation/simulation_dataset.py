@@ -126,7 +126,7 @@ RECORDED = {
         loops=True,
     ),
 }
-"""All quantities by name."""
+"""The quantities of a result by their names."""
 
 
 def recorded(model: Model, names: Sequence[str] | str | None) -> tuple[str, ...]:
@@ -144,7 +144,8 @@ def recorded(model: Model, names: Sequence[str] | str | None) -> tuple[str, ...]
 
 
 def dataset(run: Simulation, result: Simulated, names: Sequence[str]) -> xr.Dataset:
-    """Over the batch's dimensions and `time`; NaN where a motion has not come that far."""
+    """The result as a dataset over the batch's dimensions and `time`; NaN where a motion has not
+    come that far."""
     import xarray as xr
 
     model, batch = run.model, run.lanes.shape

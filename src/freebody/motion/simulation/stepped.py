@@ -79,7 +79,7 @@ _FEW_STEPS = 8  # between two calls of a controller, to which Python may as well
 _NONE = np.zeros(0)
 _LOOK = 0.05  # s
 _FEWEST = 256
-"""Motions that are worth a thread."""
+"""The number of motions that is worth a thread."""
 _Blocks = deque[tuple[int, slice]]
 """Blocks that are to be moved, and which they are."""
 
@@ -151,7 +151,7 @@ def _events(run: Simulation, driving: Driving, qd: Array) -> ContactEvents:
 
 
 def _remedy(run: Simulation) -> str:
-    """Instead of a Python function within steps."""
+    """Advice for a Python function within steps."""
     if callable(run.forces) and not isinstance(run.forces, CompiledTorque):
         return "compile the forces with fb.compile"
     return "compile the torque with fb.compile, or give sample_time="
@@ -316,7 +316,7 @@ def _going(result: Simulated, at: tuple[Any, ...]) -> NDArray[np.bool_]:
 
 @dataclass(eq=False)
 class _LaneRun:
-    """Moves all lanes over a course.
+    """A run of all lanes, in blocks, through the times at which steps end.
 
     controller: of (t, q, qd) of all lanes, what the torque holds from each call to the next.
     growth: looks at the rates there; motions without hope are NaN from there.
@@ -383,7 +383,7 @@ class _LaneRun:
 
     def _section(self, todo: _Blocks, first: int, last: int, reached: Array) -> Iterator[None]:
         """Blocks that nobody has taken, from one edge to another; stops now and then. reached: the
-        part of the course that each has behind it."""
+        part of the whole time that each has behind it."""
         begin, end = self.motions.times.edges[[0, -1]]
         while not self.stop.is_set():
             try:

@@ -32,7 +32,7 @@ from freebody.trees.passive_joints import all_driven
 from freebody.trees.position_rates import position_rate
 
 LaneState = tuple[Array, Array]
-"""q (lanes, nq), q̇ (lanes, nv)."""
+"""Positions q (lanes, nq) and rates q̇ (lanes, nv)."""
 LaneWrench = TableTorque | SteadyWrench
 _SLICE = 400  # of what a thread is woken for: some 20 ms
 
@@ -196,7 +196,7 @@ class FunctionRates:
     def __call__(
         self, lanes: Some, state: LaneState, t: Array | float, push: Array, held: Array
     ) -> tuple[Array, Array, Array]:
-        """(q̈, reaction, M)."""
+        """Accelerations, what holds, and M, (q̈, reaction, M), in some states."""
         pairs = zip(np.broadcast_to(t, len(state[0])), *state, strict=True)
         tau = np.stack([self.drive(*now) for now in pairs])
         return self.kernel(lanes, state, 0.0, t, (*steady(tau), push, held))

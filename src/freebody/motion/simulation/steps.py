@@ -73,7 +73,7 @@ def _nearest(edges: Array, times: Array) -> NDArray[np.intp]:
 
 @dataclass(eq=False)
 class LaneMotions:
-    """The states of all lanes on a course, q (rows, n) and q̇ (rows, n): now, and in the result.
+    """The states of all lanes, q (rows, n) and q̇ (rows, n): now, and in the result.
 
     Each row is moved on by itself: a lane, or all that are moved together.
     """

@@ -152,7 +152,7 @@ class CompiledTorque:
         return compile_program(self.law)
 
     def __call__(self, t: Array, q: Array, qd: Array) -> Array:
-        """tau (..., nv)."""
+        """The torque tau (..., nv) at a time, in a state."""
         state = {"t": t, "q": q, "qd": qd}
         found = self._kernel(*law_inputs(self.law, state, self.more))
         if self.model.passive and np.isfinite(found).all():
@@ -259,7 +259,7 @@ def _gains(law: Program) -> tuple[str, ...]:
 
 
 def _table(model: Model, t: Array, given: ArrayLike, name: str) -> Array:
-    """(nv,) or (..., T, nv)."""
+    """A checked table: (nv,) or (..., T, nv)."""
     rows = row_times(given)
     if is_labelled(given):
         given = vector("simulate", model, name, given)

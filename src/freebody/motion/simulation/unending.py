@@ -180,7 +180,7 @@ class GivenUp(NamedTuple):
 
 
 def endless(run: Simulation, last: GivenUp, lane: int = 0) -> str:
-    """Why a motion is given up, as sentences."""
+    """The reason for giving up a motion, as sentences."""
     step = last.now - last.before
     if not step:
         return too_late(run.t)
@@ -207,7 +207,7 @@ def too_late(t: Array) -> str:
 
 
 def hopeless(run: Simulation, now: float, qd: Array) -> str:
-    """Why a motion is given up whose rates, qd (nv,) by now, grow from call to call."""
+    """The reason for giving up a motion whose rates, qd (nv,) by now, grow from call to call."""
     why = why_sampled(run) or "The loop that the torque closes is unstable."
     return (
         f"simulate: the motion grows from one call of the torque to the next: at t = {now:.6g} s "
