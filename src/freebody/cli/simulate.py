@@ -98,8 +98,8 @@ def simulate(
     status 2: the motion cannot go on, or something cannot be read or written.
     """
     from freebody.motion.motion import FEWEST
+    from freebody.motion.simulation.results import SimulationInterrupted, SimulationStopped
     from freebody.motion.simulation.simulate import simulate as run
-    from freebody.motion.simulation.simulation import SimulationInterrupted, SimulationStopped
 
     model = robot.load()
     start, rates = _start(model, q, qd)

@@ -9,5 +9,5 @@ at once), `steps` (from time to time), `steppers` (one step), `lanes` (what a st
 `joint_contacts` (what friction and stops hold), `contact_events` (when that changes), `unending`
 (runs to give up).
 
-The back: `simulation_dataset` (the quantities that are returned).
+The back: `results` (states, early ends, and the quantities of the dataset).
 """

@@ -29,8 +29,9 @@ from freebody.motion.simulation.first_order_system import (
     system,
 )
 from freebody.motion.simulation.lanes import MotionLanes, some_of
+from freebody.motion.simulation.results import Simulated, SimulationStopped
 from freebody.motion.simulation.schedules import Schedule, along_with, schedule, with_edges
-from freebody.motion.simulation.simulation import Simulated, Simulation, SimulationStopped
+from freebody.motion.simulation.simulation import Simulation
 from freebody.motion.simulation.torques import CompiledTorque, one_lane
 from freebody.motion.simulation.unending import (
     GivenUp,

@@ -15,13 +15,17 @@ from freebody.motion.friction import WIDTH, smooth_friction
 from freebody.motion.simulation.first_order_system import METHODS, METHODS_OF_LOOPS
 from freebody.motion.simulation.joint_contacts import refuse_beyond
 from freebody.motion.simulation.one_by_one import one_by_one
+from freebody.motion.simulation.results import (
+    Simulated,
+    SimulationInterrupted,
+    SimulationStopped,
+    dataset,
+    recorded,
+)
 from freebody.motion.simulation.simulation import (
     TOLERANCE,
     Progress,
-    Simulated,
     Simulation,
-    SimulationInterrupted,
-    SimulationStopped,
     contacts_of,
     has_friction,
     paced,
@@ -31,7 +35,6 @@ from freebody.motion.simulation.simulation import (
     simulation_of,
     times_of,
 )
-from freebody.motion.simulation.simulation_dataset import dataset, recorded
 from freebody.motion.simulation.stepped import stepped
 from freebody.motion.simulation.torques import (
     CompiledTorque,

@@ -1,5 +1,4 @@
-"""A simulation as data: its arguments, checked; the states that are found, with what becomes the
-attributes of the dataset; its progress, and its early end."""
+"""A simulation as data: its arguments, checked, and its progress."""
 
 from __future__ import annotations
 
@@ -17,7 +16,7 @@ from freebody.labels import is_labelled
 from freebody.loops.equations import taken_at
 from freebody.model.model import Model
 from freebody.motion.friction import WIDTH
-from freebody.motion.simulation.first_order_system import FINEST, TorqueLaw
+from freebody.motion.simulation.first_order_system import FINEST
 from freebody.motion.simulation.joint_contacts import JointContacts, joint_contacts
 from freebody.motion.simulation.lanes import MotionLanes
 from freebody.motion.simulation.torques import (
@@ -28,7 +27,7 @@ from freebody.motion.simulation.torques import (
 from freebody.trees.public_calls import Vector, vector
 
 if TYPE_CHECKING:
-    import xarray as xr
+    pass
 
 TOLERANCE = 1e-10
 _FRICTION = ("smooth", "dry")
@@ -70,60 +69,6 @@ class Simulation:
     def duration(self) -> float:
         """Duration of the simulation, s."""
         return float(self.t[-1] - self.t[0])
-
-
-@dataclass(eq=False)
-class Simulated:
-    """States at the times t (R,), NaN where there are none yet: q (..., R, nq), qd (..., R, nv);
-    what was used, for the result's attributes.
-
-    It is filled while the simulation runs, so that it holds what there is when that ends early.
-    tau (..., R, nv): the torques, where they are found on the way. given: else, of t, q (..., nq)
-    and qd, all motions at one time.
-    """
-
-    t: Array
-    q: Array
-    qd: Array
-    used: dict[str, Any]
-    tau: Array | None = None
-    given: TorqueLaw | None = None
-
-    def torques(self) -> Array:
-        """The torques (..., R, nv) at the times of the result."""
-        if self.tau is not None or self.given is None:
-            return np.full(self.qd.shape, np.nan) if self.tau is None else self.tau
-        found = np.empty(self.qd.shape)
-        for k, now in enumerate(self.t):
-            found[..., k, :] = self.given(now, self.q[..., k, :], self.qd[..., k, :])
-        return found
-
-    def until_now(self) -> Simulated:
-        """The states without the times that no motion has reached."""
-        reached = np.isfinite(self.qd).all(axis=-1).reshape(-1, len(self.t)).any(axis=0)
-        last = int(np.flatnonzero(reached)[-1]) + 1 if reached.any() else 1
-        tau = None if self.tau is None else self.tau[..., :last, :]
-        states = self.q[..., :last, :], self.qd[..., :last, :]
-        return Simulated(self.t[:last], *states, self.used, tau, self.given)
-
-
-class SimulationStopped(FreebodyError):
-    """A motion of `simulate` that cannot go on, or would not end; `result` is the dataset of what
-    there was, up to the last of the times t that was reached."""
-
-    result: xr.Dataset | None = None
-
-
-class SimulationInterrupted(KeyboardInterrupt):
-    """Ctrl-C during `simulate`; `result` is the dataset of what there was."""
-
-    def __init__(self, result: xr.Dataset):
-        last = float(result["time"].values[-1])
-        super().__init__(
-            f"simulate: interrupted; what was computed, up to t = {last:.6g} s, is the `result` of "
-            f"this exception."
-        )
-        self.result = result
 
 
 def require_counts(**given: Any) -> None:

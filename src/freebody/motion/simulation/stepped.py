@@ -36,8 +36,9 @@ from freebody.motion.simulation.lanes import (
     some_of,
     steady,
 )
+from freebody.motion.simulation.results import Simulated, SimulationStopped
 from freebody.motion.simulation.schedules import instants
-from freebody.motion.simulation.simulation import Simulated, Simulation, SimulationStopped
+from freebody.motion.simulation.simulation import Simulation
 from freebody.motion.simulation.steppers import (
     Driving,
     FunctionRates,

@@ -51,7 +51,9 @@ def torque_of(
             "simulate: torque_inputs= is about a torque from fb.compile; a Python function has its "
             "own variables. Leave it out."
         )
-    found = _given(model, t, np.zeros(model.nv) if torque is None else torque, "torque", inputs)
+    found: TorqueInput = np.zeros((1, model.nv))
+    if torque is not None:
+        found = _given(model, t, torque, "torque", inputs)
     breaks = len(breakpoints) and not callable(forces)
     for name, present in (("breakpoints", breaks), ("sample_time", sample_time is not None)):
         if present and not callable(found):

@@ -1,5 +1,5 @@
-"""The result of a simulation as a dataset: which quantities there are, and how they follow from the
-states."""
+"""The results of a simulation: the states that are found, how a run that ends early hands over
+those that there are, and the dataset, with a table of its quantities."""
 
 from __future__ import annotations
 
@@ -19,14 +19,76 @@ from freebody.loops.equations import gaps, scaled_rate, scaled_residual
 from freebody.model.doubts import DYNAMIC, RANGES, attribute, doubts_used
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
-from freebody.motion.simulation.first_order_system import System, loads_over, row_at, system
+from freebody.motion.simulation.first_order_system import (
+    System,
+    TorqueLaw,
+    loads_over,
+    row_at,
+    system,
+)
 from freebody.motion.simulation.joint_contacts import JointContacts
-from freebody.motion.simulation.simulation import Simulated, Simulation
+from freebody.motion.simulation.simulation import Simulation
 from freebody.motion.simulation.torques import TorqueInput, drive_of
 from freebody.trees.passive_joints import all_driven
 
 if TYPE_CHECKING:
     import xarray as xr
+
+_EACH = ("coordinate",)
+
+
+@dataclass(eq=False)
+class Simulated:
+    """States at the times t (R,), NaN where there are none yet: q (..., R, nq), qd (..., R, nv);
+    what was used, for the result's attributes.
+
+    It is filled while the simulation runs, so that it holds what there is when that ends early.
+    tau (..., R, nv): the torques, where they are found on the way. given: else, of t, q (..., nq)
+    and qd, all motions at one time.
+    """
+
+    t: Array
+    q: Array
+    qd: Array
+    used: dict[str, Any]
+    tau: Array | None = None
+    given: TorqueLaw | None = None
+
+    def torques(self) -> Array:
+        """The torques (..., R, nv) at the times of the result."""
+        if self.tau is not None or self.given is None:
+            return np.full(self.qd.shape, np.nan) if self.tau is None else self.tau
+        found = np.empty(self.qd.shape)
+        for k, now in enumerate(self.t):
+            found[..., k, :] = self.given(now, self.q[..., k, :], self.qd[..., k, :])
+        return found
+
+    def until_now(self) -> Simulated:
+        """The states without the times that no motion has reached."""
+        reached = np.isfinite(self.qd).all(axis=-1).reshape(-1, len(self.t)).any(axis=0)
+        last = int(np.flatnonzero(reached)[-1]) + 1 if reached.any() else 1
+        tau = None if self.tau is None else self.tau[..., :last, :]
+        states = self.q[..., :last, :], self.qd[..., :last, :]
+        return Simulated(self.t[:last], *states, self.used, tau, self.given)
+
+
+class SimulationStopped(FreebodyError):
+    """A motion of `simulate` that cannot go on, or would not end; `result` is the dataset of what
+    there was, up to the last of the times t that was reached."""
+
+    result: xr.Dataset | None = None
+
+
+class SimulationInterrupted(KeyboardInterrupt):
+    """Ctrl-C during `simulate`; `result` is the dataset of what there was."""
+
+    def __init__(self, result: xr.Dataset):
+        last = float(result["time"].values[-1])
+        super().__init__(
+            f"simulate: interrupted; what was computed, up to t = {last:.6g} s, is the `result` of "
+            f"this exception."
+        )
+        self.result = result
 
 
 @dataclass(frozen=True)
@@ -93,7 +155,6 @@ def _kernel(model: Model, name: str) -> Bound:
     return fetch(model, (name,), Option())
 
 
-_EACH = ("coordinate",)
 RECORDED = {
     "q": RecordedQuantity(("position",), "rad|m|1", "position", lambda s: s.q),
     "qd": RecordedQuantity(_EACH, "rad/s|m/s", "rate", lambda s: s.qd),
