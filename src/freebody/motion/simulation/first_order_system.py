@@ -51,13 +51,13 @@ METHODS: dict[str, type[OdeSolver]] = {
     "BDF": BDF,
     "LSODA": LSODA,
 }
-IMPLICIT = ("Radau", "BDF", "LSODA")
+EXPLICIT, IMPLICIT = ("DOP853", "RK45"), ("Radau", "BDF", "LSODA")
+"""Methods by kind; those of closed chains are explicit."""
 _DAMPING = ("Radau", "BDF")  # what they are chosen for damps their errors
 # a robot's errors grow on the way, tenfold and more in a second; other steps are as much finer
 _FEWER = 100.0
 FINEST = 2.3e-14
 """The finest tolerance of a step that rounding leaves any meaning."""
-METHODS_OF_LOOPS = ("DOP853", "RK45")
 _FINEST_ON_LOOPS = 1e-13  # relative tolerance: rounding
 # singular values, relative to the largest, that a correction acts on where nothing is rounded
 _SEEN = 1e-7

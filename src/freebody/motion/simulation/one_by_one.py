@@ -16,6 +16,7 @@ from freebody.errors import FreebodyError, warn
 from freebody.loops.equations import require_closed
 from freebody.model.families import member_at
 from freebody.motion.simulation.first_order_system import (
+    EXPLICIT,
     IMPLICIT,
     METHODS,
     Scheme,
@@ -44,7 +45,6 @@ from freebody.motion.simulation.unending import (
 )
 from freebody.trees.passive_joints import all_driven
 
-_EXPLICIT = ("DOP853", "RK45")
 _EVERY = 50  # steps between two looks, of which one costs as much as a step or two
 # step times decay rate from which stability, not accuracy, tells the step: both methods are stable
 # to about 3 and 6
@@ -297,7 +297,7 @@ class _StiffnessWatch:
 
     def steps(self, method: str) -> bool:
         """Whether it is time to look, after one more step of a method."""
-        if self.done or method not in _EXPLICIT:
+        if self.done or method not in EXPLICIT:
             return False
         self.count += 1
         return self.count % _EVERY == 0

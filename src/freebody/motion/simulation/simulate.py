@@ -12,7 +12,7 @@ from freebody.errors import FreebodyError, UnknownNameError, listed
 from freebody.kernels.driven_steps import STEP_METHODS
 from freebody.model.model import Model
 from freebody.motion.friction import WIDTH, smooth_friction
-from freebody.motion.simulation.first_order_system import METHODS, METHODS_OF_LOOPS
+from freebody.motion.simulation.first_order_system import EXPLICIT, METHODS
 from freebody.motion.simulation.joint_contacts import refuse_beyond
 from freebody.motion.simulation.one_by_one import one_by_one
 from freebody.motion.simulation.results import (
@@ -226,9 +226,7 @@ def simulate(
 def _method(model: Model, method: str, tolerance: float | None, run: Simulation) -> str:
     """The method's name, "rk4" for "auto" with a step; refused where it is unknown, or where an
     argument belongs to another method."""
-    known, of = (
-        (METHODS_OF_LOOPS, "simulate of a closed chain") if model.loops else (METHODS, "simulate")
-    )
+    known, of = (EXPLICIT, "simulate of a closed chain") if model.loops else (METHODS, "simulate")
     if method != "auto" and method not in (*known, *STEP_METHODS):
         raise UnknownNameError("method", method, of, ("auto", *known, *STEP_METHODS))
     chosen = "rk4" if method == "auto" and run.step is not None else method
