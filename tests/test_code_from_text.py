@@ -57,7 +57,7 @@ KNOWN = {
     ("targets/llvm/fastcall.py", "import_module"): "a constant: NumPy's own module",
     ("targets/llvm/gufunc.py", "import_module"): "a constant: NumPy's own module",
     ("targets/target.py", "import_module"): "modules of the table of targets",
-    ("sweeps/cluster.py", "pickle"): "a sweep from the process that called it, through Dask, which "
+    ("sweeps/run.py", "pickle"): "a sweep from the process that called it, through Dask, which "
     "pickles what it sends in the same way",
     ("model/edits.py", "setattr"): "constant names, when the module is imported",
     ("kernels/closed_chains.py", "import_module"): "modules of the table that stands there",

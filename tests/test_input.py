@@ -15,7 +15,7 @@ from freebody.formats import read_file
 from freebody.formats.number_text import number
 from freebody.kernels.formulas import FORMULAS, Formula
 from freebody.kernels.formulas.record import Output
-from freebody.motion.files.read_motion import read_motion
+from freebody.motion.files.csv_files import read_motion
 from freebody.trees.public_calls import evaluate
 
 BODY = (

@@ -10,9 +10,8 @@ import pytest
 
 import freebody as fb
 from freebody.errors import FreebodyError
-from freebody.motion.files.measured_motions import recognised
-from freebody.motion.files.read_motion import read_motion
-from freebody.motion.files.smoothing import noise, smooth
+from freebody.motion.files.csv_files import read_motion
+from freebody.motion.files.measured_motions import noise, recognised, smooth
 from freebody.motion.motion import Motion
 from freebody.report.measured_noise import filtered
 

@@ -15,7 +15,7 @@ from freebody.errors import FileError, FreebodyError
 from freebody.model.build import build_model
 from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.gravity import gravity_of
-from freebody.motion.files.read_motion import read_motion
+from freebody.motion.files.csv_files import read_motion
 from freebody.motion.files.tables import motion_from_table
 from freebody.motion.motion import motion_of
 from freebody.motion.ranges import position_columns, ranges

@@ -12,7 +12,7 @@ import xarray as xr
 
 import freebody as fb
 from freebody.errors import FileError, FreebodyError
-from freebody.motion.files.read_motion import read_motion
+from freebody.motion.files.csv_files import read_motion
 from freebody.motion.files.tables import motion_from_table
 
 ARM = fb.planar(

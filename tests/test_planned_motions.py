@@ -19,7 +19,7 @@ from freebody.cli.app import run
 from freebody.cli.plan import Planner
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planners import PLANNERS as PLANNERS_BY_NAME
-from freebody.motion.planning.profiles import PROFILES
+from freebody.motion.planning.point_to_point import PROFILES
 from freebody.report.peak_instants import with_peaks
 from freebody.report.replay import replayed
 from support.extras import extra

@@ -16,8 +16,8 @@ from freebody.model.build import build_model
 from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.gravity import gravity_of
 from freebody.model.placement import Placement, Shift
-from freebody.motion.simulation import compiled_steps, side_by_side, stepped
-from freebody.motion.simulation.course import course
+from freebody.motion.simulation import stepped
+from freebody.motion.simulation import steps as steps_of_many
 from support import generate
 
 T = np.linspace(0.0, 0.1, 6)
@@ -119,14 +119,14 @@ def test_results_do_not_depend_on_how_many_steps_a_call_takes(monkeypatch: pytes
 
     whole = run()
     settings = (
-        (compiled_steps, "_MOST", 3),
+        (steps_of_many, "_MOST_AT_ONCE", 3),
         (stepped, "STAYING", 32),
         (stepped, "_FEW_STEPS", 10**9),  # every step called from Python
     )
     for module, name, value in settings:
         with monkeypatch.context() as patch:
             patch.setattr(module, name, value)
-            patch.setattr(side_by_side, "_FEWEST", 16)
+            patch.setattr(stepped, "_FEWEST", 16)
             for case, found in run().items():
                 np.testing.assert_array_equal(found, whole[case], err_msg=f"{name} {case}")
 
@@ -249,7 +249,8 @@ def test_a_jump_at_a_time_of_the_result_but_for_rounding(method: str, t: np.ndar
 def test_instants_of_a_long_run_are_found_at_once():
     """Of a controller of 1 kHz in 200 s."""
     calls = 1e-3 * np.arange(200_000)
-    assert course(np.array([0.0, 200.0]), 1, np.zeros(0), calls).calls == tuple(range(200_000))
+    found = steps_of_many.step_times(np.array([0.0, 200.0]), 1, np.zeros(0), calls)
+    assert found.calls == tuple(range(200_000))
 
 
 def test_a_double_pendulum_for_100_s_keeps_its_energy():

@@ -20,7 +20,7 @@ import pytest
 import freebody as fb
 from freebody.sweeps import run
 from freebody.sweeps.evaluation import SweepTask
-from freebody.sweeps.fingerprint import fingerprint
+from freebody.sweeps.identity import fingerprint
 
 zarr = pytest.importorskip("zarr")
 xr = pytest.importorskip("xarray")

@@ -17,8 +17,7 @@ from scipy.optimize import brentq
 
 import freebody as fb
 from freebody.cli.app import run
-from freebody.motion.optimal.geometric_path import grid
-from freebody.motion.optimal.path_samples import sampled
+from freebody.motion.optimal.geometric_path import grid, sampled
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.targets import in_turn
 from freebody.targets import recurrence as recurrences

@@ -108,7 +108,8 @@ AREAS = (
     Area(
         "closed chains",
         ("loops/**/*.py", "model/loop_kinds.py", "model/loops.py", "motion/closed_chain*.py",
-         "motion/simulation/closed_chain*.py", "trees/newton_euler_residuals.py"),
+         "motion/simulation/first_order_system.py",
+         "trees/newton_euler_residuals.py"),
         ("closed_*", "dyads", "simulate"),
     ),
     Area(

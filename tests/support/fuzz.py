@@ -24,7 +24,7 @@ import freebody as fb
 from freebody.cli.options import values
 from freebody.errors import FreebodyError, FreebodyWarning
 from freebody.formats.saving import as_toml
-from freebody.motion.files.read_motion import read_motion
+from freebody.motion.files.csv_files import read_motion
 
 CORPUS = Path(__file__).parent.parent / "corpus"
 SECONDS = 5.0

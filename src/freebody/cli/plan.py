@@ -108,7 +108,7 @@ def plan(
     Limits are held between samples too. Exit status 2: the limits cannot be kept, the tip cannot
     follow, or something cannot be read or written.
     """
-    from freebody.motion.files.waypoint_files import write_motion
+    from freebody.motion.files.csv_files import write_motion
     from freebody.motion.planners import PLANNERS
 
     model = robot.load()
@@ -141,7 +141,7 @@ def plan(
 
 def _read(model: Model, text: str, one: bool) -> tuple[Any, Any]:
     """Positions, and times where there are some; `one`: of the position where a path begins."""
-    from freebody.motion.files.waypoint_files import read_waypoints
+    from freebody.motion.files.csv_files import read_waypoints
 
     of_file = text.lower().endswith(".csv") or (";" not in text and Path(text).is_file())
     found = read_waypoints(model, text) if of_file else _of_text(model, text)

@@ -98,7 +98,7 @@ def simulate(
     status 2: the motion cannot go on, or something cannot be read or written.
     """
     from freebody.motion.motion import FEWEST
-    from freebody.motion.simulation.interrupted import SimulationInterrupted, SimulationStopped
+    from freebody.motion.simulation.results import SimulationInterrupted, SimulationStopped
     from freebody.motion.simulation.simulate import simulate as run
 
     model = robot.load()
@@ -175,7 +175,7 @@ def _torque(
             if text is not None:
                 raise FreebodyError(f"{name} is of --torque pd.")
     if torque not in ("zero", "pd"):
-        from freebody.motion.files.torque_files import read_torques
+        from freebody.motion.files.csv_files import read_torques
 
         if course[0] is not None:
             raise FreebodyError(f"--time: the duration is that of {torque}; leave it out.")
@@ -234,7 +234,7 @@ def _written(model: Model, found: xr.Dataset, out: Path, again: str) -> None:
     """The motion as a file, and the largest values among its rows as a table."""
     import numpy as np
 
-    from freebody.motion.files.waypoint_files import state_table
+    from freebody.motion.files.csv_files import state_table
     from freebody.motion.ranges import angular
     from freebody.outputs.files import write
     from freebody.outputs.text import csv_text

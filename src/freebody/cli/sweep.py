@@ -182,7 +182,7 @@ def _states(
     from freebody.kernels.arguments import arguments
     from freebody.kernels.options import chosen_option
     from freebody.motion.default_motion import default_motion
-    from freebody.motion.files.read_motion import read_motion
+    from freebody.motion.files.csv_files import read_motion
     from freebody.trees.states import random_state
 
     if motion is not None and states is not None:

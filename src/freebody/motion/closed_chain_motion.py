@@ -81,7 +81,7 @@ def home(model: Model) -> Array:
 
 
 def outside(model: Model, q: Array) -> int:
-    """How many coordinates of q (nq,) are beyond their limits."""
+    """The number of coordinates of q (nq,) beyond their limits."""
     iq, iv = position_columns(model)
     allowed = ranges(model)
     return int(((q[iq] < allowed.lower[iv]) | (q[iq] > allowed.upper[iv])).sum())
@@ -151,26 +151,9 @@ def completed(
     with which the times are reached. Columns that are not needed are held against what the loops
     say. Raises LoopError.
     """
-    given = [name for name in model.position_names if name in columns]
-    iq, iv = position_columns(model)
-    rate_of = {model.position_names[a]: int(b) for a, b in zip(iq, iv, strict=True)}
-    start = home(model)
-    for name in given:
-        start[model.position_names.index(name)] = columns[name][0]
-    own = leaders(model, assemble(model, start))
-    leading = (
-        own
-        if {model.velocity_names[k] for k in own} <= set(given)
-        else [rate_of[name] for name in given if name in rate_of]
-    )
+    rate_of = _simple_coordinates(model)
+    leading, start = _leading(model, columns, rate_of)
     names = [model.velocity_names[k] for k in leading]
-    others = [name for k, name in enumerate(model.velocity_names) if k not in leading]
-    start = assemble(model, start, free=others)
-    if regularity(model, start, leading) < _TELLING:
-        raise LoopError(
-            f"the positions of {', '.join(names)} do not determine those of the other joints of "
-            f"{model.name!r}; give those of {', '.join(model.driven_names)}."
-        )
     way = np.stack([columns[name] - columns[name][0] for name in names], axis=-1)
     q = followed(model, start, leading, way)
     closed = dict(zip(model.position_names, q.T, strict=True))
@@ -181,6 +164,35 @@ def completed(
         states = consistent_rates(model, t, q, at_rest=False)
         return Motion(t, *states, text, layout(model), differentiated="positions")
     return _with_rates(model, t, q, columns, names, before, f"{text}as given")
+
+
+def _simple_coordinates(model: Model) -> dict[str, int]:
+    """The velocity coordinate of each position that has one of its own, by name."""
+    iq, iv = position_columns(model)
+    return {model.position_names[a]: int(b) for a, b in zip(iq, iv, strict=True)}
+
+
+def _leading(
+    model: Model, columns: Mapping[str, Array], rate_of: Mapping[str, int]
+) -> tuple[list[int], Array]:
+    """Coordinates that lead among the positions with columns, and the closed position (nq,) at the
+    first sample. Raises LoopError where they do not determine the others."""
+    given = [name for name in model.position_names if name in columns]
+    start = home(model)
+    for name in given:
+        start[model.position_names.index(name)] = columns[name][0]
+    leading = leaders(model, assemble(model, start))
+    if not {model.velocity_names[k] for k in leading} <= set(given):
+        leading = [rate_of[name] for name in given if name in rate_of]
+    others = [name for k, name in enumerate(model.velocity_names) if k not in leading]
+    start = assemble(model, start, free=others)
+    if regularity(model, start, leading) < _TELLING:
+        names = [model.velocity_names[k] for k in leading]
+        raise LoopError(
+            f"the positions of {', '.join(names)} do not determine those of the other joints of "
+            f"{model.name!r}; give those of {', '.join(model.driven_names)}."
+        )
+    return leading, start
 
 
 def _with_rates(
@@ -195,13 +207,11 @@ def _with_rates(
     """The motion of closed positions q (T, nq) with the rates given of the leading coordinates
     `names`; see `completed`."""
     where, scale, pieces = layout(model), rate_scale(model), None
-    simple = [
-        (model.position_names[a], int(b)) for a, b in zip(*position_columns(model), strict=True)
-    ]
-    told = any(f"{name}.a" in columns for name, _ in simple)
+    simple = _simple_coordinates(model).items()
+    accelerated = any(f"{name}.a" in columns for name, _ in simple)
     rates = _leading_columns(columns, names, ".v")
     slopes = {f"{name}.a": derivatives(t, x[:, None])[0][:, 0] for name, x in rates.items()}
-    seconds = _leading_columns(columns if told else slopes, names, ".a")
+    seconds = _leading_columns(columns if accelerated else slopes, names, ".a")
     qd = loop_velocity(model, q, rates)
     qdd = loop_acceleration(model, q, qd, seconds)
     found = [(".v", qd, columns), (".a", qdd, columns)]
@@ -217,7 +227,7 @@ def _with_rates(
         for name, k in simple:
             closed = {f"{name}{ending}": values[:, k]}
             _refuse_off(model, t, held, closed, names, float(allowed[k]))
-    how = "" if told else "rates"
+    how = "" if accelerated else "rates"
     return Motion(t, q, qd, qdd, text, where, differentiated=how, pieces=pieces)
 
 

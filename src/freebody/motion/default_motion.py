@@ -23,7 +23,7 @@ from freebody.trees.position_rates import layout, state_of
 from freebody.trees.states import integrate, neutral
 
 DURATION = 5.0
-"""s."""
+"""Duration of the default motion, s."""
 SAMPLES = 401
 
 _MARGIN = 0.08  # of the range, kept free at each limit
@@ -53,9 +53,9 @@ def default_motion(model: Model, duration: float = DURATION, samples: int = SAMP
     if model.loops:
         return _of_closed_chain(model, t)
     allowed = ranges(model)
-    waves, speeds = _waves(model.nv, samples)
+    sines, speeds = _sines(model.nv, samples)
     middle, amplitude = _swing(allowed, speeds / duration)
-    q = integrate(model, neutral(model), middle + amplitude * waves)
+    q = integrate(model, neutral(model), middle + amplitude * sines)
     where = layout(model)
     x = state_of(where, q, np.zeros_like(q), np.zeros_like(q))[0]
     q, qd, qdd = state_of(where, x, *derivatives(t, x, at_rest=True))
@@ -78,12 +78,12 @@ def _of_closed_chain(model: Model, t: Array) -> Motion:
             f"gives its degrees of freedom."
         )
     least = _CLEAR * regularity(model, start, leading)
-    waves, _ = _waves(len(leading), len(t))
+    sines, _ = _sines(len(leading), len(t))
     allowed = ranges(model)
     amplitude = np.where(allowed.turns, *_MODEST)[leading]
     for _ in range(_HALVINGS):
         try:
-            q = followed(model, start, leading, amplitude * waves)
+            q = followed(model, start, leading, amplitude * sines)
         except LoopError:
             q = None
         if q is not None and all(_clear(model, p, leading, least) for p in q[::8]):
@@ -109,7 +109,7 @@ def _clear(model: Model, q: Array, leading: list[int], least: float) -> bool:
     return regularity(model, q, leading) > least and not outside(model, q)
 
 
-def _waves(n: int, samples: int) -> tuple[Array, Array]:
+def _sines(n: int, samples: int) -> tuple[Array, Array]:
     """Shapes (samples, n) within ±1, and the largest slope of each (n,) over s from 0 to 1."""
     s = np.linspace(0.0, 1.0, samples)[:, None]
     k = np.arange(n)
@@ -122,7 +122,7 @@ def _waves(n: int, samples: int) -> tuple[Array, Array]:
 
 
 def _swing(allowed: Ranges, speeds: Array) -> tuple[Array, Array]:
-    """Middle and amplitude (n,) of the coordinates; `speeds` are the largest of waves of amplitude
+    """Middle and amplitude (n,) of the coordinates; `speeds` are the largest of sines of amplitude
     1 (1/s)."""
     lower, upper = allowed.lower, allowed.upper
     span = upper - lower

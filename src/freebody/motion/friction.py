@@ -32,7 +32,7 @@ class SmoothFriction:
         return len(self.coordinate) > 0
 
     def torque(self, qd: Array) -> Array:
-        """What the drives must give to overcome it (..., nv), at rates qd (..., nv)."""
+        """Torques (..., nv) that the drives need to overcome friction at rates qd (..., nv)."""
         if not self.acts:
             return np.zeros(qd.shape)
         each = (

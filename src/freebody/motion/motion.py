@@ -1,4 +1,5 @@
-"""`Motion`: positions, rates and accelerations over time, and the smooth curve through them."""
+"""`Motion`: positions, rates and accelerations over time, the smooth curve through them, and their
+extremes, between samples too."""
 
 from __future__ import annotations
 
@@ -19,11 +20,9 @@ from freebody.arrays import (
 )
 from freebody.errors import FreebodyError, KindError
 from freebody.lazy import cached_property
-from freebody.locks import imported
 from freebody.model.doubts import Doubt, named, told
 from freebody.model.model import Model
-from freebody.motion.peaks import Peaks, peaks_of
-from freebody.motion.piecewise import PiecewisePolynomial, hermite
+from freebody.motion.piecewise import Extremes, PiecewisePolynomial, hermite
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import (
@@ -43,6 +42,9 @@ _ON_CURVE = 1e-9  # rad, m: how far samples may lie from the curve that they are
 NEAR = 1e-9  # of the duration: a break this near to a sample is that
 _JUMP = 1e-9  # of the largest acceleration
 _MEET = 1e-9  # of the largest position or rate: by how much motions in a row may miss each other
+_BETWEEN = 16
+"""Places in each piece at which rates of joints with quaternions, which are no polynomials, are
+looked at."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -59,14 +61,14 @@ class Motion(Tabled, ByValue):
     qd: Array
     qdd: Array
     source: str
-    """Where the motion comes from, in words."""
+    """Words for where the motion comes from."""
     layout: CoordinateLayout
     notices: tuple[str, ...] = ()
     doubts: tuple[Doubt, ...] = ()
-    """Of a planned motion, on what of the robot it rests: its limits, of a time-optimal one its
-    masses and drives too."""
+    """Doubts about the robot on which a planned motion rests: about its limits, of a time-optimal
+    one about its masses and drives too."""
     differentiated: Literal["", "positions", "rates"] = ""
-    """What samples the accelerations are derivatives of, where they were not given."""
+    """The samples of which the accelerations are derivatives, where they were not given."""
     pieces: PiecewisePolynomial | None = None
     """The positions (nq,) over time as they were planned; None: interpolated."""
     _aside = ("source", "notices", "doubts")
@@ -103,7 +105,9 @@ class Motion(Tabled, ByValue):
         through the positions, or through the rates. Raises FreebodyError.
         """
         # above this module: tables are completed and smoothed there, which takes motions
-        return imported("freebody.motion.files.tables").motion_of_samples(model, t, q, qd, qdd)
+        from freebody.motion.files.tables import motion_of_samples
+
+        return motion_of_samples(model, t, q, qd, qdd)
 
     def _title(self) -> str:
         return (
@@ -139,7 +143,7 @@ class Motion(Tabled, ByValue):
 
     @property
     def duration(self) -> float:
-        """s."""
+        """Duration of the motion, s."""
         return float(self.t[-1] - self.t[0])
 
     def at(self, t: ArrayLike, around: Array | None = None) -> tuple[Array, Array, Array]:
@@ -218,7 +222,8 @@ class Motion(Tabled, ByValue):
         return self.curve, self.curve.derivative(), self.curve.derivative(2)
 
     def faster(self, factor: float) -> Motion:
-        """The same path run `factor` times as fast from the same start (below 1: slower)."""
+        """The motion run `factor` times as fast along its path from the same start (below 1:
+        slower)."""
         factor = above_zero("faster", "factor", factor)
         return replace(
             self,
@@ -268,24 +273,6 @@ class Motion(Tabled, ByValue):
         return replace(found, source=f"{self.source}; {times} times") if times > 1 else found
 
 
-def require_motion(function: str, model: Model, motion: object) -> Motion:
-    """A motion of the model, else KindError or FreebodyError."""
-    if not isinstance(motion, Motion):
-        raise KindError(
-            function,
-            "motion",
-            motion,
-            "a Motion",
-            "fb.read_motion reads one from a file, fb.Motion.of makes one of arrays and tables.",
-        )
-    if motion.q.shape[-1] != model.nq or motion.qd.shape[-1] != model.nv:
-        raise FreebodyError(
-            f"{function}: the motion has {motion.q.shape[-1]} positions and "
-            f"{motion.qd.shape[-1]} rates, {model.name!r} has nq = {model.nq} and nv = {model.nv}."
-        )
-    return motion
-
-
 def _refuse_gap(first: Motion, second: Motion) -> None:
     """Refuse motions that cannot follow each other."""
     if not isinstance(second, Motion):
@@ -310,6 +297,24 @@ def _refuse_gap(first: Motion, second: Motion) -> None:
                 f"{start}; plan a motion between them, such as "
                 f"fb.quintic(model, [first.q[-1], second.q[0]], acceleration=...)."
             )
+
+
+def require_motion(function: str, model: Model, motion: object) -> Motion:
+    """A motion of the model, else KindError or FreebodyError."""
+    if not isinstance(motion, Motion):
+        raise KindError(
+            function,
+            "motion",
+            motion,
+            "a Motion",
+            "fb.read_motion reads one from a file, fb.Motion.of makes one of arrays and tables.",
+        )
+    if motion.q.shape[-1] != model.nq or motion.qd.shape[-1] != model.nv:
+        raise FreebodyError(
+            f"{function}: the motion has {motion.q.shape[-1]} positions and "
+            f"{motion.qd.shape[-1]} rates, {model.name!r} has nq = {model.nq} and nv = {model.nv}."
+        )
+    return motion
 
 
 def motion_of(model: Model, t: ArrayLike, q: ArrayLike, source: str = "given as arrays") -> Motion:
@@ -352,3 +357,58 @@ def vector_of_times(t: ArrayLike) -> Array:
         now, before = compared(times[k], times[k - 1], digits=6)
         raise FreebodyError(f"motion: t must increase; t[{k}] = {now} follows {before}.")
     return times
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Peaks(Tabled, ByValue):
+    """Extremes of a motion's positions (nq,), rates and accelerations (nv,), with their times (s).
+
+    Exact for coordinates that are numbers of their own; of joints with quaternions the extremes of
+    16 places between neighbouring samples.
+    """
+
+    position: Extremes
+    velocity: Extremes
+    acceleration: Extremes
+
+    def _title(self) -> str:
+        return f"Peaks of {counted(len(self.position.low), 'position')}"
+
+    def _table(self) -> TextTable:
+        named = {"q": self.position, "qd": self.velocity, "qdd": self.acceleration}
+        rows = [
+            (f"{name}[{k}]", *entries)
+            for name, found in named.items()
+            for k, *entries in found._table().rows
+        ]
+        units = ("Units: rad or m, and s.",)
+        return TextTable(("", "lowest", "at t (s)", "highest", "at t (s)"), rows, units)
+
+
+def peaks_of(curve: PiecewisePolynomial, where: CoordinateLayout) -> Peaks:
+    """Extremes of position coordinates along a curve, of their rates and accelerations."""
+    functions = curve, curve.derivative(), curve.derivative(2)
+    exact = [function.extremes for function in functions]
+    if where.flat:
+        return Peaks(*exact)
+    t = np.unique(np.linspace(curve.breaks[:-1], curve.breaks[1:], _BETWEEN + 1))
+    seen = state_of(where, *(function(t) for function in functions))
+    found = []
+    for columns, values, of in zip(
+        (where.plain[0], where.plain[1], where.plain[1]), seen, exact, strict=True
+    ):
+        entries = _sampled(t, values)
+        for name in ("low", "low_at", "high", "high_at"):
+            entries[name][columns] = getattr(of, name)[where.plain[0]]
+        found.append(Extremes(**entries))
+    return Peaks(*found)
+
+
+def _sampled(t: Array, values: Array) -> dict[str, Array]:
+    low, high = values.argmin(axis=0), values.argmax(axis=0)
+    return {
+        "low": values.min(axis=0),
+        "low_at": t[low],
+        "high": values.max(axis=0),
+        "high_at": t[high],
+    }

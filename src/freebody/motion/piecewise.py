@@ -18,9 +18,9 @@ from freebody.values import ByValue
 Ends = Literal["rest", "natural", "periodic"]
 Degree = Literal[3, 5]
 _NEAR = 1e-12
-"""Of the duration: breaks nearer to each other are one."""
+"""Distance, as a part of the duration, at which two breaks are one."""
 _REST = 1e-9
-"""Of the largest excursion of all functions: one that moves less is constant."""
+"""Movement, as a part of the largest excursion of all functions, of a function that is constant."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -43,7 +43,7 @@ class PiecewisePolynomial(Titled, ByValue):
         )
 
     def resting(self) -> PiecewisePolynomial:
-        """The same, with functions that do not move but for rounding made constant: a joint at rest
+        """The curve with functions that do not move but for rounding made constant: a joint at rest
         whose rate is 1e-15 would feel the whole Coulomb friction."""
         lengths = np.diff(self.breaks)[:, None]
         starts = self.coefficients[-1]
@@ -78,12 +78,12 @@ class PiecewisePolynomial(Titled, ByValue):
         return self._of(np.searchsorted(self.breaks, around, side="right") - 1, t)
 
     def _of(self, piece: Any, t: Array) -> Array:
-        """Values of given pieces."""
+        """Values of given pieces at times."""
         piece = np.clip(piece, 0, len(self.breaks) - 2)
         return _polynomials(self.coefficients[:, piece], (t - self.breaks[piece])[..., None])
 
     def derivative(self, order: int = 1) -> PiecewisePolynomial:
-        """With respect to t."""
+        """The derivative with respect to t, of any order."""
         left = len(self.coefficients) - order
         if left <= 0:
             return PiecewisePolynomial(self.breaks, np.zeros((1, *self.coefficients.shape[1:])))
@@ -92,7 +92,7 @@ class PiecewisePolynomial(Titled, ByValue):
 
     @property
     def at_breaks(self) -> Array:
-        """Values (m + 1, n) there."""
+        """Values (m + 1, n) at the breaks."""
         end = _polynomials(self.coefficients[:, -1:], self.breaks[-1] - self.breaks[-2])
         return np.concatenate([self.coefficients[-1], end])
 
@@ -102,7 +102,7 @@ class PiecewisePolynomial(Titled, ByValue):
         return _polynomials(self.coefficients, np.diff(self.breaks)[:, None])
 
     def scaled(self, factor: float) -> PiecewisePolynomial:
-        """The same curve run `factor` times as fast from the same start."""
+        """The curve run `factor` times as fast from the same start."""
         start, degree = self.breaks[0], len(self.coefficients) - 1
         powers = factor ** np.arange(degree, -1, -1.0)
         return PiecewisePolynomial(
@@ -156,12 +156,12 @@ class Extremes(Tabled, ByValue):
 
     @property
     def size(self) -> Array:
-        """Largest absolute values."""
+        """Largest absolute values (n,)."""
         return np.maximum(np.abs(self.low), np.abs(self.high))
 
     @property
     def size_at(self) -> Array:
-        """Where these are."""
+        """Times (n,) of the largest absolute values."""
         return np.where(np.abs(self.low) > np.abs(self.high), self.low_at, self.high_at)
 
 
@@ -184,7 +184,7 @@ def interpolated(
 
 
 def of_spline(spline: BSpline) -> PiecewisePolynomial:
-    """The same in powers, n functions, between its knots."""
+    """A spline in powers, n functions, between its knots."""
     degree = spline.k
     knots = np.unique(spline.t[degree:-degree])
     powers = [spline(knots[:-1], j) / factorial(j) for j in range(degree, -1, -1)]
@@ -234,7 +234,7 @@ def side_by_side(curves: list[PiecewisePolynomial]) -> PiecewisePolynomial:
 
 
 def _lowest(curve: PiecewisePolynomial) -> tuple[Array, Array]:
-    """(lowest values, where), (n,) each.
+    """The lowest values and their places, (n,) each.
 
     A polynomial lies above the lowest of its Bernstein coefficients: only pieces in which these
     promise less than the ends of all pieces are searched for roots of the derivative.

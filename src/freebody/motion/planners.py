@@ -1,4 +1,5 @@
-"""The planners of joint motions by name, each with the limits that it takes."""
+"""The planners of joint motions by name: apart, as they come from folders that do not know each
+other."""
 
 from __future__ import annotations
 
@@ -12,18 +13,19 @@ from freebody.motion.planning.splines import spline
 
 
 @dataclass(frozen=True)
-class Planner:
-    """plan: model, waypoints, times and by keyword `limits` and a step -> Motion."""
+class JointPlanner:
+    """A planner, plan(model, waypoints, times, *, step, and limits by keyword) -> Motion, and the
+    names of the limits that it takes."""
 
     plan: Callable[..., Motion]
     limits: tuple[str, ...]
 
 
 PLANNERS = {
-    "spline": Planner(spline, ("velocity", "acceleration")),
-    "quintic": Planner(quintic, ("velocity", "acceleration", "jerk")),
-    "trapezoid": Planner(trapezoid, ("velocity", "acceleration")),
-    "s-curve": Planner(s_curve, ("velocity", "acceleration", "jerk")),
-    "time-optimal": Planner(time_optimal_through, ("velocity", "acceleration", "torque")),
+    "spline": JointPlanner(spline, ("velocity", "acceleration")),
+    "quintic": JointPlanner(quintic, ("velocity", "acceleration", "jerk")),
+    "trapezoid": JointPlanner(trapezoid, ("velocity", "acceleration")),
+    "s-curve": JointPlanner(s_curve, ("velocity", "acceleration", "jerk")),
+    "time-optimal": JointPlanner(time_optimal_through, ("velocity", "acceleration", "torque")),
 }
-"""By name; the first is the command's default."""
+"""The planners by name; the first is the command's default."""

@@ -1,1 +1,1 @@
-"""What an arm can do where: maps over many postures."""
+"""Abilities of an arm, place by place: maps over many postures."""

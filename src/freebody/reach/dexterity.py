@@ -63,8 +63,7 @@ class Dexterity(Tabled, ByValue):
         return self.singular_values[..., -1]
 
     def to_xarray(self) -> xr.Dataset:
-        """As a labelled dataset over the postures: the singular values and what follows from
-        them."""
+        """A labelled dataset over the postures: the singular values and what follows from them."""
         dims = axes_of("posture", self.smallest.ndim)
         linear, k = self.rows[-1].startswith("v"), self.singular_values.shape[-1]
         one, product = ("m", f"m{k}") if linear else ("1", "1")

@@ -1,4 +1,4 @@
-"""What follows from rows of a frame's Jacobian, posture by posture: by a kernel, and where that is
+"""Functions of the rows of a frame's Jacobian, posture by posture: by a kernel, and where that is
 not sure by a closer look."""
 
 from __future__ import annotations

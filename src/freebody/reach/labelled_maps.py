@@ -1,4 +1,4 @@
-"""Maps as labelled datasets."""
+"""Labelled datasets of one form for all maps of this folder, which know nothing of each other."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 if TYPE_CHECKING:
     import xarray as xr
 
-Entry = tuple[tuple[str, ...], Any, str, str]
-"""Dimensions, values, unit, and what it is."""
+MapEntry = tuple[tuple[str, ...], Any, str, str]
+"""An array of a map: its dimensions, values, unit, and meaning in words."""
 
 
 def axes_of(name: str, count: int) -> tuple[str, ...]:
@@ -20,14 +20,14 @@ def axes_of(name: str, count: int) -> tuple[str, ...]:
 
 
 def labelled(
-    entries: Mapping[str, Entry],
-    coordinates: Mapping[str, Entry],
+    entries: Mapping[str, MapEntry],
+    coordinates: Mapping[str, MapEntry],
     about: Mapping[str, Any],
 ) -> xr.Dataset:
     """A dataset with units; about: its attributes."""
     import xarray as xr
 
-    def variables(given: Mapping[str, Entry]) -> dict[str, Any]:
+    def variables(given: Mapping[str, MapEntry]) -> dict[str, Any]:
         return {
             name: (dims, np.array(values), {"units": unit, "long_name": meaning})
             for name, (dims, values, unit, meaning) in given.items()

@@ -38,9 +38,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _UNLIMITED = 1e30
-"""What stands for no bound inside a kernel, whose numbers are finite."""
+"""The number for no bound inside a kernel, whose numbers are finite."""
 _ROUNDING = 1e-13
-"""Of a torque: what changes it by less does not change it."""
+"""Change of a torque, as a part of it, that is none."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -63,7 +63,7 @@ class PayloadMap(Tabled, ByValue):
     _aside = ("doubts",)
 
     def to_xarray(self) -> xr.Dataset:
-        """As a labelled dataset over the postures: mass, the name of the joint that limits it, and
+        """A labelled dataset over the postures: mass, the name of the joint that limits it, and
         whether that is overloaded."""
         dims = axes_of("posture", self.mass.ndim)
         names = np.array([*self.joint_names, ""])[self.joint]
@@ -194,7 +194,7 @@ Held = tuple[Scalar, Scalar, Scalar]
 
 
 def _at_once(model: Model, q: Array, frame: str, effort: Array, point: Array) -> Held:
-    """By one kernel of the model."""
+    """Mass, joint and overload at each posture by one kernel of the model."""
     key = ("payload_map", frame)
     found = model.compiled.get(key)
     if found is None:
@@ -203,7 +203,7 @@ def _at_once(model: Model, q: Array, frame: str, effort: Array, point: Array) ->
 
 
 def _compiled(model: Model, frame: str) -> Kernel:
-    """(q, effort, point) -> what is held."""
+    """The kernel (q, effort, point) -> mass, joint and overload."""
     pose = formula(model, "forward_kinematics", frame=frame)
     jacobian = formula(model, "jacobian", frame=frame)
     static, d = formula(model, "static_torque"), model.dim
@@ -223,7 +223,8 @@ _OUTPUTS = [Argument(name, ()) for name in ("mass", "joint", "overloaded")]
 
 
 def _held(torques: Sequence[Scalar], slopes: Sequence[Scalar], effort: Sequence[Scalar]) -> Held:
-    """Of torques at rest (nv,) without payload, and what a kilogram adds to them."""
+    """Mass, joint and overload from torques at rest (nv,) without payload, and from what a kilogram
+    adds to them."""
     best: Held = (_UNLIMITED, 0.0, 0.0)
     for k, (torque, slope) in enumerate(zip(torques, slopes, strict=True)):
         over = less(effort[k], absolute(torque))
@@ -239,8 +240,8 @@ def _held(torques: Sequence[Scalar], slopes: Sequence[Scalar], effort: Sequence[
 
 
 def _by_torques(model: Model, q: Array, frame: str, effort: Array, point: Array) -> Held:
-    """By the torques of the chain at rest, without payload and under the weight of a kilogram,
-    which serves closed chains and families."""
+    """Mass, joint and overload by the torques of the chain at rest, without payload and under the
+    weight of a kilogram, which serves closed chains and families."""
     d, field = model.dim, model.gravity
     T = forward_kinematics(model, q, frame)
     arm = T[..., :d, :d] @ point

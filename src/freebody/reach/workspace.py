@@ -25,14 +25,14 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _AT_ONCE = 65536
-"""Targets side by side, which bounds the memory."""
+"""Targets of an open chain side by side, which bounds the memory."""
 _MODES_AT_ONCE = 4096
-"""The same of closed chains."""
+"""Targets of a closed chain side by side."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WorkspaceMap(Tabled, ByValue):
-    """In how many ways a frame reaches points (...), within the joints' limits.
+    """The number of ways in which a frame reaches points (...), within the joints' limits.
 
     points: (..., dim), m, world axes. ways: (...), or (..., m) for m orientations, of a family
     (..., [m,] *family); 0 out of reach. redundant: whether each point that is reached is reached in
@@ -55,19 +55,19 @@ class WorkspaceMap(Tabled, ByValue):
 
     @property
     def reached(self) -> np.ndarray:
-        """Which points are reached (..., *family), of several orientations in any."""
+        """Flags of the points that are reached (..., *family), of several orientations in any."""
         found = self.ways > 0
         return np.asarray(found.any(axis=self._axis)) if self._several else found
 
     @property
     def share(self) -> Array:
-        """Of the orientations the part in which each point is reached (..., *family)."""
+        """The part of the orientations in which each point is reached (..., *family)."""
         found = (self.ways > 0).astype(float)
         return np.asarray(found.mean(axis=self._axis)) if self._several else found
 
     @property
     def _axis(self) -> int:
-        """That of several orientations."""
+        """The axis of several orientations."""
         return self.points.ndim - 1
 
     @property
@@ -75,8 +75,8 @@ class WorkspaceMap(Tabled, ByValue):
         return self.ways.ndim > self._axis + len(self.family)
 
     def to_xarray(self) -> xr.Dataset:
-        """As a labelled dataset: ways, distance, share and reached over the points, with their
-        places as coordinates."""
+        """A labelled dataset: ways, distance, share and reached over the points, with their places
+        as coordinates."""
         dims = axes_of("point", self.points.ndim - 1)
         family = axes_of("member", len(self.family))
         all_of = (*dims, *(("orientation",) if self._several else ()), *family)
@@ -124,16 +124,31 @@ def workspace(
     *,
     orientation: ArrayLike | None = None,
 ) -> WorkspaceMap:
-    """Which points a frame reaches within the joints' limits, and in how many ways.
-
-    points: (..., dim), m, world axes, such as a grid. frame: name, default the tip. orientation:
-    (dim, dim), a rotation that the frame keeps, world axes, or several (m, dim, dim), each of which
-    is tried at each point; without it the orientation is free.
+    """The points that a frame reaches within the joints' limits, and in how many ways.
 
     The ways are the solutions of `fb.inverse_kinematics`: all of them where it has a closed form,
     else what many starts found, which may miss some; of a closed chain its working modes, all
-    loops closed. Each member of a family is asked for each point. Returns WorkspaceMap. Raises
-    FreebodyError, ShapeError, NotFiniteError, UnknownNameError.
+    loops closed. Each member of a family is asked for each point.
+
+    Parameters
+    ----------
+    model
+        The robot.
+    points : (..., dim), m, world axes
+        Points, such as a grid.
+    frame
+        Name of the frame; None: the tip.
+    orientation : (dim, dim), or (m, dim, dim), world axes
+        A rotation that the frame keeps, or several, each of which is tried at each point; None: the
+        orientation is free.
+
+    Returns
+    -------
+    WorkspaceMap
+
+    Raises
+    ------
+    FreebodyError, ShapeError, NotFiniteError, UnknownNameError
     """
     function, d = "workspace", model.dim
     model.require_values("the workspace")

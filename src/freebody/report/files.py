@@ -12,7 +12,7 @@ import numpy as np
 
 import freebody
 from freebody.model.doubts import attribute
-from freebody.motion.files.waypoint_files import motion_table
+from freebody.motion.files.csv_files import motion_table
 from freebody.outputs.folder import Makers, write_folder
 from freebody.outputs.text import csv_text, encodable
 from freebody.report import variables

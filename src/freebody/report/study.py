@@ -17,11 +17,11 @@ from freebody.errors import FreebodyError, KindError, SingularError, listed
 from freebody.model.doubts import readings
 from freebody.model.model import Model
 from freebody.motion.default_motion import default_motion
-from freebody.motion.files.read_motion import read_motion
-from freebody.motion.files.tables import Table, motion_from_table
+from freebody.motion.files.csv_files import read_motion
+from freebody.motion.files.tables import MotionTable, motion_from_table
 from freebody.motion.motion import Motion, require_motion
 from freebody.motion.ranges import ranges
-from freebody.motion.simulation.paced import Progress
+from freebody.motion.simulation.simulation import Progress
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.report.checks import checks
 from freebody.report.jacobians import singularity
@@ -144,7 +144,7 @@ class Study(Tabled, ByValue):
 
 def study(
     model: Model,
-    motion: Motion | Table | str | os.PathLike[str] | None = None,
+    motion: Motion | MotionTable | str | os.PathLike[str] | None = None,
     tip: str | None = None,
     *,
     smooth: Smooth = False,
@@ -216,7 +216,7 @@ def _driven(model: Model) -> tuple[str, ...]:
     )
 
 
-def _motion(model: Model, motion: Motion | Table | str | os.PathLike[str] | None) -> Motion:
+def _motion(model: Model, motion: Motion | MotionTable | str | os.PathLike[str] | None) -> Motion:
     if motion is None:
         return _unhurried(model, default_motion(model))
     if isinstance(motion, Motion):

@@ -25,17 +25,17 @@ class SweepAxis:
     name: str
     given: Mapping[str, Array]
     times: Array | None = None
-    """Of a motion, s."""
+    """Times of a motion, s."""
 
     @property
     def size(self) -> int:
-        """How many points it has."""
+        """The number of points."""
         if isinstance(self.given, Samples):
             return self.given.count
         return len(next(iter(self.given.values())))
 
     def at(self, places: slice | np.ndarray) -> dict[str, Array]:
-        """What is given at some places, (*places, *core)."""
+        """The values at some places, (*places, *core), by name."""
         if isinstance(self.given, Samples):
             return self.given.at(places)
         return {name: array[places] for name, array in self.given.items()}
@@ -70,16 +70,7 @@ def _axis(name: Any, value: Any, read: Read, inputs: Sequence[str] | None) -> Sw
         full = {key: read(key, np.stack(pair))[0] for key, pair in value.bounds.items()}
         return SweepAxis(name, value.renamed(full))
     if isinstance(value, Motion):
-        times = value.t
-        value = {
-            key: getattr(value, key)
-            for key in ("q", "qd", "qdd")
-            if inputs is None or key in inputs
-        }
-        if not value:
-            raise FreebodyError(
-                f"sweep: over[{name!r}] is a motion, and the function takes neither q, qd nor qdd."
-            )
+        times, value = value.t, _states(name, value, inputs)
     if not isinstance(value, Mapping):
         full, array = read(name, value)
         given = {full: array}
@@ -98,6 +89,18 @@ def _axis(name: Any, value: Any, read: Read, inputs: Sequence[str] | None) -> Sw
     return SweepAxis(name, given, times)
 
 
+def _states(name: str, motion: Motion, inputs: Sequence[str] | None) -> dict[str, Array]:
+    """Positions, rates and accelerations of a motion, those of them that the function takes."""
+    found = {
+        key: getattr(motion, key) for key in ("q", "qd", "qdd") if inputs is None or key in inputs
+    }
+    if not found:
+        raise FreebodyError(
+            f"sweep: over[{name!r}] is a motion, and the function takes neither q, qd nor qdd."
+        )
+    return found
+
+
 @dataclass(frozen=True)
 class SweepGrid:
     """The grid as a table: rows and columns are each the product of some axes, the last of them
@@ -106,15 +109,15 @@ class SweepGrid:
     rows: tuple[SweepAxis, ...]
     columns: tuple[SweepAxis, ...]
     constants: dict[str, Array]
-    """What is the same at all points."""
+    """Inputs and numbers that are the same at all points."""
 
     @property
     def shape(self) -> tuple[int, int]:
-        """How many rows and columns."""
+        """The number of rows and of columns."""
         return prod(axis.size for axis in self.rows), prod(axis.size for axis in self.columns)
 
     def part(self, rows: range, columns: range) -> dict[str, Array]:
-        """What is given in a part of the table: by name (R or 1, C or 1, *core)."""
+        """The values in a part of the table, by name (R or 1, C or 1, *core)."""
         found = {name: value[None, None] for name, value in self.constants.items()}
         for axis, index in zip(self.rows, _places(self.rows, rows), strict=True):
             found |= {name: array[:, None] for name, array in axis.at(index).items()}
@@ -123,7 +126,7 @@ class SweepGrid:
         return found
 
     def row_points(self) -> dict[str, Array]:
-        """What is given at each row, (R, ...)."""
+        """The values at each row, (R, ...), by name."""
         rows = range(self.shape[0])
         return {
             name: array
@@ -132,8 +135,8 @@ class SweepGrid:
         }
 
     def column(self, index: np.ndarray) -> dict[str, tuple[np.ndarray, dict[str, Array]]]:
-        """Of columns by number, -1 for none: by axis, the place on it, and what is given there,
-        NaN for none."""
+        """The place on each axis of columns by number, -1 for none, and the values there, NaN for
+        none."""
         none = index < 0
         sizes = [axis.size for axis in self.columns]
         places = np.unravel_index(np.where(none, 0, index), sizes)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _SHOWN = 10
-"""Failed points that the attributes tell."""
+"""The number of failed points that the attributes name."""
 
 
 class SweepArrays:
@@ -33,7 +33,8 @@ class SweepArrays:
         rows, columns = grid.shape
         self.reasons: list[FailedPoint] = []
         self.values: dict[tuple[str, str], Array] = {}
-        """By output and reduction (rows, *core), or (rows, columns, *core) and no reduction."""
+        """Arrays by output and reduction (rows, *core), or (rows, columns, *core) and no
+        reduction."""
         self._open: list[Gathered] | None = None
         names = [x.name for x in reductions] or [""]
         try:
@@ -48,7 +49,7 @@ class SweepArrays:
             ) from None
 
     def add(self, block: SweepBlock, result: BlockResult) -> None:
-        """The next block."""
+        """Put the next block in its place."""
         rows = slice(block.rows.start, block.rows.stop)
         self.failed[rows] += result.failed
         self.reasons = with_more(self.reasons, result.reasons, _SHOWN)
@@ -61,7 +62,7 @@ class SweepArrays:
                 self._finish(rows)
 
     def _finish(self, rows: slice) -> None:
-        """All blocks of these rows are in."""
+        """Reduce rows all blocks of which are in."""
         for (output, _), found in zip(self.outputs, self._open or (), strict=True):
             done = found if self._whole_rows else finished(self.reductions, found)
             for name, values in done.items():
@@ -70,10 +71,10 @@ class SweepArrays:
 
 
 def _about(model: Model, function: SweptFunction, arrays: SweepArrays) -> dict[str, Any]:
-    """What the attributes tell; a warning where points failed, an error where all did."""
+    """The attributes of a result; warns where points failed, raises where all did."""
     grid, points = arrays.grid, arrays.grid.shape[0] * arrays.grid.shape[1]
     failed = int(arrays.failed.sum())
-    reasons = [_told(grid, point) for point in arrays.reasons]
+    reasons = [_sentence(grid, point) for point in arrays.reasons]
     if failed == points:
         raise FreebodyError(f"sweep: no point has a value; {reasons[0]}")
     if failed:
@@ -108,7 +109,7 @@ def lazy_dataset(
 
 
 def dataset(model: Model, function: SweptFunction, arrays: SweepArrays) -> xr.Dataset:
-    """With the axes that stay in front."""
+    """The result as a dataset over the axes that stay in front."""
     import xarray as xr
 
     about, grid = _about(model, function, arrays), arrays.grid
@@ -125,9 +126,9 @@ def dataset(model: Model, function: SweptFunction, arrays: SweepArrays) -> xr.Da
             if reduction is None:
                 named[output] = (front + inner, values.reshape(sizes + core))
             elif not reduction.of_place:
-                said = {"long_name": reduction.meaning}
+                about_it = {"long_name": reduction.meaning}
                 shaped = values.reshape(sizes + core)
-                named[f"{output}_{reduction.name}"] = (front + inner, shaped, said)
+                named[f"{output}_{reduction.name}"] = (front + inner, shaped, about_it)
             else:
                 named |= _places(grid, reduction, output, values, (front, sizes), inner)
     kept = tuple(x.name for x in grid.rows)
@@ -138,7 +139,7 @@ def dataset(model: Model, function: SweptFunction, arrays: SweepArrays) -> xr.Da
     return xr.Dataset(named, coordinates, about)
 
 
-def _told(grid: SweepGrid, point: FailedPoint) -> str:
+def _sentence(grid: SweepGrid, point: FailedPoint) -> str:
     place = ", ".join(f"{name} {at}" for name, at in grid.point(*point[:2]).items())
     return f"at {place}: {point.reason}"
 
@@ -163,10 +164,11 @@ def _dimensions(
     coordinates: dict[str, Any],
     front: tuple[str, ...],
 ) -> tuple[str, ...]:
-    """Of an output's core; joints are called by their names, other places by number."""
-    told = function.dimensions(output) or ("",) * len(core)
+    """Names of the dimensions of an output's core; joints are called by their names, other places
+    by number."""
+    labels = function.dimensions(output) or ("",) * len(core)
     found: list[str] = []
-    for k, dimension in enumerate(told):
+    for k, dimension in enumerate(labels):
         name, names = _NAMED.get(dimension, ("", ""))
         if not name or name in found or name in front:
             name = f"{output}_{k}"
@@ -184,7 +186,7 @@ def _places(
     front: tuple[tuple[str, ...], tuple[int, ...]],
     inner: tuple[str, ...],
 ) -> dict[str, Any]:
-    """On each reduced axis the place, -1 for none, and what is given there."""
+    """Variables for the place on each reduced axis, -1 for none, and for the values there."""
     (dims, sizes), found = front, {}
     core = values.shape[1:]
     for axis, (place, given) in grid.column(values.astype(np.int64)).items():

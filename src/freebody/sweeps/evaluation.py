@@ -27,13 +27,13 @@ NOT_A_NUMBER = "the result is not a number"
 _GATHERED = 1 << 23
 """Bytes that are gathered from a tile: a histogram has half a megabyte for a row of six joints."""
 _MOST_REASONS = 20
-"""Of a block's failures, of which place and reason are kept; the others are counted."""
+"""Failures of a block that are kept with place and reason; the others are counted."""
 
 
 Reasons = dict[tuple[int, int], str]
-"""By row and column."""
-Named = Mapping[str, Array]
-"""By output."""
+"""Why a point has no value, by its row and column."""
+ByOutput = Mapping[str, Array]
+"""An array for each output, by its name."""
 
 
 class FailedPoint(NamedTuple):
@@ -53,9 +53,9 @@ class SweepBlock(NamedTuple):
 
 @dataclass
 class BlockResult:
-    """What came out of a block: of each output what its reductions are or, where rows go on in
-    further blocks, what they need, or all values; how many points of each row failed; some of
-    these."""
+    """The results of a block: of each output its reductions or, where rows go on in further
+    blocks, the numbers that these need, or all values; how many points of each row failed; some
+    of these."""
 
     gathered: list[Gathered]
     values: list[Array]
@@ -64,22 +64,22 @@ class BlockResult:
 
 
 InOrder = Callable[[Callable[[SweepBlock], BlockResult], list[SweepBlock]], Iterator[BlockResult]]
-"""What a function makes of each tile, in order, as `map`."""
+"""A `map`: the result of a function for each tile, in order."""
 Keep = Callable[[SweepBlock, BlockResult], object]
-"""What is done with a block as soon as it is there."""
+"""A function that is given each block with its result, as soon as that is there."""
 
 
 @dataclass(frozen=True)
 class SweepTask:
-    """All that a block needs, besides which one it is; it can be sent to another process."""
+    """A sweep as a function of a block, which can be sent to another process."""
 
     model: Model
     grid: SweepGrid
     function: SweptFunction
     outputs: tuple[tuple[str, tuple[int, ...]], ...]
-    """Names and core shapes."""
+    """Names and core shapes of the outputs."""
     reductions: tuple[SweepReduction, ...]
-    """None: the values themselves."""
+    """The reductions; none: the values themselves are kept."""
     whole_rows: bool
     """Whether a block has all columns of its rows, so that they are reduced there."""
     rows_are_robots: bool
@@ -130,7 +130,7 @@ class SweepTask:
         return [finished(self.reductions, x) for x in found] if self.whole_rows else found
 
     def empty(self) -> list[Gathered]:
-        """What a block of one row has of each output, of values that are not there."""
+        """The results of a block of one row, of values that are not there."""
         return self._reduced(self._nothing())
 
     def _nothing(self) -> list[Gathered]:
@@ -139,13 +139,13 @@ class SweepTask:
 
     @cached_property
     def _row_bytes(self) -> int:
-        """Of what is gathered for a row, before it is reduced."""
+        """Bytes that are gathered for a row, before it is reduced."""
         return max(1, sum(array.nbytes for x in self._nothing() for array in x.values()))
 
     def _tile(
         self, tile: SweepBlock, block: SweepBlock, refused: dict[int, str], places: list[Array]
     ) -> BlockResult:
-        """What came out of a tile, reduced where it has all that the block has of its rows; its
+        """The results of a tile, reduced where it has all that the block has of its rows; its
         values, where all are wanted, are put into the block's."""
         rows, columns = tile
         reasons: Reasons = {}
@@ -156,52 +156,52 @@ class SweepTask:
             lacking = np.isnan(x)
             if lacking.any():
                 failed |= lacking.any(axis=tuple(range(2, x.ndim)))
-        told = _told(tile, failed, reasons) if failed.any() else []
+        points = _failed_points(tile, failed, reasons) if failed.any() else []
         for whole, x in zip(places, values, strict=False):
             whole[_within(rows, block.rows), _within(columns, block.columns)] = x
         found = gathered(values, needed(self.reductions), columns.start)
         if columns == block.columns:
             found = self._reduced(found)
-        return BlockResult(found, [], failed.sum(axis=1), told)
+        return BlockResult(found, [], failed.sum(axis=1), points)
 
     def _values(
         self, rows: range, columns: range, refused: dict[int, str], reasons: Reasons
-    ) -> Named:
-        """By output (R, C, *core). A part that is refused is halved, until it is one point, or one
-        robot."""
-        given = self.grid.part(rows, columns)
-        robot = refused.get(rows.start) if len(rows) == 1 else None
-        try:
-            if robot is None:
-                if any(r in refused for r in rows):
-                    raise FreebodyError("some robots of the part are refused")
-                numbers = {name: given[name] for name in self.function.numbers}
-                if numbers and not self.rows_are_robots:
-                    one = len(rows) == len(columns) == 1
-                    self.model.bind(_of_one(numbers) if one else numbers)
-                found = self.function(given, self.hoisted)
-                shape = len(rows), len(columns)
-                return {
-                    name: np.broadcast_to(found[name], (*shape, *core))
-                    for name, core in self.outputs
-                }
-        except FAULTS:
-            raise
-        except FAILURES as problem:
-            robot = str(problem) if len(rows) == len(columns) == 1 else None
-        if robot is not None:
-            reasons[rows.start, columns.start] = robot
-            shape = len(rows), len(columns)
+    ) -> ByOutput:
+        """Values (R, C, *core) by output. A part that is refused is halved, until it is one point,
+        or one robot."""
+        shape = len(rows), len(columns)
+        reason = refused.get(rows.start) if len(rows) == 1 else None
+        if reason is None:
+            try:
+                return self._all_values(rows, columns, refused)
+            except FAULTS:
+                raise
+            except FAILURES as problem:
+                reason = str(problem) if shape == (1, 1) else None
+        if reason is not None:
+            reasons[rows.start, columns.start] = reason
             return {name: np.full((*shape, *core), np.nan) for name, core in self.outputs}
-        axis = 0 if len(rows) > 1 else 1
-        parts = [
-            self._values(*((half, columns) if axis == 0 else (rows, half)), refused, reasons)
-            for half in _halved(rows if axis == 0 else columns)
-        ]
+        if len(rows) > 1:
+            axis, halves = 0, [(half, columns) for half in _halved(rows)]
+        else:
+            axis, halves = 1, [(rows, half) for half in _halved(columns)]
+        parts = [self._values(*half, refused, reasons) for half in halves]
         return {
             name: np.concatenate([part[name] for part in parts], axis=axis)
             for name, _ in self.outputs
         }
+
+    def _all_values(self, rows: range, columns: range, refused: dict[int, str]) -> ByOutput:
+        """Values (R, C, *core) by output, of a part in which every point has one; raises
+        elsewhere."""
+        if any(r in refused for r in rows):
+            raise FreebodyError("some robots of the part are refused")
+        given, shape = self.grid.part(rows, columns), (len(rows), len(columns))
+        numbers = {name: given[name] for name in self.function.numbers}
+        if numbers and not self.rows_are_robots:
+            self.model.bind(_of_one(numbers) if shape == (1, 1) else numbers)
+        found = self.function(given, self.hoisted)
+        return {name: np.broadcast_to(found[name], (*shape, *core)) for name, core in self.outputs}
 
     def _refused(self, rows: range) -> dict[int, str]:
         """Rows whose numbers no robot has, and why, where rows are robots."""
@@ -219,8 +219,8 @@ class SweepTask:
         return {}
 
 
-def _told(tile: SweepBlock, failed: np.ndarray, reasons: Reasons) -> list[FailedPoint]:
-    """Of each row that has failed points each reason once, at the first of them."""
+def _failed_points(tile: SweepBlock, failed: np.ndarray, reasons: Reasons) -> list[FailedPoint]:
+    """Failed points of each row that has some, each reason once, at the first of them."""
     rows = np.flatnonzero(failed.any(axis=1))
     first = failed.argmax(axis=1)
     places = {(tile.rows.start + r, tile.columns.start + int(first[r])) for r in rows.tolist()}
@@ -240,8 +240,8 @@ def with_more(
     return list(found.values())[:most]
 
 
-def _of_one(numbers: Named) -> dict[str, float]:
-    """Of one robot, so that an error speaks of no member."""
+def _of_one(numbers: ByOutput) -> dict[str, float]:
+    """Numbers of one robot, so that an error speaks of no member."""
     return {name: float(x.flat[0]) for name, x in numbers.items()}
 
 
@@ -269,21 +269,21 @@ class SweepBlocks:
 
     @property
     def wide(self) -> int:
-        """Columns of a block."""
+        """The number of columns of a block."""
         return min(self.shape[1], self.points)
 
     @property
     def high(self) -> int:
-        """Rows of a block: one, where it does not have all columns."""
+        """The number of rows of a block: one, where it does not have all columns."""
         return max(1, self.points // self.wide) if self.wide == self.shape[1] else 1
 
     @property
     def count(self) -> tuple[int, int]:
-        """Blocks along the rows and the columns."""
+        """The number of blocks along the rows and the columns."""
         return -(-self.shape[0] // self.high), -(-self.shape[1] // self.wide)
 
     def place(self, block: SweepBlock) -> tuple[int, int]:
-        """Where a block is, counted in blocks."""
+        """The place of a block, counted in blocks."""
         return block.rows.start // self.high, block.columns.start // self.wide
 
     def __iter__(self) -> Iterator[SweepBlock]:

@@ -1,5 +1,5 @@
-"""What a sweep evaluates: kernels by the name of their formula, compiled functions, and functions
-of Python over batches."""
+"""Functions that a sweep evaluates: kernels by the name of their formula, compiled functions, and
+functions of Python over batches."""
 
 from __future__ import annotations
 
@@ -24,22 +24,23 @@ from freebody.targets import Kernel
 from freebody.trees.public_calls import finite_vector
 
 FAILURES = (FreebodyError, ArithmeticError, ValueError)
-"""What a function says of a point at which it has no value; anything else is a fault of its own."""
+"""Errors by which a function says that it has no value at a point; any other is a fault of its
+own."""
 FAULTS = (ShapeError, KindError, UnknownNameError)
-"""Those among them that do not depend on the point."""
+"""Errors among `FAILURES` that do not depend on the point."""
 
 
 class SweptFunction(Protocol):
-    """What is evaluated at the points of a grid."""
+    """A function that is evaluated at the points of a grid."""
 
     @property
     def numbers(self) -> tuple[str, ...]:
-        """Of the model, that vary."""
+        """Names of the model's numbers that vary."""
         ...
 
     @property
     def touches(self) -> tuple[str, ...]:
-        """What of the model it depends on, of what a doubt may be on."""
+        """Aspects of the model on which its values depend, among those that a doubt may be on."""
         ...
 
     @property
@@ -48,7 +49,7 @@ class SweptFunction(Protocol):
         ...
 
     def __call__(self, given: Mapping[str, Array], hoisted: bool) -> dict[str, Array]:
-        """By output (R, C, *core), of what is given (R or 1, C or 1, *core).
+        """Values (R, C, *core) by output, of the inputs given (R or 1, C or 1, *core).
 
         hoisted: whether a robot's own arithmetic is done once a row, where its numbers are the same
         along the columns.
@@ -56,7 +57,7 @@ class SweptFunction(Protocol):
         ...
 
     def dimensions(self, output: str) -> tuple[str, ...] | None:
-        """Of the output's core, such as "nv", where they have names."""
+        """Names of the dimensions of the output's core, such as "nv", where they have names."""
         ...
 
 
@@ -71,7 +72,7 @@ class SweptKernel:
 
     @property
     def touches(self) -> tuple[str, ...]:
-        """See `SweptFunction`; a function of one's own has no model."""
+        """Aspects of the model, see `SweptFunction`; a function of one's own has no model."""
         return tuple({x: None for name in self.formulas for x in FORMULAS[name].touches})
 
     @property
@@ -81,7 +82,7 @@ class SweptKernel:
         return names[:-1] if self.numbers else names
 
     def __call__(self, given: Mapping[str, Array], hoisted: bool) -> dict[str, Array]:
-        """See `SweptFunction`."""
+        """Values by output, see `SweptFunction`."""
         names = [x.name for x in self.kernel.program.outputs]
         arrays = [given[name] for name in self.inputs]
         if self.numbers:
@@ -108,7 +109,7 @@ class SweptKernel:
         return dict(zip(names, made, strict=True))
 
     def dimensions(self, output: str) -> tuple[str, ...] | None:
-        """See `SweptFunction`."""
+        """Names of dimensions, see `SweptFunction`."""
         for name in self.formulas:
             label = output if len(self.formulas) == 1 else output.removeprefix(f"{name}_")
             found = FORMULAS[name].outputs.get(label)
@@ -131,10 +132,10 @@ class SweptCallable:
     numbers: tuple[str, ...]
     threads: bool = False
     touches: tuple[str, ...] = ALL
-    """Whatever it asks the model."""
+    """All aspects of the model: the function may ask for any."""
 
     def __call__(self, given: Mapping[str, Array], hoisted: bool) -> dict[str, Array]:
-        """See `SweptFunction`."""
+        """Values by output, see `SweptFunction`."""
         batch = np.broadcast_shapes(*(x.shape[:2] for x in given.values()))
         model = self.model
         if self.numbers:
@@ -150,7 +151,7 @@ class SweptCallable:
         return {key: _of_batch(key, value, batch) for key, value in named.items()}
 
     def dimensions(self, output: str) -> None:
-        """Python's results have none that are known."""
+        """None: results of Python have no names of dimensions."""
 
 
 def _of_batch(name: str, value: Any, batch: tuple[int, ...]) -> Array:
@@ -246,7 +247,7 @@ def _check(name: str, array: Array, core: tuple[int, ...], axes: int) -> None:
 def input_shapes(
     function: Any, model: Model, frame: str | None, reference: str
 ) -> dict[str, tuple[int, ...]] | None:
-    """What a function takes, by name, with core shapes; None of one of Python, which may take
+    """Core shapes of a function's inputs by name; None of a function of Python, which may take
     anything."""
     if isinstance(function, Kernel):
         return {x.name: x.shape for x in function.program.inputs}

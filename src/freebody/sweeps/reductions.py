@@ -1,4 +1,4 @@
-"""What a sweep makes of many values: numbers that are gathered tile by tile, and joined in order.
+"""Reductions of many values: numbers that are gathered tile by tile, and joined in order.
 
 A value that is NaN counts in none of them.
 """
@@ -16,7 +16,7 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, KindError, UnknownNameError
 
 Gathered = dict[str, np.ndarray]
-"""By accumulator, (R, *core, ...)."""
+"""Arrays (R, *core, ...) by accumulator."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Accumulator:
 _STEPS, _LEAST, _DOUBLINGS = 6, -30, 70
 _BINS = _DOUBLINGS << _STEPS
 QUANTILE_ERROR = 0.5 / (1 << _STEPS)
-"""Of a quantile, relative; and below 2**-30 it is told as 0."""
+"""Relative error of a quantile, which below 2**-30 is told as 0."""
 
 
 def _bins(x: Array) -> np.ndarray:
@@ -94,7 +94,7 @@ def _place(key: Callable[[Array], Array]) -> Accumulator:
 
 
 def _total(x: Array) -> Array:
-    """Of the numbers among them."""
+    """The sum of the values that are numbers."""
     lacking = np.isnan(x)
     return np.add.reduce(np.where(lacking, 0.0, x) if lacking.any() else x, axis=-1)
 
@@ -127,14 +127,15 @@ _ACCUMULATORS = {
 
 @dataclass(frozen=True)
 class SweepReduction:
-    """What it is called, what has to be gathered for it, and what it makes of that: (R, *core)."""
+    """A reduction: its name, the numbers to be gathered for it, and its value of these: (R,
+    *core)."""
 
     name: str
     needs: tuple[str, ...]
     finish: Callable[[Gathered], Array]
     meaning: str
     of_place: bool = False
-    """Whether it is the number of a column."""
+    """Whether the value is the number of a column."""
 
 
 def _divided(total: Array, count: Array) -> Array:
@@ -176,7 +177,7 @@ _PERCENT = re.compile(r"p(\d{1,2}(?:\.\d{1,6})?|100)")
 
 
 def reductions(given: Any) -> tuple[SweepReduction, ...]:
-    """Those that are named, one or several; a quantile as "p99" or "p99.9"."""
+    """Reductions by their names, one or several; a quantile as "p99" or "p99.9"."""
     names = (given,) if isinstance(given, str) else given
     if not isinstance(names, Sequence) or not all(isinstance(x, str) for x in names) or not names:
         raise KindError("sweep", "reduce", given, 'a name or several, as "max" or ["peak", "rms"]')
@@ -202,17 +203,17 @@ def _named(name: str) -> SweepReduction:
 
 
 def needed(reductions: Sequence[SweepReduction]) -> tuple[str, ...]:
-    """Accumulators."""
+    """Names of the accumulators that some reductions need."""
     return tuple(dict.fromkeys(key for x in reductions for key in x.needs))
 
 
 def finished(reductions: Sequence[SweepReduction], found: Gathered) -> Gathered:
-    """By reduction, of all that was gathered of some rows."""
+    """The values of all reductions of the numbers gathered of some rows."""
     return {x.name: x.finish(found) for x in reductions}
 
 
 def gathered(values: Sequence[Array], wanted: Sequence[str], first: int) -> list[Gathered]:
-    """Of each output's values in a tile, (R, C, *core), what the reductions need."""
+    """The numbers that the reductions need of each output's values in a tile, (R, C, *core)."""
     if not wanted:
         return []
     # columns side by side: NumPy reduces them ten times as fast
@@ -221,7 +222,7 @@ def gathered(values: Sequence[Array], wanted: Sequence[str], first: int) -> list
 
 
 def joined(a: list[Gathered], b: list[Gathered]) -> list[Gathered]:
-    """Of the same rows, the columns of a before those of b."""
+    """The numbers gathered of the same rows, the columns of a before those of b."""
     return [
         {key: _ACCUMULATORS[key].join(x[key], y[key]) for key in x}
         for x, y in zip(a, b, strict=True)

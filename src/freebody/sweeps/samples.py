@@ -25,11 +25,11 @@ from freebody.lazy import cached_property
 from freebody.outputs.display import Titled
 
 _RUN = 1 << 18
-"""Points of a run."""
+"""The number of points of a run."""
 _HELD = 1 << 24
 """Numbers of samples that are held as a whole: 128 MB."""
 
-Unit = Callable[[int, int, np.random.Generator], Array]
+UnitPoints = Callable[[int, int, np.random.Generator], Array]
 """(count, dimensions, generator) -> points of the unit cube (count, dimensions)."""
 
 
@@ -54,7 +54,7 @@ class Sampler:
     """A way to spread points. runs: whether each run of points can be made without the others.
     scipy: whether its points are SciPy's, and may change with it."""
 
-    unit: Unit
+    unit: UnitPoints
     runs: bool
     scipy: bool
 
@@ -100,7 +100,7 @@ class Samples(Titled, Mapping[str, Array]):
         return len(self.bounds)
 
     def at(self, places: slice | np.ndarray) -> dict[str, Array]:
-        """By name those at some places, (*places, ...)."""
+        """The samples at some places by name, (*places, ...)."""
         points = self._points(places)
         found, first = {}, 0
         for name, (low, high) in self.bounds.items():
@@ -110,7 +110,7 @@ class Samples(Titled, Mapping[str, Array]):
         return found
 
     def renamed(self, names: Mapping[str, str]) -> Samples:
-        """The same points by other names."""
+        """The points by other names."""
         bounds = {names[name]: pair for name, pair in self.bounds.items()}
         return Samples(self.count, self.method, self.seed, bounds)
 
@@ -122,7 +122,7 @@ class Samples(Titled, Mapping[str, Array]):
         return sum(low.size for low, _ in self.bounds.values())
 
     def _points(self, places: slice | np.ndarray) -> Array:
-        """Of the unit cube, (*places, dimensions)."""
+        """Points of the unit cube, (*places, dimensions)."""
         if not SAMPLERS[self.method].runs or self.count * self._dimensions <= _HELD:
             return self._all[places]
         if isinstance(places, slice):

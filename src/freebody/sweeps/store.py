@@ -33,7 +33,7 @@ _LEFT = re.compile(r"\.[0-9a-f]{32}\.partial$")
 _REASONS = 8192
 """Bytes for the failed points of a block that are told."""
 PARTS = "parts"
-"""The group of what is gathered block by block."""
+"""Name of the group of arrays that are gathered block by block."""
 
 
 class SweepStore:
@@ -54,7 +54,7 @@ class SweepStore:
         self.path = Path(path)
         self._kept = task.empty() if task.reductions else []
         self._task, self._blocks, self._with = task, blocks, computed_with
-        with self._said():
+        with self._disk_errors():
             self._open(identity)
             self.done = ~np.isnan(self._failed[:])
 
@@ -74,7 +74,7 @@ class SweepStore:
             if _LEFT.search(left.name):
                 left.unlink()
         parts = root[PARTS]
-        self._failed, self._told = parts["failed"], parts["reasons"]
+        self._failed, self._failures = parts["failed"], parts["reasons"]
         self._arrays = {key: parts[key] for key in self._shapes()}
 
     def _group(self) -> Any:
@@ -103,7 +103,7 @@ class SweepStore:
         return all(x.name == "zarr.json" and x.parts[0] in (x.name, PARTS) for x in self._files())
 
     def _files(self) -> list[Path]:
-        """What is in the folder, besides what a killed process was writing."""
+        """Files in the folder, but those that a killed process was writing."""
         every = self.path.rglob("*")
         return [x.relative_to(self.path) for x in every if not (x.is_dir() or _LEFT.search(x.name))]
 
@@ -113,7 +113,8 @@ class SweepStore:
         )
 
     def _shapes(self) -> dict[str, tuple[tuple[int, ...], np.dtype]]:
-        """By name of an array what a point of a block's rows has in it, and its type."""
+        """Shape and type of the entries of each array, by its name, for a point of a block's
+        rows."""
         task = self._task
         if not task.reductions:
             return {name: (core, np.dtype(float)) for name, core in task.outputs}
@@ -136,10 +137,10 @@ class SweepStore:
                 fill_value=float("nan") if kind.kind == "f" else 0,
                 dimension_names=("row", "column", *(f"{key}_{k}" for k in range(len(core)))),
             )
-        told = (groups, count, _REASONS)
+        places = (groups, count, _REASONS)
         parts.create_array(
             "reasons",
-            shape=told,
+            shape=places,
             chunks=(1, 1, _REASONS),
             dtype="u1",
             fill_value=0,
@@ -163,7 +164,7 @@ class SweepStore:
     def write(self, block: SweepBlock, result: BlockResult) -> None:
         """Put a block in its place."""
         rows, (group, part) = slice(block.rows.start, block.rows.stop), self._blocks.place(block)
-        with self._said():
+        with self._disk_errors():
             if self._task.reductions:
                 for (name, _), found in zip(self._task.outputs, result.gathered, strict=True):
                     for key, array in found.items():
@@ -173,32 +174,32 @@ class SweepStore:
                 for (name, _), values in zip(self._task.outputs, result.values, strict=True):
                     self._arrays[name][rows, columns] = values
             if result.reasons:
-                self._told[group, part] = _packed(result.reasons)
+                self._failures[group, part] = _packed(result.reasons)
             self._failed[rows, part] = result.failed.astype(float)
 
     def read(self, block: SweepBlock) -> BlockResult:
-        """What was written of a block, without its values."""
+        """The stored results of a block, without its values."""
         rows, (group, part) = slice(block.rows.start, block.rows.stop), self._blocks.place(block)
-        with self._said():
+        with self._disk_errors():
             gathered = [
                 {key: self._arrays[f"{name}-{key}"][rows, part] for key in keys}
                 for (name, _), keys in zip(self._task.outputs, self._kept, strict=False)
             ]
             failed = self._failed[rows, part].astype(np.int64)
-            told = _unpacked(self._told[group, part]) if failed.any() else []
-        return BlockResult(gathered, [], failed, told)
+            failures = _unpacked(self._failures[group, part]) if failed.any() else []
+        return BlockResult(gathered, [], failed, failures)
 
     def finish(self, found: xr.Dataset) -> xr.Dataset:
         """Put the result beside its parts, names in the attributes; the same dataset."""
         texts = [name for name, x in found.coords.items() if x.dtype.kind not in "fiu"]
         plain = found.drop_vars(texts)
         names = {str(name): [str(x) for x in found[name].values] for name in texts}
-        with self._said():
+        with self._disk_errors():
             begun = self._root().attrs
         plain.attrs = {**found.attrs, "names": json.dumps(names)}
         plain.attrs |= {_WITH: begun[_WITH], _HASH: begun[_HASH]}
         plain.attrs["failures"] = json.dumps(found.attrs["failures"])
-        with self._said():
+        with self._disk_errors():
             root = self._root()
             if not root.attrs.get(_FINISHED):
                 for name in [x for x in root if x != PARTS]:
@@ -215,11 +216,11 @@ class SweepStore:
         import xarray as xr
 
         path, names = str(self.path), [name for name, _ in self._task.outputs]
-        with self._said():
+        with self._disk_errors():
             return xr.open_zarr(path, group=PARTS, chunks=None, consolidated=False)[names]
 
     @contextmanager
-    def _said(self) -> Iterator[None]:
+    def _disk_errors(self) -> Iterator[None]:
         """A disk that is full or cannot be written to: what is done stays, and is gone on with."""
         try:
             yield

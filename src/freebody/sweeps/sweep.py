@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import prod
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from freebody.arrays import is_count
+from freebody.arrays import Array, is_count
 from freebody.errors import FreebodyError, KindError, UnknownNameError, listed
 from freebody.model.model import Model
 from freebody.sweeps.axes import SweepAxis, SweepGrid, read_axes
@@ -28,13 +28,15 @@ from freebody.sweeps.functions import (
 )
 from freebody.sweeps.identity import computed_with, identity, needs_of
 from freebody.sweeps.reductions import SweepReduction, reductions
-from freebody.sweeps.run import Progress, Watched, evaluated, points_of
+from freebody.sweeps.run import Watched, evaluated, points_of
 from freebody.sweeps.store import SweepStore
 from freebody.targets import Kernel, compile_program
 from freebody.targets.target import target_named
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from freebody.motion.simulation.simulation import Progress
 
 _TILE = 1 << 18
 """Numbers of one output that are computed at once: they stay in a processor's cache."""
@@ -65,35 +67,58 @@ def sweep(
 ) -> xr.Dataset:
     """A function at every point of the grid of many parameters and states, reduced on the way.
 
-    function: the name of a formula ("inverse_dynamics", "jacobian", … as for `fb.kernel`) or
-    several; what `fb.compile` returns; or a function of (model, **what varies), which is given
-    batches (rows or 1, columns or 1, ...) by name and a family where numbers of the model vary, and
-    returns an array of that batch, or a dict of them.
-    over: the axes of the grid, in order. A number of the model or an input of the function with its
-    values (n, ...); a name of your own with a dict of such, which vary together (`fb.samples` makes
-    one); or a name with a `Motion`, whose q, qd and qdd the function gets.
-    at: inputs and numbers that are the same at all points, by name.
-    reduce: "max", "min", "mean", "rms", "peak" (largest absolute value), a quantile ("p99",
-    "p99.9": by a histogram, within 0.8 % of a value of that rank), "argmax", "argmin" or
-    "argpeak" (the place on each axis, and what is given there), or several; None: all values.
-    along: axes that are reduced; default the last.
-    frame, reference: as for `fb.kernel`. block: points in one piece of work: sums, and so the last
-    digits of means, depend on it but not on the number of processors; default 2**20, and up to
-    2**24 on grids of more than 10**9 points.
-    store: folder of a Zarr store, in which each block is put when it is done; the same call goes on
-    with what is there, after whatever stopped it, and ends with the same bytes. Without reduce= the
-    values stay there: they are read when they are looked at, over one axis `point` in the place of
-    all but the last. Needs the extra `sweep`.
-    client: a `distributed.Client` of Dask or the address of its scheduler: blocks are evaluated by
-    its workers, with the same bytes as here; default this process. Needs the extra `sweep`.
-    cpu: a level of processors for which kernels are compiled ("x86-64-v2", "x86-64-v3",
-    "x86-64-v4", "armv8-a"): all that reach it give the same bytes; default this machine's own.
-    progress: called after each block with a text (points done, points per second, time left) and
-    with the fraction done.
+    Parameters
+    ----------
+    model
+        The robot.
+    function
+        The name of a formula ("inverse_dynamics", "jacobian", … as for `fb.kernel`) or several;
+        what `fb.compile` returns; or a function of (model, **what varies), which is given batches
+        (rows or 1, columns or 1, ...) by name and a family where numbers of the model vary, and
+        returns an array of that batch, or a dict of them.
+    over
+        The axes of the grid, in order. A number of the model or an input of the function with its
+        values (n, ...); a name of your own with a dict of such, which vary together (`fb.samples`
+        makes one); or a name with a `Motion`, whose q, qd and qdd the function gets.
+    at
+        Inputs and numbers that are the same at all points, by name.
+    reduce
+        "max", "min", "mean", "rms", "peak" (largest absolute value), a quantile ("p99", "p99.9": by
+        a histogram, within 0.8 % of a value of that rank), "argmax", "argmin" or "argpeak" (the
+        place on each axis, and what is given there), or several; None: all values.
+    along
+        Axes that are reduced; None: the last.
+    frame, reference
+        As for `fb.kernel`.
+    block
+        Points in one piece of work: sums, and so the last digits of means, depend on it but not on
+        the number of processors; None: 2**20, and up to 2**24 on grids of more than 10**9 points.
+    store
+        Folder of a Zarr store, in which each block is put when it is done; the same call goes on
+        with what is there, after whatever stopped it, and ends with the same bytes. Without reduce=
+        the values stay there: they are read when they are looked at, over one axis `point` in the
+        place of all but the last. Needs the extra `sweep`.
+    client
+        A `distributed.Client` of Dask or the address of its scheduler: blocks are evaluated by its
+        workers, with the same bytes as here; None: this process. Needs the extra `sweep`.
+    cpu
+        A level of processors for which kernels are compiled ("x86-64-v2", "x86-64-v3", "x86-64-v4",
+        "armv8-a"): all that reach it give the same bytes; None: this machine's own.
+    progress
+        A function that is called after each block with a text (points done, points per second, time
+        left) and with the fraction done.
 
-    Returns an xarray Dataset over the other axes, with `failed`, how many points had no value (NaN,
-    or refused: a mass below 0, a singular matrix); they count in no reduction, and its attributes
-    name some and why. Raises FreebodyError where no point has a value, and for wrong arguments.
+    Returns
+    -------
+    xarray.Dataset
+        Over the other axes, with `failed`, how many points had no value (NaN, or refused: a mass
+        below 0, a singular matrix); they count in no reduction, and its attributes name some and
+        why.
+
+    Raises
+    ------
+    FreebodyError
+        No point has a value, or an argument is wrong.
     """
     target = _target(cpu, function)
     split = reduce is not None, along
@@ -121,7 +146,7 @@ def sweep(
 def _joined(
     arrays: SweepArrays, blocks: SweepBlocks, results: Iterator[BlockResult]
 ) -> SweepArrays:
-    """With the results of all blocks, in order."""
+    """The arrays with the results of all blocks, in order."""
     for each, result in zip(blocks, results, strict=True):
         arrays.add(each, result)
     return arrays
@@ -146,21 +171,10 @@ def _read(
     shapes = input_shapes(function, model, frame, reference)
     read = reader(model, shapes)
     axes = read_axes(over, read, None if shapes is None else list(shapes))
-    if at is not None and not isinstance(at, Mapping):
-        raise KindError("sweep", "at", at, "a dict of what is the same at all points, by name")
-    constants = dict(read(name, value, 0) for name, value in (at or {}).items())
+    constants = _constants(at, axes, read)
     names = [name for axis in axes for name in axis.given] + list(constants)
-    for name in constants:
-        if names.count(name) > 1:
-            raise FreebodyError(f"sweep: {name!r} is given by over and by at; give it once.")
     numbers = _numbers(model, names, shapes)
-    if shapes is not None:
-        missing = [name for name in shapes if name not in names]
-        if missing:
-            raise FreebodyError(
-                f"sweep: the function needs {listed(missing)}; let it vary in over=, or give it "
-                f"in at=."
-            )
+    _require_inputs(shapes, names)
     rows, columns = _split(axes, *split)
     swept: SweptFunction
     if isinstance(function, Kernel):
@@ -177,8 +191,29 @@ def _read(
     return SweepGrid(rows, columns, constants), swept
 
 
+def _constants(at: Any, axes: Sequence[SweepAxis], read: Callable[..., Any]) -> dict[str, Array]:
+    """Inputs and numbers that are the same at all points, read; none of them varies as well."""
+    if at is not None and not isinstance(at, Mapping):
+        raise KindError("sweep", "at", at, "a dict of what is the same at all points, by name")
+    constants = dict(read(name, value, 0) for name, value in (at or {}).items())
+    names = [name for axis in axes for name in axis.given] + list(constants)
+    for name in constants:
+        if names.count(name) > 1:
+            raise FreebodyError(f"sweep: {name!r} is given by over and by at; give it once.")
+    return constants
+
+
+def _require_inputs(shapes: Mapping[str, Any] | None, names: Sequence[str]) -> None:
+    """Refuse a function that lacks an input."""
+    missing = [name for name in shapes or () if name not in names]
+    if missing:
+        raise FreebodyError(
+            f"sweep: the function needs {listed(missing)}; let it vary in over=, or give it in at=."
+        )
+
+
 def _target(cpu: Any, function: Any) -> str | None:
-    """Where kernels run: on processors of a level."""
+    """The target of kernels for a level of processors; None for this machine's own."""
     if cpu is None:
         return None
     levels = target_named("cpu").kinds
@@ -201,7 +236,7 @@ def _for(target: str | None, kernel: Kernel) -> Kernel:
 
 
 def _numbers(model: Model, names: list[str], shapes: Mapping[str, Any] | None) -> tuple[str, ...]:
-    """Those among the names that are numbers of the model."""
+    """Names among those given that are numbers of the model."""
     from freebody.model.numbers import known
 
     rows = known(model).rows
@@ -260,7 +295,7 @@ def _task(
     chosen: tuple[SweepReduction, ...],
     points: int,
 ) -> SweepTask:
-    """All that is decided by the grid as a whole, and so the same in each block."""
+    """The task of all blocks, with whatever is decided by the grid as a whole."""
     moved = {name for axis in grid.columns for name in axis.given}
     by_row = bool(swept.numbers) and not moved & set(swept.numbers)
     largest = max(int(np.prod(core)) for _, core in outputs)
@@ -283,7 +318,7 @@ def _block(
     chosen: tuple[SweepReduction, ...],
     grid: SweepGrid,
 ) -> int:
-    """Points of a block."""
+    """The number of points of a block."""
     if block is None:
         rows, columns = grid.shape
         block = min(max(_BLOCK, 1 << (rows * columns // _BLOCKS).bit_length()), _LARGEST_BLOCK)

@@ -15,9 +15,9 @@ from freebody.motion.ranges import Flags, angular
 from freebody.trees.states import difference
 
 _DISAGREE = 0.05
-"""Of the largest: what is farther from the slopes is worth a word."""
+"""Difference from a slope, as a part of the largest value, that is reported."""
 _ROUNDED = 64.0 * float(np.finfo(float).eps)
-"""Of the largest value: what rounding makes of a difference."""
+"""Difference that rounding makes, as a part of the largest value."""
 
 
 @dataclass(frozen=True, eq=False)

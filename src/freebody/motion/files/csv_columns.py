@@ -40,18 +40,18 @@ _NAMED = re.compile(r"(.*\S)\s*(?:\(([^()]*)\)|\[([^\[\]]*)\])")
 
 @dataclass(frozen=True)
 class CsvColumns:
-    """A file whose header is understood."""
+    """The columns of a CSV file whose header is understood."""
 
     path: Path
     header: list[str]
     """Names of the columns; `t` is the time."""
     factors: Array
-    """Of the columns, to SI units."""
-    told: frozenset[str]
+    """Factors (columns,) that turn each column into SI units."""
+    stated: frozenset[str]
     """Columns whose unit the header states."""
     separator: str
     rows: list[tuple[int, str]]
-    """(line, text) of the header, then of each row."""
+    """Line number and text of the header, then of each row."""
 
     def values(self) -> Array:
         """(rows, columns) in SI units. Raises FileError with the line of what is no number."""
@@ -63,9 +63,14 @@ class CsvColumns:
             found[k] = _numbers(self.path, line, self.header, cells, self.separator)
         return found * self.factors
 
+    def refusal(self, text: str, row: int | None = None) -> FileError:
+        """An error about a row of numbers, or about the header, with its line."""
+        return FileError(self.path, self.rows[0 if row is None else row + 1][0], text)
+
 
 def kinds(model: Model) -> dict[str, str]:
-    """What each position is: "angle", "length", or "number" (a quaternion's component)."""
+    """The kind of each position by name: "angle", "length", or "number" (a quaternion's
+    component)."""
     found = dict.fromkeys(model.position_names, "number")
     turns = angular(model)
     for body, at in zip(model.bodies, model.coordinates, strict=True):
@@ -78,8 +83,8 @@ def kinds(model: Model) -> dict[str, str]:
 
 
 def factor(column: str, unit: str, quantities: Mapping[str, str]) -> float | str:
-    """What a column in that unit is multiplied with to be in SI units, 1 where there is no such
-    quantity; or what is wrong, as a sentence."""
+    """The factor from a column's unit to SI units, 1 where there is no such quantity; or the fault
+    of the unit, as a sentence."""
     ending = column[-2:] if column[-2:] in (".v", ".a") and column not in quantities else ""
     if column != "t" and column.removesuffix(ending) not in quantities:
         return 1.0  # refused where columns are looked up
@@ -118,22 +123,22 @@ def read_columns(
         cells.pop()
     if len(cells) * (len(rows) - 1) > _MOST_VALUES:
         raise FileError(path, None, f"the file has more than {_MOST_VALUES} values.")
-    header, factors, told = _header(quantities or kinds(model), path, line, cells)
+    header, factors, stated = _header(quantities or kinds(model), path, line, cells)
     if timed and "t" not in header:
         raise FileError(
             path,
             line,
             f"the header has no column 't' (time in s); it has {quoted(cells)}{_hint(cells)}.",
         )
-    return CsvColumns(path, header, factors, told, separator, rows)
+    return CsvColumns(path, header, factors, stated, separator, rows)
 
 
 def _header(
     quantities: Mapping[str, str], path: Path, line: int, cells: list[str]
 ) -> tuple[list[str], Array, frozenset[str]]:
-    """Names, factors to SI units, and the names whose units are told."""
+    """Names, factors to SI units, and the names whose units are stated."""
     header: dict[str, str] = {}  # name -> its cell
-    factors, told = [], set()
+    factors, stated = [], set()
     for cell in cells:
         name, unit = named_unit(cell, quantities)
         if name in header:
@@ -149,8 +154,8 @@ def _header(
             raise FileError(path, line, f"column {cell!r}: {size}")
         header[name] = cell
         factors.append(size)
-        told |= set() if unit is None else {name}
-    return list(header), np.array(factors), frozenset(told)
+        stated |= set() if unit is None else {name}
+    return list(header), np.array(factors), frozenset(stated)
 
 
 def named_unit(cell: str, quantities: Mapping[str, str]) -> tuple[str, str | None]:
@@ -165,7 +170,7 @@ def named_unit(cell: str, quantities: Mapping[str, str]) -> tuple[str, str | Non
 
 
 def _hint(cells: list[str]) -> str:
-    """What may be wrong with a header without a time."""
+    """A likely reason for a header without a time."""
     if cells[0].startswith(("%", "//", "!")):
         return "; a line that is not part of the table starts with #"
     if len(cells) == 1 and cells[0].lower().startswith(("t ", "time ")):
@@ -199,5 +204,5 @@ def _numbers(
 
 
 def quoted(names: Iterable[str]) -> str:
-    """Names in quotes, the first few of many."""
+    """A list of names in quotes, of many the first few."""
     return listed(map(repr, names), 8)

@@ -1,4 +1,5 @@
-"""A motion from columns of numbers by name, wherever they were read: in SI units."""
+"""A motion from columns of numbers by name, wherever they were read, in SI units; with a notice
+where the values look like another unit: degrees, millimetres, milliseconds."""
 
 from __future__ import annotations
 
@@ -9,36 +10,39 @@ from typing import Literal
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import LoopError, UnknownNameError
+from freebody.errors import LoopError, UnknownNameError, listed
 from freebody.model.model import Model
 from freebody.motion.closed_chain_motion import completed
 from freebody.motion.files.contradictions import contradictions
 from freebody.motion.files.csv_columns import quoted
-from freebody.motion.files.implausible_units import implausible_units
 from freebody.motion.files.measured_motions import along_rates, rested
 from freebody.motion.motion import FEWEST, Motion, derivatives, motion_of
 from freebody.motion.piecewise import hermite
-from freebody.motion.ranges import Flags, angular, position_columns
+from freebody.motion.ranges import Flags, angular, position_columns, ranges
 from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import layout, state_of
 
+_BEYOND = 1.5  # times the range: what is farther out is doubtful
+_TURNS = 2.0  # without a range
+_FAR = 50.0  # m, without a range
+_SLOW = 1.0, 100  # s between samples, and so many of them
 _UNIT = 1e-3  # how far a quaternion of a file, printed with few digits, may be off unit length
-Problem = Callable[..., Exception]
-"""(text, row or None) -> what to raise."""
+Refusal = Callable[..., Exception]
+"""A function of a text and a row, or None, that makes the error to be raised."""
 
 
 def doubted(
-    model: Model, motion: Motion, columns: Mapping[str, Array], told: frozenset[str], where: str
+    model: Model, motion: Motion, columns: Mapping[str, Array], stated: frozenset[str], where: str
 ) -> Motion:
     """The motion with a notice on what looks like another unit; positions that were not given are
     not looked at."""
-    found = told | {name for name in model.position_names if name not in columns}
-    said = implausible_units(model, motion.t, motion.q, found, where)
-    return replace(motion, notices=(*said, *motion.notices))
+    found = stated | {name for name in model.position_names if name not in columns}
+    sentences = _implausible_units(model, motion.t, motion.q, found, where)
+    return replace(motion, notices=(*sentences, *motion.notices))
 
 
-def check_names(model: Model, header: list[str], problem: Problem) -> None:
-    """Every column known, every position there."""
+def check_names(model: Model, header: list[str], problem: Refusal) -> None:
+    """Refuse columns that are unknown, and positions that are lacking."""
     simple = {model.position_names[k] for k in position_columns(model)[0]}
     known = [
         "t",
@@ -70,8 +74,8 @@ def check_names(model: Model, header: list[str], problem: Problem) -> None:
         )
 
 
-def _check_leaders(model: Model, header: list[str], problem: Problem) -> None:
-    """Of a closed chain some positions suffice."""
+def _check_leaders(model: Model, header: list[str], problem: Refusal) -> None:
+    """Refuse columns of a closed chain without any position; some positions suffice."""
     if not set(header) & set(model.position_names):
         drives = ", ".join(model.driven_names)
         raise problem(
@@ -113,7 +117,7 @@ def motion_from_columns(
     t: Array,
     columns: dict[str, Array],
     source: str,
-    problem: Problem,
+    problem: Refusal,
     before: Array | None = None,
 ) -> Motion:
     """The motion of columns by name; before: as `without_jumps` finds them."""
@@ -127,7 +131,7 @@ def motion_from_columns(
     positions = np.stack([columns[name] for name in model.position_names], axis=-1)
     q = _unit(model, positions, problem)
     rates, accelerations = (_given(model, len(t), columns, ending) for ending in (".v", ".a"))
-    of_all = "".join(f"; {part}" for part in _told(model, rates))
+    of_all = "".join(f"; {part}" for part in _origin_of(model, rates))
     return given_motion(model, t, q, rates, accelerations, f"{source}{of_all}", before)
 
 
@@ -137,7 +141,7 @@ def _of_closed_chain(
     """The motion of the columns that lead, and the others by the loops; noisy positions are
     adjusted to rates given with them. Raises LoopError."""
     rates, accelerations = (_given(model, len(t), columns, ending) for ending in (".v", ".a"))
-    known, told = (np.asarray(~np.isnan(x).any(axis=0)) for x in (rates, accelerations))
+    known, accelerated = (np.asarray(~np.isnan(x).any(axis=0)) for x in (rates, accelerations))
     moved = np.zeros((len(t), model.nq))
     for kq, kv in zip(*position_columns(model), strict=True):
         name = model.position_names[kq]
@@ -146,8 +150,11 @@ def _of_closed_chain(
             moved[:, kq] = np.abs(q - columns[name])
             columns = columns | {name: q}
     motion = completed(model, t, columns, source, before)
-    said = (*_in_line(model, moved), *contradictions(model, motion, known, told, before))
-    return rested(model, replace(motion, notices=said), given=bool(known.any()))
+    sentences = (
+        *_in_line(model, moved),
+        *contradictions(model, motion, known, accelerated, before),
+    )
+    return rested(model, replace(motion, notices=sentences), given=bool(known.any()))
 
 
 def _given(model: Model, count: int, columns: Mapping[str, Array], ending: str) -> Array:
@@ -174,16 +181,16 @@ def given_motion(
     the times are reached, where they jump. Notices say what contradicts itself."""
     plain = motion_of(model, t, q, source)
     q, notices = plain.q, []
-    known, told = (np.asarray(~np.isnan(x).any(axis=0)) for x in (rates, accelerations))
+    known, accelerated = (np.asarray(~np.isnan(x).any(axis=0)) for x in (rates, accelerations))
     if known.all() and plain.layout.flat:
         q = along_rates(t, q, rates)
         notices += _in_line(model, np.abs(q - plain.q))
     qd, qdd = np.where(known, rates, plain.qd), plain.qdd.copy()
     if known.any():
         qdd[:, known] = derivatives(t, rates[:, known])[0]
-    qdd = np.where(told, accelerations, qdd)
-    motion = replace(plain, q=q, qd=qd, qdd=qdd, differentiated=_differentiated(known, told))
-    notices += contradictions(model, motion, known, told, before)
+    qdd = np.where(accelerated, accelerations, qdd)
+    motion = replace(plain, q=q, qd=qd, qdd=qdd, differentiated=_differentiated(known, accelerated))
+    notices += contradictions(model, motion, known, accelerated, before)
     motion = rested(model, replace(motion, notices=tuple(notices)), given=known)
     if before is None:
         return motion
@@ -191,14 +198,14 @@ def given_motion(
     return replace(motion, pieces=pieces)
 
 
-def _differentiated(known: Flags, told: Flags) -> Literal["", "positions", "rates"]:
-    if told.all():
+def _differentiated(known: Flags, accelerated: Flags) -> Literal["", "positions", "rates"]:
+    if accelerated.all():
         return ""
     return "rates" if known.all() else "positions"
 
 
-def _told(model: Model, rates: Array) -> Iterator[str]:
-    """Where the rates come from."""
+def _origin_of(model: Model, rates: Array) -> Iterator[str]:
+    """Words for where the rates come from."""
     iq, iv = position_columns(model)
     names = [model.position_names[k] for k in iq[~np.isnan(rates[0, iv])]]
     all_given = len(names) == model.nq
@@ -220,7 +227,7 @@ def _in_line(model: Model, moved: Array) -> list[str]:
     ]
 
 
-def _unit(model: Model, q: Array, problem: Problem) -> Array:
+def _unit(model: Model, q: Array, problem: Refusal) -> Array:
     """q with quaternions of exactly unit length; refuses those that are far off."""
     where = layout(model)
     for iq, _ in where.turns:
@@ -235,3 +242,57 @@ def _unit(model: Model, q: Array, problem: Problem) -> Array:
                 row,
             )
     return state_of(where, q, np.zeros_like(q), np.zeros_like(q))[0]
+
+
+def _implausible_units(
+    model: Model, t: Array, q: Array, stated: frozenset[str], where: str
+) -> list[str]:
+    """Sentences on positions q (T, nq) and times t that are in SI units only if the motion is a
+    strange one.
+
+    stated: columns whose unit was stated, which are believed. where: what the unit is written in,
+    with a place for a name and a unit.
+    """
+    iq, iv = position_columns(model)
+    turning = ranges(model).turns
+    sentences = []
+    for turns in (True, False):
+        doubtful: dict[str, str] = {}
+        for a, k in zip(iq.tolist(), iv.tolist(), strict=True):
+            name = model.position_names[a]
+            if bool(turning[k]) == turns and name not in stated:
+                size = _doubtful_size(model, k, float(np.abs(q[:, a]).max()))
+                doubtful |= {name: size} if size else {}
+        if doubtful:
+            sentences.append(_position(list(doubtful), next(iter(doubtful.values())), turns, where))
+    if "t" not in stated and len(t) >= _SLOW[1] and np.median(np.diff(t)) >= _SLOW[0]:
+        sentences.append(
+            f"The samples are {np.median(np.diff(t)):.3g} s apart. If t is in milliseconds, write "
+            f"{where.format('t', 'ms')}."
+        )
+    return sentences
+
+
+def _doubtful_size(model: Model, k: int, far: float) -> str:
+    """Words for how far a coordinate goes, where that is in degrees or millimetres rather than in
+    SI units; else empty."""
+    allowed = ranges(model)
+    turns = bool(allowed.turns[k])
+    bound = max(abs(float(allowed.lower[k])), abs(float(allowed.upper[k])))
+    ranged = np.isfinite(bound)
+    limit = _BEYOND * bound if ranged else 2 * np.pi * _TURNS if turns else _FAR
+    if far <= limit or far / (180 / np.pi if turns else 1e3) > limit:
+        return ""
+    size = f"{far:.3g} rad, {far / (2 * np.pi):.3g} turns" if turns else f"{far:.3g} m"
+    if not ranged:
+        return size
+    return f"{size}, where its range ends at {bound:.3g} {'rad' if turns else 'm'}"
+
+
+def _position(names: list[str], reached: str, turns: bool, where: str) -> str:
+    name, others = names[0], names[1:]
+    rest = f" ({listed(others, 6)} likewise)" if others else ""
+    unit, short = ("degrees", "deg") if turns else ("millimetres", "mm")
+    return (
+        f"{name} goes to {reached}{rest}. If these are {unit}, write {where.format(name, short)}."
+    )

@@ -24,15 +24,15 @@ from freebody.motion.motion import Motion, vector_of_times
 from freebody.trees.public_calls import finite_vector
 
 
-class Table(Protocol):
+class MotionTable(Protocol):
     """Columns by name: a dict, a DataFrame or a Dataset."""
 
     def items(self) -> Any:
-        """(name, column) of each."""
+        """Name and column of each."""
 
 
 def motion_of_samples(model: Model, t: Any, q: Any, qd: Any, qdd: Any) -> Motion:
-    """What `Motion.of` describes."""
+    """The motion of arrays or of one table, see `Motion.of`."""
     require_model("Motion.of", model)
     model.require_values("a motion")
     if q is None:
@@ -64,7 +64,7 @@ def motion_from_table(model: Model, table: Any) -> Motion:
     if "position" in getattr(table, "coords", ()) and "q" in table:
         return _recorded(model, table)
     columns: dict[str, Array] = {}
-    told = set()
+    stated = set()
     quantities = kinds(model)
     for label, values, unit in _columns(table):
         name, own = named_unit(label, quantities)
@@ -82,7 +82,7 @@ def motion_from_table(model: Model, table: Any) -> Motion:
             if isinstance(size, str):
                 raise _problem(f"{label!r}: {size}")
             column = column * size
-            told.add(name)
+            stated.add(name)
         columns[name] = column
     if "t" not in columns:
         raise _problem("it needs a one-dimensional 'time' or 't' (s).")
@@ -95,7 +95,7 @@ def motion_from_table(model: Model, table: Any) -> Motion:
     t = vector_of_times(times)
     motion = motion_from_columns(model, t, columns, "a table", _problem, before)
     where = "attrs['units'] of '{}' as '{}'" if hasattr(table, "data_vars") else "'{} ({})'"
-    return doubted(model, motion, columns, frozenset(told), where)
+    return doubted(model, motion, columns, frozenset(stated), where)
 
 
 def _recorded(model: Model, result: Any) -> Motion:
@@ -110,7 +110,7 @@ def _recorded(model: Model, result: Any) -> Motion:
 
 
 def _columns(table: Any) -> Iterator[tuple[str, Any, str | None]]:
-    """(label, values, unit) of a table's columns."""
+    """Label, values and unit of each column of a table."""
     if hasattr(table, "data_vars"):
         times = [table[name] for name in TIMES if name in table.variables]
         for name in table.variables:

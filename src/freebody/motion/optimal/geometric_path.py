@@ -1,31 +1,94 @@
-"""Paths without a timing: curves q(s) through positions, grids over them, and the motion along one
-whose speed is known."""
+"""Paths without a timing: curves q(s) through positions, their derivatives at many points by one
+kernel, grids over them, and the motion along one whose speed is known."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.interpolate import PPoly
 
+from freebody.algorithms import path_timing
 from freebody.arrays import Array
+from freebody.elementary import Scalar
 from freebody.errors import FreebodyError
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
-from freebody.motion.optimal.path_samples import PathSamples
 from freebody.motion.optimal.speed_profile import timed_pieces
 from freebody.motion.piecewise import PiecewisePolynomial, interpolated
-from freebody.motion.planning.driven_waypoints import driven_waypoints
 from freebody.motion.planning.planning_limits import SLACK, PlanningLimits, checked_waypoints
-from freebody.motion.planning.through_loops import through_loops
-from freebody.motion.ranges import position_columns
+from freebody.motion.planning.through_loops import driven_waypoints, through_loops
+from freebody.motion.ranges import Flags, position_columns
 from freebody.outputs.numbers import compared
+from freebody.program import Argument, trace
+from freebody.targets import Kernel, compile_program, result_memory
 from freebody.trees.position_rates import layout
 
 _SAME = 1e-9  # of the length of a path: positions nearer to each other are one
 _PARTS = 11  # into which the first and the last interval of a grid are divided
 _WAY = (np.arange(1, _PARTS) / _PARTS) ** 2
+
+
+class PathSamples(NamedTuple):
+    """Paths at points s (T, P). orders: q and its derivatives by s (T, P, nv), as many as are not 0
+    in some path, at least two."""
+
+    s: Array
+    orders: tuple[Array, ...]
+
+    @property
+    def q(self) -> Array:
+        """Positions (T, P, nv)."""
+        return self.orders[0]
+
+    @property
+    def first(self) -> Array:
+        """First derivatives q' (T, P, nv)."""
+        return self.orders[1]
+
+    @property
+    def second(self) -> Array:
+        """Second derivatives q'' (T, P, nv)."""
+        return self.orders[2]
+
+    def part(self, points: slice) -> PathSamples:
+        """Samples at some of the points."""
+        return PathSamples(self.s[points], tuple(x[points] for x in self.orders))
+
+    def only(self, paths: Flags) -> PathSamples:
+        """Samples of some paths."""
+        return PathSamples(self.s[:, paths], tuple(x[:, paths] for x in self.orders))
+
+
+def sampled(curves: Sequence[PiecewisePolynomial], s: Array) -> PathSamples:
+    """Samples of each path at its own points s (T, P)."""
+    n = curves[0].coefficients.shape[-1]
+    highest = max(len(curve.coefficients) for curve in curves) - 1
+    kernel = _values(n, highest)
+    orders = tuple(result_memory.empty((*s.shape, n)) for _ in kernel.program.outputs)
+    own = result_memory.empty((len(s), highest + 1, n))
+    for k, curve in enumerate(curves):
+        powers = np.zeros((len(curve.breaks) - 1, highest + 1, n))
+        powers[:, highest + 1 - len(curve.coefficients) :] = curve.coefficients.swapaxes(0, 1)
+        piece = np.searchsorted(curve.breaks[1:-1], s[:, k], side="right")
+        beyond = s[:, k] - curve.breaks.take(piece)
+        powers.take(piece, axis=0, out=own, mode="clip")  # other modes make a copy of `own`
+        kernel(own, beyond, out=tuple(x[:, k] for x in orders))
+    return PathSamples(s, orders)
+
+
+@lru_cache(maxsize=8)
+def _values(n: int, degree: int) -> Kernel:
+    """The kernel of `path_timing.curve_values` for n coordinates."""
+
+    def values(powers: Scalar, beyond: Scalar) -> tuple[Scalar, ...]:
+        return tuple(path_timing.curve_values(powers, beyond))
+
+    inputs = [Argument("powers", (degree + 1, n)), Argument("beyond", ())]
+    outputs = [Argument(f"d{k}", (n,)) for k in range(max(degree, 2) + 1)]
+    return compile_program(trace("path_values", values, inputs, outputs))
 
 
 def path_curve(
@@ -51,7 +114,7 @@ def path_curve(
 def _led(
     function: str, model: Model, positions: Any, limits: PlanningLimits, name: str
 ) -> PiecewisePolynomial:
-    """Of a closed chain."""
+    """The curve of a closed chain, which its driven joints lead."""
     if model.nq != model.nv:
         raise FreebodyError(
             f"{function}: {model.name!r} has joints whose positions are quaternions, for which "

@@ -1,41 +1,37 @@
-"""What limits the speed along a path: velocities, accelerations and torques of a robot as rows over
-a grid.
-
-Along q(s) with q̇ = q' ṡ and q̈ = q' s̈ + q'' ṡ²,
-
-    τ = (M q') s̈ + (M q'' + C q') ṡ² + viscous q' ṡ + Coulomb sign(q') + g - Σ Jᵀ w,
-
-three inverse dynamics at each point (Bobrow, Dubowsky and Gibson 1985). The viscous term is not
-linear in x = ṡ²: it is taken along its tangent at the speeds found before. Between the points
-torques bulge: what they exceed a limit by, halfway, is taken off that limit.
-"""
+"""Limits of the speed along a path: velocities, accelerations and torques of a robot as rows over
+the path; and where they leave no motion, which of them, of which joint."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import linprog
 
 from freebody.arrays import Array
+from freebody.errors import FreebodyError, MissingArgumentError, listed
+from freebody.model.model import Model
 from freebody.motion.friction import drive_arrays
-from freebody.motion.optimal.path_samples import PathSamples, sampled
-from freebody.motion.optimal.robot_limits import Reached, RobotLimits
-from freebody.motion.optimal.speed_profile import PathRows, speed_limits
+from freebody.motion.optimal.geometric_path import PathSamples, sampled
+from freebody.motion.optimal.robot_limits import LimitsReached, RobotLimits
+from freebody.motion.optimal.speed_profile import PathRows, SpeedProfile, speed_limits
 from freebody.motion.piecewise import PiecewisePolynomial
-from freebody.motion.ranges import Flags
+from freebody.motion.ranges import Flags, angular
+from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import Index
 
 _INSTANT = 1e-6
 """s: no path takes less time; what would be quicker has no limit."""
 RESERVE = 2e-4
-"""Of a limit of torque or acceleration: kept from it in the rows, for what is between points."""
+"""Part of a limit of torque or acceleration that is kept from it in the rows, for the motion
+between points."""
 _CUSHION = 5e-5
-"""Of a limit: by how much more than what it was exceeded by it is made stricter."""
+"""Part of a limit by which it is made stricter than what it was exceeded by."""
 _PLACES = np.linspace(0.0, 1.0, 17)
-"""Of an interval, by way."""
+"""Places in an interval, as parts of its way."""
 _SLIGHTLY = 0.01
-"""Of a squared speed: what is given away at once rather than by computing the motion again."""
+"""Part of a squared speed that is given away at once rather than by computing the motion again."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +42,7 @@ class PathProblem:
     limits: RobotLimits
     at: PathSamples
     between: PathSamples
-    """Halfway in each interval."""
+    """Samples halfway in each interval."""
     rows: PathRows
     viscous: Array | None
     margin: tuple[Array, Array] | None = None
@@ -68,7 +64,7 @@ class PathProblem:
         )
 
     def strict(self, x: Array) -> PathRows:
-        """The same with the margins."""
+        """The rows within their margins, with the friction of motions with x (N + 1, P)."""
         rows = self.with_friction(x)
         if self.margin is None:
             return rows
@@ -85,9 +81,9 @@ class PathProblem:
         share = np.abs(self.viscous) * error[..., None] / self.limits.size
         return share.max(axis=(0, 2), initial=0.0)
 
-    def reached(self, x: Array) -> Reached:
-        """By motions with x (N + 1, P): by a parabola in each interval, and where one might not be
-        enough, at `_PLACES` of it."""
+    def reached(self, x: Array) -> LimitsReached:
+        """Excesses of motions with x (N + 1, P): by a parabola in each interval, and where one
+        might not be enough, at `_PLACES` of it."""
         found = self.limits.reached(self.with_friction(x), x, self.at, self.between)
         interval, path = np.nonzero(found.near > 1.0)
         if len(interval):
@@ -97,7 +93,7 @@ class PathProblem:
         return found
 
     def _within(self, x: Array, interval: Index, path: Index) -> Array:
-        """(k, m) by how much the rows exceed their limits in k intervals; see `Reached`."""
+        """(k, m) by how much the rows exceed their limits in k intervals; see `LimitsReached`."""
         at, size = self.at, self.limits.size
         start, end = x[interval, path], x[interval + 1, path]
         way = at.s[interval + 1, path] - at.s[interval, path]
@@ -114,9 +110,9 @@ class PathProblem:
         top, bottom = (_highest(way * values) for way in (1.0, -1.0))
         return np.maximum(top - size, 0.0) - np.maximum(bottom - size, 0.0)
 
-    def tightened(self, x: Array, reached: Reached, paths: Flags) -> PathProblem:
-        """With limits that are stricter by what motions with x (N + 1, P) exceed them by, of those
-        paths."""
+    def tightened(self, x: Array, reached: LimitsReached, paths: Flags) -> PathProblem:
+        """The problem with limits that are stricter by what motions with x (N + 1, P) exceed them
+        by, of those paths."""
         by, speed = reached.by, reached.speed
         most = 0.25 * self.limits.size  # a grid so coarse is told, not mended
         by = by + np.sign(by) * _CUSHION * self.limits.size
@@ -131,14 +127,14 @@ class PathProblem:
         return replace(self, margin=margin, rows=self.rows._replace(most=fastest))
 
     def without_reserve(self, paths: Flags) -> PathProblem:
-        """With the whole limits of those paths."""
+        """The problem with the whole limits of those paths."""
         more = np.where(paths[:, None], RESERVE * self.limits.size, 0.0)
         (lo, lo_end), (hi, hi_end) = self.rows.lo, self.rows.hi
         lo, hi = (lo - more, lo_end - more), (hi + more, hi_end + more)
         return replace(self, rows=self.rows._replace(lo=lo, hi=hi))
 
     def only(self, paths: Flags) -> PathProblem:
-        """Of some paths."""
+        """The problem of some paths."""
         if paths.all():
             return self
         h, most, a, b, lo, hi = self.rows
@@ -151,7 +147,8 @@ class PathProblem:
         return PathProblem(self.limits, at, between, rows, drag, margin)
 
     def coarse(self, every: int) -> PathProblem:
-        """On a grid of each `every`-th point; their number less 1 is a multiple of it."""
+        """The problem on a grid of each `every`-th point; their number less 1 is a multiple of
+        it."""
         rows, cut = self.rows, slice(None, None, every)
         starts, ends = cut, slice(every - 1, None, every)
         h = rows.h.reshape(-1, every, rows.h.shape[1]).sum(axis=1)
@@ -232,10 +229,137 @@ def _from_rest(s: Array, count: int) -> Array:
 
 
 def _parts(count: int) -> tuple[slice, slice]:
-    """Of samples at `count` points and then between them."""
+    """Slices of samples at `count` points and then between them."""
     return slice(count), slice(count, None)
 
 
 def unlimited(s: Array) -> Array:
     """(P,) the ṡ² above which a path counts as without a limit."""
     return ((s[-1] - s[0]) / _INSTANT) ** 2
+
+
+_BINDING = 1e-6
+_FAST = 0.25  # of `unlimited`
+
+
+def without_motion(problem: PathProblem, profile: SpeedProfile) -> Flags:
+    """(P,) whether a path's end is not reached from rest."""
+    moves = profile.moves
+    if problem.viscous is None:  # its tangent says nothing of rest
+        moves &= profile.starts
+    return ~moves
+
+
+def refuse_unreachable(
+    function: str, problem: PathProblem, profile: SpeedProfile, stuck: Flags, labels: list[str]
+) -> None:
+    """Raise FreebodyError for the first path without a motion, which are `stuck` (P,), or without a
+    limit; `labels` name the paths."""
+    free = profile.x.max(axis=0) > _FAST * unlimited(problem.at.s)
+    for path in map(int, np.flatnonzero(stuck | free)):
+        start = f"{function}: {labels[path]}"
+        if not stuck[path]:
+            raise _without_limit(start, problem, profile, path)
+        reason = _held_still(problem, path) or _excluded(problem, profile, path)
+        raise FreebodyError(
+            f"{start} cannot be followed: {reason}. Move the path, lighten the load, or give "
+            f"larger limits."
+        )
+
+
+def _held_still(problem: PathProblem, path: int) -> str:
+    """A sentence on the place where the robot is worst too weak for its weight and dry friction
+    alone; empty if nowhere."""
+    ends = problem.rows.lo, problem.rows.hi
+    (lo, lo_end), (hi, hi_end) = ((x[0][:, path], x[1][:, path]) for x in ends)
+    size = problem.limits.size
+    over = np.maximum(np.concatenate([lo, lo_end[-1:]]), -np.concatenate([hi, hi_end[-1:]]))
+    i, row = np.unravel_index(np.argmax(over / size), over.shape)
+    if over[i, row] <= 0.0:
+        return ""
+    name, unit, what = _row(problem.limits, int(row))
+    needed, largest = compared(size[row] + over[i, row], size[row])
+    return (
+        f"{_at(problem, int(i), path)} {name} needs {needed} {unit} to move slowly, and its "
+        f"largest {what} is {largest} {unit}"
+    )
+
+
+def _excluded(problem: PathProblem, profile: SpeedProfile, path: int) -> str:
+    """The limits that exclude each other in the first interval, from the end, where nothing is
+    left."""
+    rows, reachable = problem.rows, profile.reachable[:, path]
+    lost = np.flatnonzero(np.isnan(reachable[:, 0]))
+    stuck = np.flatnonzero(profile.x[1:-1, path] <= 0.0)
+    if not len(lost) and not len(stuck):
+        return f"it would have to be in motion already {_at(problem, 0, path)}"
+    i = int(lost[-1]) if len(lost) else int(stuck[0])
+    h, size = rows.h[i, path], problem.limits.size
+    forms = []
+    for end in (0, 1):
+        a, b = rows.a[i + end, path], rows.b[i + end, path]
+        for sign, bound in ((1.0, rows.hi[end][i, path]), (-1.0, -rows.lo[end][i, path])):
+            x_part = sign * b
+            u_part = sign * (a + (h * b if end else 0.0))
+            forms.append(np.stack([x_part, u_part, -size, bound], axis=-1))
+    limits = np.concatenate(forms)
+    low, high = reachable[i + 1] if len(lost) else (_BINDING * rows.most[i, path], np.inf)
+    ends = np.array([[1.0, h, 0.0, min(high, rows.most[i + 1, path])], [-1.0, -h, 0.0, -low]])
+    every = np.concatenate([limits, ends])
+    found = linprog(
+        [0.0, 0.0, 1.0],
+        A_ub=every[:, :3],
+        b_ub=every[:, 3],
+        bounds=[(0.0, rows.most[i, path]), (None, None), (0.0, None)],
+    )
+    place = f"between {_at(problem, i, path)[3:]} and s = {problem.at.s[i + 1, path]:.4g}"
+    if not found.success:
+        return f"{place} no speed is within all limits"
+    close = found.slack[: len(limits)] <= _BINDING * np.tile(size, 4)
+    if found.x[2] <= _BINDING or not close.any():
+        return f"{place} no speed within all limits leads on to rest at its end"
+    names = [_row(problem.limits, int(k) % len(size)) for k in np.flatnonzero(close)]
+    texts = dict.fromkeys(f"the {what} of {name}" for name, _, what in names)
+    return (
+        f"{place} the limits exclude each other, above all {listed(texts, 3)}; they would have to "
+        f"be {found.x[2] * 100:.2g} % larger"
+    )
+
+
+def _without_limit(
+    start: str, problem: PathProblem, profile: SpeedProfile, path: int
+) -> FreebodyError:
+    i = int(np.argmax(profile.x[:, path]))
+    names = list(_moving(problem.limits.model, problem.at.first[i, path]))
+    if not names:
+        return FreebodyError(f"{start} stands still {_at(problem, i, path)}; leave that piece out.")
+    return MissingArgumentError(
+        f"{start} has no quickest motion: {_at(problem, i, path)} nothing limits the speed of "
+        f"{listed(names, 3)}",
+        ("velocity", "acceleration", "torque"),
+    )
+
+
+def _moving(model: Model, first: Array) -> Iterator[str]:
+    for k in np.flatnonzero(np.abs(first) > 1e-9 * np.abs(first).max(initial=0.0)):
+        yield model.velocity_names[k]
+
+
+def _row(limits: RobotLimits, row: int) -> tuple[str, str, str]:
+    """The coordinate, unit and quantity that a row limits."""
+    torques = np.flatnonzero(np.isfinite(limits.torque))
+    turns = angular(limits.model)
+    if row < len(torques):
+        k = torques[row]
+        unit, what = ("N m", "torque") if turns[k] else ("N", "force")
+    else:
+        k = np.flatnonzero(np.isfinite(limits.acceleration))[row - len(torques)]
+        unit, what = "rad/s²" if turns[k] else "m/s²", "acceleration"
+    return limits.model.velocity_names[k], unit, what
+
+
+def _at(problem: PathProblem, i: int, path: int) -> str:
+    """Words for a place on the path, `at s = 0.3`, with the position there."""
+    s, q = problem.at.s[i, path], problem.at.q[i, path]
+    some = ", ".join(f"{round(float(x), 9) + 0.0:.4g}" for x in q[:8])
+    return f"at s = {s:.4g} (q = {some}{', …' if len(q) > 8 else ''})"

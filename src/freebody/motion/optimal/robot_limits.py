@@ -1,5 +1,5 @@
-"""What a robot's speeds, accelerations and torques may be, and what these are along paths: each by
-one kernel of the robot's structure."""
+"""Limits of a robot's speeds, accelerations and torques, and the values of these along paths: each
+by one kernel of the robot's structure."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from freebody.lazy import cached_property
 from freebody.loops.dynamics import drive_torques
 from freebody.model.model import Model
 from freebody.model.tree import Tree
-from freebody.motion.optimal.path_samples import PathSamples
+from freebody.motion.optimal.geometric_path import PathSamples
 from freebody.motion.optimal.speed_profile import ENDS, PathRows, both_ends, row_arguments
 from freebody.motion.ranges import Flags
 from freebody.outputs.display import counted
@@ -35,9 +35,9 @@ from freebody.trees.dynamics import inverse_dynamics
 _NAME = "time_optimal"
 
 
-class Reached(NamedTuple):
-    """What a motion does within the intervals: by how much its rows exceed their limits, above the
-    upper one, or negative below the lower one (N, P, m); the largest as a fraction of its limit
+class LimitsReached(NamedTuple):
+    """Excesses of a motion within the intervals: by how much its rows exceed their limits, above
+    the upper one, or negative below the lower one (N, P, m); the largest as a fraction of its limit
     (N, P); the share of a limit that one might come to (N, P); and the largest speed as a fraction
     of its limit, squared (N, P)."""
 
@@ -65,7 +65,7 @@ class RobotLimits:
 
     @cached_property
     def _limited(self) -> tuple[int, ...]:
-        """Of the torques, then the accelerations, those with a limit."""
+        """The rows that have a limit: torques, then accelerations."""
         found = np.isfinite([self.torque, self.acceleration])
         return tuple(np.flatnonzero(found).tolist())
 
@@ -83,8 +83,8 @@ class RobotLimits:
         return self._driven(q, inverse_dynamics(tree, q, qd, qdd, dict(self.wrenches) or None))
 
     def _driven(self, q: Array, torque: Array) -> Array:
-        """What the drives do for torques (..., nv) of a tree, which of a closed chain are those of
-        its tree."""
+        """Torques of the drives for torques (..., nv) of a tree, of a closed chain of the tree that
+        its loops leave."""
         return drive_torques(_NAME, self.model, q, torque) if self.model.loops else torque
 
     def rows(self, at: PathSamples, kept: float) -> tuple[Array, ...]:
@@ -96,14 +96,19 @@ class RobotLimits:
             self._refuse_singular(at, np.isnan(found[0]).any(axis=-1))
         return found
 
-    def reached(self, rows: PathRows, x: Array, at: PathSamples, between: PathSamples) -> Reached:
-        """By motions with x (N + 1, P); at, between: the grid, and halfway in its intervals."""
+    def reached(
+        self, rows: PathRows, x: Array, at: PathSamples, between: PathSamples
+    ) -> LimitsReached:
+        """Excesses of motions with x (N + 1, P); at, between: the grid, and halfway in its
+        intervals."""
         along = *between.orders[:3], at.first[:-1], at.first[1:], *both_ends(rows)
         ends = (a.ravel() for a in (x[:-1], x[1:], rows.h))
         finite = np.minimum(self.velocity, path_timing.FAR)
         by, *others = self._kernel("reached")(*_flat(along), *ends, self.size, finite, *self._loads)
         shape = rows.h.shape
-        found = Reached(by.reshape(*shape, len(self.size)), *(x.reshape(shape) for x in others))
+        found = LimitsReached(
+            by.reshape(*shape, len(self.size)), *(x.reshape(shape) for x in others)
+        )
         if self.model.loops:
             lost = np.isnan(found.share) & np.isfinite(x[:-1] + x[1:])
             self._refuse_singular(between, lost)
@@ -159,7 +164,7 @@ class RobotLimits:
 
 
 def _flat(arrays: Iterable[Array]) -> Iterator[Array]:
-    """With one axis before the last, which is quickest."""
+    """Arrays with one axis before the last, which is quickest."""
     return (x.reshape(x.shape[0] * x.shape[1], x.shape[2]) for x in arrays)
 
 
@@ -204,7 +209,7 @@ def _rows(
     second: Vector,
     kept: Vector,
 ) -> tuple[Any, ...]:
-    """Of one point: a, b, lo, hi."""
+    """The rows of one point: a, b, lo, hi."""
     a, b, rest = map(driven, torques_along(tree, q, first, second, loads))
     every = ((*a, *first), (*b, *second), (*rest, *(0.0 for _ in first)))
     a, b, rest = (tuple(values[k] for k in limited) for values in every)
@@ -229,7 +234,7 @@ def _reached(
     second: Vector,
     *given: Any,
 ) -> tuple[Any, ...]:
-    """Of one interval, see `Reached`."""
+    """The excesses in one interval, see `LimitsReached`."""
     start, end, *rows, x, y, h, size, velocity = given
     qd, qdd = path_timing.halfway(first, second, x, y, h)
     every = (*driven(rnea(tree, q, qd, qdd, loads).tau), *qdd)

@@ -70,8 +70,8 @@ def quickest_profile(rows: PathRows) -> SpeedProfile:
 
 
 def _polygons(kernel: Kernel, rows: PathRows) -> tuple[Array, ...]:
-    """What `path_timing.polygon` finds in each interval; where its search has not ended, it goes on
-    from there."""
+    """The polygon of each interval by `path_timing.polygon`; where its search has not ended, it
+    goes on from there."""
     given = [x.reshape(rows.h.size, x.shape[-1]) for x in both_ends(rows)]  # one axis is quickest
     most, beyond = (x.ravel() for x in (rows.most[:-1], rows.most[1:]))
     given += [beyond, rows.h.ravel()]
@@ -87,7 +87,7 @@ def _polygons(kernel: Kernel, rows: PathRows) -> tuple[Array, ...]:
 
 
 def both_ends(rows: PathRows) -> tuple[Array, ...]:
-    """(N, P, m) each, as `row_arguments` names them."""
+    """Rows at both ends of the intervals, (N, P, m) each, as `row_arguments` names them."""
     return (
         rows.a[:-1], rows.b[:-1], rows.lo[0], rows.hi[0],
         rows.a[1:], rows.b[1:], rows.lo[1], rows.hi[1],
@@ -111,7 +111,7 @@ def speed_limits(first: Array, velocity: Array) -> Array:
 
 @lru_cache(maxsize=8)
 def _speed_limit(n: int) -> Kernel:
-    """`path_timing.speed_limit` of n coordinates."""
+    """The kernel of `path_timing.speed_limit` for n coordinates."""
 
     def limit(*given: Scalar) -> tuple[Scalar]:
         return (path_timing.speed_limit(*given),)
@@ -140,7 +140,7 @@ def timed_pieces(derivatives: Sequence[Array], x: Array, h: Array) -> tuple[list
 
 @lru_cache(maxsize=8)
 def _timing(n: int, degree: int) -> Kernel:
-    """`path_timing.timed` of n coordinates."""
+    """The kernel of `path_timing.timed` for n coordinates."""
 
     def timed(*given: Scalar) -> tuple[Scalar, ...]:
         return tuple(path_timing.timed(given[:-2], *given[-2:]))
@@ -159,7 +159,7 @@ class _Kernels(NamedTuple):
 
 @lru_cache(maxsize=8)
 def _kernels(m: int) -> _Kernels:
-    """Of m rows at each end of an interval."""
+    """The kernels for m rows at each end of an interval."""
 
     def polygon(*given: Scalar) -> tuple[Scalar, ...]:
         start, end = path_timing.RowsAtEnd(*given[:4]), path_timing.RowsAtEnd(*given[4:8])

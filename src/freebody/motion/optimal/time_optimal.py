@@ -23,17 +23,21 @@ from freebody.motion.optimal.geometric_path import (
     path_curve,
     refuse_out_of_range,
 )
-from freebody.motion.optimal.path_limits import PathProblem, path_problem
-from freebody.motion.optimal.robot_limits import Reached, RobotLimits
+from freebody.motion.optimal.path_limits import (
+    PathProblem,
+    path_problem,
+    refuse_unreachable,
+    without_motion,
+)
+from freebody.motion.optimal.robot_limits import LimitsReached, RobotLimits
 from freebody.motion.optimal.speed_profile import quickest_profile
-from freebody.motion.optimal.unreachable import refuse_unreachable, without_motion
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planning.planned import sample_times
 from freebody.motion.planning.planning_limits import Limit, PlanningLimits, planning_limits
 from freebody.outputs.numbers import rounded_up
 from freebody.trees.public_calls import Wrenches, wrenches_by_frame
 
-Path = ArrayLike | Motion | PPoly
+PathArgument = ArrayLike | Motion | PPoly
 
 _NAME = "time_optimal"
 _BLOCK = 16  # paths computed side by side: what is known of them stays in the processor's cache
@@ -49,7 +53,7 @@ _SOURCE = "the quickest along a path within the limits"
 
 def time_optimal(
     model: Model,
-    path: Path | Sequence[Motion | PPoly],
+    path: PathArgument | Sequence[Motion | PPoly],
     *,
     velocity: Limit = None,
     acceleration: Limit = None,
@@ -60,23 +64,39 @@ def time_optimal(
     """The time-optimal motion along a path, from rest to rest, within limits of speed, acceleration
     and torque.
 
-    path: waypoints (k, nq), or a motion, of which the positions count: the natural cubic spline
-    through them, s from 0 to 1 along its chords; or a path of your own, q(s) as a scipy PPoly of nq
-    values with a continuous first derivative. Of a closed chain, waypoints of the driven joints (k,
-    n), closed positions or a motion: the driven joints follow the spline, the loops lead the
-    others; torques are those of the drives. Many at once: (P, k, nq), or a list of motions or
-    PPolys. velocity, acceleration, torque: limits, one number or (nv,), rad/s, m/s; rad/s², m/s²;
-    N m, N. The model's own apply too (zero means not given, see `Limits`). Torques contain friction
-    (viscous, Coulomb), rotors, springs and the payload. wrenches: constant ones by frame, world
-    axes. points: of the grid over s, to which 20 are added in its first and last interval; at least
-    one interval in each piece of the path; s̈ is constant in an interval. Limits are kept
-    within each interval too, or else notices say by how much torques or accelerations exceed
-    theirs (above 5 % it raises).
-    Returns the motion with its exact curve, samples at the grid; of many, a tuple. What is
-    doubtful about the robot's masses, drives and limits stands in its `doubts`.
-    Raises FreebodyError where the path leaves the joints' ranges, or where the robot cannot hold or
-    move it: at which s, which joint, which limit; LoopError and SingularError where the loops block
-    it, or the drives do not hold it.
+    Parameters
+    ----------
+    model
+        The robot.
+    path : (k, nq), rad or m; many: (P, k, nq), or a list of motions or PPolys
+        Waypoints, or a motion, of which the positions count: the natural cubic spline through them,
+        s from 0 to 1 along its chords; or a path of your own, q(s) as a scipy PPoly of nq values
+        with a continuous first derivative. Of a closed chain, waypoints of the driven joints
+        (k, n), closed positions or a motion: the driven joints follow the spline, the loops lead
+        the others; torques are those of the drives.
+    velocity, acceleration, torque : one number or (nv,); rad/s, rad/s², N m; m/s, m/s², N
+        Limits. The model's own apply too (zero means not given, see `Limits`). Torques contain
+        friction (viscous, Coulomb), rotors, springs and the payload.
+    wrenches
+        Constant ones by frame, world axes.
+    points
+        Points of the grid over s, to which 20 are added in its first and last interval; at least
+        one interval in each piece of the path; s̈ is constant in an interval.
+
+    Returns
+    -------
+    Motion, of many paths a tuple
+        With its exact curve, and samples at the grid. Limits are kept within each interval too, or
+        else notices say by how much torques or accelerations exceed theirs. What is doubtful about
+        the robot's masses, drives and limits stands in its `doubts`.
+
+    Raises
+    ------
+    FreebodyError
+        The path leaves the joints' ranges, the robot cannot hold or move it, or a limit is exceeded
+        by more than 5 % between points: at which s, which joint, which limit.
+    LoopError, SingularError
+        The loops block the path, or the drives do not hold it.
 
     Source: Bobrow, Dubowsky and Gibson 1985; Pham and Pham 2018 ("TOPP-RA").
     """
@@ -137,7 +157,7 @@ def time_optimal_through(
 
 
 def _each(path: Any) -> tuple[Sequence[Any], bool]:
-    """Paths one by one, and whether they were many."""
+    """The paths one by one, and whether they were many."""
     several = isinstance(path, list | tuple) and len(path) > 0
     if several and all(isinstance(one, Motion | PPoly) for one in path):
         return path, True
@@ -169,7 +189,7 @@ def _motions(
     curves: Sequence[PiecewisePolynomial],
     block: _PathBlock,
 ) -> Iterator[Motion]:
-    """Of the paths of a block."""
+    """The motions along the paths of a block."""
     own = [curves[k] for k in block.paths]
     grids = np.stack([grid(curve, block.intervals) for curve in own], axis=1)
     problem = path_problem(robot, own, grids)
@@ -188,13 +208,13 @@ def _motions(
                 f"{rounded_up(100 * over, 2)} %; give more points than {block.intervals + 1}, or "
                 f"larger limits."
             )
-        notices = _told(over) if over > _HELD else ()
+        notices = _excess_notice(over) if over > _HELD else ()
         yield replace(motion, notices=notices, doubts=doubts)
 
 
 def _doubts(model: Model, limits: PlanningLimits) -> tuple[Doubt, ...]:
-    """On what the motion rests: drives whose speed nothing limits count, and those whose torque
-    nothing does where no acceleration is limited either."""
+    """Doubts on which the motion rests: drives whose speed nothing limits count, and those whose
+    torque nothing does where no acceleration is limited either."""
     unlimited = {
         EFFORTS: np.isinf(limits.torque) & np.isinf(limits.acceleration),
         SPEEDS: np.isinf(limits.velocity),
@@ -256,7 +276,7 @@ def _solved(problem: PathProblem, labels: list[str]) -> _Quickest:
     return found
 
 
-def _quickest(x: Array, reached: Reached) -> _Quickest:
+def _quickest(x: Array, reached: LimitsReached) -> _Quickest:
     return _Quickest(x, reached.share.max(axis=0), reached.speed.max(axis=0))
 
 
@@ -288,7 +308,7 @@ def _first_guess(problem: PathProblem, labels: list[str]) -> Array:
     return guess
 
 
-def _told(worst: float) -> tuple[str, ...]:
+def _excess_notice(worst: float) -> tuple[str, ...]:
     return (
         f"Between two points of the grid a limit is exceeded by {rounded_up(100 * worst, 2)} %; "
         f"more points keep it more closely.",

@@ -1,4 +1,5 @@
-"""What planners share: times of waypoints, and a planned curve as a motion with samples."""
+"""Times of waypoints and samples, for all planners; and a planned curve as a motion with
+samples."""
 
 from __future__ import annotations
 
@@ -15,7 +16,7 @@ from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import layout
 
 SAMPLES = 401
-"""Of a motion whose step is not given."""
+"""The number of samples of a motion whose step is not given."""
 _BESIDE = 5e-4  # of the duration: times nearer to a break are left out; rounding in accelerations
 _ROUNDED = 1e-12  # of the fastest rate
 

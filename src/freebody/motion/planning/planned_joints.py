@@ -1,32 +1,40 @@
-"""What a planner moves: all joints of an open chain, the driven ones of a closed chain, whose loops
-lead the others."""
+"""The joints that a planner moves: all of an open chain, the driven ones of a closed chain, whose
+loops lead the others; with quaternions each move turns about one axis, and a free body's origin
+goes straight."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+from scipy.spatial.transform import Rotation
+
 from freebody.arrays import Array
+from freebody.errors import ShapeError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
-from freebody.motion.piecewise import PiecewisePolynomial
-from freebody.motion.planning.driven_waypoints import DrivenWaypoints, driven_waypoints
-from freebody.motion.planning.planned import planned
+from freebody.motion.piecewise import PiecewisePolynomial, hermite
+from freebody.motion.planning.planned import planned, sample_times, times_and_breaks
 from freebody.motion.planning.planning_limits import (
     SLACK,
     PlanningLimits,
     checked_waypoints,
+    refuse_beyond,
     slowed,
     within_limits,
 )
-from freebody.motion.planning.through_loops import through_loops
-from freebody.motion.planning.turning_waypoints import (
-    TurningWaypoints,
-    along_turns,
-    turning_waypoints,
+from freebody.motion.planning.through_loops import DrivenWaypoints, driven_waypoints, through_loops
+from freebody.trees.position_rates import (
+    CoordinateLayout,
+    layout,
+    normalised,
+    position_acceleration,
+    position_rate,
+    state_of,
 )
-from freebody.trees.position_rates import layout
+from freebody.trees.public_calls import check_quaternions, finite_vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,21 +59,21 @@ class PlannedJoints:
         one: str = "",
         straight: bool = False,
     ) -> PlannedJoints:
-        """Of waypoints as a user gives them; `one`: of one position, where they are the same;
-        straight: the planner moves straight from each to the next, as quaternions can."""
+        """The joints of waypoints as a user gives them; `one`: of one position, where they are the
+        same; straight: the planner moves straight from each to the next, as quaternions can."""
         model.require_values("a motion")
         if model.loops:
             driven = driven_waypoints(function, model, given, limits, one)
             return PlannedJoints(function, model, limits, driven.q, driven=driven)
         if model.nq != model.nv and straight:
-            turning = turning_waypoints(function, model, given, limits, one)
+            turning = _turning_waypoints(function, model, given, limits, one)
             return PlannedJoints(function, model, limits, turning.q, turning=turning)
         q = checked_waypoints(function, model, given, limits, one)
         return PlannedJoints(function, model, limits, q)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """(n,)."""
+        """Names of the coordinates (n,)."""
         return self.model.velocity_names if self.driven is None else self.model.driven_names
 
     @cached_property
@@ -108,5 +116,86 @@ class PlannedJoints:
         if self.driven is not None:
             return through_loops(self.function, self.model, curve, self.driven, words, step)
         if self.turning is not None:
-            return along_turns(self.function, self.model, curve, marks, self.turning, words, step)
+            return _along_turns(self.function, self.model, curve, marks, self.turning, words, step)
         return planned(self.function, self.model, curve, words, self.limits, step)
+
+
+@dataclass(frozen=True, eq=False)
+class TurningWaypoints:
+    """q: (k, nv): plain positions, a free body's origin in world axes, and the angles turned so far
+    about the axes of the moves, in body axes. start: (k, nq) as given."""
+
+    q: Array
+    given: Array
+
+    def groups(self, where: CoordinateLayout) -> list[range]:
+        """Columns of q that move in proportion."""
+        found = [range(iv.start, iv.stop) for _, iv in where.turns]
+        return found + [range(iv.start, iv.stop) for _, _, iv, _ in where.shifts]
+
+
+def _turning_waypoints(
+    function: str, model: Model, given: Any, limits: PlanningLimits, one: str = ""
+) -> TurningWaypoints:
+    """The coordinates of waypoints (k, nq), k > 1, between which each move turns about one axis.
+    Raises FreebodyError."""
+    where = layout(model)
+    q = finite_vector(function, model, one or "waypoints", given)
+    if q.ndim != 2 or len(q) < 2:
+        name, shape = (one, q.shape[1:]) if one else ("waypoints", q.shape)
+        rows = "" if one else "k, "
+        raise ShapeError(function, name, shape, f"({rows}{model.nq})", "two rows at least")
+    check_quaternions(function, model, q)
+    q = normalised(where, q)
+    iq, iv = where.plain
+    refuse_beyond(function, model, q[:, iq], iv.tolist(), limits, one)
+    found = np.empty((len(q), model.nv))
+    found[:, iv] = q[:, iq]
+    for ix, _, ivx, _ in where.shifts:
+        found[:, ivx] = q[:, ix]
+    for iw, ivw in where.turns:
+        turns = Rotation.from_quat(q[:, iw], scalar_first=True)
+        found[0, ivw] = 0.0
+        found[1:, ivw] = np.cumsum((turns[:-1].inv() * turns[1:]).as_rotvec(), axis=0)
+    return TurningWaypoints(found, q)
+
+
+def _along_turns(
+    function: str,
+    model: Model,
+    curve: PiecewisePolynomial,
+    marks: Array,
+    waypoints: TurningWaypoints,
+    words: str,
+    step: float | None,
+) -> Motion:
+    """The motion of coordinates as in `TurningWaypoints` that follow a curve (nv,) over time and
+    pass the waypoints at the times `marks` (k,).
+
+    Exact at 401 times and where the curve's polynomials meet, quintic between.
+    """
+    where, knots = layout(model), times_and_breaks(curve.breaks)
+    value, rate, second = curve, curve.derivative(), curve.derivative(2)
+    v, later, before = rate(knots), second(knots), second.before(knots)
+    x = np.empty((len(knots), model.nq))
+    x[:, where.plain[0]] = value(knots)[:, where.plain[1]]
+    move = np.clip(np.searchsorted(marks, knots, side="right") - 1, 0, len(marks) - 2)
+    for iq, iv in where.turns:
+        turned = Rotation.from_rotvec(value(knots)[:, iv] - waypoints.q[move, iv])
+        start = Rotation.from_quat(waypoints.given[move, iq], scalar_first=True)
+        x[:, iq] = _continuous((start * turned).as_quat(scalar_first=True))
+    for ix, _, iv, _ in where.shifts:
+        x[:, ix] = value(knots)[:, iv]
+    speed = position_rate(where, x, v)
+    found = [position_acceleration(where, x, v, a) for a in (later, before)]
+    for ix, _, iv, _ in where.shifts:  # of the origin in world axes
+        speed[:, ix], found[0][:, ix], found[1][:, ix] = v[:, iv], later[:, iv], before[:, iv]
+    pieces = hermite(knots, x, speed, *found)
+    t = sample_times(function, curve.breaks, step)
+    states = state_of(where, *(pieces.derivative(k)(t) if k else pieces(t) for k in range(3)))
+    return Motion(t, *states, words, where, pieces=pieces)
+
+
+def _continuous(quaternions: Array) -> Array:
+    flips = np.cumsum(np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0.0) % 2 == 1
+    return np.where(np.append(False, flips)[:, None], -quaternions, quaternions)

@@ -18,11 +18,12 @@ from freebody.outputs.numbers import compared
 from freebody.trees.public_calls import Vector, finite_vector, vector
 
 SLACK = 1e-9
-"""Of a limit (or rad, m): what a motion that was planned along it is off by rounding."""
+"""Excess over a limit, as a part of it (or rad, m), that rounding makes of a motion planned along
+it."""
 SAME = 1e-12
 """rad, m: waypoints nearer to each other are one."""
 _LEAST, _MOST = 1e-9, 1e12
-"""Of a limit: what is smaller is none that a robot moves under, what is larger is none."""
+"""Smallest and largest limits that a robot can move under."""
 Limit = Vector | float | None
 
 
@@ -31,18 +32,18 @@ class LimitExcess:
     """A limit that a motion does not keep, where it is farthest beyond."""
 
     name: str
-    """Of the coordinate."""
+    """Name of the coordinate."""
     quantity: str
-    """ "position", "velocity" or "acceleration"."""
+    """The limited quantity: "position", "velocity" or "acceleration"."""
     value: float
     limit: float
     time: float
-    """s."""
+    """Time of the largest excess, s."""
     unit: str
 
     @property
     def text(self) -> str:
-        """A clause."""
+        """The excess as a clause."""
         value, limit = compared(self.value, self.limit, digits=5)
         end = ""
         if self.quantity == "position":
@@ -143,7 +144,7 @@ def exceeded_limits(
 
 
 def excesses(model: Model, motion: Motion, limits: PlanningLimits) -> Iterator[LimitExcess]:
-    """What `exceeded_limits` finds."""
+    """All limits that a motion exceeds, see `exceeded_limits`."""
     names, found = model.velocity_names, motion.peaks
     units = np.where(limits.allowed.turns, "rad", "m")
     for iq, iv in zip(*position_columns(model), strict=True):
@@ -173,7 +174,7 @@ def quickest(
     limits: PlanningLimits,
     *sought: str,
 ) -> float:
-    """How many times as fast a motion with these peaks (nv,) may be run.
+    """The factor by which a motion with these peaks (nv,) may be made faster.
 
     sought: arguments that say how fast. Raises MissingArgumentError where nothing limits it.
     """
@@ -185,7 +186,7 @@ def quickest(
 
 
 def pace_unknown(function: str, model: Model, *needed: str) -> MissingArgumentError:
-    """What to raise where nothing says how fast a motion may be; needed: arguments that do."""
+    """An error for a motion of which nothing says how fast it may be; needed: arguments that do."""
     return MissingArgumentError(
         f"{function}: how fast {model.name!r} may move is not known",
         needed,
@@ -269,8 +270,7 @@ def _numbered(k: int, name: str) -> str:
 
 
 def slowed(motion: Motion, limits: PlanningLimits) -> float:
-    """How many times as fast, at most as fast as it is, a motion may be run within limits of rates
-    (nv,)."""
+    """The factor on its speed, at most 1, that keeps a motion within limits of rates (nv,)."""
     found = motion.peaks
     return min(
         1.0,

@@ -1,6 +1,17 @@
-"""Motions that stop at each of their waypoints: quintic, trapezoid, s_curve; and dwell."""
+"""Motions that stop at each of their waypoints: quintic, trapezoid, s_curve; and dwell.
+
+The quickest curve from rest to rest under limits, of each family. Trapezoid: constant acceleration,
+constant speed, constant deceleration; without the middle where the way is short. S-curve: constant
+jerk, in up to seven phases (Biagiotti and Melchiorri, Trajectory Planning for Automatic Machines
+and Robots, 2008, section 3.4). Quintic: rate and acceleration zero at both ends, jerk least in the
+mean square (Flash and Hogan 1985).
+"""
 
 from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import factorial, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,9 +30,10 @@ from freebody.motion.planning.planning_limits import (
     pace_unknown,
     planning_limits,
 )
-from freebody.motion.planning.profiles import LIMITS, PROFILES
 from freebody.outputs.numbers import compared, rounded_up
 from freebody.trees.public_calls import Vector
+
+_LIMITS = ("velocity", "acceleration", "jerk")
 
 
 def quintic(
@@ -34,18 +46,36 @@ def quintic(
     jerk: Limit = None,
     step: float | None = None,
 ) -> Motion:
-    """Straight lines in joint space from each waypoint to the next, at rest in each, by polynomials
-    of degree 5.
+    """The motion in straight lines of joint space from each waypoint to the next, at rest in each,
+    by polynomials of degree 5.
 
-    waypoints: (k, nq), k > 1; of a closed chain positions of its driven joints, (k, number of
-    them), on the branch of its home, or closed positions of all. With quaternions each move turns
-    about one axis; the origin of a free body moves in a straight line. times: (k,) s; default as
-    fast as the limits allow. velocity, acceleration, jerk: limits, one number for all joints (of a
-    closed chain: the driven ones) or (nv,), rad/s, rad/s², rad/s³ (m); the model's limits of
-    position and speed apply too. step: s between samples, by default 1/400 of the motion.
-    Accelerations are continuous, and zero at the waypoints.
+    With quaternions each move turns about one axis; the origin of a free body moves in a straight
+    line. Accelerations are continuous, and zero at the waypoints.
 
-    Raises FreebodyError with joint and time where a limit is not kept.
+    Parameters
+    ----------
+    model
+        The robot.
+    waypoints : (k, nq), k > 1, rad or m
+        Of a closed chain positions of its driven joints, (k, number of them), on the branch of its
+        home, or closed positions of all.
+    times : (k,), s
+        Times of the waypoints; None: as fast as the limits allow.
+    velocity, acceleration, jerk : one number for all joints, or (nv,); rad/s, rad/s², rad/s³ (m)
+        Limits, of a closed chain those of the driven joints; the model's limits of position and
+        speed apply too.
+    step : s
+        Time between samples; None: 1/400 of the motion.
+
+    Returns
+    -------
+    Motion
+        With its exact curve.
+
+    Raises
+    ------
+    FreebodyError
+        A limit is not kept: with joint and time.
     """
     limits = planning_limits("quintic", model, velocity, acceleration, jerk)
     return _stopping("quintic", "quintic", model, waypoints, times, limits, step)
@@ -60,12 +90,18 @@ def trapezoid(
     acceleration: Limit = None,
     step: float | None = None,
 ) -> Motion:
-    """From each waypoint to the next, at rest in each: constant acceleration, constant speed,
-    constant deceleration.
+    """The motion from each waypoint to the next, at rest in each, with constant acceleration,
+    constant speed, constant deceleration.
 
     All joints start and stop together: the slowest moves as quickly as its limits allow, the others
-    run their own quickest motion slowed to its duration. acceleration: needed, unless the limit of
-    each joint that moves is in it. The accelerations jump. All else as in `quintic`.
+    run their own quickest motion slowed to its duration. The accelerations jump.
+
+    Parameters
+    ----------
+    acceleration : one number for all joints, or (nv,), rad/s² or m/s²
+        Needed, unless the limit of each joint that moves is in it.
+    model, waypoints, times, velocity, step
+        As in `quintic`, with what it returns and raises.
     """
     limits = planning_limits("trapezoid", model, velocity, acceleration)
     return _stopping("trapezoid", "trapezoid", model, waypoints, times, limits, step)
@@ -81,11 +117,18 @@ def s_curve(
     acceleration: Limit = None,
     step: float | None = None,
 ) -> Motion:
-    """From each waypoint to the next, at rest in each, with limited jerk: accelerations rise and
-    fall in ramps.
+    """The motion from each waypoint to the next, at rest in each, with limited jerk: accelerations
+    rise and fall in ramps.
 
     All joints start and stop together: the slowest moves as quickly as its limits allow, the others
-    run their own quickest motion slowed to its duration. jerk: needed. All else as in `quintic`.
+    run their own quickest motion slowed to its duration.
+
+    Parameters
+    ----------
+    jerk : one number for all joints, or (nv,), rad/s³ or m/s³
+        Needed.
+    model, waypoints, times, velocity, acceleration, step
+        As in `quintic`, with what it returns and raises.
     """
     limits = planning_limits("s_curve", model, velocity, acceleration, jerk)
     return _stopping("s_curve", "s-curve", model, waypoints, times, limits, step)
@@ -169,12 +212,83 @@ def _quickest(
     profile = PROFILES[name]
     curves = {}
     for i in map(int, np.flatnonzero(np.abs(way) > SAME)):
-        own = {x: float(getattr(joints.own, x)[i]) for x in LIMITS}
+        own = {x: float(getattr(joints.own, x)[i]) for x in _LIMITS}
         missing = [x for x in profile.needs if not np.isfinite(own[x])]
         if missing or not any(map(np.isfinite, own.values())):
             if wanted is None or profile.needs:
-                needed = missing or ("times", *LIMITS)
+                needed = missing or ("times", *_LIMITS)
                 raise pace_unknown(joints.function, joints.model, *needed)
             own["velocity"] = 2.0 * abs(way[i]) / wanted  # any: it is run in the wanted duration
         curves[i] = profile.quickest(abs(float(way[i])), *own.values())
     return curves
+
+
+@dataclass(frozen=True)
+class Profile:
+    """A family of rest-to-rest curves.
+
+    needs: the limits without which nothing bounds its accelerations, or its jerk. quickest: the
+    curve from 0 over a way > 0 under limits of velocity, acceleration, jerk, which may be infinite.
+    """
+
+    words: str
+    needs: tuple[str, ...]
+    quickest: Callable[[float, float, float, float], PiecewisePolynomial]
+
+
+def _quintic(way: float, velocity: float, acceleration: float, jerk: float) -> PiecewisePolynomial:
+    # largest rate 15/8, acceleration 10/√3 and jerk 60 of the way over the duration and its powers
+    T = max(
+        1.875 * way / velocity,
+        sqrt(10.0 / sqrt(3.0) * way / acceleration),
+        np.cbrt(60.0 * way / jerk),
+    )
+    powers = np.array([6.0 / T**5, -15.0 / T**4, 10.0 / T**3, 0.0, 0.0, 0.0])
+    return PiecewisePolynomial(np.array([0.0, T]), way * powers[:, None, None])
+
+
+def _trapezoid(
+    way: float, velocity: float, acceleration: float, jerk: float
+) -> PiecewisePolynomial:
+    a = acceleration
+    ramp = min(velocity / a, sqrt(way / a))
+    cruise = max(way / (a * ramp) - ramp, 0.0)
+    return _phases([(ramp, a), (cruise, 0.0), (ramp, -a)], order=2)
+
+
+def _s_curve(way: float, velocity: float, acceleration: float, jerk: float) -> PiecewisePolynomial:
+    j = jerk
+    bend = np.cbrt(way / (2.0 * j))  # as if nothing but the jerk were limited
+    v, a = min(velocity, j * bend**2), min(acceleration, j * bend)
+    bend = min(a / j, sqrt(v / j))
+    a = j * bend
+    ramp = min(bend + v / a, 0.5 * bend + sqrt(0.25 * bend**2 + way / a))
+    hold = max(ramp - 2.0 * bend, 0.0)
+    cruise = max(way / (a * (bend + hold)) - 2.0 * bend - hold, 0.0)
+    up = [(bend, j), (hold, 0.0), (bend, -j)]
+    down = [(bend, -j), (hold, 0.0), (bend, j)]
+    return _phases([*up, (cruise, 0.0), *down], order=3)
+
+
+PROFILES = {
+    "quintic": Profile("polynomials of degree 5", (), _quintic),
+    "trapezoid": Profile("trapezoids of speed", ("acceleration",), _trapezoid),
+    "s-curve": Profile("curves of limited jerk", ("jerk",), _s_curve),
+}
+"""The families of curves by name."""
+
+
+def _phases(phases: Sequence[tuple[float, float]], order: int) -> PiecewisePolynomial:
+    """From 0 at rest: (duration, derivative of that order) in turn, those of no duration left
+    out."""
+    state = np.zeros(order)  # value, first derivative, …
+    breaks, pieces = [0.0], []
+    for duration, top in phases:
+        if duration <= 1e-12 * breaks[-1]:
+            continue
+        powers = np.append(state, top) / [factorial(k) for k in range(order + 1)]
+        p = np.polynomial.Polynomial(powers)
+        pieces.append(powers[::-1])
+        state = np.array([p.deriv(k)(duration) if k else p(duration) for k in range(order)])
+        breaks.append(breaks[-1] + duration)
+    return PiecewisePolynomial(np.array(breaks), np.array(pieces).T[:, :, None])

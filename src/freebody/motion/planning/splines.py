@@ -34,17 +34,37 @@ def spline(
     acceleration: Limit = None,
     step: float | None = None,
 ) -> Motion:
-    """The spline through waypoints, which does not stop at them.
+    """The motion along a spline through waypoints, which does not stop at them.
 
-    waypoints: as for `quintic`, k > 1. times: (k,) s; default in proportion to the way of the
-    slowest joint, as fast as the limits allow. ends: "rest", rate zero at both, of degree 5
-    acceleration too; "natural", acceleration zero (of degree 5 the third and fourth derivative);
-    "periodic", the end joined smoothly to the start. degree: 5, or 3, which oscillates less between
-    waypoints, but whose acceleration jumps at the ends. velocity, acceleration: limits as for
-    `quintic`; the model's limits of position and speed apply too. step: s between samples, by
-    default 1/400 of the motion.
+    Parameters
+    ----------
+    model
+        The robot.
+    waypoints : (k, nq), k > 1, rad or m
+        As for `quintic`.
+    times : (k,), s
+        Times of the waypoints; None: in proportion to the way of the slowest joint, as fast as the
+        limits allow.
+    ends
+        "rest", rate zero at both, of degree 5 acceleration too; "natural", acceleration zero (of
+        degree 5 the third and fourth derivative); "periodic", the end joined smoothly to the start.
+    degree
+        5, or 3, which oscillates less between waypoints, but whose acceleration jumps at the ends.
+    velocity, acceleration : one number for all joints, or (nv,); rad/s and rad/s², m/s and m/s²
+        Limits, of a closed chain those of the driven joints; the model's limits of position and
+        speed apply too.
+    step : s
+        Time between samples; None: 1/400 of the motion.
 
-    Raises FreebodyError with joint and time where a limit is not kept, between waypoints too.
+    Returns
+    -------
+    Motion
+        With its exact curve.
+
+    Raises
+    ------
+    FreebodyError
+        A limit is not kept, between waypoints too: with joint and time.
     """
     if ends not in get_args(Ends):
         raise UnknownNameError("choice", ends, "spline: ends=", get_args(Ends))

@@ -15,9 +15,8 @@ from freebody.inverse.kinematics import inverse_kinematics
 from freebody.inverse.numerical_solver import NumericalSolver
 from freebody.inverse.task import combined_rates
 from freebody.lazy import cached_property
-from freebody.motion.planning.tip_mobility import TipMobility, TipPosture
+from freebody.motion.planning.tip_mobility import TipMobility, TipPosture, TipSteps
 from freebody.motion.planning.tip_paths import TipPath
-from freebody.motion.planning.tip_steps import TipSteps
 from freebody.outputs.display import counted
 
 _HALVINGS = 12
@@ -31,22 +30,23 @@ _UNHEEDED = 5e-7
 
 @dataclass(frozen=True, eq=False)
 class Missing:
-    """What the joints cannot do of a path, where it is most: a shift (dim,), m, or a rotation
+    """The largest part of a path that the joints cannot follow: a shift (dim,), m, or a rotation
     vector (3,), in the plane (1,), rad, world axes."""
 
     turns: bool
     vector: Array
     way: float
     whole: bool
-    """Whether it is known along the whole path."""
+    """Whether the missing motion is known along the whole path."""
 
     @property
     def size(self) -> float:
-        """m or rad."""
+        """Size of the missing motion, m or rad."""
         return float(np.linalg.norm(self.vector))
 
-    def told(self, length: float, means: str) -> str:
-        """In words, on a path of that length; means: of what has the motion."""
+    def in_words(self, length: float, means: str) -> str:
+        """The missing motion in words, on a path of that length; means: words for the joints that
+        have none for it."""
         verb, size = ("move", f"{self.size:.3g} m")
         if self.turns:
             verb, size = "turn", f"{np.degrees(self.size):.3g} °"
@@ -77,7 +77,7 @@ class TipFollower:
 
     @cached_property
     def mobility(self) -> TipMobility:
-        """Of the branch of q0."""
+        """The motions that the joints can give the tip on the branch of q0."""
         return TipMobility.of(self.solver, self.q0)
 
     def along(self, ways: Array) -> list[TipPosture]:
@@ -108,7 +108,8 @@ class TipFollower:
         return postures
 
     def notices(self, found: Sequence[TipPosture], ways: Array) -> tuple[str, ...]:
-        """What is worth a word of postures at the ways (N,)."""
+        """Sentences on postures at the ways (N,): near singular positions, and motions that are
+        left out."""
         q = np.array([at.q for at in found])
         return *self._near_singular(found, ways), *self._left_out(q, ways)
 
@@ -132,7 +133,7 @@ class TipFollower:
     def _left_out(self, q: Array, ways: Array) -> Iterator[str]:
         missing = self._missing(q, ways)
         if missing.size > _UNHEEDED:
-            yield f"The tip does not {self._told(missing)}."
+            yield f"The tip does not {self._in_words(missing)}."
 
     def _refuse_start(self, at: TipPosture) -> None:
         model, freedom = self.solver.model, self.mobility.freedom
@@ -185,14 +186,14 @@ class TipFollower:
         return self.path.at(np.array([way]))[0]
 
     def _off(self, q: Array, way: float) -> float:
-        """What is missing (m, rad) of what has to be kept."""
+        """The error (m, rad) of the part of the pose that has to be kept."""
         T, _ = self.solver.pose_and_jacobian(q)
         error, k = self.solver.task.error(T, self._goal(way)), len(self.solver.task.linear)
         parts = [error[:k]] if self.nearest else [error[:k], error[k:]]
         return max(float(np.linalg.norm(part)) for part in parts)
 
     def _missing(self, q: Array, ways: Array) -> Missing:
-        """Where most is missing at positions q (N, nq): of the position, else of the
+        """The largest missing motion at positions q (N, nq): of the position, else of the
         orientation."""
         task = self.solver.task
         T, _ = self.solver.pose_and_jacobian(q)
@@ -208,10 +209,10 @@ class TipFollower:
         whole = bool(ways[-1] == self.path.length)
         return Missing(turns, every[dim:] if turns else every[:dim], float(ways[n]), whole)
 
-    def _told(self, missing: Missing) -> str:
+    def _in_words(self, missing: Missing) -> str:
         count = self.mobility.freedom
         means = f"the {counted(count, 'drive' if self.solver.model.loops else 'joint')}"
-        return missing.told(self.path.length, means)
+        return missing.in_words(self.path.length, means)
 
     def _refuse_beyond_limits(self, q: Array, way: float) -> None:
         low, high = self.solver.bounds
@@ -260,7 +261,7 @@ class TipFollower:
             if missing.turns
             else "lead the path where they can bring it"
         )
-        self._refuse(way, f"the tip cannot {self._told(missing)}; {instead}")
+        self._refuse(way, f"the tip cannot {self._in_words(missing)}; {instead}")
 
     def _refuse_out_of_reach(self, q: Array, way: float) -> None:
         solver, task = self.solver, self.solver.task

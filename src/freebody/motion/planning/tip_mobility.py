@@ -1,9 +1,9 @@
-"""What the joints can do with a frame: the rank of its motions, and how far a position is from one
-that has fewer.
+"""The motions that the joints can give a frame: their rank, how far a position is from one that has
+fewer, and Newton's method towards a pose as far as they lead.
 
-The motions that the joints can give a frame are the columns of its Jacobian, of a closed chain over
-what its loops allow; lengths count over the robot's. Their number is that at almost every position:
-4 of a SCARA's 6, 5 of an arm with five axes. A position with fewer is singular.
+These motions are the columns of the frame's Jacobian, of a closed chain over what its loops allow;
+lengths count over the robot's. Their number is that at almost every position: 4 of a SCARA's 6, 5
+of an arm with five axes. A position with fewer is singular.
 """
 
 from __future__ import annotations
@@ -14,16 +14,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.inverse.numerical_solver import NumericalSolver
+from freebody.inverse.numerical_solver import EXACT, NumericalSolver
 from freebody.lazy import cached_property
 from freebody.loops.equations import closing, scaled_jacobian
 from freebody.loops.rank_deficient import RANK
 from freebody.loops.scaled_equations import null_space
-from freebody.trees.states import generic_state
+from freebody.trees.states import difference, generic_state
 
 _POSITIONS = 8
 _ASIDE = 0.1  # rad, or of the mechanism's length: how far closed positions are looked for
 _CLOSED = 1e-11
+_JUMP = 0.3  # rad, or of the arm's length: what is farther is on another branch
+_STEPS = 60
+_OPEN = 1e-10  # scaled loop equations
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +43,7 @@ class TipMobility:
 
     @staticmethod
     def of(solver: NumericalSolver, q0: Array) -> TipMobility:
-        """Of the branch of q0 (nq,)."""
+        """The mobility on the branch of q0 (nq,)."""
         model = solver.model
         columns = list(range(model.nv)) if model.loops else np.flatnonzero(solver.moving).tolist()
         found = [_ranks(solver, q, columns) for q in _positions(solver, q0)]
@@ -50,11 +53,11 @@ class TipMobility:
 
     @property
     def held(self) -> int:
-        """How many motions the loops hold."""
+        """The number of motions that the loops hold."""
         return len(self.columns) - self.freedom
 
     def posture(self, q: Array) -> TipPosture:
-        """At q (nq,)."""
+        """The posture at q (nq,)."""
         T, _ = self.solver.pose_and_jacobian(q)
         return TipPosture(self, q, self.solver.equations(q, T)[1][:, self.columns])
 
@@ -75,15 +78,15 @@ class TipPosture:
 
     @cached_property
     def _tip(self) -> tuple[Array, Array]:
-        """(U, s) of the tip's motions (r, k)."""
+        """The left singular vectors and singular values (U, s) of the tip's motions (r, k)."""
         rows = self.slopes[: len(self.mobility.solver.task.rows)]
         U, s, _ = np.linalg.svd(rows @ self._allowed)
         return U, s
 
     @property
     def ratio(self) -> float:
-        """Of the smallest to the largest singular value of the tip's motions; 0 where it has lost
-        one, or the loops give way to one more."""
+        """Ratio of the smallest to the largest singular value of the tip's motions; 0 where it has
+        lost one, or the loops give way to one more."""
         s, k = self._tip[1], self.mobility.rank
         if self._allowed.shape[1] != self.mobility.freedom:
             return 0.0
@@ -125,6 +128,65 @@ class TipPosture:
         solver = self.mobility.solver
         own = np.eye(solver.model.nv)[list(solver.model.driven)]
         return np.concatenate([self.slopes[len(solver.task.rows) :], own])
+
+
+@dataclass(frozen=True, eq=False)
+class TipSteps:
+    """Loops come first, then the task, as near as they leave the joints free; nearest: of the task
+    the position before the orientation.
+
+    Inverted are as many singular values as are not zero at almost every position.
+    """
+
+    mobility: TipMobility
+    nearest: bool
+
+    def reached(self, start: Array, goal: Array) -> Array | None:
+        """The position (nq,) near start at which nothing is missing to the pose `goal` that the
+        joints can do; None where that leads away, or nowhere."""
+        solver = self.mobility.solver
+        q, best, miss = start, None, np.inf
+        for _ in range(_STEPS):
+            step, left = self._step(q, goal)
+            if left <= EXACT and left >= 0.5 * miss:
+                return best if miss < left else q
+            if left <= EXACT:
+                best, miss = q, left
+            q = solver.moved(q, step)
+            if not np.abs(difference(solver.model, start, q) / solver.rates).max() <= _JUMP:
+                return None
+        return best
+
+    def _step(self, q: Array, goal: Array) -> tuple[Array, float]:
+        """(the step (nv,), the largest angle that it makes good) at q (nq,); infinite where loops
+        stay open."""
+        mobility = self.mobility
+        missing, slopes = mobility.solver.equations(q, goal)
+        slopes = slopes[:, mobility.columns]
+        step, free, left = np.zeros(slopes.shape[1]), np.eye(slopes.shape[1]), 0.0
+        for rows, rank in self._levels(len(missing)):
+            A, behind = slopes[rows] @ free, missing[rows] - slopes[rows] @ step
+            U, s, Vt = np.linalg.svd(A)
+            can = U[:, :rank].T @ behind
+            step = step + free @ (Vt[:rank].T @ (can / np.maximum(s[:rank], 1e-300)))
+            free, left = free @ Vt[rank:].T, max(left, float(np.abs(can).max(initial=0.0)))
+        rates = np.zeros(len(mobility.solver.rates))
+        rates[mobility.columns] = step
+        loops = missing[len(mobility.solver.task.rows) :]
+        if left <= EXACT and not np.abs(loops).max(initial=0.0) <= _OPEN:
+            left = np.inf
+        return rates * mobility.solver.rates, left
+
+    def _levels(self, rows: int) -> Iterator[tuple[list[int], int]]:
+        """(rows of the equations, their rank), what comes first first."""
+        mobility, task = self.mobility, self.mobility.solver.task
+        linear, counted = len(task.linear), len(task.rows)
+        yield [*range(counted, rows)], mobility.held
+        if not self.nearest:
+            yield [*range(counted)], mobility.rank
+            return
+        yield [*range(linear)], mobility.placing
+        yield [*range(linear, counted)], mobility.rank - mobility.placing
 
 
 def _alike(a: Array, b: Array) -> bool:

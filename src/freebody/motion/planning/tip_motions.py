@@ -18,7 +18,6 @@ from freebody.inverse.task import TASKS, Task, read_target, row_names
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.piecewise import PiecewisePolynomial, of_spline
-from freebody.motion.planning.driven_waypoints import DrivenWaypoints
 from freebody.motion.planning.planned import SAMPLES, sample_times
 from freebody.motion.planning.planned_joints import PlannedJoints
 from freebody.motion.planning.planning_limits import (
@@ -28,7 +27,7 @@ from freebody.motion.planning.planning_limits import (
     quickest,
     within_limits,
 )
-from freebody.motion.planning.through_loops import through_loops
+from freebody.motion.planning.through_loops import DrivenWaypoints, through_loops
 from freebody.motion.planning.tip_following import TipFollower
 from freebody.motion.planning.tip_mobility import TipPosture
 from freebody.motion.planning.tip_paths import TipPath, arc_path, rounded_lines
@@ -60,23 +59,49 @@ def line(
     acceleration: Limit = None,
     step: float | None = None,
 ) -> Motion:
-    """From rest at q0 the frame moves straight to a target, to rest, on the branch of q0.
+    """The motion in which a frame moves straight from rest at q0 to a target, to rest, on the
+    branch of q0.
 
-    q0: (nq,); of a closed chain closed, or positions of the driven joints, on the branch of its
-    home. target: a point (dim,) in m, or a pose (dim + 1, dim + 1), world axes; a pose's
-    orientation is reached about a fixed axis. duration: s, default as fast as the limits allow.
-    frame: default the tip. task: what counts, as in `inverse_kinematics`, of a point its position;
-    with "pose" a point keeps the orientation at q0; "reachable" is the whole position, and of a
-    pose's orientation what the joints can do, and `notices` say what they cannot. speed: limit of
-    the frame's speed, m/s. velocity, acceleration: of the joints (of a closed chain: the driven
-    ones), one number or (nv,); the model's limits of position and speed count too. step: s between
-    samples, by default a 400th. The way over time is a polynomial of degree 5. A redundant arm
-    moves its joints least.
+    The way over time is a polynomial of degree 5. A redundant arm moves its joints least. With
+    fewer joints than the task has rows, as of a SCARA or a delta, the path must ask for nothing
+    that they cannot do.
 
-    With fewer joints than the task has rows, as of a SCARA or a delta, the path must ask for
-    nothing that they cannot do. The tip stays within 1e-6 m and rad of its path, else `notices` say
-    how far off. Raises FreebodyError with the place where the path asks for such a motion, in which
-    direction and how much, is out of reach, the arm singular, or a joint at its limit.
+    Parameters
+    ----------
+    model
+        The robot.
+    q0 : (nq,), rad or m
+        The position at the start; of a closed chain closed, or positions of the driven joints, on
+        the branch of its home.
+    target : (dim,), m, or (dim + 1, dim + 1), world axes
+        A point, or a pose, whose orientation is reached about a fixed axis.
+    duration : s
+        None: as fast as the limits allow.
+    frame
+        Name of the frame; None: the tip.
+    task
+        What counts, as in `inverse_kinematics`, of a point its position; with "pose" a point keeps
+        the orientation at q0; "reachable" is the whole position, and of a pose's orientation what
+        the joints can do.
+    speed : m/s
+        Limit of the frame's speed.
+    velocity, acceleration : one number for all joints, or (nv,); rad/s and rad/s², m/s and m/s²
+        Limits, of a closed chain those of the driven joints; the model's limits of position and
+        speed apply too.
+    step : s
+        Time between samples; None: a 400th of the duration.
+
+    Returns
+    -------
+    Motion
+        The tip stays within 1e-6 m and rad of its path, else `notices` say how far off, and which
+        motions of a "reachable" task the joints cannot do.
+
+    Raises
+    ------
+    FreebodyError
+        The path asks for a motion that the joints cannot do, is out of reach, the arm is singular,
+        or a joint at its limit: with the place, and in which direction and how much.
     """
     plan = _TipPlan("line", model, q0, frame, task, velocity, acceleration)
     poses = plan.poses(target, 0)
@@ -98,9 +123,15 @@ def arc(
     acceleration: Limit = None,
     step: float | None = None,
 ) -> Motion:
-    """From rest at q0 the frame moves on a circle through a point to a target, to rest.
+    """The motion in which a frame moves from rest at q0 on a circle through a point to a target, to
+    rest.
 
-    via: (dim,) m, a point of the circle between. All else as in `line`.
+    Parameters
+    ----------
+    via : (dim,), m, world axes
+        A point of the circle between the start and the target.
+    model, q0, target, duration, frame, task, speed, velocity, acceleration, step
+        As in `line`, with what it returns and raises.
     """
     plan = _TipPlan("arc", model, q0, frame, task, velocity, acceleration)
     point = as_floats("arc", "via", via)
@@ -128,11 +159,18 @@ def blend(
     acceleration: Limit = None,
     step: float | None = None,
 ) -> Motion:
-    """From rest at q0 the frame moves along lines from target to target without a stop, the corners
-    rounded.
+    """The motion in which a frame moves from rest at q0 along lines from target to target without a
+    stop, the corners rounded.
 
-    targets: (k, dim) points or (k, dim + 1, dim + 1) poses. radius: m from a corner at which the
-    rounding begins and ends; the path passes the corner at up to 3/8 of it. All else as in `line`.
+    Parameters
+    ----------
+    targets : (k, dim), m, or (k, dim + 1, dim + 1), world axes
+        Points or poses.
+    radius : m
+        Distance from a corner at which the rounding begins and ends; the path passes the corner at
+        up to 3/8 of it.
+    model, q0, duration, frame, task, speed, velocity, acceleration, step
+        As in `line`, with what it returns and raises.
     """
     plan = _TipPlan("blend", model, q0, frame, task, velocity, acceleration)
     radius = above_zero("blend", "radius", radius, "m")
@@ -142,7 +180,7 @@ def blend(
 
 
 class _TipPlan:
-    """A motion of the tip in the making."""
+    """A plan for a motion of the tip: its limits, its start and its task."""
 
     def __init__(
         self,
@@ -193,7 +231,7 @@ class _TipPlan:
     def motion(
         self, path: TipPath, duration: float | None, speed: float | None, step: float | None
     ) -> Motion:
-        """Along a path from rest to rest."""
+        """The motion along a path from rest to rest."""
         if duration is not None:
             duration = above_zero(self.function, "duration", duration, "seconds")
         if speed is not None:
@@ -272,12 +310,12 @@ class _TipPlan:
         return 1.0 / min(allowed, by_joints)
 
     def _fastest(self, motion: Motion) -> float:
-        """Of the frame, m/s."""
+        """The largest speed of the frame, m/s."""
         V = tip_velocity(self.model, motion.q, motion.qd, self.frame)
         return float(np.linalg.norm(V[:, : self.model.dim], axis=-1).max())
 
     def _off(self, motion: Motion, path: TipPath) -> float:
-        """How far the tip is from where it should be between samples, m or rad."""
+        """The largest distance of the tip from the path between samples, m or rad."""
         t = 0.5 * (motion.t[1:] + motion.t[:-1])
         goal = path.at(np.clip(_way(path.length, motion.duration, t)[0], 0.0, path.length))
         task = self.solver.task

@@ -39,7 +39,7 @@ class TipPath:
 
     @property
     def length(self) -> float:
-        """The whole way."""
+        """Length of the whole way."""
         return float(self.marks[-1])
 
     def at(self, s: Array) -> Array:

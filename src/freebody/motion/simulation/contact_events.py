@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.motion.simulation.joint_contacts import JointContacts
-from freebody.motion.simulation.motion_lanes import MotionLanes, Some
-from freebody.motion.simulation.steppers import Rates, State
+from freebody.motion.simulation.lanes import MotionLanes, Some
+from freebody.motion.simulation.steppers import LaneState, Rates
 
 _NEAR = 1e-14  # of the duration
 _TURNS = 200
@@ -24,17 +24,18 @@ _ROUND = 1e-11
 _IDLE = 500  # events in a row that bring a motion no further
 _SHORTEST = 1e-13  # of the duration
 _BEND = 0.2
-"""Of a bound, of what is needed to hold: what this may bend by within a step."""
+"""Part of a bound by which the torque needed to hold a joint may bend within a step."""
 _FINE = 1e-6  # of the duration: steps in which torques that jump may change as they like
 
-Index = NDArray[np.intp]
-Move = Callable[[Some, State, Array, Array], State]
+LaneIndex = NDArray[np.intp]
+StepMove = Callable[[Some, LaneState, Array, Array], LaneState]
 """(lanes, states, start, h) -> the states a step later."""
 
 
 @dataclass(eq=False)
 class ContactEvents:
-    """What is held and what pushes (lanes, nv) in many motions, and how they change.
+    """Events of dry friction and stops in many motions: which coordinates are held, which torques
+    push (lanes, nv), and when that changes.
 
     A step is made as if nothing changed. Where that is not so at its end, or between (a stop that
     was passed and left again), it is made again up to the time of the change, the state is put
@@ -42,7 +43,7 @@ class ContactEvents:
     """
 
     contacts: JointContacts
-    """Of each lane."""
+    """Friction and stops of each lane."""
     rates: Rates
     duration: float
     push: Array
@@ -56,13 +57,13 @@ class ContactEvents:
     def of(
         contacts: JointContacts, lanes: MotionLanes, rates: Rates, duration: float, qd: Array
     ) -> ContactEvents:
-        """At the start of all motions, qd (lanes, nv)."""
+        """The events of all motions at their start, qd (lanes, nv) being the rates there."""
         own = contacts.lanes(lanes)
         push = -own.coulomb * np.sign(qd)
         return ContactEvents(own, rates, duration, push, np.zeros(push.shape))
 
-    def begin(self, lanes: slice, state: State, start: float) -> State:
-        """At a time from which torques may be others."""
+    def begin(self, lanes: slice, state: LaneState, start: float) -> LaneState:
+        """The states at a time from which torques may be others, after what changes there."""
         each = np.arange(len(self.push))[lanes]
         contacts = self.contacts.some(each)
         some = contacts.resting(*state) | contacts.hitting(*state)
@@ -75,8 +76,14 @@ class ContactEvents:
         return q, qd
 
     def through(
-        self, lanes: slice, before: State, after: State, start: float, h: float, move: Move
-    ) -> State:
+        self,
+        lanes: slice,
+        before: LaneState,
+        after: LaneState,
+        start: float,
+        h: float,
+        move: StepMove,
+    ) -> LaneState:
         """The states a whole step after `before`, of which `after` holds what a step that nothing
         cuts leads to."""
         every = np.arange(len(self.push))[lanes]
@@ -92,8 +99,14 @@ class ContactEvents:
         return q, qd
 
     def cut(
-        self, lanes: Index, before: State, after: State, start: Array, h: Array, move: Move
-    ) -> tuple[Array, State]:
+        self,
+        lanes: LaneIndex,
+        before: LaneState,
+        after: LaneState,
+        start: Array,
+        h: Array,
+        move: StepMove,
+    ) -> tuple[Array, LaneState]:
         """How long the steps from `before` to `after` are up to their first change, and the states
         there; start, h (lanes,)."""
         margins = self._margins(lanes, after, start + h)
@@ -116,7 +129,11 @@ class ContactEvents:
         return ends, (q, qd)
 
     def unseen(
-        self, lanes: Index, states: tuple[State, State, State], start: Array, h: Array
+        self,
+        lanes: LaneIndex,
+        states: tuple[LaneState, LaneState, LaneState],
+        start: Array,
+        h: Array,
     ) -> Array:
         """(lanes,) what may happen unseen in steps of size h to coordinates that are held, as an
         error of order 4 above 1 where steps are to be shorter; states at their start, halfway and
@@ -143,7 +160,7 @@ class ContactEvents:
         return found
 
     def _first_change(
-        self, lanes: Index, before: State, start: Array, h: Array, move: Move
+        self, lanes: LaneIndex, before: LaneState, start: Array, h: Array, move: StepMove
     ) -> Array:
         """Just behind which time (lanes,), at most h, something changes: a margin is used up, by
         no more than `_HAIR`."""
@@ -174,7 +191,7 @@ class ContactEvents:
             speed[k[~past]] = reached[1][~past]
         return high
 
-    def _margins(self, lanes: Some, state: State, t: Array) -> Array:
+    def _margins(self, lanes: Some, state: LaneState, t: Array) -> Array:
         """(lanes, 4 nv): how far motions are from a change, below 0 behind it: sliding ones from
         rest, all from their stops, what is held from what can hold it."""
         (q, qd), held, push = state, self.held[lanes] > 0.0, self.push[lanes]
@@ -195,13 +212,13 @@ class ContactEvents:
 
     def _dips(
         self,
-        lanes: Index,
-        before: State,
-        after: State,
+        lanes: LaneIndex,
+        before: LaneState,
+        after: LaneState,
         start: Array,
         ends: Array,
         changes: NDArray[np.bool_],
-        move: Move,
+        move: StepMove,
     ) -> None:
         """Find stops that were passed and left again within a step, and rests that sliding motions
         went through and back: `changes` there, and `ends` at the farthest, where the cubic through
@@ -219,8 +236,10 @@ class ContactEvents:
             ends[rows[past]] = there[past]
             changes[rows[past]] = True
 
-    def _suspected(self, lanes: Index, before: State, after: State, h: Array) -> Iterator[Array]:
-        """In which part of a step (lanes,) the cubic through its ends first has a coordinate
+    def _suspected(
+        self, lanes: LaneIndex, before: LaneState, after: LaneState, h: Array
+    ) -> Iterator[Array]:
+        """The part of a step (lanes,) at which the cubic through its ends first has a coordinate
         farthest behind its lower stop, behind its upper one, or slowest, having turned round;
         infinite where it has none."""
         contacts, free = self.contacts.some(lanes), self.held[lanes] == 0.0
@@ -236,7 +255,7 @@ class ContactEvents:
         if sliding.any():
             yield _earliest(sliding, *_slowest(side * (x1 - x0), side * d0, side * d1))
 
-    def _decided(self, lanes: Index, state: State, t: Array) -> State:
+    def _decided(self, lanes: LaneIndex, state: LaneState, t: Array) -> LaneState:
         """States put right where something changes, and what holds from there."""
         (q, qd), contacts = (x.copy() for x in state), self.contacts.some(lanes)
         stopped = (self.held[lanes] == 0.0) & (-np.sign(self.push[lanes]) * qd < 0.0)
@@ -260,8 +279,8 @@ class ContactEvents:
 
 
 def _used_up(left: Array, right: Array, speed: Array) -> Array:
-    """In which part of an interval (n,) the first of some margins (n, 4 nv) is used up, by a hair:
-    where lines are, and to stops parabolas that begin with the motion's speed (n, nv)."""
+    """The part of an interval (n,) at which the first of some margins (n, 4 nv) is used up, by a
+    hair: along lines, and to stops along parabolas that begin with the motion's speed (n, nv)."""
     a, b, nv = left + _HAIR, right + _HAIR, speed.shape[-1]
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         part = np.where(b < 0.0, a / (a - b), np.inf)
@@ -276,13 +295,13 @@ def _used_up(left: Array, right: Array, speed: Array) -> Array:
 
 
 def _to_stops(contacts: JointContacts, x: Array) -> tuple[Array, Array]:
-    """How far positions are from the lower and the upper stop."""
+    """Distances of positions from the lower and the upper stop."""
     return x - contacts.lower, contacts.upper - x
 
 
 def _lowest(m0: Array, m1: Array, d0: Array, d1: Array) -> tuple[Array, Array]:
-    """Where, between 0 and 1, the cubic of two values and slopes, d0 < 0 < d1, is lowest, and its
-    value."""
+    """The place, between 0 and 1, at which the cubic of two values and slopes, d0 < 0 < d1, is
+    lowest, and its value."""
     with np.errstate(invalid="ignore", divide="ignore"):
         a, b = _cubic(m1 - m0, d0, d1)
         root = np.sqrt(np.maximum(b * b - 3.0 * a * d0, 0.0))
@@ -291,7 +310,8 @@ def _lowest(m0: Array, m1: Array, d0: Array, d1: Array) -> tuple[Array, Array]:
 
 
 def _slowest(way: Array, d0: Array, d1: Array) -> tuple[Array, Array]:
-    """Where the cubic that makes a way with two slopes has its least slope, and that slope."""
+    """The place at which the cubic that makes a way with two slopes has its least slope, and that
+    slope."""
     a, b = _cubic(way, d0, d1)
     with np.errstate(invalid="ignore", divide="ignore"):
         s = np.where(a > 0.0, -b / (3.0 * a), np.nan)
@@ -310,5 +330,5 @@ def _earliest(which: NDArray[np.bool_], part: Array, value: Array) -> Array:
         return np.where(which & (value < 0.0), part, np.inf).min(axis=-1)
 
 
-def _finite(state: State) -> NDArray[np.bool_]:
+def _finite(state: LaneState) -> NDArray[np.bool_]:
     return np.asarray(np.isfinite(np.concatenate(state, axis=-1)).all(axis=-1))

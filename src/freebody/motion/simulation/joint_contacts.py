@@ -15,7 +15,7 @@ from freebody.errors import FreebodyError, listed
 from freebody.model.model import Model
 from freebody.motion.friction import smooth_friction
 from freebody.motion.ranges import Flags, position_columns, ranges
-from freebody.motion.simulation.motion_lanes import MotionLanes, Some
+from freebody.motion.simulation.lanes import MotionLanes, Some
 from freebody.outputs.numbers import compared
 from freebody.trees.position_rates import Index
 
@@ -26,7 +26,8 @@ _TURNS = 50  # per coordinate: choices of what is held, of which a few are enoug
 
 
 class Contact(NamedTuple):
-    """What is held (..., nv), what pushes besides (..., nv), and the accelerations (..., nv)."""
+    """Coordinates that are held (..., nv), torques that push besides (..., nv), and the
+    accelerations (..., nv)."""
 
     held: Flags
     push: Array
@@ -35,8 +36,9 @@ class Contact(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class JointContacts:
-    """Of motions, or of all alike: Coulomb friction, stops, and the share of its speed with which
-    each stop turns a motion back; (..., nv) each. Without stops the limits are infinite.
+    """Dry friction and stops of motions, or of all alike: Coulomb friction, limits, and the share
+    of its speed with which each stop turns a motion back; (..., nv) each. Without stops the limits
+    are infinite.
 
     place (nv,): the entry of q that is a coordinate's position.
     """
@@ -48,7 +50,7 @@ class JointContacts:
     place: Index
 
     def lanes(self, lanes: MotionLanes) -> JointContacts:
-        """One row for each motion of a batch."""
+        """Friction and stops with one row for each motion of a batch."""
         shape = (lanes.count, len(self.place))
         return self._each(lambda x: np.broadcast_to(lanes.each(x, 1), shape))
 
@@ -57,7 +59,7 @@ class JointContacts:
         return self._each(lambda x: np.broadcast_to(x, (times, *x.shape)).reshape(-1, x.shape[-1]))
 
     def some(self, which: Some) -> JointContacts:
-        """Those of some motions."""
+        """Friction and stops of some motions."""
         return self._each(lambda x: x[which])
 
     def _each(self, change: Callable[[Array], Array]) -> JointContacts:
@@ -65,11 +67,11 @@ class JointContacts:
         return JointContacts(*map(change, given), place=self.place)
 
     def positions(self, q: Array) -> Array:
-        """Those that have stops, of q (..., nq)."""
+        """The positions that have stops, of q (..., nq)."""
         return q[..., self.place]
 
     def at_stops(self, q: Array) -> tuple[Flags, Flags]:
-        """Which coordinates are at their lower and at their upper stop."""
+        """Flags of the coordinates at their lower and at their upper stop."""
         x = self.positions(q)
         return x <= self.lower, x >= self.upper
 
@@ -80,17 +82,17 @@ class JointContacts:
         return np.where(above, -np.inf, -self.coulomb), np.where(below, np.inf, self.coulomb)
 
     def resting(self, q: Array, qd: Array) -> Flags:
-        """Which coordinates may be held."""
+        """Flags of the coordinates that may be held."""
         below, above = self.at_stops(q)
         return (qd == 0.0) & ((self.coulomb > 0.0) | below | above)
 
     def hitting(self, q: Array, qd: Array) -> Flags:
-        """Which coordinates move on into a stop."""
+        """Flags of the coordinates that move on into a stop."""
         below, above = self.at_stops(q)
         return (below & (qd < 0.0)) | (above & (qd > 0.0))
 
     def contact(self, q: Array, qd: Array, M: Array, forces: Array) -> Contact:
-        """What holds in states (n, ...), forces (n, nv) being all that accelerates but dry friction
+        """Contacts in states (n, ...), forces (n, nv) being all that accelerates but dry friction
         and stops.
 
         A coordinate at rest stays there where friction and stop can hold it, together with all
@@ -121,7 +123,8 @@ class JointContacts:
 
 
 def joint_contacts(model: Model, dry: bool, restitution: Array | None) -> JointContacts:
-    """Those of a model, of a family (*family, nv) each; dry: whether its friction sticks."""
+    """Dry friction and stops of a model, of a family (*family, nv) each; dry: whether its friction
+    sticks."""
     nv = model.nv
     coulomb = np.zeros((*model.family, nv))
     if dry:

@@ -1,9 +1,14 @@
-"""Motions by steps, all at once: of equal steps, or of steps that each motion chooses."""
+"""Many motions by steps, all at once: of equal steps, or of steps that each motion chooses. Blocks
+of lanes that stay in the processor's caches are shared among threads."""
 
 from __future__ import annotations
 
 import threading
-from dataclasses import replace
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor, wait
+from dataclasses import dataclass, replace
+from math import ceil
 from typing import Any
 
 import numpy as np
@@ -14,169 +19,189 @@ from freebody.errors import FreebodyError, warn
 from freebody.kernels.driven_steps import STEP_METHODS, driven_rates, driven_step
 from freebody.kernels.structural import Bound
 from freebody.loops.equations import require_closed
-from freebody.motion.simulation.compiled_steps import STAYING, CompiledSteps
-from freebody.motion.simulation.compiled_torque import CompiledTorque
 from freebody.motion.simulation.contact_events import ContactEvents
-from freebody.motion.simulation.course import Course, Track, course
-from freebody.motion.simulation.driving import Driving, driving_of
-from freebody.motion.simulation.first_order_system import System, loads_over, system
-from freebody.motion.simulation.integration import step_tolerance
-from freebody.motion.simulation.interrupted import SimulationStopped
-from freebody.motion.simulation.lane_torques import SteadyWrench, TableTorque, steady
-from freebody.motion.simulation.motion_lanes import some_of
-from freebody.motion.simulation.short_steps import ShortSteps, lane_drive, lane_system
-from freebody.motion.simulation.side_by_side import Walk
-from freebody.motion.simulation.simulation import Simulated, Simulation
-from freebody.motion.simulation.step_sizes import (
-    Advance,
-    ControlledSteps,
-    FixedSteps,
-    SpanBySpan,
-    step_counts,
+from freebody.motion.simulation.first_order_system import (
+    System,
+    TorqueLaw,
+    loads_over,
+    step_tolerance,
+    system,
 )
+from freebody.motion.simulation.lanes import (
+    HeldTorque,
+    LaneTorque,
+    MotionLanes,
+    SteadyWrench,
+    TableTorque,
+    some_of,
+    steady,
+)
+from freebody.motion.simulation.results import Simulated, SimulationStopped
+from freebody.motion.simulation.schedules import instants
+from freebody.motion.simulation.simulation import Simulation
 from freebody.motion.simulation.steppers import (
+    Driving,
     FunctionRates,
     FunctionStepper,
     KernelRates,
     KernelStepper,
     LaneKernel,
     Stepper,
+    driving_of,
 )
-from freebody.motion.simulation.torques import instants
+from freebody.motion.simulation.steps import (
+    STAYING,
+    Advance,
+    CompiledSteps,
+    ControlledSteps,
+    FixedSteps,
+    LaneMotions,
+    SpanBySpan,
+    StepTimes,
+    step_counts,
+    step_times,
+)
+from freebody.motion.simulation.torques import CompiledTorque
 from freebody.motion.simulation.unending import (
     GivenUp,
     SampledGrowth,
+    ShortSteps,
     endless,
+    lane_drive,
+    lane_system,
     too_late,
     why_sampled,
 )
+from freebody.targets.threads import cpus
 from freebody.trees.position_rates import layout
 
 _LOOKED_AT = 3  # motions whose stiffness is looked at
 _FEW_STEPS = 8  # between two calls of a controller, to which Python may as well see itself
 _NONE = np.zeros(0)
+_LOOK = 0.05  # s
+_FEWEST = 256
+"""The number of motions that is worth a thread."""
+_Blocks = deque[tuple[int, slice]]
+"""Blocks that are to be moved, and which they are."""
 
 
-def stepped(asked: Simulation, method: str, result: Simulated) -> None:
+def stepped(run: Simulation, method: str, result: Simulated) -> None:
     """Fill in the motions; method: one of equal steps, or "auto"."""
-    model, lanes = asked.model, asked.lanes
+    model, lanes = run.model, run.lanes
     if model.loops:
-        require_closed("simulate", model, asked.q, asked.qd)
+        require_closed("simulate", model, run.q, run.qd)
     fixed = "rk4" if method == "auto" else method
     calls = _NONE
-    if asked.sample_time is not None:
-        calls = instants(float(asked.t[0]), float(asked.t[-1]), asked.sample_time)
-    way = course(asked.t, asked.every, asked.breakpoints, calls)
-    driving = driving_of(asked)
-    if isinstance(asked.torque, CompiledTorque):
-        driving.drive(
-            asked.t[0], asked.q, asked.qd
-        )  # refused here, where it acts at a passive joint
-    q, qd = (lanes.all(x, 1) for x in (asked.q, asked.qd))
-    events = None if asked.contacts is None else _events(asked, driving, qd)
-    stepper = _stepper(asked, fixed, driving, events)
+    if run.sample_time is not None:
+        calls = instants(float(run.t[0]), float(run.t[-1]), run.sample_time)
+    times = step_times(run.t, run.every, run.breakpoints, calls)
+    driving = driving_of(run)
+    if isinstance(run.torque, CompiledTorque):
+        driving.drive(run.t[0], run.q, run.qd)  # refused here, where it acts at a passive joint
+    q, qd = (lanes.all(x, 1) for x in (run.q, run.qd))
+    events = None if run.contacts is None else _events(run, driving, qd)
+    stepper = _stepper(run, fixed, driving, events)
     if method != "auto":
-        _warn_unstable(asked, fixed, way, driving)
+        _warn_unstable(run, fixed, times, driving)
     stop = threading.Event()
-    watch = ShortSteps(asked, driving)
+    watch = ShortSteps(run, driving)
     given_up: dict[int, GivenUp] = {}
-    advance = _advance(asked, method, way, stepper, events, watch, stop, given_up)
+    advance = _advance(run, method, times, stepper, events, watch, stop, given_up)
     result.used["method"] = fixed if method != "auto" else f"{fixed}, steps chosen by their error"
     if method != "auto":
-        result.used["step"] = _longest(asked, way)
+        result.used["step"] = _longest(run, times)
     if driving.held is not None:
         result.tau = np.full(result.qd.shape, np.nan)
     else:
         result.given = lambda now, q, qd: driving.drive(np.asarray(now), q, qd)
     state = q.reshape(stepper.rows, -1), qd.reshape(stepper.rows, -1)
     controller = None if driving.held is None else driving.drive
-    growth = None if asked.sample_time is None else SampledGrowth(len(way.calls))
-    Walk(
-        Track(way, state, result),
+    growth = None if run.sample_time is None else SampledGrowth(len(times.calls))
+    _LaneRun(
+        LaneMotions(times, state, result),
         advance,
         lanes,
         controller,
         driving.held,
         growth,
-        asked.threads,
-        watch.while_telling(asked.tell),
+        run.threads,
+        watch.while_telling(run.tell),
         stop,
     ).run()
     watch.tell()
-    _tell_stopped(asked, fixed, result, given_up, stepper.rows < lanes.count)
+    _tell_stopped(run, fixed, result, given_up, stepper.rows < lanes.count)
 
 
-def _events(asked: Simulation, driving: Driving, qd: Array) -> ContactEvents:
-    """Where dry friction and stops change the motions; qd (lanes, nv): their rates at the start."""
-    assert asked.contacts is not None
+def _events(run: Simulation, driving: Driving, qd: Array) -> ContactEvents:
+    """The events of dry friction and stops; qd (lanes, nv): the rates at the start."""
+    assert run.contacts is not None
     torque = driving.torque
-    if torque is None and asked.lanes.shape:
+    if torque is None and run.lanes.shape:
         raise FreebodyError(
             f"simulate: dry friction and stops end the steps of each motion at its own times, but "
-            f"a Python function is called with all motions at once: {_remedy(asked)}."
+            f"a Python function is called with all motions at once: {_remedy(run)}."
         )
     law = None if torque is None else torque.law
-    kernel = _lane_kernel(asked, driven_rates(asked.model, *_frames(asked), law, driving.adds))
+    kernel = _lane_kernel(run, driven_rates(run.model, *_frames(run), law, driving.adds))
     rates = (
         FunctionRates(kernel, driving.acting)
         if torque is None
         else KernelRates(kernel, torque, driving.added)
     )
-    return ContactEvents.of(asked.contacts, asked.lanes, rates, asked.duration, qd)
+    return ContactEvents.of(run.contacts, run.lanes, rates, run.duration, qd)
 
 
-def _remedy(asked: Simulation) -> str:
-    """Instead of a Python function within steps."""
-    if callable(asked.forces) and not isinstance(asked.forces, CompiledTorque):
+def _remedy(run: Simulation) -> str:
+    """Advice for a Python function within steps."""
+    if callable(run.forces) and not isinstance(run.forces, CompiledTorque):
         return "compile the forces with fb.compile"
     return "compile the torque with fb.compile, or give sample_time="
 
 
-def _lane_kernel(asked: Simulation, kernel: Bound) -> LaneKernel:
-    rows = [asked.lanes.each(w, 2) for w in asked.wrenches.values()]
+def _lane_kernel(run: Simulation, kernel: Bound) -> LaneKernel:
+    rows = [run.lanes.each(w, 2) for w in run.wrenches.values()]
     loads = [
-        SteadyWrench(w[..., 0, :]) if w.shape[-2] == 1 else TableTorque(asked.t, w) for w in rows
+        SteadyWrench(w[..., 0, :]) if w.shape[-2] == 1 else TableTorque(run.t, w) for w in rows
     ]
-    return LaneKernel.of(kernel, asked.width, asked.lanes, loads)
+    return LaneKernel.of(kernel, run.width, run.lanes, loads)
 
 
-def _frames(asked: Simulation) -> tuple[tuple[str, ...], tuple[bool, ...]]:
-    """Of wrenches, and whether each changes."""
-    return tuple(asked.wrenches), tuple(w.shape[-2] > 1 for w in asked.wrenches.values())
+def _frames(run: Simulation) -> tuple[tuple[str, ...], tuple[bool, ...]]:
+    """Frames of the wrenches, and whether each wrench changes."""
+    return tuple(run.wrenches), tuple(w.shape[-2] > 1 for w in run.wrenches.values())
 
 
 def _stepper(
-    asked: Simulation,
+    run: Simulation,
     method: str,
     driving: Driving,
     events: ContactEvents | None,
 ) -> Stepper:
-    model, (frames, varying), torque = asked.model, _frames(asked), driving.torque
+    model, (frames, varying), torque = run.model, _frames(run), driving.torque
     holding = None if events is None else (events.push, events.held)
     if torque is not None:
         more = torque.law, driving.adds, holding is not None
-        kernel = _lane_kernel(asked, driven_step(model, method, frames, varying, *more))
-        return KernelStepper(kernel, torque, asked.lanes.count, driving.added, holding)
+        kernel = _lane_kernel(run, driven_step(model, method, frames, varying, *more))
+        return KernelStepper(kernel, torque, run.lanes.count, driving.added, holding)
     if model.loops:
         raise FreebodyError(
-            f"simulate: the steps of a closed chain cannot call a Python function: "
-            f"{_remedy(asked)}."
+            f"simulate: the steps of a closed chain cannot call a Python function: {_remedy(run)}."
         )
     if STEP_METHODS[method].implicit:
         raise FreebodyError(
             f"simulate: method 'implicit' needs the derivatives of the torque and forces, which a "
-            f"Python function does not give: {_remedy(asked)}."
+            f"Python function does not give: {_remedy(run)}."
         )
-    whole = system(model, asked.width, *loads_over(asked.t, asked.wrenches))
+    whole = system(model, run.width, *loads_over(run.t, run.wrenches))
     if holding is not None:
-        whole = _holding(asked, whole, holding)
-    return FunctionStepper(whole, driving.acting, asked.lanes.shape, classical=method == "rk4")
+        whole = _holding(run, whole, holding)
+    return FunctionStepper(whole, driving.acting, run.lanes.shape, classical=method == "rk4")
 
 
-def _holding(asked: Simulation, whole: System, holding: tuple[Array, Array]) -> System:
+def _holding(run: Simulation, whole: System, holding: tuple[Array, Array]) -> System:
     """The system of one motion some of whose coordinates are held."""
-    frames, _ = _frames(asked)
-    kernel = _lane_kernel(asked, driven_rates(asked.model, frames, (False,) * len(frames), None))
+    frames, _ = _frames(run)
+    kernel = _lane_kernel(run, driven_rates(run.model, frames, (False,) * len(frames), None))
 
     def forward(q: Array, qd: Array, tau: Array, *loads: Array) -> Array:
         given = (*steady(tau), *(x[0] for x in holding))
@@ -187,9 +212,9 @@ def _holding(asked: Simulation, whole: System, holding: tuple[Array, Array]) -> 
 
 
 def _advance(
-    asked: Simulation,
+    run: Simulation,
     method: str,
-    way: Course,
+    times: StepTimes,
     stepper: Stepper,
     events: ContactEvents | None,
     watch: ShortSteps,
@@ -197,21 +222,21 @@ def _advance(
     given_up: dict[int, GivenUp],
 ) -> Advance:
     if method != "auto":
-        each = step_counts(way.ends - way.begins, asked.step).sum() / max(1, len(way.calls))
+        each = step_counts(times.ends - times.begins, run.step).sum() / max(1, len(times.calls))
         if isinstance(stepper, KernelStepper) and events is None and each > _FEW_STEPS:
-            block = SpanBySpan.block if way.calls else STAYING
-            return CompiledSteps(stepper, asked.step, stop, block)
-        return SpanBySpan(FixedSteps(stepper, asked.step, stop, events), stop)
-    flat = layout(asked.model).flat and not asked.model.loops
-    first = np.full(stepper.rows, asked.duration / 100)
-    tolerance = step_tolerance("rk4", asked.tolerance)
-    own = None if stepper.rows < asked.lanes.count or asked.model.loops else watch.look
+            block = SpanBySpan.block if times.calls else STAYING
+            return CompiledSteps(stepper, run.step, stop, block)
+        return SpanBySpan(FixedSteps(stepper, run.step, stop, events), stop)
+    flat = layout(run.model).flat and not run.model.loops
+    first = np.full(stepper.rows, run.duration / 100)
+    tolerance = step_tolerance("rk4", run.tolerance)
+    own = None if stepper.rows < run.lanes.count or run.model.loops else watch.look
     steps = ControlledSteps(
         stepper,
         tolerance,
-        asked.max_step,
-        asked.duration,
-        float(asked.t[-1]),
+        run.max_step,
+        run.duration,
+        float(run.t[-1]),
         flat,
         first,
         stop,
@@ -222,25 +247,25 @@ def _advance(
     return SpanBySpan(steps, stop)
 
 
-def _longest(asked: Simulation, way: Course) -> float:
+def _longest(run: Simulation, times: StepTimes) -> float:
     """The longest of equal steps (s)."""
-    gaps = np.diff(way.edges)
-    return float((gaps / step_counts(gaps, asked.step)).max())
+    gaps = np.diff(times.edges)
+    return float((gaps / step_counts(gaps, run.step)).max())
 
 
-def _warn_unstable(asked: Simulation, method: str, way: Course, driving: Driving) -> None:
+def _warn_unstable(run: Simulation, method: str, times: StepTimes, driving: Driving) -> None:
     """Say where equal steps of an explicit method are too long for the motion at its start."""
-    model, lanes, reach = asked.model, asked.lanes, STEP_METHODS[method].reach
+    model, lanes, reach = run.model, run.lanes, STEP_METHODS[method].reach
     function = any(
-        callable(x) and not isinstance(x, CompiledTorque) for x in (asked.torque, asked.forces)
+        callable(x) and not isinstance(x, CompiledTorque) for x in (run.torque, run.forces)
     )
     if model.loops or STEP_METHODS[method].implicit or (function and lanes.shape):
         return
-    step = _longest(asked, way)
+    step = _longest(run, times)
     for k in sorted({0, lanes.count // 2, lanes.count - 1})[:_LOOKED_AT]:
         index = lanes.index(k)
-        y = np.concatenate([some_of(lanes.each(x, 1), 1, k) for x in (asked.q, asked.qd)])
-        rate = lane_system(asked, k).fastest(asked.t[0], y, lane_drive(asked, k, driving))
+        y = np.concatenate([some_of(lanes.each(x, 1), 1, k) for x in (run.q, run.qd)])
+        rate = lane_system(run, k).fastest(run.t[0], y, lane_drive(run, k, driving))
         if rate * step > reach:
             where = at_sample(index)
             warn(
@@ -252,7 +277,7 @@ def _warn_unstable(asked: Simulation, method: str, way: Course, driving: Driving
 
 
 def _tell_stopped(
-    asked: Simulation,
+    run: Simulation,
     method: str,
     result: Simulated,
     given_up: dict[int, GivenUp],
@@ -270,21 +295,119 @@ def _tell_stopped(
         "It may diverge, pass a state without finite acceleration, or, in a closed chain, come to "
         "a position where its equations do not tell; shorter steps or method 'implicit' may help."
     )
-    lane = int(np.ravel_multi_index(index, asked.lanes.shape)) if index else 0
-    advice = why_sampled(asked, lane) or too_late(asked.t) or advice
+    lane = int(np.ravel_multi_index(index, run.lanes.shape)) if index else 0
+    advice = why_sampled(run, lane) or too_late(run.t) or advice
     # those that Python calls at once step alike
     last = given_up.get(0 if alike else lane)
     if last is not None:
-        advice = endless(asked, last, lane)
-    if not asked.lanes.shape:
+        advice = endless(run, last, lane)
+    if not run.lanes.shape:
         raise SimulationStopped(f"simulate: {method} stopped after t = {at:.6g} s. {advice}")
     warn(
-        f"simulate: {len(stopped)} of {asked.lanes.count} motions could not go on and are NaN from "
+        f"simulate: {len(stopped)} of {run.lanes.count} motions could not go on and are NaN from "
         f"there, the first{at_sample(index)} after t = {at:.6g} s. {advice}",
     )
 
 
 def _going(result: Simulated, at: tuple[Any, ...]) -> NDArray[np.bool_]:
-    """Which positions and rates there are numbers."""
+    """Flags of motions whose positions and rates there are numbers."""
     q, qd = (np.isfinite(x[at]).all(axis=-1) for x in (result.q, result.qd))
     return np.asarray(np.logical_and(q, qd))
+
+
+@dataclass(eq=False)
+class _LaneRun:
+    """A run of all lanes, in blocks, through the times at which steps end.
+
+    controller: of (t, q, qd) of all lanes, what the torque holds from each call to the next.
+    growth: looks at the rates there; motions without hope are NaN from there.
+    """
+
+    motions: LaneMotions
+    advance: Advance
+    lanes: MotionLanes
+    controller: TorqueLaw | None
+    torque: LaneTorque | None
+    growth: SampledGrowth | None
+    threads: int | None
+    tell: Callable[[float], None]
+    stop: threading.Event
+    """Set where an interrupt ends the steps; `advance` looks at it too."""
+
+    def run(self) -> None:
+        """Fill in the result."""
+        times, rows = self.motions.times, self.motions.rows
+        starts = times.calls or (0,)
+        ends = (*starts[1:], len(times.edges) - 1)
+        threads = self.threads or cpus()
+        size = min(self.advance.block, max(_FEWEST, ceil(rows / threads)))
+        blocks = [slice(k, min(k + size, rows)) for k in range(0, rows, size)]
+        threads = min(threads, len(blocks))
+        self.motions.record(slice(0, rows), 0, self.motions.state)
+        reached = np.zeros(len(blocks))
+        with ThreadPoolExecutor(threads) as pool:
+            for first, last in zip(starts, ends, strict=True):
+                if self.controller is not None:
+                    self._call(self.controller, first, last)
+                todo = deque(enumerate(blocks))
+                if threads == 1:
+                    for _ in self._section(todo, first, last, reached):
+                        self.tell(float(reached.mean()))
+                else:
+                    self._shared(pool, threads, todo, first, last, reached)
+
+    def _shared(
+        self,
+        pool: ThreadPoolExecutor,
+        threads: int,
+        todo: _Blocks,
+        first: int,
+        last: int,
+        reached: Array,
+    ) -> None:
+        """A section of all blocks by several threads; an interrupt ends them soon."""
+
+        def run() -> None:
+            for _ in self._section(todo, first, last, reached):
+                pass
+
+        running = [pool.submit(run) for _ in range(threads)]
+        try:
+            # in slices of time: an interrupt may have come to another thread
+            while wait(running, timeout=_LOOK).not_done:
+                self.tell(float(reached.mean()))
+        except BaseException:
+            self.stop.set()
+            raise
+        for future in running:
+            future.result()
+
+    def _section(self, todo: _Blocks, first: int, last: int, reached: Array) -> Iterator[None]:
+        """Blocks that nobody has taken, from one edge to another; stops now and then. reached: the
+        part of the whole time that each has behind it."""
+        begin, end = self.motions.times.edges[[0, -1]]
+        while not self.stop.is_set():
+            try:
+                at, block = todo.popleft()
+            except IndexError:
+                return
+            for now in self.advance(self.motions, block, first, last):
+                reached[at] = (now - begin) / (end - begin)
+                yield
+
+    def _call(self, controller: TorqueLaw, first: int, last: int) -> None:
+        """The controller, at an edge; its torque is recorded until the next call, the one before at
+        the end of all."""
+        assert isinstance(self.torque, HeldTorque)
+        if self.growth is not None and self.motions.rows == self.lanes.count:
+            lost = self.growth.hopeless(self.motions.state[1])
+            for x in self.motions.state:
+                x[lost] = np.nan
+        q, qd = (x.reshape(*self.lanes.shape, -1) for x in self.motions.state)
+        times, result = self.motions.times, self.motions.result
+        now = np.asarray(times.edges[first])
+        self.torque.tau[:] = self.lanes.all(controller(now, q, qd), 1)
+        if result.tau is not None:
+            every = result.tau.reshape(self.lanes.count, *result.tau.shape[-2:])
+            rows = times.rows[first : last + (last == len(times.edges) - 1)]
+            every[:, rows[rows >= 0]] = self.torque.tau[:, None]

@@ -1,5 +1,5 @@
-"""One step of many motions: by a step kernel, or by the stages of a method in NumPy where a torque
-is a Python function."""
+"""The step of many motions: what drives them, in the form that steps take, and how a step is made,
+by a kernel or, where a torque is a Python function, by the stages of a method in NumPy."""
 
 from __future__ import annotations
 
@@ -10,19 +10,30 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.kernels.driven_steps import both_laws
 from freebody.kernels.structural import Bound
-from freebody.motion.simulation.first_order_system import Drive, System
-from freebody.motion.simulation.lane_torques import LaneTorque, SteadyWrench, TableTorque, steady
-from freebody.motion.simulation.motion_lanes import MotionLanes, Some, some_of
+from freebody.motion.simulation.first_order_system import System, TorqueLaw
+from freebody.motion.simulation.lanes import (
+    HeldTorque,
+    LaneTorque,
+    LawTorque,
+    MotionLanes,
+    Some,
+    SteadyWrench,
+    TableTorque,
+    some_of,
+    steady,
+)
+from freebody.motion.simulation.simulation import Simulation
+from freebody.motion.simulation.torques import CompiledTorque, batched, drive_of
 from freebody.targets import Kernel
 from freebody.targets.in_turn import Placed, in_turn
+from freebody.trees.passive_joints import all_driven
 from freebody.trees.position_rates import position_rate
 
-State = tuple[Array, Array]
-"""q (lanes, nq), q̇ (lanes, nv)."""
-
+LaneState = tuple[Array, Array]
+"""Positions q (lanes, nq) and rates q̇ (lanes, nv)."""
 LaneWrench = TableTorque | SteadyWrench
-
 _SLICE = 400  # of what a thread is woken for: some 20 ms
 
 
@@ -40,7 +51,7 @@ class LaneKernel:
     def of(
         kernel: Bound, width: float, lanes: MotionLanes, wrenches: Sequence[LaneWrench]
     ) -> LaneKernel:
-        """With the model's numbers of a batch."""
+        """The kernel with the model's numbers of a batch."""
         (numbers,) = kernel.numbers
         numbers = lanes.each(numbers, 1)
         assert isinstance(kernel.kernel, Kernel)
@@ -56,12 +67,12 @@ class LaneKernel:
     def __call__(
         self,
         lanes: Some,
-        state: State,
+        state: LaneState,
         h: Array | float,
         start: Array | float,
         given: tuple[Array, ...],
     ) -> Any:
-        """Of some lanes; given: the torque, and what is held."""
+        """Evaluate the kernel for some lanes; given: the torque, and what is held."""
         loads = [x for w in self.wrenches for x in w.inputs(lanes, start, start + h)]
         p = some_of(self.numbers, 1, lanes)
         # what comes is checked, and blocks are short: a call as plain as there is
@@ -85,8 +96,8 @@ class LaneKernel:
 
 @dataclass(frozen=True, eq=False)
 class KernelStepper:
-    """By a step kernel. added: forces besides the torque. holding: torques that push besides, and
-    what is held (lanes, nv), arrays that change between steps."""
+    """Steps by a step kernel. added: forces besides the torque. holding: torques that push besides,
+    and flags of what is held (lanes, nv), arrays that change between steps."""
 
     kernel: LaneKernel
     torque: LaneTorque
@@ -94,7 +105,9 @@ class KernelStepper:
     added: LaneTorque | None = None
     holding: tuple[Array, Array] | None = None
 
-    def step(self, lanes: Some, state: State, start: Array | float, h: Array | float) -> State:
+    def step(
+        self, lanes: Some, state: LaneState, start: Array | float, h: Array | float
+    ) -> LaneState:
         """The states of some lanes a step h (s) after `start`, floats or one for each lane."""
         given = self.torque.inputs(lanes, start, start + h)
         if self.added is not None:
@@ -104,7 +117,7 @@ class KernelStepper:
         return self.kernel(lanes, state, h, start, given)
 
     def in_turn(self, lanes: slice, places: Sequence[Placed], start: Array, h: Array) -> None:
-        """See `LaneKernel`; nothing is held."""
+        """Make steps that follow one another, see `LaneKernel`; nothing is held."""
         given = self.torque.in_turn(lanes, start, start + h)
         if self.added is not None:
             given = (*given, *self.added.in_turn(lanes, start, start + h))
@@ -112,55 +125,24 @@ class KernelStepper:
 
 
 @dataclass(frozen=True, eq=False)
-class KernelRates:
-    """Accelerations, what holds, and M, by a kernel of `driven_rates`."""
-
-    kernel: LaneKernel
-    torque: LaneTorque
-    added: LaneTorque | None = None
-
-    def __call__(
-        self, lanes: Some, state: State, t: Array | float, push: Array, held: Array
-    ) -> tuple[Array, Array, Array]:
-        """(q̈, reaction, M) of some lanes, where some torques push besides and some coordinates are
-        held."""
-        more = () if self.added is None else self.added.inputs(lanes, t, t)
-        given = (*self.torque.inputs(lanes, t, t), *more, push, held)
-        return self.kernel(lanes, state, 0.0, t, given)
-
-
-@dataclass(frozen=True, eq=False)
-class FunctionRates:
-    """The same of one motion under a Python function."""
-
-    kernel: LaneKernel
-    drive: Drive
-
-    def __call__(
-        self, lanes: Some, state: State, t: Array | float, push: Array, held: Array
-    ) -> tuple[Array, Array, Array]:
-        """(q̈, reaction, M)."""
-        pairs = zip(np.broadcast_to(t, len(state[0])), *state, strict=True)
-        tau = np.stack([self.drive(*now) for now in pairs])
-        return self.kernel(lanes, state, 0.0, t, (*steady(tau), push, held))
-
-
-@dataclass(frozen=True, eq=False)
 class FunctionStepper:
-    """By a Python function of all motions at once, which therefore take the same steps: one row.
+    """Steps under a Python function of all motions at once, which therefore take the same steps:
+    one row.
 
     The stages of the classical Runge-Kutta method over q and q̇, or semi-implicit Euler; quaternions
     are brought back to unit length.
     """
 
     system: System
-    drive: Drive
+    drive: TorqueLaw
     shape: tuple[int, ...]
     classical: bool
     rows: int = 1
 
-    def step(self, lanes: Some, state: State, start: Array | float, h: Array | float) -> State:
-        """As of a `KernelStepper`; start and h are the same for all motions."""
+    def step(
+        self, lanes: Some, state: LaneState, start: Array | float, h: Array | float
+    ) -> LaneState:
+        """The states a step h after `start`, which are the same for all motions."""
         now, length = float(np.max(start)), float(np.max(h))
         y = np.concatenate([x.reshape(*self.shape, -1) for x in state], axis=-1)
         nq = self.system.layout.nq
@@ -183,5 +165,113 @@ class FunctionStepper:
         )
 
 
-Rates = KernelRates | FunctionRates
 Stepper = KernelStepper | FunctionStepper
+
+
+@dataclass(frozen=True, eq=False)
+class KernelRates:
+    """Accelerations, what holds, and M, by a kernel of `driven_rates`."""
+
+    kernel: LaneKernel
+    torque: LaneTorque
+    added: LaneTorque | None = None
+
+    def __call__(
+        self, lanes: Some, state: LaneState, t: Array | float, push: Array, held: Array
+    ) -> tuple[Array, Array, Array]:
+        """(q̈, reaction, M) of some lanes, where some torques push besides and some coordinates are
+        held."""
+        more = () if self.added is None else self.added.inputs(lanes, t, t)
+        given = (*self.torque.inputs(lanes, t, t), *more, push, held)
+        return self.kernel(lanes, state, 0.0, t, given)
+
+
+@dataclass(frozen=True, eq=False)
+class FunctionRates:
+    """Accelerations, what holds, and M of one motion under a Python function."""
+
+    kernel: LaneKernel
+    drive: TorqueLaw
+
+    def __call__(
+        self, lanes: Some, state: LaneState, t: Array | float, push: Array, held: Array
+    ) -> tuple[Array, Array, Array]:
+        """Accelerations, what holds, and M, (q̈, reaction, M), in some states."""
+        pairs = zip(np.broadcast_to(t, len(state[0])), *state, strict=True)
+        tau = np.stack([self.drive(*now) for now in pairs])
+        return self.kernel(lanes, state, 0.0, t, (*steady(tau), push, held))
+
+
+Rates = KernelRates | FunctionRates
+
+
+@dataclass(frozen=True, eq=False)
+class Driving:
+    """The torque of all motions at a time of a row of the result, the forces besides at any time,
+    and the sum of both as steps in Python take it.
+
+    torque, added: as step kernels take them, None where a Python function acts within the steps, or
+    nothing is added. held: what a controller gave, where there is one.
+    """
+
+    drive: TorqueLaw
+    forces: TorqueLaw | None
+    acting: TorqueLaw
+    torque: LaneTorque | None
+    added: LaneTorque | None = None
+    held: HeldTorque | None = None
+
+    @property
+    def adds(self) -> bool:
+        """Whether step kernels take more than the torque."""
+        return self.added is not None
+
+
+def driving_of(run: Simulation) -> Driving:
+    """The torques and forces of a simulation, as its steps take them."""
+    drive, torque = _torque(run)
+    held = torque if isinstance(torque, HeldTorque) else None
+    if run.forces is None:
+        return Driving(drive, None, drive, torque, held=held)
+    model, lanes, given = run.model, run.lanes, run.forces
+    forces = drive_of(all_driven(model), run.t, given, lanes.shape, "forces")
+    whole = (*lanes.shape, model.nv)
+    table = isinstance(run.torque, np.ndarray)
+    own = drive_of(model, run.t, run.torque, lanes.shape) if table else drive
+
+    def acting(now: Array, q: Array, qd: Array) -> Array:
+        tau = own(now, q, qd) if held is None else held.tau.reshape(whole)
+        return tau + forces(now, q, qd)
+
+    if torque is None or not isinstance(given, np.ndarray | CompiledTorque):
+        return Driving(drive, forces, acting, None, held=held)
+    if isinstance(given, np.ndarray):
+        added = TableTorque(run.t, lanes.each(given, 2))
+        return Driving(drive, forces, acting, torque, added, held)
+    if isinstance(torque, LawTorque):
+        both = LawTorque(both_laws(torque.law, given.law), torque.more, torque.cores)
+        return Driving(drive, forces, acting, both, held=held)
+    return Driving(drive, forces, acting, LawTorque.of(given.law, lanes, (), ()), torque, held)
+
+
+def _torque(run: Simulation) -> tuple[TorqueLaw, LaneTorque | None]:
+    """The torque of all motions at a time, and as steps take it: None for a Python function that
+    acts within them."""
+    torque, lanes, nv = run.torque, run.lanes, run.model.nv
+    if isinstance(torque, np.ndarray):
+        table = TableTorque(run.t, lanes.each(torque, 2))
+        whole = (*lanes.shape, nv)
+        return lambda now, q, qd: np.broadcast_to(_shaped(table.given(now), whole), whole), table
+    drive: TorqueLaw = (
+        torque if isinstance(torque, CompiledTorque) else batched(run.model, torque, lanes.shape)
+    )
+    if run.sample_time is not None:
+        return drive, HeldTorque(np.zeros((lanes.count, nv)))
+    if isinstance(torque, CompiledTorque):
+        return drive, LawTorque.of(torque.law, lanes, torque.more, torque.cores)
+    return drive, None
+
+
+def _shaped(tau: Array, whole: tuple[int, ...]) -> Array:
+    """One row for all motions as it is, one for each in the shape of the batch."""
+    return tau if tau.ndim == 1 else tau.reshape(whole)

@@ -1,5 +1,5 @@
-"""The torque of a simulation over time: the times between which it is smooth, and what it is
-there."""
+"""Torques, forces and wrenches as a simulation is given them, checked: constants, tables over its
+times, Python functions, and laws that `fb.compile` compiled."""
 
 from __future__ import annotations
 
@@ -10,62 +10,53 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.arrays import Array, above_zero, as_floats, check_core, refuse_not_finite
-from freebody.errors import FreebodyError, ShapeError
+from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
+from freebody.errors import FreebodyError, KindError, ShapeError, UnknownNameError, listed, warn
 from freebody.kernels.column_by_column import ColumnKernel, KernelList
+from freebody.kernels.driven_steps import STATE, law_inputs
+from freebody.kernels.formulas import FORMULAS
+from freebody.kernels.formulas.inputs import INPUTS
 from freebody.kernels.inputs import InputKernel
 from freebody.labels import is_labelled, row_times
+from freebody.lazy import cached_property
+from freebody.model.families import member_at
 from freebody.model.model import Model
-from freebody.motion.simulation.compiled_torque import CompiledTorque, compiled_torque
-from freebody.motion.simulation.first_order_system import Drive, row_at
+from freebody.motion.simulation.first_order_system import TorqueLaw, row_at
+from freebody.motion.simulation.lanes import MotionLanes, some_of
 from freebody.outputs.numbers import compared
-from freebody.targets import Kernel
+from freebody.program import Argument, Program
+from freebody.targets import Kernel, compile_program
+from freebody.trees.controllers import not_negative
 from freebody.trees.passive_joints import all_driven, refuse_passive
-from freebody.trees.public_calls import vector
+from freebody.trees.public_calls import Wrenches, vector, wrenches_by_frame
+
+_SAME_TIME = 1e-9  # of the duration: how far the label of a row may be from its time
 
 TorqueFunction = Callable[[float, Array, Array], ArrayLike]
-Torque = ArrayLike | TorqueFunction | Kernel | None
-Given = Array | TorqueFunction | CompiledTorque
-"""What was given, checked: a table (..., T, nv), one row (..., 1, nv) that counts at all times, a
-function, or one that was compiled."""
-
-_MOST = 1_000_000  # sampling instants: beyond these a run would take hours
-_SAME = 1e-9  # of a sampling interval: instants this close to a time are that time
-
-
-@dataclass(frozen=True, eq=False)
-class Schedule:
-    """A torque, in pieces that an integrator can step through without meeting a jump or a bend."""
-
-    edges: Array
-    """(k + 1,) increasing: start, what lies between the pieces, end."""
-    begin: Callable[[int, Array, Array], Drive]
-    """The torque on piece k, from the state (q, qd) at its start."""
-    given: Drive
-    """The torque at any time of the run that is over; at a jump the one after it."""
-    feedback: bool = False
-    """Whether the torque depends on the state within a piece."""
+TorqueArgument = ArrayLike | TorqueFunction | Kernel | None
 
 
 def torque_of(
     model: Model,
     t: Array,
-    torque: Torque,
+    torque: TorqueArgument,
     inputs: Mapping[str, Any] | None,
     breakpoints: Array,
     sample_time: float | None,
-    forces: Given | None,
-) -> Given:
-    """What `simulate` was given as torque, checked; forces: what acts besides."""
+    forces: TorqueInput | None,
+) -> TorqueInput:
+    """The torque that `simulate` was given, checked; forces: those that act besides."""
     if inputs is not None and not isinstance(torque, Kernel):
         raise FreebodyError(
             "simulate: torque_inputs= is about a torque from fb.compile; a Python function has its "
             "own variables. Leave it out."
         )
-    found = _given(model, t, np.zeros(model.nv) if torque is None else torque, "torque", inputs)
+    found: TorqueInput = np.zeros((1, model.nv))
+    if torque is not None:
+        found = _given(model, t, torque, "torque", inputs)
     breaks = len(breakpoints) and not callable(forces)
-    for name, told in (("breakpoints", breaks), ("sample_time", sample_time is not None)):
-        if told and not callable(found):
+    for name, present in (("breakpoints", breaks), ("sample_time", sample_time is not None)):
+        if present and not callable(found):
             raise FreebodyError(
                 f"simulate: {name}= applies only to a torque that is a function f(t, q, qd); a "
                 f"table is integrated from row to row. Leave it out."
@@ -73,150 +64,15 @@ def torque_of(
     return found
 
 
-def forces_of(model: Model, t: Array, forces: Torque) -> Given | None:
-    """The same of what was given as forces, which may act at passive joints; None for none."""
+def forces_of(model: Model, t: Array, forces: TorqueArgument) -> TorqueInput | None:
+    """The forces that `simulate` was given, checked, which may act at passive joints; None for
+    none."""
     return None if forces is None else _given(all_driven(model), t, forces, "forces")
 
 
-def _given(
-    model: Model,
-    t: Array,
-    given: ArrayLike | TorqueFunction | Kernel,
-    name: str,
-    inputs: Mapping[str, Any] | None = None,
-) -> Given:
-    if isinstance(given, InputKernel | ColumnKernel | KernelList):
-        raise FreebodyError(
-            f"simulate: a kernel with numbers as inputs, or of a large robot, is no {name} by "
-            f"itself: call it in a function f(t, q, qd)."
-        )
-    if isinstance(given, Kernel):
-        return compiled_torque(model, given, {} if inputs is None else inputs, name)
-    if callable(given):
-        return given
-    table = _table(model, t, given, name)
-    return table[None] if table.ndim == 1 else table
-
-
-def schedule(
-    model: Model,
-    t: Array,
-    torque: Given,
-    breakpoints: Array,
-    sample_time: float | None = None,
-    name: str = "torque",
-) -> Schedule:
-    """The schedule of one motion; t (T,) are its times. name: of the argument."""
-    ends = t[[0, -1]]
-    if isinstance(torque, np.ndarray):
-        if len(torque) > 1:
-            return _of_table(t, torque)
-        (row,) = torque
-        return Schedule(ends, lambda k, q, qd: lambda now, q, qd: row, lambda now, q, qd: row)
-    function = torque if isinstance(torque, CompiledTorque) else _checked(model, torque, name)
-    if sample_time is None:
-        inside = breakpoints[(breakpoints > t[0]) & (breakpoints < t[-1])]
-        return _of_function(function, np.concatenate([ends, inside]))
-    return _sampled(function, instants(float(t[0]), float(t[-1]), sample_time), sample_time, t[-1])
-
-
-def with_edges(plan: Schedule, times: Array) -> Schedule:
-    """The same in pieces that end at these times too."""
-    edges = merged(plan.edges, times, _SAME * np.diff(plan.edges).min())
-    return replace(plan, edges=edges, begin=_begin_within(plan, edges))
-
-
-def along_with(plan: Schedule, other: Schedule) -> Schedule:
-    """Both at once; what is given is the first."""
-    near = _SAME * min(np.diff(plan.edges).min(), np.diff(other.edges).min())
-    edges = merged(plan.edges, other.edges, near)
-    own, more = (_begin_within(x, edges) for x in (plan, other))
-
-    def begin(k: int, q: Array, qd: Array) -> Drive:
-        one, two = own(k, q, qd), more(k, q, qd)
-        return lambda now, q, qd: one(now, q, qd) + two(now, q, qd)
-
-    return Schedule(edges, begin, plan.given, plan.feedback or other.feedback)
-
-
-def _begin_within(plan: Schedule, edges: Array) -> Callable[[int, Array, Array], Drive]:
-    """`Schedule.begin` of pieces between other edges, among them the schedule's own."""
-    piece = np.searchsorted(plan.edges, 0.5 * (edges[:-1] + edges[1:]), side="right") - 1
-    drives: list[Drive] = []
-
-    def begin(k: int, q: Array, qd: Array) -> Drive:
-        if k == 0 or piece[k] != piece[k - 1]:
-            drives[:] = [plan.begin(int(piece[k]), q, qd)]
-        return drives[0]
-
-    return begin
-
-
-def merged(times: Array, others: Array, near: float) -> Array:
-    """Increasing: times, and what lies between them of others, but for those that are near one."""
-    inside = others[(others > times[0]) & (others < times[-1])]
-    k = np.searchsorted(times, inside)
-    apart = np.minimum(inside - times[k - 1], times[k] - inside)
-    return np.unique(np.concatenate([times, inside[apart > near]]))
-
-
-def _of_table(t: Array, table: Array) -> Schedule:
-    """Straight lines from row to row."""
-    slopes = np.diff(table, axis=0) / np.diff(t)[:, None]
-
-    def line(k: int) -> Drive:
-        return lambda now, q, qd: table[k] + (now - t[k]) * slopes[k]
-
-    def given(now: Array, q: Array, qd: Array) -> Array:
-        return table[np.searchsorted(t, now)]  # asked for at the rows' times alone
-
-    return Schedule(t, lambda k, q, qd: line(k), given)
-
-
-def _of_function(function: Drive, edges: Array) -> Schedule:
-    """A function that is smooth between the edges, on either side of which its value at an edge may
-    count."""
-    edges = np.unique(edges)
-    first, last = edges[:-1].copy(), edges[1:].copy()
-    first[1:], last[:-1] = np.nextafter(first[1:], np.inf), np.nextafter(last[:-1], -np.inf)
-
-    def begin(k: int, q: Array, qd: Array) -> Drive:
-        if len(first) == 1:
-            return function
-        return lambda now, q, qd: function(np.clip(now, first[k], last[k]), q, qd)
-
-    return Schedule(edges, begin, function, feedback=True)
-
-
-def instants(start: float, end: float, sample_time: float) -> Array:
-    """When a controller is called."""
-    above_zero("simulate", "sample_time", sample_time, "seconds")
-    count = (end - start) / sample_time
-    if count > _MOST:
-        raise FreebodyError(
-            f"simulate: sample_time is {sample_time:g} s, {count:.3g} instants in this run; "
-            f"{_MOST} are the most."
-        )
-    return start + sample_time * np.arange(max(1, int(np.ceil(count - _SAME))), dtype=float)
-
-
-def _sampled(function: Drive, instants: Array, sample_time: float, end: float) -> Schedule:
-    """Called at every sampling instant with the state there, and held until the next."""
-    held: list[Array] = []
-
-    def begin(k: int, q: Array, qd: Array) -> Drive:
-        value = function(instants[k], q, qd)
-        held.append(value)
-        return lambda now, q, qd: value
-
-    def given(now: Array, q: Array, qd: Array) -> Array:
-        last = int(np.searchsorted(instants, now + _SAME * sample_time, side="right")) - 1
-        return held[min(last, len(held) - 1)]  # a run that was interrupted has fewer
-
-    return Schedule(np.append(instants, end), begin, given)
-
-
-def breakpoints_of(given: ArrayLike, sample_time: float | None, forces: Given | None) -> Array:
+def breakpoints_of(
+    given: ArrayLike, sample_time: float | None, forces: TorqueInput | None
+) -> Array:
     """The times at which a function of torques or forces has jumps or bends."""
     times = as_floats("simulate", "breakpoints", given)
     if times.ndim != 1:
@@ -231,8 +87,181 @@ def breakpoints_of(given: ArrayLike, sample_time: float | None, forces: Given | 
     return times
 
 
+def all_wrenches(
+    model: Model, t: Array, wrenches: Wrenches, tables: Wrenches
+) -> dict[str, tuple[str, Array]]:
+    """Each wrench by its frame, with its name in messages: (..., 1, six), or (..., T, six) at the
+    times t (T,)."""
+    given = wrenches_by_frame("simulate", model, wrenches)
+    found = {frame: (f"wrenches[{frame!r}]", w[..., None, :]) for frame, w in given.items()}
+    over = tables if isinstance(tables, Mapping) else {None: tables}
+    named = wrenches_by_frame("simulate", model, tables, name="wrench_tables")
+    for (frame, w), value in zip(named.items(), over.values(), strict=tables is not None):
+        name = f"wrench_tables[{frame!r}]"
+        if w.ndim < 2 or w.shape[-2] != len(t):
+            raise FreebodyError(
+                f"simulate: {name} has shape {w.shape}, expected (..., {len(t)}, {w.shape[-1]}): a "
+                f"row for each of the {len(t)} times of t. A constant wrench is given as wrenches=."
+            )
+        if frame in found:
+            raise FreebodyError(
+                f"simulate: wrenches and wrench_tables both have frame {frame!r}; add the constant "
+                f"wrench to each row of the table."
+            )
+        if w.ndim == 2:
+            refuse_other_times(name, row_times(value), t)
+        found[frame] = name, w
+    for name, w in found.values():
+        refuse_not_finite("simulate", name, w, 1)
+    return found
+
+
+def warn_of_tables(t: Array, wrenches: Mapping[str, tuple[str, Array]], state: Array) -> None:
+    """Say where wrenches of many motions from one state may have been meant as a table."""
+    for name, w in wrenches.values():
+        if w.shape[:-1] == (len(t), 1) and state.ndim == 1:
+            warn(
+                f"simulate: {name} {(len(t), w.shape[-1])} is taken as a constant wrench for each "
+                f"of {len(t)} motions; a table over the {len(t)} times t is given as "
+                f"wrench_tables=."
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class CompiledTorque:
+    """A law's program, and what it takes besides time and state, (..., *core) each, in its
+    order."""
+
+    model: Model
+    law: Program
+    more: tuple[Array, ...]
+
+    @property
+    def cores(self) -> tuple[int, ...]:
+        """The number of axes of each further input's core."""
+        return tuple(len(x.shape) for x in self.law.inputs if x.name not in STATE)
+
+    @property
+    def batches(self) -> dict[str, tuple[int, ...]]:
+        """The leading shapes of the further inputs."""
+        own = [x.name for x in self.law.inputs if x.name not in STATE]
+        pairs = zip(self.more, self.cores, strict=True)
+        shapes = [x.shape[: x.ndim - core] for x, core in pairs]
+        return dict(zip((f"torque_inputs[{n!r}]" for n in own), shapes, strict=True))
+
+    @cached_property
+    def _kernel(self) -> Kernel:
+        return compile_program(self.law)
+
+    def __call__(self, t: Array, q: Array, qd: Array) -> Array:
+        """The torque tau (..., nv) at a time, in a state."""
+        state = {"t": t, "q": q, "qd": qd}
+        found = self._kernel(*law_inputs(self.law, state, self.more))
+        if self.model.passive and np.isfinite(found).all():
+            refuse_passive("simulate", self.model, found)
+        return np.broadcast_to(found, np.broadcast_shapes(found.shape, qd.shape))
+
+
+TorqueInput = Array | TorqueFunction | CompiledTorque
+"""A torque or force as it was given, checked: a table (..., T, nv), one row (..., 1, nv) that
+counts at all times, a function, or one that was compiled."""
+
+
+def _given(
+    model: Model,
+    t: Array,
+    given: ArrayLike | TorqueFunction | Kernel,
+    name: str,
+    inputs: Mapping[str, Any] | None = None,
+) -> TorqueInput:
+    if isinstance(given, InputKernel | ColumnKernel | KernelList):
+        raise FreebodyError(
+            f"simulate: a kernel with numbers as inputs, or of a large robot, is no {name} by "
+            f"itself: call it in a function f(t, q, qd)."
+        )
+    if isinstance(given, Kernel):
+        return _compiled_torque(model, given, {} if inputs is None else inputs, name)
+    if callable(given):
+        return given
+    table = _table(model, t, given, name)
+    return table[None] if table.ndim == 1 else table
+
+
+def _compiled_torque(
+    model: Model, kernel: Kernel, given: Mapping[str, Any], name: str = "torque"
+) -> CompiledTorque:
+    """The torque of a kernel, its inputs checked; given: those besides t, q and qd, by name. name:
+    of the argument, of which `torque` alone takes such inputs."""
+    if not isinstance(given, Mapping):
+        raise KindError("simulate", "torque_inputs", given, "a dict of names and values")
+    law = kernel.program
+    _require_shapes(model, law, name)
+    further = [x for x in law.inputs if x.name not in STATE]
+    _require_inputs([x.name for x in further], given, name)
+    gains = _gains(law)
+    more = tuple(_input(model, x, given[x.name], x.name in gains) for x in further)
+    return CompiledTorque(model, law, more)
+
+
+def _require_shapes(model: Model, law: Program, name: str) -> None:
+    """Refuse a law of another robot: t, q, qd and the one output have the model's shapes."""
+    sizes = {"t": (), "q": (model.nq,), "qd": (model.nv,)}
+    for x in law.inputs:
+        if x.name in sizes and x.shape != sizes[x.name]:
+            raise FreebodyError(
+                f"simulate: the compiled {name} takes {x}, but of {model.name!r} {x.name} has "
+                f"shape {sizes[x.name]}."
+            )
+    if [x.shape for x in law.outputs] != [(model.nv,)]:
+        raise FreebodyError(
+            f"simulate: the compiled {name} returns {listed(map(str, law.outputs))}; expected one "
+            f"output of shape ({model.nv},)."
+        )
+
+
+def _require_inputs(known: list[str], given: Mapping[str, Any], name: str) -> None:
+    """Refuse further inputs that the law does not know, and a law that lacks some of them."""
+    for one in given:
+        if one not in known:
+            raise UnknownNameError("input", one, "torque_inputs=", known)
+    lacking = [x for x in known if x not in given]
+    if not lacking:
+        return
+    remedy = (
+        f"give torque_inputs={{{lacking[0]!r}: …}}"
+        if name == "torque"
+        else "compile it with these numbers inside"
+    )
+    raise FreebodyError(
+        f"simulate: the compiled {name} takes {listed(lacking)} besides t, q and qd: {remedy}."
+    )
+
+
+def _input(model: Model, argument: Argument, given: Any, gain: bool) -> Array:
+    """A further input of a law as an array (..., *core); gain: whether it makes no sense below
+    0."""
+    name, shape = f"torque_inputs[{argument.name!r}]", argument.shape
+    array = as_floats("simulate", name, given)
+    check_core("simulate", name, array, shape, "as it was compiled")
+    refuse_not_finite("simulate", name, array, len(shape))
+    if gain:
+        rows = model.velocity_names if shape == (model.nv,) else range(*shape)
+        not_negative("simulate", name, array, [*map(str, rows)])
+    return array
+
+
+def _gains(law: Program) -> tuple[str, ...]:
+    """Names of the inputs that make no sense below 0, of a kernel that is one of `FORMULAS`:
+    control laws refuse it there as where they are called; in a law of the user's own a name says
+    nothing."""
+    formula, names = FORMULAS.get(law.name), tuple(x.name for x in law.inputs)
+    if formula is None or names != formula.inputs:
+        return ()
+    return tuple(name for name in names if INPUTS[name].positive is not None)
+
+
 def _table(model: Model, t: Array, given: ArrayLike, name: str) -> Array:
-    """(nv,) or (..., T, nv)."""
+    """A checked table: (nv,) or (..., T, nv)."""
     rows = row_times(given)
     if is_labelled(given):
         given = vector("simulate", model, name, given)
@@ -256,7 +285,7 @@ def _table(model: Model, t: Array, given: ArrayLike, name: str) -> Array:
 
 def refuse_other_times(name: str, rows: Array | None, t: Array) -> None:
     """Refuse a table of (T, …) whose rows carry other times than t (T,)."""
-    if rows is not None and np.abs(rows - t).max() > _SAME * (t[-1] - t[0]):
+    if rows is not None and np.abs(rows - t).max() > _SAME_TIME * (t[-1] - t[0]):
         k = int(np.argmax(np.abs(rows - t)))
         label, time = compared(rows[k], t[k], digits=6)
         raise FreebodyError(
@@ -267,9 +296,9 @@ def refuse_other_times(name: str, rows: Array | None, t: Array) -> None:
 
 
 def drive_of(
-    model: Model, t: Array, given: Given, batch: tuple[int, ...], name: str = "torque"
-) -> Drive:
-    """What was given, of all motions of a batch at once: at any time from the first of t to the
+    model: Model, t: Array, given: TorqueInput, batch: tuple[int, ...], name: str = "torque"
+) -> TorqueLaw:
+    """The torque or force of all motions of a batch at once: at any time from the first of t to the
     last, linear between them where it is a table. name: of the argument."""
     if isinstance(given, np.ndarray):
         whole = (*batch, model.nv)
@@ -279,7 +308,7 @@ def drive_of(
 
 def batched(
     model: Model, function: TorqueFunction, batch: tuple[int, ...], name: str = "torque"
-) -> Drive:
+) -> TorqueLaw:
     """A function that is called for all motions of a batch at once; what it returns broadcasts to
     (*batch, nv). name: of the argument."""
     whole, returned = (*batch, model.nv), f"what {name}(t, q, qd) returns"
@@ -290,8 +319,8 @@ def batched(
             tau = vector("simulate", model, returned, tau)
         tau = np.array(as_floats("simulate", returned, tau))
         if tau.shape not in (whole, (model.nv,)):
-            told = "it is called with all motions at once"
-            raise ShapeError("simulate", returned, tau.shape, str(whole), told)
+            hint = "it is called with all motions at once"
+            raise ShapeError("simulate", returned, tau.shape, str(whole), hint)
         if model.passive and np.isfinite(tau).all():
             refuse_passive("simulate", model, tau)
         return np.broadcast_to(tau, whole)
@@ -299,21 +328,8 @@ def batched(
     return drive
 
 
-def _checked(model: Model, function: TorqueFunction, name: str) -> Drive:
-    """The function, called for one state at a time, what it returns looked at."""
-    returned = f"what {name}(t, q, qd) returns"
-
-    def drive(now: Array, q: Array, qd: Array) -> Array:
-        if q.ndim > 1:
-            return np.stack([drive(now, *state) for state in zip(q, qd, strict=True)])
-        tau = function(float(now), q.copy(), qd.copy())  # which may work in place
-        if is_labelled(tau):
-            tau = vector("simulate", model, returned, tau)
-        tau = np.array(tau, dtype=float)
-        if tau.shape != (model.nv,):
-            check_core("simulate", returned, tau, (model.nv,), f"model {model.name!r}")
-        if model.passive and np.isfinite(tau).all():
-            refuse_passive("simulate", model, tau)
-        return tau
-
-    return drive
+def one_lane(torque: CompiledTorque, lanes: MotionLanes, k: int) -> CompiledTorque:
+    """The compiled torque with the further inputs of one motion."""
+    pairs = zip(torque.more, torque.cores, strict=True)
+    more = tuple(some_of(lanes.each(x, core), core, k) for x, core in pairs)
+    return replace(torque, model=member_at(torque.model, lanes.index(k)), more=more)

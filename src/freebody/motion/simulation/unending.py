@@ -1,8 +1,9 @@
-"""Runs that would not end: steps so short that the rest would take years of them, and rates that a
-sampled torque multiplies from one instant to the next."""
+"""Runs whose end is far or never comes: steps that friction or stiffness keeps short, so many steps
+that they would take years, and rates that grow without hope; each found, and explained in words."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -10,13 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from freebody.arrays import Array
-from freebody.errors import FreebodyError
+from freebody.arrays import Array, at_sample
+from freebody.errors import FreebodyError, warn
+from freebody.model.families import member_at
+from freebody.model.model import Model
+from freebody.motion.friction import smooth_friction
 from freebody.motion.ranges import angular
-from freebody.motion.simulation.motion_lanes import some_of
-from freebody.motion.simulation.short_steps import lane_system
+from freebody.motion.simulation.first_order_system import System, TorqueLaw, loads_over, system
+from freebody.motion.simulation.lanes import some_of
 from freebody.motion.simulation.simulation import Simulation
-from freebody.motion.simulation.torques import drive_of
+from freebody.motion.simulation.steppers import Driving, LaneState
+from freebody.motion.simulation.torques import CompiledTorque, drive_of, one_lane
 
 MOST = 1e8
 """Steps that Python makes one by one: more would take many hours, or days."""
@@ -33,6 +38,69 @@ _MARGIN = 1e-3  # growth a sample of a loop that counts as stable
 _FINER, _OCTAVES = 2.0**0.25, 40
 _RESOLVED = 1e-3  # rad, m: a step that the motion itself asks for
 _SHIFT = 1e-6  # of differences of the torque, relative to 1 + |y|
+_SHORT = 5e-4
+"""Length of a step, as a part of the duration, below which it is looked at."""
+_STABLE = 1.5
+"""Step times decay rate from which stability, not accuracy, tells the step (5 is the most)."""
+_BENT = 0.03
+"""Step times decay rate from which the bends of smooth friction keep a step short, if it makes the
+rate twice as fast."""
+_SEEN, _LOOKS = 10, 500
+
+
+@dataclass(eq=False)
+class ShortSteps:
+    """Looks now and then at the motion that makes the shortest step of a block."""
+
+    run: Simulation
+    driving: Driving
+    text: str = ""
+    """The sentence on what was found."""
+    warned: bool = False
+    looks: int = 0
+    seen: int = 0
+
+    def look(self, lane: int, t: float, state: LaneState, step: float) -> None:
+        """Look at a motion at time t, q (nq,) and qd (nv,), after a step (s)."""
+        if self.text or step > _SHORT * self.run.duration or self.looks >= _LOOKS:
+            return
+        self.looks += 1
+        run, y = self.run, np.concatenate(state)
+        torque = lane_drive(run, lane, self.driving)
+        decay = lane_system(run, lane).fastest_decay(np.asarray(t), y, torque)
+        smooth, friction = smooth_friction(run.model)
+        rubs = friction.acts and decay * step > _BENT
+        if rubs:
+            without = lane_system(run, lane, smooth).fastest_decay(np.asarray(t), y, torque)
+            rubs = decay > 2.0 * without
+        self.seen += rubs or decay * step > _STABLE
+        if self.seen < _SEEN:
+            return
+        here = f"{step:.1g} s at t = {t:.3g} s{at_sample(run.lanes.index(lane))}"
+        self.text = (
+            f"simulate: smooth dry friction keeps the steps of motions short, {here}: it changes "
+            f"within friction_width = {run.width:g}. A larger tolerance= or friction_width=, or "
+            f"method='implicit' with step=, takes fewer."
+            if rubs
+            else f"simulate: motions are stiff: stability, not accuracy, keeps their steps short, "
+            f"{here}, where part of the motion decays within {1.0 / decay:.1g} s. "
+            f"method='implicit' with step= takes fewer."
+        )
+
+    def tell(self) -> None:
+        """Warn, once, of what was found."""
+        if self.text and not self.warned:
+            self.warned = True
+            warn(self.text)
+
+    def while_telling(self, tell: Callable[[float], None]) -> Callable[[float], None]:
+        """A function that tells the part that is done, and warns as soon as there is reason to."""
+
+        def both(done: float) -> None:
+            self.tell()
+            tell(done)
+
+        return both
 
 
 @dataclass(eq=False)
@@ -111,53 +179,53 @@ class GivenUp(NamedTuple):
     doubling: float = np.nan
 
 
-def endless(asked: Simulation, last: GivenUp, lane: int = 0) -> str:
-    """Why a motion is given up, as sentences."""
+def endless(run: Simulation, last: GivenUp, lane: int = 0) -> str:
+    """The reason for giving up a motion, as sentences."""
     step = last.now - last.before
     if not step:
-        return too_late(asked.t)
+        return too_late(run.t)
     if np.isfinite(last.doubling):
-        fast = _moving(asked, last.qd)
-        why = why_sampled(asked, lane) or "Check the torque, its sign and units."
+        fast = _moving(run, last.qd)
+        why = why_sampled(run, lane) or "Check the torque, its sign and units."
         return (
             f"At t = {last.now:.6g} s {fast}, twice as fast every {last.doubling:.1g} s: the "
             f"motion diverges. {why}"
         )
-    left = (asked.t[-1] - last.now) / step
+    left = (run.t[-1] - last.now) / step
     return (
         f"At t = {last.now:.6g} s steps are {step:.1g} s long, {left:.1g} more to the end: this "
-        f"run would not end. {_why_short(asked, last.qd, step, lane)}"
+        f"run would not end. {_why_short(run, last.qd, step, lane)}"
     )
 
 
 def too_late(t: Array) -> str:
-    """That times are so large that steps do not count beside them; "" where they are not."""
+    """A sentence on times so large that steps do not count beside them; "" where they are not."""
     apart = float(np.spacing(np.abs(t).max()))
     if apart <= _COARSE * (t[-1] - t[0]):
         return ""
     return f"At t = {t[0]:g} s numbers are {apart:.1g} s apart: let the times begin at 0."
 
 
-def hopeless(asked: Simulation, now: float, qd: Array) -> str:
-    """Why a motion is given up whose rates, qd (nv,) by now, grow from call to call."""
-    why = why_sampled(asked) or "The loop that the torque closes is unstable."
+def hopeless(run: Simulation, now: float, qd: Array) -> str:
+    """The reason for giving up a motion whose rates, qd (nv,) by now, grow from call to call."""
+    why = why_sampled(run) or "The loop that the torque closes is unstable."
     return (
         f"simulate: the motion grows from one call of the torque to the next: at t = {now:.6g} s "
-        f"{_moving(asked, qd)}, and no step would lead on to the end. {why}"
+        f"{_moving(run, qd)}, and no step would lead on to the end. {why}"
     )
 
 
-def _why_short(asked: Simulation, qd: Array, step: float, lane: int) -> str:
-    """What makes the steps of one motion short, or their number large, as sentences."""
-    told = why_sampled(asked, lane) or too_late(asked.t)
-    if told:
-        return told
+def _why_short(run: Simulation, qd: Array, step: float, lane: int) -> str:
+    """The reason for the short steps of one motion, or for their number, as sentences."""
+    reason = why_sampled(run, lane) or too_late(run.t)
+    if reason:
+        return reason
     speed = float(np.abs(qd).max(initial=0.0))
     if speed > _FAST:
-        return f"{_moving(asked, qd)}: the motion diverges. Check the torque, its sign and units."
+        return f"{_moving(run, qd)}: the motion diverges. Check the torque, its sign and units."
     if speed * step > _RESOLVED:
-        return f"The times reach to {asked.t[-1]:g} s: shorten them."
-    if callable(asked.torque) or callable(asked.forces):
+        return f"The times reach to {run.t[-1]:g} s: shorten them."
+    if callable(run.torque) or callable(run.forces):
         return (
             "The motion itself asks for no such steps: a function that jumps, or that returns "
             "something else at each call, does. breakpoints= says where it jumps, sample_time= "
@@ -166,27 +234,27 @@ def _why_short(asked: Simulation, qd: Array, step: float, lane: int) -> str:
     return "The motion may pass a state without finite acceleration, or be stiff."
 
 
-def _moving(asked: Simulation, qd: Array) -> str:
-    """What moves fastest, and how fast."""
+def _moving(run: Simulation, qd: Array) -> str:
+    """Words for the fastest coordinate and its rate."""
     k = int(np.argmax(np.abs(qd)))
-    own = k % asked.model.nv  # qd may be those of motions that step alike
-    unit = "rad/s" if angular(asked.model)[own] else "m/s"
-    return f"{asked.model.velocity_names[own]!r} moves at {abs(qd[k]):.3g} {unit}"
+    own = k % run.model.nv  # qd may be those of motions that step alike
+    unit = "rad/s" if angular(run.model)[own] else "m/s"
+    return f"{run.model.velocity_names[own]!r} moves at {abs(qd[k]):.3g} {unit}"
 
 
-def why_sampled(asked: Simulation, lane: int = 0) -> str:
-    """That a motion grows because its torque is sampled too seldom, and up to which sampling time
-    it would not, as sentences; "" where it does not, or that cannot be told."""
-    if asked.sample_time is None or asked.model.loops or asked.model.nq != asked.model.nv:
+def why_sampled(run: Simulation, lane: int = 0) -> str:
+    """Sentences on a motion that grows because its torque is sampled too seldom, with the sampling
+    time up to which it would not; "" where it does not, or where that cannot be found."""
+    if run.sample_time is None or run.model.loops or run.model.nq != run.model.nv:
         return ""
     try:
         with np.errstate(all="ignore"):
-            loop = _SampledLoop.at_start(asked, lane)
-            size, motion = loop.largest(asked.sample_time)
-            if loop.stable(asked.sample_time) or not np.isfinite(size):
+            loop = _SampledLoop.at_start(run, lane)
+            size, motion = loop.largest(run.sample_time)
+            if loop.stable(run.sample_time) or not np.isfinite(size):
                 return ""
-            name = asked.model.velocity_names[int(np.argmax(np.abs(motion[asked.model.nq :])))]
-            longest = loop.longest(asked.sample_time)
+            name = run.model.velocity_names[int(np.argmax(np.abs(motion[run.model.nq :])))]
+            longest = loop.longest(run.sample_time)
     except (FreebodyError, ArithmeticError, ValueError, np.linalg.LinAlgError):
         return ""
     known = (
@@ -195,7 +263,7 @@ def why_sampled(asked: Simulation, lane: int = 0) -> str:
         else "it is not stable at any shorter sample_time either"
     )
     return (
-        f"The torque is sampled too seldom: held for sample_time = {asked.sample_time:g} s, it "
+        f"The torque is sampled too seldom: held for sample_time = {run.sample_time:g} s, it "
         f"makes the motion of {name!r} grow {size:.3g} times from one instant to the next; "
         f"linearised at the start, {known}. Sample it more often, lower its gains, or give it "
         f"without sample_time=."
@@ -211,16 +279,16 @@ class _SampledLoop:
     K: Array
 
     @staticmethod
-    def at_start(asked: Simulation, lane: int) -> _SampledLoop:
-        """Of one motion, linearised at its start."""
-        model, lanes = asked.model, asked.lanes
-        whole, now = lane_system(asked, lane), np.asarray(asked.t[0])
+    def at_start(run: Simulation, lane: int) -> _SampledLoop:
+        """The loop of one motion, linearised at its start."""
+        model, lanes = run.model, run.lanes
+        whole, now = lane_system(run, lane), np.asarray(run.t[0])
         index, shape = lanes.index(lane), lanes.shape
-        states = [np.array(np.broadcast_to(x, (*shape, x.shape[-1]))) for x in (asked.q, asked.qd)]
+        states = [np.array(np.broadcast_to(x, (*shape, x.shape[-1]))) for x in (run.q, run.qd)]
         every = np.concatenate(states, axis=-1)
-        given = asked.torque
+        given = run.torque
         assert callable(given)
-        drive = drive_of(model, asked.t, given, shape)
+        drive = drive_of(model, run.t, given, shape)
 
         def torque(y: Array) -> Array:
             moved = every.copy()
@@ -258,3 +326,30 @@ class _SampledLoop:
         """The longest stable sampling time (s) below one that is not; None where there is none."""
         shorter = sample_time / _FINER ** np.arange(1, round(_OCTAVES * np.log(2) / np.log(_FINER)))
         return next((float(x) for x in shorter if self.stable(float(x))), None)
+
+
+def lane_system(run: Simulation, k: int, model: Model | None = None) -> System:
+    """The system of one motion of a batch, perhaps of another model."""
+    lanes, chosen = run.lanes, run.model if model is None else model
+    loads = {n: some_of(lanes.each(w, 2), 2, k) for n, w in run.wrenches.items()}
+    member = member_at(chosen, lanes.index(k))
+    return system(member, run.width, *loads_over(run.t, loads))
+
+
+def lane_drive(run: Simulation, k: int, driving: Driving) -> TorqueLaw:
+    """Torque and forces of one motion, of a batch of its states; of what does not depend on them,
+    0."""
+    sampled = run.sample_time is not None
+    pairs = (None if sampled else run.torque, driving.drive), (run.forces, driving.forces)
+    acting = [
+        one_lane(given, run.lanes, k) if isinstance(given, CompiledTorque) else _each(drive)
+        for given, drive in pairs
+        if callable(given) and drive is not None
+    ]
+    still = np.zeros(run.model.nv)
+    return lambda now, q, qd: sum((drive(now, q, qd) for drive in acting), still)
+
+
+def _each(drive: TorqueLaw) -> TorqueLaw:
+    """A torque of one state at a time as one of a batch of states."""
+    return lambda now, q, qd: np.stack([drive(now, *state) for state in zip(q, qd, strict=True)])

@@ -1,5 +1,5 @@
-"""The result of a simulation as a dataset: which quantities there are, and how they follow from the
-states."""
+"""The results of a simulation: the states that are found, how a run that ends early hands over
+those that there are, and the dataset, with a table of its quantities."""
 
 from __future__ import annotations
 
@@ -19,21 +19,83 @@ from freebody.loops.equations import gaps, scaled_rate, scaled_residual
 from freebody.model.doubts import DYNAMIC, RANGES, attribute, doubts_used
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
-from freebody.motion.simulation.first_order_system import System, loads_over, row_at, system
+from freebody.motion.simulation.first_order_system import (
+    System,
+    TorqueLaw,
+    loads_over,
+    row_at,
+    system,
+)
 from freebody.motion.simulation.joint_contacts import JointContacts
-from freebody.motion.simulation.simulation import Simulated, Simulation
-from freebody.motion.simulation.torques import Given, drive_of
+from freebody.motion.simulation.simulation import Simulation
+from freebody.motion.simulation.torques import TorqueInput, drive_of
 from freebody.trees.passive_joints import all_driven
 
 if TYPE_CHECKING:
     import xarray as xr
+
+_EACH = ("coordinate",)
+
+
+@dataclass(eq=False)
+class Simulated:
+    """States at the times t (R,), NaN where there are none yet: q (..., R, nq), qd (..., R, nv);
+    what was used, for the result's attributes.
+
+    It is filled while the simulation runs, so that it holds what there is when that ends early.
+    tau (..., R, nv): the torques, where they are found on the way. given: else, of t, q (..., nq)
+    and qd, all motions at one time.
+    """
+
+    t: Array
+    q: Array
+    qd: Array
+    used: dict[str, Any]
+    tau: Array | None = None
+    given: TorqueLaw | None = None
+
+    def torques(self) -> Array:
+        """The torques (..., R, nv) at the times of the result."""
+        if self.tau is not None or self.given is None:
+            return np.full(self.qd.shape, np.nan) if self.tau is None else self.tau
+        found = np.empty(self.qd.shape)
+        for k, now in enumerate(self.t):
+            found[..., k, :] = self.given(now, self.q[..., k, :], self.qd[..., k, :])
+        return found
+
+    def until_now(self) -> Simulated:
+        """The states without the times that no motion has reached."""
+        reached = np.isfinite(self.qd).all(axis=-1).reshape(-1, len(self.t)).any(axis=0)
+        last = int(np.flatnonzero(reached)[-1]) + 1 if reached.any() else 1
+        tau = None if self.tau is None else self.tau[..., :last, :]
+        states = self.q[..., :last, :], self.qd[..., :last, :]
+        return Simulated(self.t[:last], *states, self.used, tau, self.given)
+
+
+class SimulationStopped(FreebodyError):
+    """A motion of `simulate` that cannot go on, or would not end; `result` is the dataset of what
+    there was, up to the last of the times t that was reached."""
+
+    result: xr.Dataset | None = None
+
+
+class SimulationInterrupted(KeyboardInterrupt):
+    """Ctrl-C during `simulate`; `result` is the dataset of what there was."""
+
+    def __init__(self, result: xr.Dataset):
+        last = float(result["time"].values[-1])
+        super().__init__(
+            f"simulate: interrupted; what was computed, up to t = {last:.6g} s, is the `result` of "
+            f"this exception."
+        )
+        self.result = result
 
 
 @dataclass(frozen=True)
 class States:
     """Times first, t (R,), so that a family comes last: q (R, ..., nq), qd and tau (R, ..., nv)."""
 
-    asked: Simulation
+    run: Simulation
     t: Array
     q: Array
     qd: Array
@@ -41,37 +103,37 @@ class States:
 
     @property
     def model(self) -> Model:
-        """Whose states they are."""
-        return self.asked.model
+        """The robot whose states they are."""
+        return self.run.model
 
     @cached_property
     def qdd(self) -> Array:
         """Accelerations (R, ..., nv)."""
-        asked = self.asked
-        axes = len(asked.lanes.shape) + 2  # all: times come first, what is common to motions last
-        loads = {n: np.expand_dims(w, [*range(axes - w.ndim)]) for n, w in asked.wrenches.items()}
-        whole = system(asked.model, asked.width, *loads_over(asked.t, loads))
+        run = self.run
+        axes = len(run.lanes.shape) + 2  # all: times come first, what is common to motions last
+        loads = {n: np.expand_dims(w, [*range(axes - w.ndim)]) for n, w in run.wrenches.items()}
+        whole = system(run.model, run.width, *loads_over(run.t, loads))
         assert self.tau is not None
-        acting = self.tau if asked.forces is None else self.tau + self._forces(asked.forces, axes)
-        if asked.contacts is None:
+        acting = self.tau if run.forces is None else self.tau + self._forces(run.forces, axes)
+        if run.contacts is None:
             return whole.acceleration(self.t, self.q, self.qd, acting)
-        return self._under_contact(whole, asked.contacts, acting)
+        return self._under_contact(whole, run.contacts, acting)
 
-    def _forces(self, given: Given, axes: int) -> Array:
-        """Those besides the torques (R, ..., nv)."""
+    def _forces(self, given: TorqueInput, axes: int) -> Array:
+        """Forces besides the torques (R, ..., nv)."""
         if isinstance(given, np.ndarray):
             table = np.expand_dims(given, [*range(axes - given.ndim)])
-            return row_at(self.t, self.asked.t, table)
-        shape = self.asked.lanes.shape
-        drive = drive_of(all_driven(self.model), self.asked.t, given, shape, "forces")
+            return row_at(self.t, self.run.t, table)
+        shape = self.run.lanes.shape
+        drive = drive_of(all_driven(self.model), self.run.t, given, shape, "forces")
         return np.stack([drive(*now) for now in zip(self.t, self.q, self.qd, strict=True)])
 
     def _under_contact(self, whole: System, contacts: JointContacts, tau: Array) -> Array:
-        """Those with dry friction and stops."""
+        """Accelerations (R, ..., nv) with dry friction and stops."""
         forces = tau - whole.torque(self.t, self.q, self.qd, np.zeros(self.qd.shape))
         M = _kernel(self.model, "mass_matrix")(self.q)
         times, nv = len(self.q), self.model.nv
-        own = contacts.lanes(self.asked.lanes).repeated(times)
+        own = contacts.lanes(self.run.lanes).repeated(times)
         states = self.q.reshape(-1, self.model.nq), self.qd.reshape(-1, nv)
         found = own.contact(*states, M.reshape(-1, nv, nv), forces.reshape(-1, nv))
         return found.qdd.reshape(self.qd.shape)
@@ -89,11 +151,10 @@ class RecordedQuantity(NamedTuple):
 
 
 def _kernel(model: Model, name: str) -> Bound:
-    """Which lets NaN through."""
+    """The kernel of a formula, which lets NaN through."""
     return fetch(model, (name,), Option())
 
 
-_EACH = ("coordinate",)
 RECORDED = {
     "q": RecordedQuantity(("position",), "rad|m|1", "position", lambda s: s.q),
     "qd": RecordedQuantity(_EACH, "rad/s|m/s", "rate", lambda s: s.qd),
@@ -126,7 +187,7 @@ RECORDED = {
         loops=True,
     ),
 }
-"""All quantities by name."""
+"""The quantities of a result by their names."""
 
 
 def recorded(model: Model, names: Sequence[str] | str | None) -> tuple[str, ...]:
@@ -143,16 +204,17 @@ def recorded(model: Model, names: Sequence[str] | str | None) -> tuple[str, ...]
     return listed
 
 
-def dataset(asked: Simulation, result: Simulated, names: Sequence[str]) -> xr.Dataset:
-    """Over the batch's dimensions and `time`; NaN where a motion has not come that far."""
+def dataset(run: Simulation, result: Simulated, names: Sequence[str]) -> xr.Dataset:
+    """The result as a dataset over the batch's dimensions and `time`; NaN where a motion has not
+    come that far."""
     import xarray as xr
 
-    model, batch = asked.model, asked.lanes.shape
+    model, batch = run.model, run.lanes.shape
     axis = len(batch)
     found = [result.q, result.qd]
     if any(RECORDED[name].of_torque for name in names):
         found.append(result.torques())
-    states = States(asked, result.t, *(np.moveaxis(x, axis, 0) for x in found))
+    states = States(run, result.t, *(np.moveaxis(x, axis, 0) for x in found))
     dims = (*_batch_dims(model, batch), "time")
     variables = {}
     with np.errstate(invalid="ignore"):
@@ -174,14 +236,14 @@ def dataset(asked: Simulation, result: Simulated, names: Sequence[str]) -> xr.Da
         coordinates["effort_unit"] = ("coordinate", np.where(turns, "N m", "N"))
     if "loop" in used:
         coordinates["loop"] = [loop.name for loop in model.loops]
-    aspects = DYNAMIC if asked.contacts is None else (*DYNAMIC, RANGES)
+    aspects = DYNAMIC if run.contacts is None else (*DYNAMIC, RANGES)
     doubts = attribute(doubts_used(model, *aspects))
     return xr.Dataset(variables, coordinates, {"robot": model.name, **result.used, **doubts})
 
 
 def _batch_dims(model: Model, batch: tuple[int, ...]) -> list[str]:
-    """Of a family `member`, of what else the batch has `sample`; numbered where there are
-    several."""
+    """Names of the batch's dimensions: `member` of a family, `sample` of the others; numbered where
+    there are several."""
     family = len(model.family)
     names = []
     for kind, count in (("sample", len(batch) - family), ("member", family)):

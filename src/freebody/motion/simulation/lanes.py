@@ -1,35 +1,76 @@
-"""Torques as step kernels take them: a line over each step from a table, a value that is held, or
-the inputs of a compiled law."""
+"""Motions side by side, one a lane: their batch shape flattened, and torques and wrenches as step
+kernels take them: a line over each step from a table, a value that is held, or the inputs of a
+compiled law."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import prod
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array
-from freebody.motion.simulation.motion_lanes import MotionLanes, Some, some_of
 from freebody.program import Program
 from freebody.targets.in_turn import Placed
 
 
+@dataclass(frozen=True)
+class MotionLanes:
+    """The shape of a batch, and its members one after another."""
+
+    shape: tuple[int, ...]
+
+    @property
+    def count(self) -> int:
+        """The number of lanes."""
+        return prod(self.shape)
+
+    def each(self, array: Array, core: int) -> Array:
+        """(count, *core) of an array (..., *core); one without leading axes, which is the same for
+        all lanes, as it is. core: number of its axes."""
+        if array.ndim == core:
+            return array
+        own = array.shape[array.ndim - core :]
+        return np.broadcast_to(array, (*self.shape, *own)).reshape(self.count, *own)
+
+    def all(self, array: Array, core: int) -> Array:
+        """A copy (count, *core) of an array for all lanes."""
+        own = array.shape[array.ndim - core :]
+        return np.array(np.broadcast_to(array, (*self.shape, *own))).reshape(self.count, *own)
+
+    def index(self, lane: int) -> tuple[int, ...]:
+        """The index of a lane in the batch."""
+        return tuple(map(int, np.unravel_index(lane, self.shape))) if self.shape else ()
+
+
+Some = int | slice | NDArray[np.intp]
+"""A choice of lanes: one without its axis, or several."""
+
+
+def some_of(array: Array, core: int, lanes: Some) -> Array:
+    """The rows of some lanes of an array that `MotionLanes.each` returned."""
+    return array if array.ndim == core else array[lanes]
+
+
 class LaneTorque(Protocol):
-    """What acts at the joints of many motions."""
+    """A torque, or forces besides, at the joints of many motions."""
 
     @property
     def law(self) -> Program | None:
-        """What is compiled into the step; None where it takes a line from one torque to another."""
+        """The law that is compiled into the step; None where that takes a line from one torque to
+        another."""
         ...
 
     def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
-        """What the step kernel takes of some lanes for a step from one time to another, floats or
+        """Inputs of the step kernel for some lanes and a step from one time to another, floats or
         one for each lane, between which no edge lies."""
         ...
 
     def in_turn(self, lanes: slice, start: Array, end: Array) -> tuple[Array | Placed, ...]:
-        """The same for steps that follow one another, from times to others (k,)."""
+        """Inputs of the step kernel for steps that follow one another, from times to others
+        (k,)."""
         ...
 
 
@@ -54,7 +95,7 @@ class TableTorque:
         return rows[..., k, :], rows[..., k + 1, :], parts
 
     def in_turn(self, lanes: slice, start: Array, end: Array) -> tuple[Array | Placed, ...]:
-        """The same."""
+        """Rows of the table for steps that follow one another, see `LaneTorque`."""
         if self.rows.shape[-2] == 1:
             return self.inputs(lanes, 0.0, 0.0)
         k, parts = self._between(start, end)
@@ -71,40 +112,22 @@ class TableTorque:
         return k, np.stack([(start - begun) / whole, (end - begun) / whole], axis=-1)
 
     def given(self, t: Array) -> Array:
-        """(lanes, nv) or (nv,) at a time of the table."""
+        """The row (lanes, nv) or (nv,) at a time of the table."""
         if self.rows.shape[-2] == 1:
             return self.rows[..., 0, :]
         return self.rows[..., int(np.searchsorted(self.t, t)), :]
 
 
-def steady(tau: Array) -> tuple[Array, Array, Array]:
-    """A torque that does not change, as the step kernel takes it."""
-    return tau, tau, np.zeros(2)
-
-
 @dataclass(eq=False)
 class HeldTorque:
-    """What a controller gave at its last instant (lanes, nv)."""
+    """The torque that a controller gave at its last instant (lanes, nv)."""
 
     tau: Array
     law: None = None
 
     def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
-        """It, held."""
+        """The torque that is held, for some lanes."""
         return steady(self.tau[lanes])
-
-    in_turn = inputs
-
-
-@dataclass(frozen=True, eq=False)
-class SteadyWrench:
-    """A wrench that does not change (lanes, six), or (six,) for all."""
-
-    value: Array
-
-    def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
-        """It alone."""
-        return (some_of(self.value, 1, lanes),)
 
     in_turn = inputs
 
@@ -121,7 +144,7 @@ class LawTorque:
     def of(
         law: Program, lanes: MotionLanes, more: tuple[Array, ...], cores: tuple[int, ...]
     ) -> LawTorque:
-        """With inputs of any batch shape."""
+        """The law with inputs of any batch shape."""
         each = tuple(lanes.each(x, core) for x, core in zip(more, cores, strict=True))
         return LawTorque(law, each, cores)
 
@@ -130,3 +153,21 @@ class LawTorque:
         return tuple(some_of(x, core, lanes) for x, core in zip(self.more, self.cores, strict=True))
 
     in_turn = inputs
+
+
+@dataclass(frozen=True, eq=False)
+class SteadyWrench:
+    """A wrench that does not change (lanes, six), or (six,) for all."""
+
+    value: Array
+
+    def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
+        """The wrench of some lanes."""
+        return (some_of(self.value, 1, lanes),)
+
+    in_turn = inputs
+
+
+def steady(tau: Array) -> tuple[Array, Array, Array]:
+    """A torque that does not change, as the step kernel takes it."""
+    return tau, tau, np.zeros(2)

@@ -1,0 +1,320 @@
+"""The motion of one state, or of several one after another, by scipy's integrators, which choose
+their steps by the error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from scipy.integrate import OdeSolver
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError, warn
+from freebody.loops.equations import require_closed
+from freebody.model.families import member_at
+from freebody.motion.simulation.first_order_system import (
+    EXPLICIT,
+    IMPLICIT,
+    METHODS,
+    Scheme,
+    System,
+    TorqueLaw,
+    closed_chain_scheme,
+    loads_over,
+    open_scheme,
+    step_tolerance,
+    suited_method,
+    system,
+)
+from freebody.motion.simulation.lanes import MotionLanes, some_of
+from freebody.motion.simulation.results import Simulated, SimulationStopped
+from freebody.motion.simulation.schedules import Schedule, along_with, schedule, with_edges
+from freebody.motion.simulation.simulation import Simulation
+from freebody.motion.simulation.torques import CompiledTorque, one_lane
+from freebody.motion.simulation.unending import (
+    GivenUp,
+    Growth,
+    RunPace,
+    SampledGrowth,
+    endless,
+    hopeless,
+    too_late,
+)
+from freebody.trees.passive_joints import all_driven
+
+_EVERY = 50  # steps between two looks, of which one costs as much as a step or two
+# step times decay rate from which stability, not accuracy, tells the step: both methods are stable
+# to about 3 and 6
+_BOUND = 1.5
+
+
+def one_by_one(run: Simulation, method: str, result: Simulated) -> None:
+    """Fill in the motions of one state, or of many whose torque is a table or compiled."""
+    if not run.lanes.shape:
+        _one(run, method, result)
+        return
+    for name, given in (("torque", run.torque), ("forces", run.forces)):
+        if callable(given) and not isinstance(given, CompiledTorque):
+            raise FreebodyError(
+                f"simulate: {method} integrates one state after another, and a function of "
+                f"{name} is called with all of them: take method 'auto', 'rk4' or "
+                f"'semi-implicit', or compile it with fb.compile."
+            )
+    lanes, (q, qd) = run.lanes, (run.q, run.qd)
+    q, qd = lanes.all(q, 1), lanes.all(qd, 1)
+    result.tau = np.full(result.qd.shape, np.nan)
+    filled, torques = (
+        [x.reshape(lanes.count, *x.shape[-2:]) for x in some]
+        for some in ((result.q, result.qd), (result.tau,))
+    )
+    warned = False
+    for k in range(lanes.count):
+        index = lanes.index(k)
+        own = replace(
+            run,
+            model=member_at(run.model, index),
+            q=q[k],
+            qd=qd[k],
+            torque=_of_lane(run, k, run.torque),
+            forces=None if run.forces is None else _of_lane(run, k, run.forces),
+            wrenches={n: some_of(lanes.each(w, 2), 2, k) for n, w in run.wrenches.items()},
+            lanes=MotionLanes(()),
+            tell=lambda done, k=k: run.tell((k + done) / lanes.count),
+        )
+        part = Simulated(result.t, filled[0][k], filled[1][k], result.used)
+        warned = _one(own, method, part, warned)
+        torques[0][k] = part.torques()
+
+
+def _of_lane(run: Simulation, k: int, given: Any) -> Any:
+    """The torque or forces of one lane."""
+    if isinstance(given, CompiledTorque):
+        return one_lane(given, run.lanes, k)
+    return some_of(run.lanes.each(given, 2), 2, k)
+
+
+def _one(run: Simulation, method: str, result: Simulated, warned: bool = False) -> bool:
+    """Fill in the motion of one state with error control; method: "auto" or one of scipy's.
+
+    warned: whether it has been said that motions are stiff. Returns whether it has by now.
+    """
+    model, t = run.model, run.t
+    whole = system(model, run.width, *loads_over(t, run.wrenches))
+    planned, acting = _planned(run)
+    if model.loops:
+        require_closed("simulate", model, run.q, run.qd)
+    chosen, scheme = _scheme(run, method, whole, acting)
+    scheme = replace(scheme, stopped=too_late(t) or scheme.stopped)
+    if run.sample_time is not None:
+        planned = _growing(run, planned)
+    watch = _StiffnessWatch(
+        whole, run.duration, switches=method == "auto", done=bool(model.loops) or warned
+    )
+    state, states = np.concatenate([run.q, run.qd]), list[Array]()
+    result.given = planned.given
+    try:
+        passed = _giving_up(run, whole)
+        _integrate(whole, scheme, planned, t, state, chosen, watch, states, run.tell, passed)
+    finally:
+        kept = np.array(states[:: run.every])
+        result.q[: len(kept)], result.qd[: len(kept)] = whole.split(kept)
+    used = f"{chosen}, {watch.method} from {watch.since:.6g} s" if watch.method else chosen
+    result.used["method"] = used
+    return warned or watch.since > run.t[0]
+
+
+def _planned(run: Simulation) -> tuple[Schedule, list[Schedule]]:
+    """The schedule of all that acts on one motion, and those of torque and forces alone."""
+    model, t = run.model, run.t
+    planned = schedule(model, t, run.torque, run.breakpoints, run.sample_time)
+    acting = [planned]
+    if run.forces is not None:
+        driven = all_driven(model)
+        acting.append(schedule(driven, t, run.forces, run.breakpoints, name="forces"))
+        planned = along_with(*acting)
+    if any(w.shape[-2] > 1 for w in run.wrenches.values()):
+        planned = with_edges(planned, t)
+    return planned, acting
+
+
+def _scheme(
+    run: Simulation, method: str, whole: System, acting: list[Schedule]
+) -> tuple[str, Scheme]:
+    """The integrator for one motion, "auto" being replaced, and how its states move on."""
+    if run.model.loops:
+        # near a singular position accelerations are known to ten digits, and finer steps would
+        # chase their rounding
+        scheme = closed_chain_scheme(whole, run.tolerance, run.max_step)
+        return "DOP853" if method == "auto" else method, scheme
+
+    def decay() -> float:
+        drives = [x.begin(0, run.q, run.qd) for x in acting if x.feedback]
+        if not drives:
+            return 0.0
+        state = np.concatenate([run.q, run.qd])
+        return whole.fastest_decay(
+            run.t[0], state, lambda *at: np.sum([drive(*at) for drive in drives], axis=0)
+        )
+
+    chosen = suited_method(whole, run.q, run.duration, decay) if method == "auto" else method
+    return chosen, open_scheme(whole, step_tolerance(chosen, run.tolerance), run.max_step)
+
+
+def _giving_up(run: Simulation, whole: System) -> Callable[[float, float, Array], None]:
+    """A function of the two times of a step and the state behind it, which raises where the run
+    would not end."""
+    end = float(run.t[-1])
+    pace, growth, only = RunPace(end), Growth(1, end), np.zeros(1, dtype=int)
+
+    def passed(before: float, now: float, y: Array) -> None:
+        qd = whole.split(y)[1]
+        doubling = float(growth.hopeless(only, np.array([now]), qd[None])[0])
+        if pace.endless(before, now) or np.isfinite(doubling):
+            reason = endless(run, GivenUp(before, now, qd, doubling))
+            raise SimulationStopped(f"simulate: {reason}")
+
+    return passed
+
+
+def _growing(run: Simulation, plan: Schedule) -> Schedule:
+    """The schedule of a sampled torque, given up where the motion grows without hope."""
+    growth = SampledGrowth(len(plan.edges) - 1)
+
+    def begin(k: int, q: Array, qd: Array) -> TorqueLaw:
+        if growth.hopeless(qd[None])[0]:
+            raise SimulationStopped(hopeless(run, float(plan.edges[k]), qd))
+        return plan.begin(k, q, qd)
+
+    return replace(plan, begin=begin)
+
+
+def _integrate(
+    system: System,
+    scheme: Scheme,
+    schedule: Schedule,
+    t: Array,
+    y0: Array,
+    method: str,
+    watch: _StiffnessWatch,
+    states: list[Array],
+    tell: Callable[[float], None],
+    passed: Callable[[float, float, Array], None],
+) -> None:
+    """Put the states (nq + nv,) at the times t (T,) into a list as they are reached, the first of
+    them y0. tell: of the part that is done. passed: called at each step with its two times and the
+    state behind it.
+
+    The solver begins anew at each edge of the schedule, with the step that it had reached, and
+    where the watch has found another method.
+    """
+    states.append(y0)
+    y = y0
+    first: float | None = None
+    for k, (start, end) in enumerate(pairwise(schedule.edges)):
+        drive = schedule.begin(k, *system.split(y))
+        if k == 0:
+            scheme.require(drive, start, y)
+        method = watch.method or method
+        solver = _solver(system, scheme, drive, method, start, y, end, first)
+        while solver.status == "running":
+            before = solver.t
+            message = solver.step()
+            if solver.status == "failed" or not np.isfinite(solver.y).all():
+                _refuse(scheme, method, before, message)
+            passed(before, solver.t, solver.y)
+            states += _reached(solver, scheme, t[(t > before) & (t <= solver.t)])
+            tell((solver.t - t[0]) / (t[-1] - t[0]))
+            if watch.steps(method):
+                watch.look(drive, before, solver.t, solver.y)
+            if solver.status == "running" and watch.method not in ("", method):
+                method, y = watch.method, solver.y
+                solver = _solver(system, scheme, drive, method, solver.t, y, end, None)
+        y, first = solver.y, getattr(solver, "h_abs", solver.step_size)
+
+
+def _solver(
+    system: System,
+    scheme: Scheme,
+    drive: TorqueLaw,
+    method: str,
+    start: float,
+    y: Array,
+    end: float,
+    first: float | None,
+) -> OdeSolver:
+    extra: dict[str, Any] = {}
+    if first is not None:
+        extra["first_step"] = min(first, end - start, scheme.settings["max_step"])
+    if method in IMPLICIT:
+        extra["jac"] = lambda now, y: system.jacobian_under(np.asarray(now), y, drive)
+    solver = METHODS[method](scheme.rate(drive), start, y, end, **scheme.settings, **extra)
+    if np.isnan(getattr(solver, "h_abs", 0.0)):  # a rate of NaN; scipy would step by it for ever
+        _refuse(scheme, method, start, None)
+    return solver
+
+
+def _reached(solver: OdeSolver, scheme: Scheme, due: Array) -> list[Array]:
+    """The states at times of the last step; where it is settled, the solver goes on from there."""
+    inside = due[due < solver.t]
+    found: list[Array] = []
+    if len(inside):
+        found += [scheme.settled(state) for state in solver.dense_output()(inside).T]
+    if scheme.every_step or solver.status == "finished":
+        solver.y = scheme.settled(solver.y)
+    if len(due) > len(inside):
+        found.append(scheme.settled(solver.y))
+    if scheme.every_step and solver.status == "running":
+        # Runge-Kutta methods go on from f, which their base class does not have
+        solver.f = solver.fun(solver.t, solver.y)  # type: ignore[attr-defined]
+    return found
+
+
+def _refuse(scheme: Scheme, method: str, before: float, message: str | None) -> None:
+    reason = f" ({message.rstrip('.')})" if message else ""
+    raise SimulationStopped(
+        f"simulate: {method} stopped after t = {before:.6g} s{reason}. {scheme.stopped}"
+    )
+
+
+@dataclass
+class _StiffnessWatch:
+    """Looks now and then whether the steps of an explicit method are as short as they are for
+    stability alone (Hairer and Wanner 1996, IV.2)."""
+
+    system: System
+    duration: float
+    switches: bool
+    """Whether another method takes over; else a warning says that it should."""
+    method: str = ""
+    """Name of the method that took over."""
+    since: float = -np.inf
+    """Time at which stiffness was found (s)."""
+    count: int = 0
+    done: bool = False
+
+    def steps(self, method: str) -> bool:
+        """Whether it is time to look, after one more step of a method."""
+        if self.done or method not in EXPLICIT:
+            return False
+        self.count += 1
+        return self.count % _EVERY == 0
+
+    def look(self, drive: TorqueLaw, before: float, now: float, y: Array) -> None:
+        """Look at the step from one time to the other, to the state y."""
+        decay = self.system.fastest_decay(np.asarray(now), y, drive)
+        step = now - before
+        if decay * step < _BOUND:
+            return
+        self.done, self.since = True, now
+        if self.switches:
+            self.method = "LSODA"
+        else:
+            warn(
+                f"simulate: the motion is stiff: at t = {now:.3g} s part of it decays within "
+                f"{1.0 / decay:.1g} s. Explicit methods are stable only with steps as short as "
+                f"{step:.1g} s, about {self.duration / step:.1g} in all. method='auto' or 'Radau' "
+                f"takes far fewer.",
+            )
