@@ -3,6 +3,7 @@ program."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from freebody.derivations.methods.body_quantities import BODY_QUANTITIES, numbers
@@ -10,6 +11,7 @@ from freebody.derivations.methods.body_values import BodyValues
 from freebody.derivations.methods.energies import Energies
 from freebody.derivations.methods.reactions import SolvedReactions
 from freebody.derivations.methods.setting import Setting
+from freebody.model.model import Model
 
 
 def body_quantities(s: Setting, reactions: SolvedReactions) -> dict[str, Any]:
@@ -52,3 +54,10 @@ def _of_body(s: Setting, reactions: SolvedReactions, i: int) -> dict[str, Any]:
         there, back = f"R{above}_{b.n}", f"R{b.n}_{above}"  # as lines print them: from, to
         made |= {there: made[back], back: made[there]}
     return made if s.follows(i) else made | {f"tau{s.index(i) + 1}": reactions.motor(i)}
+
+
+def shown(model: Model, values: Mapping[str, Any]) -> list[str]:
+    """Names of the quantities of bodies that a page has a value of, also where no line has them."""
+    known = [x.known for x in BODY_QUANTITIES if x.shown]
+    names = (x.format(**numbers(n)) for n in range(1, len(model.bodies) + 1) for x in known)
+    return [name for name in names if name in values]

@@ -19,7 +19,7 @@ from freebody.derivations.derivation import Derivation
 from freebody.derivations.expressions.expression import Symbol
 from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.living.answers import PageAnswers
-from freebody.derivations.living.body_quantities import body_quantities
+from freebody.derivations.living.body_quantities import body_quantities, shown
 from freebody.derivations.living.closed_chain import ClosedChain
 from freebody.derivations.living.drawn_bodies import DrawnBodies
 from freebody.derivations.living.free_flight import FreeFlight
@@ -122,6 +122,7 @@ def _parts(
     """marked: places in the kernel of the tip, if there is one, and of further points."""
     plain, letters = derivation.plain or derivation, derivation.lettering
     spoken = dict.fromkeys(name for line in found.lines for name in line.names)
+    spoken |= dict.fromkeys(shown(plain.equations.symbols.model, found.quantities))
     readable = {name: x for name in spoken if rank(x := found.quantities[name]) <= 1}
     by_formula: dict[str, Any] = dict(plain.equations.symbols.followed({}))  # lc1 = l1/2
     readable = by_formula | readable
