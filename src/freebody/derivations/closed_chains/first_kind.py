@@ -16,6 +16,7 @@ from itertools import combinations
 from freebody.derivations.closed_chains.linear import Entries, Ratio, ratio, solved
 from freebody.derivations.closed_chains.loops import LoopEquations
 from freebody.derivations.equations.equations import Equations
+from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.polynomials.arithmetic import inner, times
 from freebody.derivations.polynomials.determinant import determinant
 from freebody.derivations.polynomials.symbols import Symbols
@@ -33,6 +34,11 @@ MOST = 8
 def multiplier_names(loops: LoopEquations) -> tuple[str, ...]:
     """Names of the multipliers."""
     return tuple(f"{MULTIPLIER}{k}" for k in range(1, len(loops.names) + 1))
+
+
+def is_multiplier(name: str) -> bool:
+    """Whether a symbol is one."""
+    return atom(name).letter == MULTIPLIER
 
 
 @dataclass(frozen=True)

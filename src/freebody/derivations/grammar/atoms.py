@@ -56,6 +56,12 @@ def atom(name: str) -> Atom:
     return Atom(letter, index, dots + _DOTS.get(ending, 0), len(bare) - len(unprimed))
 
 
+def undotted(name: str) -> str:
+    """The name of which a rate or an acceleration has the name, as code has it: theta1 of
+    theta1_dd; any other name itself."""
+    return name.removesuffix(atom(name).ending)
+
+
 def numbered(name: str) -> tuple[str, str]:
     """A name without the figures that it ends with, and these."""
     stem = name.rstrip(digits)

@@ -28,7 +28,6 @@ from freebody.derivations.check.reasons.misconceptions import TABLES, values
 from freebody.derivations.check.reasons.misreadings import GRAVITY, TIPS
 from freebody.derivations.check.reasons.thoughts import Subject
 from freebody.derivations.check.states.admissible_states import AdmissibleStates, StateSampler
-from freebody.derivations.check.states.state_values import SIGN
 from freebody.derivations.check.verdicts.equation_verdict import STILL
 from freebody.derivations.derivation import Derivation
 from freebody.derivations.expressions.expression import Symbol
@@ -44,6 +43,7 @@ from freebody.derivations.polynomials.typical_values import typical
 from freebody.derivations.relations.formula_values import rank
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
+from freebody.scalars.generators import function_of, symbol_of
 from freebody.scalars.trig import Trig
 
 MOST_THOUGHT = 4
@@ -217,7 +217,7 @@ class PageAnswers:
     @cached_property
     def _symbols(self) -> tuple[str, ...]:
         """Names of the ring that states give values to."""
-        return tuple(x for x in self.setting.ring.names if not x.startswith((SIGN, "sin_", "cos_")))
+        return tuple(x for x in self.setting.ring.names if not function_of(x))
 
     # ------------------------------------------------------------ lines
     def of_line(self, name: str, given: Iterable[str]) -> dict[str, Any]:
@@ -293,15 +293,15 @@ class PageAnswers:
         self, target: AskedQuantity, right: Trig, point: RealPoint
     ) -> Iterator[Iterator[Iterator[_Told]]]:
         """By table and row; in a table of its own that nothing moves, where that may be meant."""
-        moving = [name for name in self.setting.ring.names if name.endswith((RATE, SECOND))]
+        moving = [name for name in self.setting.ring.names if atom(name).dots]
         still = point.changed(dict.fromkeys(moving, 0)).of(right) or np.nan
         yield iter([iter([(STILL, still)])] if target.kind.may_be_still else [])
         yield from values(Subject(BodiesAtPoint(self.setting, point), self.targets, target, right))
 
     def _signed(self, row: Mapping[str, float]) -> dict[str, float]:
         """A state with the signs of its rates."""
-        signs = [x for x in self.setting.ring.names if x.startswith(SIGN)]
-        return {**row, **{x: float(np.sign(row.get(x[len(SIGN) :], np.nan))) for x in signs}}
+        signs = [x for x in self.setting.ring.names if function_of(x)]
+        return {**row, **{x: float(np.sign(row.get(symbol_of(x), np.nan))) for x in signs}}
 
     def _sentence(self, text: str) -> int:
         if text not in self.sentences:
@@ -364,7 +364,7 @@ class PageAnswers:
     @property
     def _slide(self) -> dict[str, Slots]:
         """x where the only slide is called otherwise."""
-        slides = [x for x in self.setting.symbols.coordinates if x.startswith("d")]
+        slides = [x for x in self.setting.symbols.coordinates if not self.setting.turns(x)]
         if len(slides) != 1:
             return {}
         single, endings = self.targets.single, ("", RATE, SECOND)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.living.body_quantities import vector
 from freebody.derivations.living.kernel import PageProgram
 from freebody.derivations.living.page_figure import Labels
@@ -42,7 +43,7 @@ class FreeFlight:
     @property
     def solved_names(self) -> tuple[str, ...]:
         """The accelerations."""
-        return tuple(x for x in self._moving if x.endswith(RATE))
+        return tuple(x for x in self._moving if atom(x).dots)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -10,7 +10,6 @@ from freebody.derivations.expressions.nodes import Negative, Sum
 from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.methods.glossary import ACCELERATION, in_model, placed
 from freebody.derivations.methods.setting import Setting
-from freebody.derivations.polynomials.symbols import RATE
 
 
 def is_velocity(name: str) -> bool:
@@ -25,7 +24,8 @@ def units_of_symbols(derivation: Derivation) -> dict[str, str]:
     found = {symbol.name: unit for symbol, unit in _told(derivation)}
     for name in symbols.extra:
         if is_velocity(name):
-            found[name] = ("rad/s" if "omega" in name else "m/s") + "²" * name.endswith(RATE)
+            own = atom(name)
+            found[name] = ("rad/s" if own.letter == "omega" else "m/s") + "²" * own.dots
     if symbols.model.tip is not None:
         for parameter, _, unit in placed(symbols.model.frame().placement, ""):
             found.setdefault(parameter.name, unit)

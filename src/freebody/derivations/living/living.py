@@ -14,7 +14,7 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
-from freebody.derivations.closed_chains.first_kind import MULTIPLIER
+from freebody.derivations.closed_chains.first_kind import is_multiplier
 from freebody.derivations.derivation import Derivation
 from freebody.derivations.expressions.expression import Symbol
 from freebody.derivations.grammar.atoms import atom
@@ -256,10 +256,10 @@ def _inputs(
     moving = [x + dots for dots in ("", RATE, SECOND) for x in symbols.coordinates]
     names = [x for x in dict.fromkeys((*moving, *symbols.ring.names)) if x in used]
     values = typical(names, derivation.equations.symbols.model.parameters)
-    values |= {name: 0.0 for name in names if name.startswith(MULTIPLIER)} | dict(start)
+    values |= {name: 0.0 for name in names if is_multiplier(name)} | dict(start)
     made = []
     for name in names:
-        value, unit, force = values[name], units.get(name, ""), name.startswith(MULTIPLIER)
+        value, unit, force = values[name], units.get(name, ""), is_multiplier(name)
         top = _WIDEST.get("N" if force else unit) or max(1.0, 3.0 * abs(value))
         signed = force or unit in {*_WIDEST, "m/s²"} or name in symbols.coordinates
         low = min(value, -top if signed or value < 0.0 else 0.0)
@@ -275,10 +275,10 @@ def _inputs(
 
 
 def _group(name: str, coordinates: Iterable[str]) -> str:
-    if name.startswith(MULTIPLIER):
+    if is_multiplier(name):
         return "lam"
     if is_velocity(name):
-        return "qdd" if name.endswith(RATE) else "qd"
+        return "qdd" if atom(name).dots else "qd"
     endings = (("q", ""), ("qd", RATE), ("qdd", SECOND))
     found = (key for key, ending in endings for x in coordinates if name == x + ending)
     return next(found, "p")

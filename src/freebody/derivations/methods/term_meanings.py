@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TypeGuard
 
-from freebody.derivations.closed_chains.first_kind import MULTIPLIER
+from freebody.derivations.closed_chains.first_kind import is_multiplier
 from freebody.derivations.derivation import Meaning, Step
 from freebody.derivations.expressions import expression as ex
 from freebody.derivations.expressions.expression import Equation, Expression, Symbol
@@ -173,7 +173,7 @@ class _Terms:
         first = [k for k, x in enumerate(coordinates) if x + RATE in names]
         if second:
             return (INERTIA, ()) if second == [i] else (COUPLING, self._joints(second))
-        if any(name.startswith(MULTIPLIER) for name in names) or not found:
+        if any(is_multiplier(name) for name in names) or not found:
             return CLOSING, ()
         if len(names) == 2:
             kind = CENTRIFUGAL if len(first) == 1 else CORIOLIS

@@ -23,9 +23,10 @@ from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.states.state_values import functions_of
 from freebody.derivations.check.verdicts.rounded_numbers import half_a_unit
 from freebody.derivations.expressions.nodes import Expression, Matrix, Number
+from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.grammar.lexer import Token
-from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.quantities import kinds
+from freebody.scalars.generators import generators_in
 from freebody.scalars.trig import Trig
 
 _EXACT = 1e-12
@@ -233,11 +234,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             return None
         value = self.quotient(node)
         terms = [powers for powers, _ in value.terms()] if isinstance(value, Trig) else []
-        moving = ({x: k for x, k in p.items() if x.endswith((RATE, SECOND))} for p in terms)
-        is_linear = all(
-            sum(x.values()) == 1 and not any(n.endswith(SECOND) for n in x) for x in moving
-        )
-        return momentum if terms and is_linear else None
+        moving = [[(atom(x).dots, k) for x, k in p.items() if atom(x).dots] for p in terms]
+        return momentum if terms and all(row == [(1, 1)] for row in moving) else None
 
     def _is_gravity(self, name: str, node: Matrix) -> bool:
         """Whether g = [0; -g] tells the gravitational acceleration, not the terms of torques."""
@@ -268,8 +266,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
 
     def _moves(self, value: Value) -> bool:
         """Whether rates or accelerations are in it."""
-        terms = (powers for x in pair(value) for powers, _ in x.terms())
-        return any(x.endswith((RATE, SECOND)) for powers in terms for x in powers)
+        return any(atom(x).dots for x in generators_in(*pair(value)))
 
     def _entry_by_entry(self, named: Matrix, node: Expression) -> list[Claim]:
         """The claims of [τ1; τ2] = node."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from freebody.derivations.check.algebra.answer_tree import Named, Wave
-from freebody.derivations.check.algebra.quotients import Value, pair
+from freebody.derivations.check.algebra.quotients import Value, generator, pair
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.claims.formula_reader import FormulaReader
 from freebody.derivations.check.reading.answer_lines import Line
@@ -15,6 +15,7 @@ from freebody.derivations.check.reading.reading import INVERSE_FUNCTIONS
 from freebody.derivations.check.reasons.free_bodies import FreeBodyMotion
 from freebody.derivations.closed_chains.first_kind import multiplier_names
 from freebody.derivations.expressions.nodes import Expression, Function, Matrix, nodes
+from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.quantities import kinds
 from freebody.scalars.trig import Trig
@@ -52,8 +53,8 @@ class SolvedQuantities(FormulaReader):
         ):
             return True  # d3 = 0.74 m at θ1 = 40°
         if self.setting.is_free_body or self.setting.system is not None:
-            return bool(names) or (self.setting.is_free_body and moving.endswith((RATE, SECOND)))
-        return by_quantities or (moving.endswith(SECOND) and bool(names))
+            return bool(names) or (self.setting.is_free_body and atom(moving).dots > 0)
+        return by_quantities or (atom(moving).dots == 2 and bool(names))
 
     def _is_position(self, line: Line) -> bool:
         """Whether a line tells a coordinate, or the sine or cosine of one, by inverse functions."""
@@ -67,16 +68,13 @@ class SolvedQuantities(FormulaReader):
 
     def _moving(self, value: Value | None) -> str:
         """The coordinate, rate or acceleration that a value is, or nothing."""
-        terms = list(value.terms()) if isinstance(value, Trig) else []
-        name = "".join(terms[0][0]) if len(terms) == 1 else ""
+        name = "" if value is None else generator(value) or ""
         known = {x + d for x in self.setting.symbols.coordinates for d in ("", RATE, SECOND)}
         if self.setting.system is not None:
             known |= set(multiplier_names(self.setting.system.loops))
         if self.setting.is_free_body:
-            known |= {
-                x for x in self.setting.ring.names if x.startswith(("v_", "omega_", "f_", "n_"))
-            }
-        return name if name in known and terms[0] == ({name: 1}, 1) else ""
+            known |= set(self.setting.symbols.extra)
+        return name if name in known else ""
 
     def _is_sum(self, value: Value | None) -> bool:
         """Whether a name stands for a sum of coordinates or rates of a closed chain, such as the

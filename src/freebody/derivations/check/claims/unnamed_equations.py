@@ -24,6 +24,7 @@ from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reasons import undriven_joints
 from freebody.derivations.check.spelling.answer_text import AnswerError
 from freebody.derivations.check.states.state_values import functions_of
+from freebody.derivations.closed_chains.first_kind import is_multiplier
 from freebody.derivations.closed_chains.linear import Ratio
 from freebody.derivations.expressions.nodes import (
     Expression,
@@ -33,10 +34,11 @@ from freebody.derivations.expressions.nodes import (
     Sum,
     nodes,
 )
+from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.parser import around
-from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.quantities import kinds
+from freebody.scalars.generators import generators_in
 from freebody.scalars.trig import Trig
 
 _LONGEST_LABEL = 60
@@ -205,23 +207,18 @@ class UnnamedEquations(FormulaReader):
         values = [
             self.vocabulary.symbols.get(t.text) for side in line for t in side if t.kind == "name"
         ]
-        return any(
-            name.endswith(SECOND) or name.startswith("lam")
-            for value in values
-            if isinstance(value, Trig)
-            for powers, _ in value.terms()
-            for name in powers
-        )
+        names = generators_in(*(x for x in values if isinstance(x, Trig)))
+        return any(atom(x).dots == 2 or is_multiplier(x) for x in names)
 
     def _closing(self, line: Line) -> Claim | None:
         """A loop equation without its name, l1 c1 + l2 c12 - d - l3 c3 = 0, or its first or second
         derivative, times any number; None of an equation in which something presses."""
         node, value = self._difference(line)
         above, below = pair(value)
-        used = {name for powers, _ in above.terms() for name in powers}
-        if any(x.startswith("lam") for x in used) or (self.setting.order.gravity or "") in used:
+        used = generators_in(above)
+        if any(map(is_multiplier, used)) or self.setting.order.gravity in used:
             return None
-        dots = 2 * any(x.endswith(SECOND) for x in used) or any(x.endswith(RATE) for x in used)
+        dots = max((atom(x).dots for x in used), default=0)
         loops = {
             x: x.polynomial()
             for x in self.targets.single.values()

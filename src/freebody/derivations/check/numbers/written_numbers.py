@@ -24,12 +24,12 @@ from freebody.derivations.check.numbers.units import Unit, unit_of, unit_of_quan
 from freebody.derivations.check.numbers.written_units import WrittenUnit, unit_at
 from freebody.derivations.check.spelling.answer_text import AnswerText
 from freebody.derivations.check.spelling.equation_marks import asked_marks, quantity_before
-from freebody.derivations.closed_chains.first_kind import MULTIPLIER
+from freebody.derivations.closed_chains.first_kind import is_multiplier
+from freebody.derivations.grammar.atoms import atom, undotted
 from freebody.derivations.grammar.lexemes import Lexemes
 from freebody.derivations.grammar.patterns import LexemePattern, Match
 from freebody.derivations.grammar.source import Span
 from freebody.derivations.grammar.tables.characters import FILL
-from freebody.derivations.polynomials.symbols import RATE, SECOND
 
 _RESULT = LexemePattern(
     "number:< !-%no_result_behind @result_number | %list_end | %end < ] | ) >? > pm:@tolerance?"
@@ -195,13 +195,13 @@ class _NumberSearch:
         """Whether a value is that of an acceleration of a body that nothing holds, which forces
         make; or of a multiplier, or of a coordinate that the loops tell where another is given."""
         setting = self.reader.vocabulary.setting
-        if setting.system is not None and all(x.startswith(MULTIPLIER) for x in values):
+        if setting.system is not None and all(map(is_multiplier, values)):
             return True
         known = {*self.at, *(self.standing[-1].state if self.standing else ())}
         if setting.system is not None and known:
             moving = {name for name in values if not self._is_constant(name)}
             return bool(moving) and moving.isdisjoint(known)
-        return setting.is_free_body and any(name.endswith((RATE, SECOND)) for name in values)
+        return setting.is_free_body and any(atom(name).dots for name in values)
 
     def _list_behind_words(self, at: int) -> tuple[int, dict[str, GivenValue], int, str]:
         """A list of values behind a few words, where it stands, and the last of the words."""
@@ -224,7 +224,7 @@ class _NumberSearch:
 
     def _is_constant(self, name: str) -> bool:
         symbols = self.reader.vocabulary.setting.symbols
-        return name.partition("_d")[0] not in symbols.coordinates
+        return undotted(name) not in symbols.coordinates
 
     # ------------------------------------------------------------ units before numbers
     def _read_heads(self) -> None:
@@ -364,7 +364,7 @@ class _NumberSearch:
             if (target := single.get(own)) is not None:
                 yield unit_of_quantity(setting, target, target.compute())
         symbol = generator(self.reader.vocabulary.symbols.get(name, setting.zero))
-        if symbol and symbol.startswith(MULTIPLIER):
+        if symbol and is_multiplier(symbol):
             yield unit_of(setting, {symbol: 1})
 
     def _clause(self, k: int) -> tuple[dict[str, GivenValue], int]:
@@ -374,7 +374,7 @@ class _NumberSearch:
             return {}, k
         _, values, end, _ = self._list_behind_words(match.stop)
         is_next = match.stop - match.start == 1 and self.lexemes[k].text in (",", ";")
-        if not values or (is_next and all(x.startswith(MULTIPLIER) for x in values)):
+        if not values or (is_next and all(map(is_multiplier, values))):
             return {}, k  # λ1 = 3 N, λ2 = 4 N
         closed = "begun" in match and end < len(self.lexemes) and self.lexemes[end].text == ")"
         return values, end + closed

@@ -7,7 +7,8 @@ from collections.abc import Iterable
 from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.reading.answer_lines import Line
 from freebody.derivations.check.reading.vocabulary import Vocabulary
-from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.grammar.atoms import atom
+from freebody.scalars.generators import generators_in
 from freebody.scalars.trig import Trig
 
 
@@ -29,9 +30,9 @@ def _of_name(name: str, vocabulary: Vocabulary, targets: Targets) -> tuple[set[s
     if name in vocabulary.waves:
         return set(), set()
     if isinstance(value, Trig):
-        used = {x for powers, _ in value.terms() for x in powers}
-        found = {"rate"} if any(x.endswith(RATE) for x in used) else set[str]()
-        found |= {"motion"} if any(x.endswith(SECOND) for x in used) else set()
+        used = generators_in(value)
+        dots = {atom(x).dots for x in used}
+        found = {what for what, dot in (("rate", 1), ("motion", 2)) if dot in dots}
         found |= {"weight"} if setting.order.gravity in used else set()
         return found, used & set(setting.loads)
     if name in targets.single:

@@ -14,7 +14,7 @@ from freebody.derivations.check.asked.asked_quantities import Targets
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.reasons.bodies_at_point import BodiesAtPoint, Key, State
-from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.derivations.grammar.atoms import atom
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, times, transposed
@@ -158,17 +158,17 @@ class Subject:
         if (
             not self.bodies.is_told
             or self.is_equation
-            or any(x.endswith(SECOND) for x in self.names)
+            or any(atom(x).dots == 2 for x in self.names)
         ):
             return False
-        moving = sum(value for powers, value in self.rows if any(x.endswith(RATE) for x in powers))
+        moving = sum(value for powers, value in self.rows if any(atom(x).dots == 1 for x in powers))
         return self._is("T") or self.point.agree(moving, self.bodies.moved()["T", -1][0])
 
     @cached_property
     def accelerates(self) -> bool:
         """Whether the quantity is a torque, a force or an acceleration."""
         if not self.bodies.is_told:
-            return any(x.endswith(SECOND) for x in self.names)
+            return any(atom(x).dots == 2 for x in self.names)
         if self.torque is not None:
             return self.torque[0] in ("tau", "c")
         return any(self._is(x) for x in ("f", "n", "fc", "nc", "wd", "vd", "vcd", "vd tip"))

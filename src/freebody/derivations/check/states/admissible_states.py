@@ -12,10 +12,12 @@ from freebody.derivations.check.algebra.quotients import Value
 from freebody.derivations.check.asked.quantity import Acting
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.check.states.running import Array
-from freebody.derivations.check.states.state_values import SIGN, Polynomials, StateValues
+from freebody.derivations.check.states.state_values import Polynomials, StateValues
 from freebody.derivations.closed_chains.first_kind import multiplier_names
+from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.lazy import cached_property
+from freebody.scalars.generators import SIGN, function_of
 from freebody.scalars.trig import Trig
 
 PARAMETER_SETS, STARTS, ON_EACH = 3, 4, 3
@@ -65,9 +67,7 @@ class AdmissibleStates(StateValues):
         closed."""
         chance = np.random.default_rng(29)
         values = {
-            name: chance.normal(size=self.count)
-            if name.endswith((RATE, SECOND)) or name in coordinates
-            else x
+            name: chance.normal(size=self.count) if atom(name).dots or name in coordinates else x
             for name, x in self.values.items()
         }
         return replace(self, values=values)
@@ -114,7 +114,7 @@ class StateSampler:
         values = {name: np.full(count, x) for name, x in self._parameters(chance).items()}
         values |= self._guesses(chance, count)
         for name in self.setting.ring.names:
-            if name not in values and not name.startswith(SIGN):
+            if name not in values and function_of(name) != SIGN:
                 values[name] = np.full(count, chance.uniform(*_DRAWN))
         fixed = {x for x in self.given if x not in self._names}
         values |= {x: np.full(count, self.given[x]) for x in fixed}
@@ -379,7 +379,7 @@ class StateSampler:
     def _size_of(self, name: str) -> float:
         """That of a rate or acceleration; multipliers are as large as weights."""
         sizes = dict(zip(self._names, self._scale, strict=True))
-        return float(sizes.get(name.removesuffix(SECOND).removesuffix(RATE), 1.0))
+        return float(sizes.get(name.removesuffix(atom(name).ending), 1.0))
 
     def _at_rest(self, states: AdmissibleStates) -> AdmissibleStates | None:
         """Positions at which what nothing drives stays where it is."""

@@ -18,13 +18,14 @@ from freebody.derivations.check.numbers.written_units import WrittenUnit, common
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.states.completed_state import completed
 from freebody.derivations.check.verdicts.rounded_numbers import half_a_unit
-from freebody.derivations.closed_chains.first_kind import MULTIPLIER
+from freebody.derivations.closed_chains.first_kind import is_multiplier
 from freebody.derivations.expressions.nodes import Number, nodes
 from freebody.derivations.expressions.nodes import replaced as with_nodes
 from freebody.derivations.expressions.printed_names import sym
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.lazy import cached_property
 from freebody.outputs.numbers import shortest
+from freebody.scalars.generators import SIGN, function_of, symbol_of
 from freebody.scalars.trig import Trig
 
 EXACT = 1e-9
@@ -169,7 +170,7 @@ class NumberAtState:
         driven = [x for k, x in enumerate(names) if k not in model.passive]
         moving = (x + ending for ending in ("", RATE, SECOND) for x in driven)
         unknown = [x for x in moving if x not in self.values]
-        by_motion = unknown and left and all(x.startswith(MULTIPLIER) for x in left)
+        by_motion = unknown and left and all(map(is_multiplier, left))
         return unknown if by_motion else left
 
     def _symbols(self, counts: Callable[[Mapping[str, int]], bool]) -> list[str]:
@@ -194,16 +195,11 @@ class NumberAtState:
         return RealPoint.of_state(self.setting.ring, values).of(self.right_value)
 
 
-def symbol_of(generator: str) -> str:
-    """Of a sine or cosine the angle."""
-    return re.sub("^(sin|cos)_", "", generator)
-
-
 def _with_signs(setting: RightEquations, values: dict[str, float]) -> dict[str, float]:
     """Values with the signs of rates, which friction is made of."""
     signs = {
         name: float((values[rate] > 0) - (values[rate] < 0))
         for name in setting.ring.names
-        if name.startswith("sgn_") and (rate := name.removeprefix("sgn_")) in values
+        if function_of(name) == SIGN and (rate := symbol_of(name)) in values
     }
     return {**values, **signs}

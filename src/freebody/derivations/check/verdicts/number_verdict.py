@@ -20,14 +20,16 @@ from freebody.derivations.check.numbers.units import unit_of_quantity
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.reasons.free_motion import put
 from freebody.derivations.check.verdict import EquationVerdict, Example, Mistake
-from freebody.derivations.check.verdicts.number_at_state import EXACT, NumberAtState, symbol_of
+from freebody.derivations.check.verdicts.number_at_state import EXACT, NumberAtState
 from freebody.derivations.check.verdicts.number_reasons import reasons
 from freebody.derivations.expressions.nodes import nodes
 from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.grammar.source import Span
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.quantities.units import si_text
 from freebody.outputs.numbers import shortest
+from freebody.scalars.generators import symbol_of, symbols_in, waves_of
 from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import Trig
 
@@ -69,7 +71,7 @@ class NumberJudge:
         if not self.numbers.is_condition_at(span) or not isinstance(right, Trig):
             return
         here = self.numbers.state_at(span, in_symbols=True)
-        others = {x: y for x, y in given.items() if x not in here and x in _names(right)}
+        others = {x: y for x, y in given.items() if x not in here and x in symbols_in(right)}
         if others:
             claim.source.fail(
                 f"{in_words(others)} was said of the paragraph before",
@@ -111,33 +113,33 @@ class NumberJudge:
         if not given or not isinstance(right, Trig) or not isinstance(claim.value, Trig):
             return None
         same = self._is_same(claim.value, right, given)
-        own = _names(claim.value) & set(given)
+        own = symbols_in(claim.value) & set(given)
         by_others = claim.target.kind.is_equation or bool(claim.uses)  # whose motion is in it
         if own and (not by_others or self.has_motion(claim)):
             return None
         if not same or (claim.value - right).is_zero:
             return None
-        used = in_words({x: y for x, y in given.items() if x in _names(right) or x in own})
+        used = in_words({x: y for x, y in given.items() if x in symbols_in(right) or x in own})
         return EquationVerdict(claim.label, claim.target.title, True, note=f"At {used}.")
 
     def at_condition(self, claim: Claim, right: Trig) -> tuple[Trig, str]:
         """The right answer where the condition of a line without its coordinates holds, and the
         condition in words; as it is, and "", of any other line."""
-        used = _names(right)
+        used = symbols_in(right)
         given = {
             name: x
             for name, x in self.numbers.state_at(claim.node.span, in_symbols=True).items()
             if name in used
         }
-        if not given or _names(*pair(claim.value)) & set(given):
+        if not given or symbols_in(*pair(claim.value)) & set(given):
             return right, ""
         ring, zero = self.setting.ring, self.setting.zero
         images: dict[str, Value] = {}
         for name, x in given.items():
             images[name] = zero + Fraction(x.value)
             if name in ring.angles:
-                waves = zip(("sin_", "cos_"), rational_sin_cos(x.value), strict=True)
-                images |= {wave + name: zero + _simple(value) for wave, value in waves}
+                waves = zip(waves_of(name), rational_sin_cos(x.value), strict=True)
+                images |= {wave: zero + _simple(value) for wave, value in waves}
         there = put(right, images)
         assert isinstance(there, Trig)
         return there, in_words(given)
@@ -186,11 +188,7 @@ class NumberJudge:
         point = RealPoint.of_state(self.setting.ring, values)
         found: dict[frozenset[tuple[str, int]], float] = {}
         for powers, coefficient in x.terms():
-            known = {
-                n: k
-                for n, k in powers.items()
-                if n.removeprefix("sin_").removeprefix("cos_") in given
-            }
+            known = {n: k for n, k in powers.items() if symbol_of(n) in given}
             key = frozenset((n, k) for n, k in powers.items() if n not in known)
             found[key] = found.get(key, 0.0) + point.term(known, coefficient)
         return found
@@ -242,7 +240,7 @@ class _NumberVerdict:
             claim.source.fail(
                 f"{claim.label} is a number here, but depends on {names}, which "
                 f"{'are' if len(missing) > 1 else 'is'} not given"
-                f"{held * all(x.endswith((RATE, SECOND)) for x in missing)}",
+                f"{held * all(atom(x).dots for x in missing)}",
                 claim.node.span,
                 f"State them after the number, at {sym(missing[0])} = …, or by --at "
                 f"'{missing[0]} = …', at={{'{missing[0]}': …}}.",
@@ -315,9 +313,3 @@ def _simple(value: Fraction) -> Fraction:
     """A sine or cosine, ½ where it is that to the digits of a float."""
     simple = value.limit_denominator(2)
     return simple if abs(simple - value) <= EXACT else value
-
-
-def _names(*values: Trig) -> set[str]:
-    """The symbols in polynomials."""
-    terms = (powers for x in values for powers, _ in x.terms())
-    return {symbol_of(name) for powers in terms for name in powers}
