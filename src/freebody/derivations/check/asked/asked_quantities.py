@@ -108,6 +108,18 @@ class Targets:
         return found
 
     @cached_property
+    def namesakes(self) -> dict[str, AskedQuantity]:
+        """Quantities by names that others have too."""
+        groups = (*self._special, *self._groups)
+        return {name: x for group in groups for names, x in group.namesakes() for name in names}
+
+    @cached_property
+    def of_bodies(self) -> dict[str, str]:
+        """What names of vectors and matrices stand for in equations of bodies."""
+        groups = (x.in_equations_of_bodies for x in self._groups)
+        return {name: meant for x in groups for name, meant in x.items() if meant in self.tables}
+
+    @cached_property
     def tables(self) -> dict[str, Table]:
         """Vectors (one column) and matrices of quantities."""
         found: dict[str, Table] = {}

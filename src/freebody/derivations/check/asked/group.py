@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 from freebody.derivations.check.asked.quantity import AskedQuantity, Table
 from freebody.derivations.check.asked.right_equations import RightEquations
 from freebody.derivations.grammar.lexemes import NOTHING, Lexemes
+from freebody.derivations.quantities.kinds import SUMS
 from freebody.scalars.trig import Trig
 
 Named = tuple[tuple[str, ...], AskedQuantity]
@@ -17,6 +18,9 @@ Named = tuple[tuple[str, ...], AskedQuantity]
 class QuantityGroup:
     """Some quantities of a model; `letters` are those of their kinds, `based` says that the base
     is accelerated by -g, which then is in all accelerations; formulas: the answer's."""
+
+    in_equations_of_bodies: ClassVar[Mapping[str, str]] = {}
+    """Vectors and matrices by names that others have in the equations of motion."""
 
     def __init__(
         self,
@@ -35,6 +39,10 @@ class QuantityGroup:
 
     def single(self) -> Iterator[Named]:
         """Quantities that are one polynomial."""
+        yield from ()
+
+    def namesakes(self) -> Iterator[Named]:
+        """Quantities by names that others have too: the answer tells which is meant."""
         yield from ()
 
     def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
@@ -70,8 +78,7 @@ class QuantityGroup:
         """An entry of what the equations have by that name."""
 
         def value() -> Trig:
-            parts = ("c", "g", "drives") if name == "bias" else (name,)
-            return sum((part(x) for x in parts), self.setting.zero)
+            return sum(map(part, SUMS.get(name, (name,))), self.setting.zero)
 
         def part(name: str) -> Trig:
             found: Any = self.setting.all_of(name)

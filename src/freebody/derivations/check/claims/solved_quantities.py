@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 from freebody.derivations.check.algebra.answer_tree import Named, Wave
@@ -99,10 +100,11 @@ class SolvedQuantities(FormulaReader):
         if any(isinstance(x, Function) for x in nodes(node)):
             return self._position(line, name, value, node)
         words = "solved for it by the robot's quantities"
-        target = AskedQuantity(kinds.SOLVED, (), lambda: value, words=words)
+        is_angular = self.setting.turns(name)
+        target = AskedQuantity(kinds.SOLVED, (), lambda: value, words=words, is_angular=is_angular)
         if self.setting.is_free_body and not any(isinstance(x, Named) for x in nodes(node)):
             motion = FreeBodyMotion(self.setting).motion((value,))
-            target = AskedQuantity(kinds.SOLVED, (), lambda: motion.of(value), words=_IN_NUMBERS)
+            target = replace(target, compute=lambda: motion.of(value), words=_IN_NUMBERS)
         return self.claim(self.source[first.span], target, node)
 
     def _position(self, line: Line, name: str, value: Value, node: Expression) -> Claim:

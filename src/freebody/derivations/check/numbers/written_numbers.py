@@ -359,9 +359,9 @@ class _NumberSearch:
 
     def _units(self, name: str) -> Iterator[Unit | None]:
         """The units of what a name may stand for."""
-        single, setting = self.reader.targets.single, self.reader.vocabulary.setting
-        for own in (name, name.replace("P", "power")):
-            if (target := single.get(own)) is not None:
+        targets, setting = self.reader.targets, self.reader.vocabulary.setting
+        for target in (targets.single.get(name), targets.namesakes.get(name)):
+            if target is not None:
                 yield unit_of_quantity(setting, target, target.compute())
         symbol = generator(self.reader.vocabulary.symbols.get(name, setting.zero))
         if symbol and is_multiplier(symbol):

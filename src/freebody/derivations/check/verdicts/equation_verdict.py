@@ -3,7 +3,6 @@ difference."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -43,6 +42,7 @@ from freebody.derivations.check.verdicts.rounded_numbers import MEASURED, Rounde
 from freebody.derivations.check.verdicts.verdict_sentences import Wording, quoted
 from freebody.derivations.expressions.nodes import Expression, Number, nodes, replaced
 from freebody.derivations.expressions.printed_names import sym
+from freebody.derivations.grammar.words import spelt
 from freebody.derivations.quantities.kinds import Kind
 from freebody.derivations.quantities.units import unit_text
 from freebody.lazy import cached_property
@@ -130,8 +130,9 @@ class Judge:
         right = claim.target.compute()
         title = claim.target.title
         if difference(claim.value, right).is_zero:
-            meant = f"It is read as {title}." if re.fullmatch(r"P[_{}0-9]*", claim.label) else ""
-            note = " ".join(filter(None, (meant, claim.target.note, self._zeros(claim))))
+            has_two_meanings = spelt(claim.label) in self.targets.namesakes
+            meant = claim.target.note or f"It is read as {title}." * has_two_meanings
+            note = " ".join(filter(None, (meant, self._zeros(claim))))
             return EquationVerdict(claim.label, title, True, note=note)
         if claim.target.kind.of_loops in ("positions", "rates") and claim.value.is_zero:
             return EquationVerdict(

@@ -4,7 +4,6 @@ degrees taken for radians."""
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -32,9 +31,6 @@ from freebody.outputs.numbers import shortest
 from freebody.scalars.generators import symbol_of, symbols_in, waves_of
 from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import Trig
-
-_FORCE = re.compile(r"[fn]_?\{?[0-9₀-₉]|tau|τ")
-"""The name of a force or moment in a joint."""
 
 
 @dataclass(frozen=True)
@@ -163,10 +159,11 @@ class NumberJudge:
 
     def has_what_vanishes(self, claim: Claim, given: State) -> bool:
         """Whether an answer has quantities that are 0 at a state only."""
+        single = self.targets.single
         values = (
             x.value
             for x in nodes(claim.node)
-            if isinstance(x, Named) and not _FORCE.match(x.name)  # f12x may be 0 too
+            if isinstance(x, Named) and not (x.name in single and single[x.name].kind.is_reaction)
         )
         return any(
             isinstance(x, Trig) and not x.is_zero and self._is_same(self.setting.zero, x, given)
@@ -279,7 +276,7 @@ class _NumberVerdict:
             return "a unit that is not known here"
         if claim.target.kind.is_energy:
             return "J"
-        return si_text(needed, claim.label.lstrip("\\")[:1] in "ωαoaw")
+        return si_text(needed, claim.target.is_angular)
 
     def _note(self) -> str:
         where = self._where()
