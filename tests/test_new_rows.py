@@ -2,18 +2,22 @@
 read: three are added to the tables, as if they stood in the files.
 
 The tables are internal; they are changed in a process of its own, before any reader imports them.
+That nothing outside them asks for a row is read off the sources.
 """
 
 from __future__ import annotations
 
+import ast
 import json
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 import freebody as fb
+from freebody.derivations.quantities import kinds
 from support.browser import ANSWER, FRESH, SAID, browser
 
 ROWS = """
@@ -99,3 +103,29 @@ def test_the_page_reads_new_rows(robot, tmp_path):
             said = driver.execute_script(ANSWER, boxes.index(name), text)
             assert SAID[said[:5]] == ("right" if expected == "right" else "wrong"), (text, said)
             assert (SEVEN in said) == (expected == SEVEN), (text, said)
+
+
+SOURCES = Path(fb.__file__).parent / "derivations"
+KINDS = {name for name, x in vars(kinds).items() if isinstance(x, kinds.Kind)}
+
+
+def compared(node: ast.AST) -> set[str]:
+    """Names in a comparison, or in the cases of a match."""
+    if isinstance(node, ast.Compare | ast.match_case):
+        parts = ast.walk(node if isinstance(node, ast.Compare) else node.pattern)
+        return {x.attr if isinstance(x, ast.Attribute) else getattr(x, "id", "") for x in parts}
+    return set()
+
+
+def test_nothing_asks_which_kind_a_quantity_is_of():
+    """What differs between kinds is a field of their rows."""
+    asked = []
+    for path in sorted(SOURCES.rglob("*.py")):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        imports = [x for x in ast.walk(tree) if isinstance(x, ast.ImportFrom)]
+        if any("quantities" in (x.module or "") for x in imports):
+            known = {a.name for x in imports if x.module == kinds.__name__ for a in x.names}
+            whole = any(a.name == "kinds" for x in imports for a in x.names)
+            own = KINDS if whole else KINDS & known
+            asked += [(path.name, x) for node in ast.walk(tree) for x in compared(node) & own]
+    assert not asked

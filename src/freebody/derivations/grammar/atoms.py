@@ -39,7 +39,7 @@ class Atom:
 
     @property
     def ending(self) -> str:
-        """What its rates end with, _d or _dd."""
+        """The end of the name that tells its dots, _d or _dd."""
         return "_" + "d" * self.dots if self.dots else ""
 
 

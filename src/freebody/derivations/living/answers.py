@@ -415,7 +415,7 @@ class PageAnswers:
 
     # ------------------------------------------------------------ for the script
     def symbols(self, inputs: Sequence[Mapping[str, Any]]) -> list[str]:
-        """Those with sliders, and others that an answer may be written with."""
+        """The symbols with sliders, and others that an answer may be written with."""
         names = [x["name"] for x in inputs]
         return [*names, *(x for x in self._symbols if x not in names)]
 
@@ -467,7 +467,7 @@ class PageAnswers:
 
 
 def _key(target: AskedQuantity) -> _Key:
-    """What tells a quantity from others."""
+    """A key by which a quantity is told from others."""
     return target.kind, target.index, target.axis, target.words, target.joint
 
 
@@ -476,7 +476,7 @@ def _is_of_bodies(target: AskedQuantity) -> bool:
 
 
 def _places(names: Sequence[str]) -> dict[str, int]:
-    """Of symbols by name, as the script counts them."""
+    """The places of symbols by name, as the script counts them."""
     return {name: -1 - k for k, name in enumerate(names)}
 
 

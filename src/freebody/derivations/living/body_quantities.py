@@ -38,7 +38,7 @@ def body_quantities(s: Setting, reactions: SolvedReactions) -> dict[str, Any]:
 
 
 def vector(s: Setting, v: Any) -> tuple[Any, ...]:
-    """Its components as scalars of the setting."""
+    """A vector's components as scalars of the setting."""
     return tuple(map(s.symbols.element, v))
 
 

@@ -59,7 +59,7 @@ class FreeFlight:
         return level | dict.fromkeys(self._thrusts, weight / len(self._thrusts))
 
     def quantities(self) -> dict[str, Any]:
-        """What lines do not define themselves: symbols, velocities as vectors, gravity."""
+        """Quantities that no line defines: symbols, velocities as vectors, gravity."""
         ring = self.s.symbols.ring
         own = (*self.s.symbols.coordinates, *self._moving, *self._thrusts)
         found: dict[str, Any] = {x: ring[x] for x in ring.names if x in own or "_" not in x}

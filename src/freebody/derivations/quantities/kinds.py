@@ -115,7 +115,7 @@ class Kind:
         return self.words.format(*index, joint=joint)
 
     def unit_of(self, turns: Sequence[bool]) -> Unit | None:
-        """Of an entry whose joints turn or slide."""
+        """The unit of an entry whose joints turn or slide."""
         return self.unit(turns) if callable(self.unit) else self.unit
 
     @property

@@ -92,7 +92,7 @@ class Targets:
 
     @cached_property
     def _special(self) -> list[QuantityGroup]:
-        """Those that the answer is about, which go before the others."""
+        """Groups that the answer is about, which go before the others."""
         kinds = [kind for kind in _SPECIAL if kind.is_told(self.formulas)]
         kinds = [] if self.setting.is_free_body else kinds
         return [kind(self.setting, self.letters, self.based, self.formulas) for kind in kinds]

@@ -56,7 +56,7 @@ class QuantityGroup:
 
     @property
     def numbers(self) -> range:
-        """Those of the coordinates, from 1."""
+        """The numbers of the coordinates, from 1."""
         return range(1, self.count + 1)
 
     @property

@@ -74,7 +74,7 @@ class AngularMomenta(QuantityGroup):
 
     @cached_property
     def _whole(self) -> AskedQuantity:
-        """Of all bodies about the base's origin; of one body also about its centre of mass."""
+        """The momentum of all bodies about the base's origin; of one body also about its centre."""
         words = "the angular momentum"
         value, bodies = self._sum(*self._bodies.values()), list(self._bodies.values())
         also = ((_CENTRE, self._about_centre(bodies[0])),) if len(bodies) == 1 else ()

@@ -76,7 +76,7 @@ class RightEquations:
 
     @property
     def order(self) -> Order:
-        """What the symbols are."""
+        """The order of the symbols, and what they are."""
         return self.layout.order
 
     @property
@@ -112,7 +112,7 @@ class RightEquations:
 
     @property
     def force_at_tip(self) -> tuple[str, ...]:
-        """Those of them that are a force's."""
+        """The components of a load that are a force's, without those of a moment."""
         return tuple(x for x in self.loads if x[0] == "f")
 
     def turns(self, name: str) -> bool:
@@ -144,7 +144,7 @@ class RightEquations:
 
     @cached_property
     def _by_load(self) -> list[Trig]:
-        """What the load needs."""
+        """The generalized forces that the load needs."""
         symbols, found = self.equations.symbols, [self.zero for _ in self.symbols.coordinates]
         for name in self.loads:
             force = self.image(name)

@@ -161,7 +161,7 @@ class TipQuantities(QuantityGroup):
 
     @property
     def _rows(self) -> range:
-        """Of the Jacobian, from 1."""
+        """The numbers of the Jacobian's rows, from 1."""
         return range(1, 4 if self.setting.is_planar else 7)
 
     def _of_tip(self, tip: Kinematics) -> Iterator[Named]:

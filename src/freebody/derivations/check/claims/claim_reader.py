@@ -38,7 +38,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
     """Lines into claims."""
 
     def claims(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
-        """What one equation states, after others."""
+        """The claims of one equation, which stands after others."""
         found = self._claims(line, before)
         by_loops = self.is_loaded and self.setting.system is not None
         if by_loops and not all(claim.target.acting for claim in found):
@@ -47,7 +47,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         return found
 
     def _claims(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
-        """The same, whatever acts."""
+        """The claims of one equation, whatever acts on the robot."""
         self.of_bodies = self.is_about_bodies(line)
         self.begin(line)
         if self._restates_a_parameter(line):

@@ -279,7 +279,7 @@ class UnnamedEquations(FormulaReader):
         return self.in_some_axes(whole, lambda: self._between(line))
 
     def _between(self, line: Line) -> list[Claim]:
-        """The same in given axes."""
+        """The claims of an equation between quantities of bodies, with components in given axes."""
         left, right = self.parse(line[0]), self.parse(line[1])
         if isinstance(left, Matrix) != isinstance(right, Matrix):
             table, k = (left, 1) if isinstance(left, Matrix) else (right, 0)
@@ -314,28 +314,16 @@ class UnnamedEquations(FormulaReader):
         if isinstance(right, Number) and not is_result:
             left, right = right, left
         whole = Sum((left, Negative(right, span=right.span)), span=around(left, right))
+        zero = self.setting.zero
+        is_0 = AskedQuantity(kinds.LONG_EQUATION, (), lambda: zero)
         if functions_of(whole):
-            zero = self.setting.zero
-            return Claim(
-                label,
-                AskedQuantity(kinds.LONG_EQUATION, (), lambda: zero),
-                whole,
-                zero,
-                self.source,
-            )
+            return Claim(label, is_0, whole, zero, self.source)
         try:
             value, other = self.quotient(left), self.quotient(right)
         except AnswerError:  # too long to be multiplied out
             if self.setting.system is None:
                 raise
-            zero = self.setting.zero
-            return Claim(
-                label,
-                AskedQuantity(kinds.LONG_EQUATION, (), lambda: zero),
-                whole,
-                zero + 1,
-                self.source,
-            )
+            return Claim(label, is_0, whole, zero + 1, self.source)
         target = AskedQuantity(kinds.IDENTITY, (), lambda: value)
         used = uses(left, self.targets.single, self.vocabulary)
         known = any(isinstance(x, Named) for side in (left, right) for x in nodes(side))

@@ -107,7 +107,7 @@ class _NumberSearch:
 
     @property
     def lexemes(self) -> Lexemes:
-        """Those of the text."""
+        """The lexemes of the text."""
         return self.source.lexemes
 
     def numbers(self) -> list[WrittenNumber]:

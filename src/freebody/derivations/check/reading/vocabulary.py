@@ -100,7 +100,7 @@ class Vocabulary:
         return self._known
 
     def copy(self) -> Vocabulary:
-        """The same names, apart from what is defined later."""
+        """A vocabulary of the same names, apart from what is defined later."""
         kept = copy(self)
         kept.symbols, kept.waves = dict(self.symbols), dict(self.waves)
         kept.functions, kept.uses = dict(self.functions), dict(self.uses)

@@ -98,7 +98,7 @@ class SmallChanges:
         ]
 
     def _waves(self, node: Wave) -> Iterator[Repair]:
-        """The other function, another angle."""
+        """Changes of a sine or cosine: the other function, another angle."""
         other = "sin" if node.function == "cos" else "cos"
         span = node.span
         yield Repair("function", 1.0, node, Wave(other, node.angle, node.turn, span=span))

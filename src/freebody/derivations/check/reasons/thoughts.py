@@ -36,7 +36,7 @@ class Component:
     def of(
         self, bodies: BodiesAtPoint, found: Mapping[Key, Vector], axes: int | None = None
     ) -> Any:
-        """Its value among vectors along the world's axes; axes: along those of another body."""
+        """The entry's value among vectors along the world's axes, or along those of body `axes`."""
         axes, v = self.axes if axes is None else axes, found[self.key]
         return (v if axes < 0 else times(transposed(bodies.bodies[axes].R), v))[self.entry]
 

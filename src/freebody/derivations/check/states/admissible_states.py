@@ -102,7 +102,7 @@ class StateSampler:
     """What some names are by the others, as velocities and accelerations of a free body are."""
 
     def states(self) -> AdmissibleStates | None:
-        """The same states each time; None of a chain that cannot be closed."""
+        """States drawn at random, alike each time; None of a chain that cannot be closed."""
         chance = np.random.default_rng(28)
         drawn = [self._of_one_set(chance, k) for k in range(PARAMETER_SETS)]
         parts = [x for x in drawn if x is not None and x.count]
@@ -333,7 +333,7 @@ class StateSampler:
 
     # ------------------------------------------------------------ motion
     def _moving(self, chance: np.random.Generator, states: AdmissibleStates) -> AdmissibleStates:
-        """The same positions with rates that keep the loops closed."""
+        """Positions with rates that keep the loops closed."""
         moving = self._begun(states, [x + RATE for x in self._names])
         return moving if self.still else self._solved(chance, moving, self._of_rates)[0]
 
@@ -404,22 +404,22 @@ class StateSampler:
 
     @cached_property
     def _rows(self) -> Rows:
-        """What closes loops, where some coordinates are given."""
+        """The equations that close loops, where some coordinates are given."""
         return Rows(self.loops[0], self._loose)
 
     @cached_property
     def _any_rows(self) -> Rows:
-        """What closes loops."""
+        """The equations that close loops."""
         return Rows(self.loops[0], self._names)
 
     @cached_property
     def _of_rates(self) -> Rows:
-        """What keeps them closed."""
+        """The equations of rates that keep loops closed."""
         return Rows(self.loops[1], self._not_given(x + RATE for x in self._names))
 
     @property
     def _unknown(self) -> list[str]:
-        """What the equations of motion tell: accelerations and multipliers."""
+        """Accelerations and multipliers, which the equations of motion tell."""
         second = () if self.still else (x + SECOND for x in self._names)
         return self._not_given([*second, *self.multipliers])
 
@@ -428,12 +428,12 @@ class StateSampler:
 
     @cached_property
     def _of_forces(self) -> Rows:
-        """What tells them."""
+        """The equations of motion of which accelerations and multipliers follow."""
         return Rows([*([] if self.still else self.loops[2]), *self.passive], self._unknown)
 
     @cached_property
     def _at_rest_rows(self) -> Rows:
-        """What holds where nothing moves, by itself."""
+        """The equations of a robot that stays at rest by itself."""
         names = self._not_given([*self._names, *self.multipliers])
         return Rows([*self.loops[0], *self.passive], names)
 

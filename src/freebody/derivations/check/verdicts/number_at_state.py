@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
@@ -79,7 +78,7 @@ class NumberAtState:
 
     @cached_property
     def factor(self) -> float:
-        """Of the unit in which the answer is written."""
+        """The size of the unit in which the answer is written, in SI units."""
         return self.unit.factor if self.unit else 1.0
 
     @property
@@ -108,7 +107,7 @@ class NumberAtState:
 
     @cached_property
     def thought(self) -> RealPoint:
-        """The same where a reason is sought: one digit alone would agree with many."""
+        """The state with less slack, to seek reasons at: one digit would agree with many."""
         largest = abs(self.yours) + abs(self.right)
         slack = min(self.point.slack, _VAGUE * abs(self.yours) + EXACT * largest)
         return replace(self.point, slack=slack)
@@ -141,8 +140,8 @@ class NumberAtState:
     @property
     def digits(self) -> int:
         """How many the answer has; of one that is computed from several numbers four."""
-        text = re.split("[eE]", self.claim.source.plain(self.claim.node.span))[0]
-        return len(re.sub(r"\D", "", text).lstrip("0")) if self.is_lone else 4
+        mantissa, _, _ = self.claim.source.plain(self.claim.node.span).lower().partition("e")
+        return len("".join(filter(str.isdigit, mantissa)).lstrip("0")) if self.is_lone else 4
 
     @property
     def fits(self) -> bool:
@@ -174,7 +173,7 @@ class NumberAtState:
         return unknown if by_motion else left
 
     def _symbols(self, counts: Callable[[Mapping[str, int]], bool]) -> list[str]:
-        """Those of the terms that count."""
+        """The symbols of the terms that count."""
         rows = (powers for part in pair(self.right_value) for powers, _ in part.terms())
         names = {symbol_of(name) for powers in rows if counts(powers) for name in powers}
         return [x for x in self.setting.ring.names if x in names]

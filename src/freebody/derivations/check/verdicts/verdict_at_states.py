@@ -138,11 +138,11 @@ class _AtStates:
 
     @property
     def _tree(self) -> Expression:
-        """What is compared: of an equation between two sides their difference."""
+        """The tree that is compared: of an equation between two sides their difference."""
         return self.claim.node if self.claim.whole is None else self.claim.whole
 
     def _sought(self, states: AdmissibleStates) -> Running:
-        """What that must be equal to."""
+        """The values to which the tree must be equal."""
         if self.claim.whole is not None:
             return Running.exact(np.zeros(states.count))
         return states.of(self.right)
