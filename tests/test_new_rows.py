@@ -17,15 +17,15 @@ from pathlib import Path
 import pytest
 
 import freebody as fb
-from freebody.derivations.quantities import kinds
+from freebody.expressions.quantities import kinds
 from support.browser import ANSWER, FRESH, SAID, browser
 
 ROWS = """
-from freebody.derivations.grammar.tables import spellings
+from freebody.expressions.grammar.tables import spellings
 spellings.SPELLINGS += (("⨯", "×"),)
 
-from freebody.derivations.methods import body_quantities
-from freebody.derivations.quantities import units
+from freebody_textbook.methods import body_quantities
+from freebody.expressions.quantities import units
 body_quantities.BODY_QUANTITIES += (
     body_quantities.BodyQuantity(
         "hc{n}", "the angular momentum of body {n} about its centre of mass",
@@ -34,7 +34,7 @@ body_quantities.BODY_QUANTITIES += (
     ),
 )
 
-from freebody.derivations.check.reasons import misconceptions
+from freebody_textbook.check.reasons import misconceptions
 misconceptions.THOUGHTS["It is counted seven times."] = lambda x: iter([({}, x.value * 7)])
 """
 PROGRAM = """

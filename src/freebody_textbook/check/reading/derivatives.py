@@ -1,0 +1,126 @@
+"""Derivatives in answers: ∂L/∂θ̇1, ∂v_c2/∂q̇, d/dt, Derivative(theta1(t), t)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from freebody.expressions.grammar.lexer import Token
+from freebody.expressions.grammar.parser import Parser
+from freebody.expressions.nodes import Expression, Matrix, Span
+from freebody_textbook.check.algebra.answer_tree import Named
+from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
+from freebody_textbook.check.algebra.quotients import generator
+from freebody_textbook.check.algebra.tables_in_formulas import worked_out
+from freebody_textbook.check.asked.quantity import AskedQuantity
+from freebody_textbook.check.reading.circular_answers import uses
+from freebody_textbook.check.reading.vocabulary import Vocabulary
+
+_HIGHEST = 2
+"""The order up to which derivatives are read."""
+
+
+class DerivativeParser(Parser):
+    """Reads derivatives."""
+
+    vocabulary: Vocabulary
+    reader: PolynomialReader
+    quantities: Mapping[str, AskedQuantity]
+    tables: Callable[[str, Span], Matrix | None]
+    others: dict[Expression, Matrix]
+    """The vectors and matrices that names of scalars also stand for."""
+
+    def differentiated(self, start: int) -> Expression:
+        of = None if self.is_operator("/") else self._operand()
+        if not self.is_operator("/"):
+            self.fail_here("the bar of a derivative, as in ∂L/∂θ̇1,")
+        self.take()
+        self.expect("partial", "∂")
+        by = self.expect("name", "what is differentiated by")
+        of = self._operand() if of is None else of
+        span = self.since(start)
+        self.vocabulary.uses[self.source[span]] = tuple(
+            use.target for use in uses(of, self.quantities, self.vocabulary)
+        )
+        of = worked_out(of, self.others)
+        names = self._variables(by)
+        if not isinstance(of, Matrix) and len(names) == 1:
+            return self._slope(of, names[0], span)
+        rows = [row[0] for row in of.rows] if isinstance(of, Matrix) else [of]
+        if isinstance(of, Matrix) and len(of.rows[0]) > 1:
+            self.source.fail("a vector or one expression is differentiated", of.span)
+        table = [[self._slope(x, name, span) for name in names] for x in rows]
+        if not isinstance(of, Matrix):
+            table = [[x] for x in table[0]]
+        return Matrix(tuple(map(tuple, table)), span=span)
+
+    def _slope(self, of: Expression, by: str, span: Span) -> Expression:
+        """One derivative."""
+        value = self.reader.read(of)
+        rates = self.vocabulary.setting.symbols.rates
+        slope = value.along(rates) if by == "t" else value.derivative(by)
+        return Named(self.source[span], slope, is_derivative=True, span=span)
+
+    def _operand(self) -> Expression:
+        """What is differentiated: a bracket, a derivative or a name."""
+        if self.token.kind not in ("open", "partial", "name"):
+            self.fail_here("what is differentiated")
+        return self.primary()
+
+    def _variables(self, token: Token) -> list[str]:
+        """The coordinate, rate or parameter of a name, or those of a vector; t for the time."""
+        value = self.vocabulary.symbols.get(token.text)
+        if token.text == "t":
+            return ["t"]
+        table = self.tables(token.text, token.span) if value is None else None
+        values = [value]
+        if table is not None and len(table.rows[0]) == 1:
+            values = [x.value for row in table.rows for x in row if isinstance(x, Named)]
+        names = [name for x in values if x is not None and (name := generator(x))]
+        if not names or len(names) < len(values):
+            self.source.fail(
+                f"{self.source[token.span]} is not a coordinate to differentiate by", token.span
+            )
+        return names
+
+    def derivative(self, token: Token) -> Expression:
+        """Derivative(theta1(t), t), Derivative(theta1(t), (t, 2)), diff(L, dtheta1)."""
+        self.expect("open", "'('")
+        value = self.reader.read(self.expression())
+        order, by_time = 0, True
+        while self.token.kind == "comma":
+            self.take()
+            by, times = self._differentiated_by()
+            by_time = by_time and by == "t"
+            order += times
+            for _ in range(times if order <= _HIGHEST else 0):
+                rates = self.vocabulary.setting.symbols.rates
+                value = value.along(rates) if by == "t" else value.derivative(by)
+        span = (token.start, self.expect("close", "')'").end)
+        if not 1 <= order <= _HIGHEST:
+            self.source.fail("a derivative must be the first or second one", span)
+        own = by_time and generator(value) is not None
+        return Named(self.source[span], value, is_derivative=not own, span=span)
+
+    def _differentiated_by(self) -> tuple[str, int]:
+        """The variable, t for the time, and how often: t, (t, 2), t, 2 or another expression."""
+        pair = self.token.kind == "open" and self.ahead(2).kind == "comma"
+        if pair:
+            self.take()
+        first = self.token
+        if first.text == "t":
+            self.take()
+            by = "t"
+        else:
+            by = generator(self.reader.read(self.expression())) or ""
+        if not by:
+            self.source.fail(
+                "only derivatives by the time t, a coordinate, a rate or a parameter are read",
+                first.span,
+            )
+        times = 1
+        if pair or (self.token.kind == "comma" and self.ahead(1).kind == "number"):
+            self.expect("comma", "','")
+            times = int(self.expect("number", "the order").value)
+        if pair:
+            self.expect("close", "')'")
+        return by, times
