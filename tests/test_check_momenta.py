@@ -66,3 +66,10 @@ def test_a_length_called_like_a_momentum_is_not_read_as_one():
     assert fb.check(arm, f"L1 = l1\n{line}")
     with pytest.raises(AnswerError, match="no symbol 'L1'"):
         fb.check(arm, f"L2 = I2 ω2\n{line}")
+
+
+def test_a_unit_tells_that_a_letter_of_the_mass_matrix_is_a_momentum():
+    """At rest in θ2 it is (m1 lc1² + I1 + m2 (l1 + lc2)² + I2) θ̇1 = 8.04 kg m²/s."""
+    state = "θ1 = 0, θ2 = 0, θ̇1 = 1 rad/s, θ̇2 = 0"
+    assert fb.check(fb.load("2R"), f"H = 8.04 kg m²/s at {state}")
+    assert not fb.check(fb.load("2R"), f"H = 8.14 kg m²/s at {state}")

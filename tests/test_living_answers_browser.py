@@ -16,7 +16,7 @@ import pytest
 
 import freebody as fb
 from check_lines.lines import Line, mutants, of_robot
-from support.browser import browser
+from support.browser import ANSWER, FRESH, SAID, browser
 
 pytestmark = [
     pytest.mark.browser,
@@ -42,17 +42,6 @@ MOST_UNDECIDED = 0.4
 LOOK = "look at it again"
 LARGER = 60_000  # bytes, all tables, names, states and sentences together
 
-FRESH = """const predict = document.getElementById('predict');
-for (const on of [false, true]) {
-  predict.checked = on;
-  predict.dispatchEvent(new Event('change'));
-}
-return [...document.querySelectorAll('.answer')].map(field =>
-  [field.dataset.name, field.querySelector('input').placeholder])"""
-ANSWER = """const [k, text] = arguments, field = document.querySelectorAll('.answer')[k];
-field.querySelector('input').value = text; field.querySelector('button').click();
-return field.querySelector('p').textContent"""
-SAID = {"Right": "right", "Not r": "wrong", "Canno": "unread", "Not d": "undecided"}
 SPOILT = ("({}", "{} +", "{}^", "{} zeta9", "{} \\foo", "{} = ", "{} 2 3", "{})", "{} @")
 
 

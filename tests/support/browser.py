@@ -6,6 +6,21 @@ import shutil
 import warnings
 from contextlib import contextmanager
 
+FRESH = """const predict = document.getElementById('predict');
+for (const on of [false, true]) {
+  predict.checked = on;
+  predict.dispatchEvent(new Event('change'));
+}
+return [...document.querySelectorAll('.answer')].map(field =>
+  [field.dataset.name, field.querySelector('input').placeholder])"""
+"""Hides what can be asked for, and tells its boxes: names and what their entries are called."""
+ANSWER = """const [k, text] = arguments, field = document.querySelectorAll('.answer')[k];
+field.querySelector('input').value = text; field.querySelector('button').click();
+return field.querySelector('p').textContent"""
+"""Types an answer into a box, and tells what is said of it."""
+SAID = {"Right": "right", "Not r": "wrong", "Canno": "unread", "Not d": "undecided"}
+"""What is said, by its first letters."""
+
 
 @contextmanager
 def browser(profile):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from freebody.expressions.nodes import Expression, Function, Symbol
+from freebody.scalars.generators import SIGN, function_of, symbol_of
 
 GREEK = {
     "alpha": "α",
@@ -48,8 +49,8 @@ _SHAPE = re.compile(r"([A-Za-z]+?)(c?)_?(\d+(?:_\d+)*)_?([A-Za-z]*)")
 
 def sym(name: str, bold: bool = False) -> Expression:
     """The symbol of a name; sgn_… is the sign of what follows."""
-    if name.startswith("sgn_"):
-        return Function("sgn", sym(name.removeprefix("sgn_"), bold))
+    if function_of(name) == SIGN:
+        return Function(SIGN, sym(symbol_of(name), bold))
     stem, dots = _without_dots(name)
     letter, low = _parts(stem)
     return Symbol(name, letter, low, dots, bold)

@@ -17,6 +17,7 @@ from freebody.expressions.polynomials.factors import factored
 from freebody.expressions.printed_names import sym
 from freebody.lazy import cached_property
 from freebody.outputs.display import Titled
+from freebody.scalars.generators import symbols_in
 from freebody.scalars.trig import Trig
 
 
@@ -89,11 +90,7 @@ class Determinant:
 
     def _moving(self, x: Trig) -> list[str]:
         """The coordinates that a polynomial depends on."""
-        used = {
-            name.removeprefix("sin_").removeprefix("cos_")
-            for powers, _ in x.terms()
-            for name in powers
-        }
+        used = symbols_in(x)
         return [name for name in self.kinematics.symbols.coordinates if name in used]
 
     def _rank(self, x: Trig) -> tuple:

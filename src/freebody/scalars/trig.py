@@ -17,6 +17,7 @@ import flint
 import numpy as np
 
 from freebody.errors import FreebodyError, UnknownNameError
+from freebody.scalars.generators import sign_of, waves_of
 from freebody.scalars.rational import exactly, rational_sin_cos
 
 LARGEST = 2 * 10**8
@@ -34,7 +35,7 @@ class TrigRing:
         names = [*angles, *others]
         self.angles = tuple(angles)
         self.names = tuple(names)
-        generators = [f"{f}_{x}" for x in angles for f in ("sin", "cos")] + names
+        generators = [wave for x in angles for wave in waves_of(x)] + names
         twice = [name for name, times in Counter(generators).items() if times > 1]
         if twice:
             raise FreebodyError(
@@ -290,9 +291,9 @@ class Trig:
         is negative."""
         factor = self.leading_coefficient
         name = str(self.poly / _flint(factor)) if factor else "0"
-        if f"sgn_{name}" not in self.ring.index:
+        if sign_of(name) not in self.ring.index:
             raise FreebodyError(f"the sign of {self} has no symbol: friction acts on single rates.")
-        sign = self.ring[f"sgn_{name}"]
+        sign = self.ring[sign_of(name)]
         return sign if factor > 0 else -sign
 
     # ------------------------------------------------------------ analysis

@@ -24,7 +24,7 @@ class LinkSymbol:
     """Whether it is a coordinate."""
 
     def spelt(self, k: int | str) -> Iterator[str]:
-        """Its names with a number."""
+        """The names of the symbol with a number."""
         yield from (f"{letter}{k}" for letter in (self.letter, *self.also))
         yield from (form.format(k=k) for form in self.behind if k)
 

@@ -21,6 +21,7 @@ from freebody.expressions.polynomials.textbook_form import Layout
 from freebody.expressions.printed_names import COMPONENTS
 from freebody.lazy import cached_property
 from freebody.model.tree import Tree, TreeLoop
+from freebody.scalars.generators import sign_of
 from freebody.scalars.trig import Trig, TrigRing
 from freebody.spatial import Vector, add, dot, product, sub, times
 from freebody_textbook.closed_chains.first_kind import MULTIPLIER
@@ -90,7 +91,7 @@ class AbsoluteCoordinates:
         """The same model over a ring with these coordinates in the place of the joints'."""
         given = self.given
         moving = {x + end for x in given.coordinates for end in ("", RATE, SECOND)}
-        signs = {f"sgn_{x}{RATE}" for x in given.coordinates}
+        signs = {sign_of(x + RATE) for x in given.coordinates}
         kept = [x for x in given.ring.names if x not in moving | signs | set(given.extra)]
         names = (*self.names, *(x + end for x in self.names for end in (RATE, SECOND)))
         count = 2 * len(self.bodies) + 3 * len(given.tree.loops) + len(self.bodies)

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
+from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.polynomials.arithmetic import inner, times
 from freebody.expressions.polynomials.determinant import determinant
 from freebody.expressions.polynomials.symbols import Symbols
@@ -33,6 +34,11 @@ MOST = 8
 def multiplier_names(loops: LoopEquations) -> tuple[str, ...]:
     """Names of the multipliers."""
     return tuple(f"{MULTIPLIER}{k}" for k in range(1, len(loops.names) + 1))
+
+
+def is_multiplier(name: str) -> bool:
+    """Whether a symbol is one."""
+    return atom(name).letter == MULTIPLIER
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.polynomials.typical_values import typical
 from freebody.expressions.printed_names import sym
 from freebody.lazy import cached_property
+from freebody.scalars.generators import function_of, symbol_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.real_point import RealPoint
 from freebody_textbook.check.asked.asked_quantities import Targets
@@ -36,7 +37,6 @@ from freebody_textbook.check.reasons.misconceptions import TABLES, values
 from freebody_textbook.check.reasons.misreadings import GRAVITY, TIPS
 from freebody_textbook.check.reasons.thoughts import Subject
 from freebody_textbook.check.states.admissible_states import AdmissibleStates, StateSampler
-from freebody_textbook.check.states.state_values import SIGN
 from freebody_textbook.check.verdicts.equation_verdict import STILL
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.living.kernel import PageProgram
@@ -216,7 +216,7 @@ class PageAnswers:
     @cached_property
     def _symbols(self) -> tuple[str, ...]:
         """Names of the ring that states give values to."""
-        return tuple(x for x in self.setting.ring.names if not x.startswith((SIGN, "sin_", "cos_")))
+        return tuple(x for x in self.setting.ring.names if not function_of(x))
 
     # ------------------------------------------------------------ lines
     def of_line(self, name: str, given: Iterable[str]) -> dict[str, Any]:
@@ -292,15 +292,15 @@ class PageAnswers:
         self, target: AskedQuantity, right: Trig, point: RealPoint
     ) -> Iterator[Iterator[Iterator[_Told]]]:
         """By table and row; in a table of its own that nothing moves, where that may be meant."""
-        moving = [name for name in self.setting.ring.names if name.endswith((RATE, SECOND))]
+        moving = [name for name in self.setting.ring.names if atom(name).dots]
         still = point.changed(dict.fromkeys(moving, 0)).of(right) or np.nan
         yield iter([iter([(STILL, still)])] if target.kind.may_be_still else [])
         yield from values(Subject(BodiesAtPoint(self.setting, point), self.targets, target, right))
 
     def _signed(self, row: Mapping[str, float]) -> dict[str, float]:
         """A state with the signs of its rates."""
-        signs = [x for x in self.setting.ring.names if x.startswith(SIGN)]
-        return {**row, **{x: float(np.sign(row.get(x[len(SIGN) :], np.nan))) for x in signs}}
+        signs = [x for x in self.setting.ring.names if function_of(x)]
+        return {**row, **{x: float(np.sign(row.get(symbol_of(x), np.nan))) for x in signs}}
 
     def _sentence(self, text: str) -> int:
         if text not in self.sentences:
@@ -367,7 +367,7 @@ class PageAnswers:
     @property
     def _slide(self) -> dict[str, Slots]:
         """x where the only slide is called otherwise."""
-        slides = [x for x in self.setting.symbols.coordinates if x.startswith("d")]
+        slides = [x for x in self.setting.symbols.coordinates if not self.setting.turns(x)]
         if len(slides) != 1:
             return {}
         single, endings = self.targets.single, ("", RATE, SECOND)
@@ -453,7 +453,7 @@ class PageAnswers:
 
     # ------------------------------------------------------------ for the script
     def symbols(self, inputs: Sequence[Mapping[str, Any]]) -> list[str]:
-        """Those with sliders, and others that an answer may be written with."""
+        """The symbols with sliders, and others that an answer may be written with."""
         names = [x["name"] for x in inputs]
         return [*names, *(x for x in self._symbols if x not in names)]
 
@@ -506,7 +506,7 @@ class PageAnswers:
 
 
 def _key(target: AskedQuantity) -> _Key:
-    """What tells a quantity from others."""
+    """A key by which a quantity is told from others."""
     return target.kind, target.index, target.axis, target.words, target.joint
 
 
@@ -515,7 +515,7 @@ def _is_of_bodies(target: AskedQuantity) -> bool:
 
 
 def _places(names: Sequence[str]) -> dict[str, int]:
-    """Of symbols by name, as the script counts them."""
+    """The places of symbols by name, as the script counts them."""
     return {name: -1 - k for k, name in enumerate(names)}
 
 

@@ -3,14 +3,23 @@ the world, where vectors of several bodies can be added."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from freebody.expressions.grammar.atoms import atom
 from freebody.spatial import product, times, transposed
+from freebody_textbook.methods.body_quantities import BODY_QUANTITIES, BodyQuantity, numbers
 from freebody_textbook.relations.formula_values import rank
 from freebody_textbook.relations.quantities import Quantities
 
-_VECTORS = ("omega", "v", "vc", "s", "sc", "f", "fc", "n", "nc")
+
+def _letters(rows: Iterable[BodyQuantity]) -> frozenset[str]:
+    return frozenset(atom(x.known.format(**numbers(1))).letter for x in rows)
+
+
+_VECTORS = _letters(x for x in BODY_QUANTITIES if x.has_axes_of_body) - _letters(
+    x for x in BODY_QUANTITIES if not x.own_axes
+)
 """Letters of vectors in axes of their body, whose number is the last figure."""
 _PARTIAL = ("omega", "vc")
 """Letters of partial velocities, whose indices are body and joint."""

@@ -3,8 +3,10 @@ program."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
+from freebody.model.model import Model
 from freebody_textbook.methods.body_quantities import BODY_QUANTITIES, numbers
 from freebody_textbook.methods.body_values import BodyValues
 from freebody_textbook.methods.energies import Energies
@@ -36,7 +38,7 @@ def body_quantities(s: Setting, reactions: SolvedReactions) -> dict[str, Any]:
 
 
 def vector(s: Setting, v: Any) -> tuple[Any, ...]:
-    """Its components as scalars of the setting."""
+    """A vector's components as scalars of the setting."""
     return tuple(map(s.symbols.element, v))
 
 
@@ -52,3 +54,10 @@ def _of_body(s: Setting, reactions: SolvedReactions, i: int) -> dict[str, Any]:
         there, back = f"R{above}_{b.n}", f"R{b.n}_{above}"  # as lines print them: from, to
         made |= {there: made[back], back: made[there]}
     return made if s.follows(i) else made | {f"tau{s.index(i) + 1}": reactions.motor(i)}
+
+
+def shown(model: Model, values: Mapping[str, Any]) -> list[str]:
+    """Names of the quantities of bodies that a page has a value of, also where no line has them."""
+    known = [x.known for x in BODY_QUANTITIES if x.shown]
+    names = (x.format(**numbers(n)) for n in range(1, len(model.bodies) + 1) for x in known)
+    return [name for name in names if name in values]

@@ -137,7 +137,7 @@ class ClosedChain:
         ]
 
     def _symbol(self, kernel: PageProgram, loop: TreeLoop) -> dict[str, Any]:
-        """Of what closes a loop: marks at its places, in space solids."""
+        """The symbol of what closes a loop: marks at its places, in space solids."""
         dim = self.s.symbols.model.dim
         given = next(x for x in self.s.symbols.model.loops if x.name == loop.name)
         kind = KINDS[LOOP_KINDS[given.kind].symbol(dim)]

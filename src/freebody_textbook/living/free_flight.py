@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.notations.lettering import Lettering
 from freebody.expressions.polynomials.symbols import RATE
 from freebody.expressions.printed_names import sym
@@ -42,7 +43,7 @@ class FreeFlight:
     @property
     def solved_names(self) -> tuple[str, ...]:
         """The accelerations."""
-        return tuple(x for x in self._moving if x.endswith(RATE))
+        return tuple(x for x in self._moving if atom(x).dots)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -58,7 +59,7 @@ class FreeFlight:
         return level | dict.fromkeys(self._thrusts, weight / len(self._thrusts))
 
     def quantities(self) -> dict[str, Any]:
-        """What lines do not define themselves: symbols, velocities as vectors, gravity."""
+        """Quantities that no line defines: symbols, velocities as vectors, gravity."""
         ring = self.s.symbols.ring
         own = (*self.s.symbols.coordinates, *self._moving, *self._thrusts)
         found: dict[str, Any] = {x: ring[x] for x in ring.names if x in own or "_" not in x}

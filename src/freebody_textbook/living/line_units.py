@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping
 from freebody.expressions.expression import Expression, Symbol
 from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.nodes import Negative, Sum
-from freebody.expressions.polynomials.symbols import RATE
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.methods.glossary import ACCELERATION, in_model, placed
 from freebody_textbook.methods.setting import Setting
@@ -25,7 +24,8 @@ def units_of_symbols(derivation: Derivation) -> dict[str, str]:
     found = {symbol.name: unit for symbol, unit in _told(derivation)}
     for name in symbols.extra:
         if is_velocity(name):
-            found[name] = ("rad/s" if "omega" in name else "m/s") + "²" * name.endswith(RATE)
+            own = atom(name)
+            found[name] = ("rad/s" if own.letter == "omega" else "m/s") + "²" * own.dots
     if symbols.model.tip is not None:
         for parameter, _, unit in placed(symbols.model.frame().placement, ""):
             found.setdefault(parameter.name, unit)

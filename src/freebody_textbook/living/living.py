@@ -21,10 +21,10 @@ from freebody.expressions.notations.lettering import Lettering
 from freebody.expressions.notations.notation import PRESETS
 from freebody.expressions.polynomials.symbols import RATE, SECOND, names_by_body
 from freebody.expressions.polynomials.typical_values import typical
-from freebody_textbook.closed_chains.first_kind import MULTIPLIER
+from freebody_textbook.closed_chains.first_kind import is_multiplier
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.living.answers import PageAnswers
-from freebody_textbook.living.body_quantities import body_quantities
+from freebody_textbook.living.body_quantities import body_quantities, shown
 from freebody_textbook.living.closed_chain import ClosedChain
 from freebody_textbook.living.drawn_bodies import DrawnBodies
 from freebody_textbook.living.free_flight import FreeFlight
@@ -117,6 +117,7 @@ def _parts(
     """marked: places in the kernel of the tip, if there is one, and of further points."""
     plain, letters = derivation.plain or derivation, derivation.lettering
     spoken = dict.fromkeys(name for line in found.lines for name in line.names)
+    spoken |= dict.fromkeys(shown(plain.equations.symbols.model, found.quantities))
     readable = {name: x for name in spoken if rank(x := found.quantities[name]) <= 1}
     by_formula: dict[str, Any] = dict(plain.equations.symbols.followed({}))  # lc1 = l1/2
     readable = by_formula | readable
@@ -250,10 +251,10 @@ def _inputs(
     moving = [x + dots for dots in ("", RATE, SECOND) for x in symbols.coordinates]
     names = [x for x in dict.fromkeys((*moving, *symbols.ring.names)) if x in used]
     values = typical(names, derivation.equations.symbols.model.parameters)
-    values |= {name: 0.0 for name in names if name.startswith(MULTIPLIER)} | dict(start)
+    values |= {name: 0.0 for name in names if is_multiplier(name)} | dict(start)
     made = []
     for name in names:
-        value, unit, force = values[name], units.get(name, ""), name.startswith(MULTIPLIER)
+        value, unit, force = values[name], units.get(name, ""), is_multiplier(name)
         top = _WIDEST.get("N" if force else unit) or max(1.0, 3.0 * abs(value))
         signed = force or unit in {*_WIDEST, "m/s²"} or name in symbols.coordinates
         low = min(value, -top if signed or value < 0.0 else 0.0)
@@ -269,10 +270,10 @@ def _inputs(
 
 
 def _group(name: str, coordinates: Iterable[str]) -> str:
-    if name.startswith(MULTIPLIER):
+    if is_multiplier(name):
         return "lam"
     if is_velocity(name):
-        return "qdd" if name.endswith(RATE) else "qd"
+        return "qdd" if atom(name).dots else "qd"
     endings = (("q", ""), ("qd", RATE), ("qdd", SECOND))
     found = (key for key, ending in endings for x in coordinates if name == x + ending)
     return next(found, "p")

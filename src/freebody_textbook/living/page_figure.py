@@ -44,7 +44,7 @@ class Labels:
     numbers: dict[str, int] = field(default_factory=dict)
 
     def number(self, formula: str) -> int:
-        """Of a formula; -1 where there is none."""
+        """The number of a formula; -1 where there is none."""
         return self.numbers.setdefault(formula, len(self.numbers)) if formula else -1
 
     def of(self, name: Expression, sign: int = 1) -> int:

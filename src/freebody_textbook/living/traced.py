@@ -66,7 +66,7 @@ class TracedSymbols(Symbols):
 
     @classmethod
     def of(cls, given: Symbols, inputs: Mapping[str, Expr]) -> TracedSymbols:
-        """The same model and names."""
+        """Symbols of the same model and names, over the scalars of a program."""
         ring: Any = Inputs(inputs)
         reader: Any = TracedReader(ring, given.reader.numbers, given.formulas, given.reader.own)
         names = given.coordinates, reader, given.extra, given.inertial

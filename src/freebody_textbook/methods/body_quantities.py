@@ -16,6 +16,7 @@ from freebody.expressions.quantities.kinds import (
     BODY_POTENTIAL,
     MASS_OF_BODY,
     OF_BODY,
+    REACTION,
     Kind,
 )
 from freebody.expressions.quantities.units import Unit, si_text
@@ -41,6 +42,8 @@ class BodyQuantity:
     also: tuple[tuple[str, int], ...] = ()
     """Further names in answers, in plain spelling, and how many dots they have."""
     kind: Kind = OF_BODY
+    is_scalar: bool = False
+    """Whether it is one number in space too, which other groups of answers have."""
     angular: bool = False
     """Whether it is one number in the plane."""
     spaces: tuple[int, ...] = (2, 3)
@@ -90,6 +93,12 @@ class BodyQuantity:
         words = self.words.format(**of).removeprefix("the ")
         return Meaning((sym(self.symbol, bold),), words, si_text(self.unit, True))
 
+    @property
+    def has_axes_of_body(self) -> bool:
+        """Whether it is a vector in space with the axes of body n."""
+        told = self.own_axes and 3 in self.spaces and self.framed is not None
+        return told and not self.is_scalar and not self.matrix
+
     def exists(self, b: BodyValues) -> bool:
         """Whether a body has it; of one whose parts are not made one nothing about its centre."""
         fits = b.s.tree.space.dim in self.spaces and (b.is_whole or not self.of_centre)
@@ -97,7 +106,7 @@ class BodyQuantity:
 
     def axes(self, dim: int) -> str:
         """Of a vector "xy" or "xyz", of one number ""."""
-        return "" if (self.angular and dim == 2) or self.kind is not OF_BODY else "xyz"[:dim]
+        return "" if (self.angular and dim == 2) or self.is_scalar else "xyz"[:dim]
 
 
 def numbers(n: int, h: int | None = None) -> dict[str, int]:
@@ -208,28 +217,29 @@ BODY_QUANTITIES = (
     # ------------------------------------------------------------ forces
     BodyQuantity(
         "f{h}{n}", "the force of body {h} on body {n} at their joint", lambda b: b.vector(b.force),
-        units.FORCE, (("F{h}{n}", 0),), reaction=_FORCE_BEFORE, shown=True, framed=("f{n}",),
-        symbol="f_i,k",
+        units.FORCE, (("F{h}{n}", 0),), kind=REACTION, reaction=_FORCE_BEFORE, shown=True,
+        framed=("f{n}",), symbol="f_i,k",
     ),
     *(
         BodyQuantity(
             f"{letter}{{n}}", "the moment of body {h} on body {n} at their joint",
             lambda b: b.angular(b.moment), units.ENERGY, (("n{h}{n}", 0), ("N{h}{n}", 0)),
             reaction="This is the reaction, the moment of body {n} on body {h}.",
-            angular=True, spaces=(dim,), soft=True, shown=True, framed=("n{n}",) * (dim == 2),
-            symbol="n_i,k",
+            kind=REACTION, angular=True, spaces=(dim,), soft=True, shown=True,
+            framed=("n{n}",) * (dim == 2), symbol="n_i,k",
         )
         for letter, dim in (("M", 2), ("n", 3))
     ),
     BodyQuantity(
         "f{n}{h}", "the force of body {n} on body {h} at their joint",
         lambda b: b.vector(neg(b.force)), units.FORCE, (("F{n}{h}", 0),),
-        reaction="This is f{h}{n}, the force of body {h} on body {n}.",
+        kind=REACTION, reaction="This is f{h}{n}, the force of body {h} on body {n}.",
     ),
     BodyQuantity(
         "n{n}{h}", "the moment of body {n} on body {h} at their joint",
         lambda b: b.angular(neg(b.moment)), units.ENERGY, (("N{n}{h}", 0),),
-        reaction="This is n{h}{n}, the moment of body {h} on body {n}.", angular=True, soft=True,
+        kind=REACTION, reaction="This is n{h}{n}, the moment of body {h} on body {n}.",
+        angular=True, soft=True,
     ),
     BodyQuantity(
         "fc{n}", "the mass of body {n} times the acceleration of its centre",
@@ -252,7 +262,7 @@ BODY_QUANTITIES = (
     # ------------------------------------------------------------ what it is
     BodyQuantity(
         "m{n}", "the mass of body {n}", lambda b: b.element(b.s.mass(b.i)), units.MASS,
-        kind=MASS_OF_BODY, of_centre=True, shown=True,
+        kind=MASS_OF_BODY, is_scalar=True, of_centre=True, shown=True,
     ),
     BodyQuantity(
         "I{n}", "the inertia tensor of body {n}", _inertia, units.INERTIA, angular=True,
@@ -260,11 +270,12 @@ BODY_QUANTITIES = (
     ),
     BodyQuantity(
         "T{n}", "the kinetic energy of body {n}", lambda b: Energies(b.s, b.s.motion).kinetic(b.i),
-        units.ENERGY, kind=BODY_KINETIC,
+        units.ENERGY, kind=BODY_KINETIC, is_scalar=True,
     ),
     BodyQuantity(
         "V{n}", "the potential energy of body {n}",
-        lambda b: Energies(b.s, b.s.motion).potential(b.i), units.ENERGY, kind=BODY_POTENTIAL,
+        lambda b: Energies(b.s, b.s.motion).potential(b.i), units.ENERGY,
+        kind=BODY_POTENTIAL, is_scalar=True,
     ),
     # ------------------------------------------------------------ frames in space
     BodyQuantity(
@@ -327,13 +338,17 @@ BODY_QUANTITIES = (
         "R{h}", "the ground's orientation", lambda b: _EYE, spaces=(3,), matrix="rotation",
         only="first",
     ),
-    BodyQuantity("f{n}{k}", "the force that the tip exerts", _tip_force, units.FORCE, only="last"),
     BodyQuantity(
-        "M{k}", "the moment that the tip exerts", _no_turn, units.ENERGY, angular=True,
-        spaces=(2,), soft=True, only="last",
+        "f{n}{k}", "the force that the tip exerts", _tip_force, units.FORCE, kind=REACTION,
+        only="last",
     ),
     BodyQuantity(
-        "n{k}", "the moment that the tip exerts", _no_turn, units.ENERGY, spaces=(3,), only="last",
+        "M{k}", "the moment that the tip exerts", _no_turn, units.ENERGY, kind=REACTION,
+        angular=True, spaces=(2,), soft=True, only="last",
+    ),
+    BodyQuantity(
+        "n{k}", "the moment that the tip exerts", _no_turn, units.ENERGY, kind=REACTION,
+        spaces=(3,), only="last",
     ),
     BodyQuantity(
         "R{n}_{k}", "the rotation from the tip to body {n}", lambda b: _EYE, spaces=(3,),

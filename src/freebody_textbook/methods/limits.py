@@ -14,6 +14,7 @@ from freebody.expressions.nodes import Conditioned, Words, nodes
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.printed_names import sym
 from freebody.model.parameters import each_parameter
+from freebody.scalars.generators import sign_of
 from freebody.scalars.trig import Trig
 from freebody.spatial import dot, sub
 from freebody_textbook.derivation import Step
@@ -130,7 +131,7 @@ def _at_zero(s: Setting, held: Iterable[int], straight: Iterable[int]) -> Callab
     """A polynomial where these joints stand still, and these angles are 0."""
     still = {s.coordinate(i) + dots for i in held for dots in (RATE, SECOND)}
     angles = {s.coordinate(i) for i in straight}
-    gone = still | {f"sin_{x}" for x in angles} | {f"sgn_{x}" for x in still}
+    gone = still | {f"sin_{x}" for x in angles} | set(map(sign_of, still))
     ones = {f"cos_{x}" for x in angles}
 
     def at(x: Trig) -> Trig:

@@ -11,7 +11,7 @@ from freebody.expressions import expression as ex
 from freebody.expressions.expression import Equation, Expression, Symbol
 from freebody.expressions.nodes import Product, nodes
 from freebody.expressions.polynomials.symbols import RATE, SECOND
-from freebody_textbook.closed_chains.first_kind import MULTIPLIER
+from freebody_textbook.closed_chains.first_kind import is_multiplier
 from freebody_textbook.derivation import Meaning, Step
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.term_sources import moving, patterns
@@ -173,7 +173,7 @@ class _Terms:
         first = [k for k, x in enumerate(coordinates) if x + RATE in names]
         if second:
             return (INERTIA, ()) if second == [i] else (COUPLING, self._joints(second))
-        if any(name.startswith(MULTIPLIER) for name in names) or not found:
+        if any(is_multiplier(name) for name in names) or not found:
             return CLOSING, ()
         if len(names) == 2:
             kind = CENTRIFUGAL if len(first) == 1 else CORIOLIS

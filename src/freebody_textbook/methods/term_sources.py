@@ -9,6 +9,7 @@ from freebody.expressions import expression as ex
 from freebody.expressions.evaluate import NoValue, Rules, arithmetic, evaluate
 from freebody.expressions.nodes import Expression, Function, Negative, Sourced, Sum, Symbol
 from freebody.expressions.polynomials.symbols import RATE, SECOND, Symbols
+from freebody.scalars.generators import sign_of
 from freebody.scalars.trig import Trig
 
 Pattern = tuple[str, ...]
@@ -60,7 +61,7 @@ def moving(symbols: Symbols) -> frozenset[str]:
     return frozenset(
         (
             *(x + dots for x in names for dots in (RATE, SECOND)),
-            *(f"sgn_{x}{RATE}" for x in names),
+            *(sign_of(x + RATE) for x in names),
             *symbols.extra,
         )
     )
@@ -75,7 +76,7 @@ def patterns(term: Expression, names: Collection[str]) -> Collection[Pattern]:
         node: Function, at: Callable[[Expression], Collection[Pattern]]
     ) -> Collection[Pattern]:
         if node.name == "sgn":
-            return frozenset((f"sgn_{name}",) for pattern in at(node.argument) for name in pattern)
+            return frozenset((sign_of(name),) for pattern in at(node.argument) for name in pattern)
         return nothing
 
     rules: Rules = {

@@ -105,7 +105,7 @@ class QuantityValues:
         return found
 
     def of_body(self, i: int) -> Values:
-        """Of one body."""
+        """The values of one body."""
         return values_of(RecursionValues(self.s, i, self.record, self.base))
 
     @cached_property

@@ -39,7 +39,7 @@ class Atom:
 
     @property
     def ending(self) -> str:
-        """What its rates end with, _d or _dd."""
+        """The end of the name that tells its dots, _d or _dd."""
         return "_" + "d" * self.dots if self.dots else ""
 
 
@@ -54,6 +54,12 @@ def atom(name: str) -> Atom:
     letter = unprimed.removesuffix(ending)[: len(unprimed) - len(ending) - len(rest)]
     index = tuple(rest.removeprefix("_").split("_")) if rest else ()
     return Atom(letter, index, dots + _DOTS.get(ending, 0), len(bare) - len(unprimed))
+
+
+def undotted(name: str) -> str:
+    """The name of which a rate or an acceleration has the name, as code has it: theta1 of
+    theta1_dd; any other name itself."""
+    return name.removesuffix(atom(name).ending)
 
 
 def numbered(name: str) -> tuple[str, str]:

@@ -73,7 +73,7 @@ class Lexemes(Sequence[Lexeme]):
 
     @classmethod
     def of(cls, text: str) -> Lexemes:
-        """Those of a text with accents decomposed."""
+        """The lexemes of a text with accents decomposed."""
         return cls(scanned(text))
 
     def __len__(self) -> int:
@@ -103,7 +103,7 @@ class Lexemes(Sequence[Lexeme]):
         return bisect_left(self._starts, place)
 
     def between(self, start: int, end: int) -> range:
-        """Those that begin between two places of the text."""
+        """The lexemes that begin between two places of the text."""
         return range(self.at(start), self.at(end))
 
     def closing(self, k: int) -> int | None:

@@ -45,11 +45,11 @@ class Match:
         return stop > start
 
     def items(self, name: str) -> list[Lexeme]:
-        """What was kept by a name."""
+        """The lexemes that were kept by a name."""
         return self.lexemes.items[slice(*self.captures.get(name, (0, 0)))]
 
     def __getitem__(self, name: str) -> str:
-        """The same as text without blanks."""
+        """What was kept by a name, as text without blanks."""
         return plain(self.items(name))
 
     @property

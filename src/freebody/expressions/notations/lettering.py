@@ -218,8 +218,8 @@ def lettering_of(notation: BookNotation, model: Model, coordinates: tuple[str, .
 
 
 def lettered_for(lettering: Lettering, printed: Iterable[Expression]) -> Lettering:
-    """The same for a document: without short sines and cosines where s_1 is something else, and the
-    reduced mass matrix H as it is where there is a larger M.
+    """The lettering of a document: without short sines and cosines where s_1 is something else,
+    and with the reduced mass matrix H as it is where there is a larger M.
 
     Raises FreebodyError where two symbols of it would be one.
     """

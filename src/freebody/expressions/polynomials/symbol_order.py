@@ -16,6 +16,7 @@ from freebody.lazy import cached_property
 from freebody.model.bodies import Body
 from freebody.model.parameters import Parameter, each_parameter
 from freebody.model.placement import AxisRotation
+from freebody.scalars.generators import sign_of
 from freebody.scalars.rational import rational_sin_cos
 from freebody.spatial import neg
 
@@ -89,7 +90,7 @@ class Order:
         """Names of velocities, accelerations, signs of velocities, and of what the model itself
         does not hold."""
         names = self.symbols.coordinates
-        signs = (f"sgn_{x}{RATE}" for x in names)
+        signs = (sign_of(x + RATE) for x in names)
         return frozenset(
             [*signs, *(x + e for x in names for e in (RATE, SECOND)), *self.symbols.extra]
         )

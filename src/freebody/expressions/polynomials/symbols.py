@@ -21,6 +21,7 @@ from freebody.model.placement import AxisRotation
 from freebody.model.quantity_reader import QuantityReader
 from freebody.model.single_joints import with_single_joints
 from freebody.model.tree import Tree, lower
+from freebody.scalars.generators import sign_of
 from freebody.scalars.rational import rational_axis, rational_rotation, rational_sin_cos
 from freebody.scalars.trig import Trig, TrigRing
 from freebody.spatial import Matrix, Vector
@@ -219,7 +220,7 @@ class Symbols(ByValue):
                 values |= {x + ending: array[..., i] for i, x in enumerate(self.coordinates)}
         if qd is not None:
             values |= {
-                f"sgn_{x}{RATE}": np.sign(qd[..., i]) for i, x in enumerate(self.coordinates)
+                sign_of(x + RATE): np.sign(qd[..., i]) for i, x in enumerate(self.coordinates)
             }
         return values
 
@@ -277,7 +278,7 @@ def symbols(
         *(x for x in coordinates if x not in turning),
         *(x + RATE for x in coordinates),
         *(x + SECOND for x in coordinates),
-        *(f"sgn_{x}{RATE}" for x in coordinates),
+        *(sign_of(x + RATE) for x in coordinates),
         *(x for x in names if x not in angles),
         *extra,
         *(inertial or ()),

@@ -8,7 +8,6 @@ group's numbers and common symbols stand in front of it.
 from __future__ import annotations
 
 import math
-import re
 from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from typing import Any
 from freebody.arrays import Array
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Expression
+from freebody.expressions.grammar.atoms import undotted
 from freebody.expressions.polynomials.angle_sums import (
     Monomial,
     Raw,
@@ -32,6 +32,7 @@ from freebody.expressions.polynomials.symbol_order import Order
 from freebody.expressions.polynomials.symbols import SECOND, Symbols
 from freebody.expressions.printed_names import sym
 from freebody.lazy import cached_property
+from freebody.scalars.generators import function_of, symbol_of
 from freebody.scalars.trig import Trig
 
 Poly = dict[Monomial, Fraction]
@@ -98,10 +99,10 @@ class Layout:
         extra = self.symbols.extra
         if any(n in extra for n in names):
             return 6, [extra.index(n) if n in extra else -1 for n in names]
-        order = [self.symbols.coordinates.index(re.sub(r"^sgn_|_dd?$", "", n)) for n in names]
+        order = [self.symbols.coordinates.index(undotted(symbol_of(n))) for n in names]
         if not names:
             kind = 3
-        elif names[0].startswith("sgn_"):
+        elif function_of(names[0]):
             kind = 5
         elif any(n.endswith(SECOND) for n in names):
             kind = 0

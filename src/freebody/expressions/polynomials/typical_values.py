@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
+from freebody.scalars.generators import waves_of
 from freebody.scalars.trig import Trig
 
 _VALUES = {
@@ -27,7 +28,7 @@ def typical(
 def occurs(name: str, x: Trig) -> bool:
     """Whether a polynomial has a symbol, or its sine or cosine, in it."""
     index, degrees = x.ring.index, x.poly.degrees()
-    return any(n in index and degrees[index[n]] > 0 for n in (name, f"sin_{name}", f"cos_{name}"))
+    return any(n in index and degrees[index[n]] > 0 for n in (name, *waves_of(name)))
 
 
 def typical_value(name: str, given: float | None, shift: int, k: int) -> float:

@@ -4,7 +4,7 @@ their names mean in words, and in which sense two of a kind are equal."""
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from freebody.expressions.quantities import units
@@ -86,6 +86,10 @@ class Kind:
     """Whether all its lines must be of one posture."""
     is_drive: bool = False
     """Whether a drive exerts it."""
+    is_reaction: bool = False
+    """Whether it acts in a joint: it may be 0 by chance."""
+    terms: tuple[str, ...] = ()
+    """Of what it is the sum, by the names that the equations of motion have."""
     is_load: bool = False
     """Whether it acts from outside."""
     is_given: bool = False
@@ -98,6 +102,11 @@ class Kind:
     of_one_body: bool = False
     is_told_by_value: bool = False
     """Whether its value tells which of several quantities with one name is meant."""
+    rates: tuple[Literal["some", "one", "none"], ...] = ()
+    """Of what shares a name with another quantity: which rates answers about it have, one in each
+    term, some or none."""
+    has_rows_of_tip: bool = False
+    """Whether its rows are those of the tip's velocity, of which the first suffice for a force."""
     has_velocity_terms: bool = False
     """Whether c_1 or V_1 may stand in it as a sum of velocity terms."""
 
@@ -106,7 +115,7 @@ class Kind:
         return self.words.format(*index, joint=joint)
 
     def unit_of(self, turns: Sequence[bool]) -> Unit | None:
-        """Of an entry whose joints turn or slide."""
+        """The unit of an entry whose joints turn or slide."""
         return self.unit(turns) if callable(self.unit) else self.unit
 
     @property
@@ -135,7 +144,7 @@ def _of_rates(turns: Sequence[bool]) -> Unit:
 TORQUE = Kind(
     "tau", "the drive's torque or force at {joint}", _force,
     "torque", ("tau", "Q", "Gamma"), ("tau", "Q"), "tau", of="joints",
-    may_be_still=True, is_drive=True, has_velocity_terms=True,
+    may_be_still=True, is_drive=True, is_reaction=True, has_velocity_terms=True,
 )  # fmt: skip
 MASS = Kind(
     "M", "entry {}, {} of the mass matrix", _mass,
@@ -158,7 +167,7 @@ GRAVITY = Kind(
 )  # fmt: skip
 BIAS = Kind(
     "bias", "the velocity and gravity terms of {joint}", _force,
-    "bias", (), ("bias",), of="joints", tells="motion",
+    "bias", (), ("bias",), of="joints", tells="motion", terms=("c", "g", "drives"),
 )  # fmt: skip
 COEFFICIENT = Kind("h", "the velocity coefficient", is_coefficient=True)
 CHRISTOFFEL = Kind(
@@ -193,8 +202,9 @@ ENERGY = Kind(
     "E", "the total energy", units.ENERGY, letters=("E",), of="bodies", up_to_a_constant=True
 )
 BODY_KINETIC = Kind(
-    "T_i", "the kinetic energy of body {}", units.ENERGY, of="bodies", of_one_body=True
-)
+    "T_i", "the kinetic energy of body {}", units.ENERGY, letters=("k",), of="bodies",
+    of_one_body=True,
+)  # fmt: skip
 BODY_POTENTIAL = Kind(
     "V_i",
     "the potential energy of body {}",
@@ -203,13 +213,13 @@ BODY_POTENTIAL = Kind(
     up_to_a_constant=True,
     of_one_body=True,
 )
-POWER = Kind("power", unit=units.POWER, tells="motion")
+POWER = Kind("power", unit=units.POWER, tells="motion", rates=("one", "some"))
 MOMENTUM = Kind("momentum", unit=_momentum)
 
 # ---------------------------------------------------------------- tip and bodies
 JACOBIAN = Kind(
     "J", "entry {}, {} of the tip's Jacobian", None,
-    "jacobian", ("J",), ("J",), "J", is_matrix=True, of="joints",
+    "jacobian", ("J",), ("J",), "J", is_matrix=True, of="joints", has_rows_of_tip=True,
 )  # fmt: skip
 TWIST_JACOBIAN = Kind("J_s", is_matrix=True, of="joints")
 JACOBIAN_RATE = Kind("J_d", of="bodies")
@@ -222,7 +232,9 @@ TIP_ACCELERATION = Kind(
 TIP_TWIST = Kind("twist", "a velocity of the tip", of="bodies", dots=1)
 MASS_OF_BODY = Kind("m", unit=units.MASS)
 OF_BODY = Kind("of body", of="bodies", of_one_body=True, has_own_sense=True, may_be_still=True)
-ANGULAR_MOMENTUM = Kind("angular momentum", unit=units.SPIN, is_told_by_value=True)
+REACTION = replace(OF_BODY, name="reaction", is_reaction=True)
+HAND_AXIS = replace(OF_BODY, name="axis", rates=("none",))
+ANGULAR_MOMENTUM = Kind("angular momentum", unit=units.SPIN, is_told_by_value=True, rates=("one",))
 HELD = Kind("held", unit=_force, of="joints", holds_by_loops=True)
 """The torque that a drive of a closed chain gives while a force from outside acts."""
 LOAD = Kind("load", is_load=True)
@@ -261,3 +273,5 @@ LETTERED = (
 """Those to which a notation may give letters."""
 USUAL_LETTERS = {kind.name: kind.letters for kind in LETTERED}
 """Letters that `check` reads where a notation gives none."""
+SUMS = {kind.name: kind.terms for kind in LETTERED if kind.terms}
+"""What is the sum of others, and of which."""

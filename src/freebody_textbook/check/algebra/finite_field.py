@@ -16,6 +16,7 @@ from functools import reduce
 from freebody.expressions.evaluate import Rules, arithmetic, evaluate
 from freebody.expressions.nodes import Expression
 from freebody.lazy import cached_property
+from freebody.scalars.generators import WAVES, function_of, symbol_of
 from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import TrigRing
 from freebody_textbook.check.algebra.answer_tree import Angle, Named, Wave
@@ -86,10 +87,10 @@ class Point:
 
     def generator(self, name: str) -> int:
         """The value of sin_…, cos_… or a name."""
-        kind, _, angle = name.partition("_")
-        if kind in ("sin", "cos") and angle in self.turns:
-            return self.turns[angle][kind == "cos"]
-        return self.values[name]
+        function, angle = function_of(name), symbol_of(name)
+        if function not in WAVES or angle not in self.turns:
+            return self.values[name]
+        return self.turns[angle][WAVES.index(function)]
 
     def turn(self, angle: Angle, constant: Fraction = Fraction(0)) -> Turn:
         """(sin, cos) of a sum of angles."""

@@ -92,7 +92,7 @@ class Targets:
 
     @cached_property
     def _special(self) -> list[QuantityGroup]:
-        """Those that the answer is about, which go before the others."""
+        """Groups that the answer is about, which go before the others."""
         kinds = [kind for kind in _SPECIAL if kind.is_told(self.formulas)]
         kinds = [] if self.setting.is_free_body else kinds
         return [kind(self.setting, self.letters, self.based, self.formulas) for kind in kinds]
@@ -106,6 +106,18 @@ class Targets:
                 for name in names:
                     found.setdefault(name, target)
         return found
+
+    @cached_property
+    def namesakes(self) -> dict[str, AskedQuantity]:
+        """Quantities by names that others have too."""
+        groups = (*self._special, *self._groups)
+        return {name: x for group in groups for names, x in group.namesakes() for name in names}
+
+    @cached_property
+    def of_bodies(self) -> dict[str, str]:
+        """What names of vectors and matrices stand for in equations of bodies."""
+        groups = (x.in_equations_of_bodies for x in self._groups)
+        return {name: meant for x in groups for name, meant in x.items() if meant in self.tables}
 
     @cached_property
     def tables(self) -> dict[str, Table]:

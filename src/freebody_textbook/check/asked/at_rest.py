@@ -45,7 +45,7 @@ class BodiesAtRest(QuantitiesOfBodies):
     @cached_property
     def _setting(self) -> Setting:
         symbols = self.setting.equations.symbols
-        force = tuple(name for name in self.setting.loads if name.startswith("f"))
+        force = self.setting.force_at_tip
         return Setting(symbols, force, at_rest=True)
 
     @cached_property
@@ -69,8 +69,10 @@ class BodiesAtRest(QuantitiesOfBodies):
     def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
         if not self._is_known:
             return {}
-        names = [x for x in self.setting.loads if x.startswith("f")]
         asked = AskedQuantity(kinds.LOAD, (), lambda: self.setting.zero, words="the load")
         ring = self.setting.ring
-        force = [[replace(asked, compute=lambda x=x: ring[x], axis=x[1])] for x in names]
+        force = [
+            [replace(asked, compute=lambda x=x: ring[x], axis=x[1])]
+            for x in self.setting.force_at_tip
+        ]
         return {**self.vectors, **dict.fromkeys(VECTORS, force)}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, ClassVar
 
 from freebody.expressions.grammar.dotted_names import spellings
 from freebody.expressions.quantities import kinds
@@ -25,7 +25,8 @@ _TRANSPOSED = "This is its transpose, which turns the other way."
 class QuantitiesOfBodies(QuantityGroup):
     """ω_2, r_c2, v_c2, f_12, …, whole and by components."""
 
-    records = tuple(x for x in BODY_QUANTITIES if x.kind is kinds.OF_BODY)
+    records = tuple(x for x in BODY_QUANTITIES if not x.is_scalar)
+    in_equations_of_bodies: ClassVar[Mapping[str, str]] = {"g": "gravity"}
 
     def single(self) -> Iterator[Named]:
         yield from self.entries_of(self.vectors)
@@ -167,8 +168,8 @@ class QuantitiesOfBodies(QuantityGroup):
                 world = self._in_world(n, known, at[0])
                 thoughts.append((_WORLD.format(n), world))
             return AskedQuantity(
-                kinds.OF_BODY, index, own, axis=axis, in_world=world, words=words,
-                thoughts=tuple(thoughts),
+                record.kind, index, own, axis=axis, in_world=world, words=words,
+                thoughts=tuple(thoughts), is_angular=record.angular,
             )  # fmt: skip
 
         if record.matrix:

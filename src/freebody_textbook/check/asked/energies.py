@@ -9,7 +9,6 @@ from freebody.expressions.grammar.dotted_names import spellings
 from freebody.expressions.polynomials.symbols import RATE
 from freebody.expressions.printed_names import sym
 from freebody.expressions.quantities import kinds
-from freebody.expressions.quantities.kinds import Kind
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.group import Named, QuantityGroup
@@ -17,7 +16,11 @@ from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.methods.energies import Energies
 from freebody_textbook.methods.setting import Setting
 
-_OF_BODIES = {kinds.KINETIC: kinds.BODY_KINETIC, kinds.POTENTIAL: kinds.BODY_POTENTIAL}
+_OF_BODIES = (
+    (kinds.KINETIC, kinds.BODY_KINETIC, Energies.kinetic),
+    (kinds.POTENTIAL, kinds.BODY_POTENTIAL, Energies.potential),
+)
+"""Energies of the robot, of a body, and the latter's value."""
 
 
 class EnergyQuantities(QuantityGroup):
@@ -26,13 +29,12 @@ class EnergyQuantities(QuantityGroup):
     def single(self) -> Iterator[Named]:
         eq = self.setting.equations
         bodies = len(eq.symbols.model.bodies)
-        for kind, of_body in _OF_BODIES.items():
+        for kind, of_body, energy in _OF_BODIES:
             letters = self.letters[kind.name]
             yield letters, AskedQuantity(kind, (), self.entry(kind.name))
-            letters = (*letters, *["k"] * (kind is kinds.KINETIC))
             for i in range(1, bodies + 1):
-                names = tuple(f"{x}{i}" for x in letters)
-                yield names, AskedQuantity(of_body, (i,), self._of_body(kind, i - 1))
+                names = tuple(f"{x}{i}" for x in (*letters, *of_body.letters))
+                yield names, AskedQuantity(of_body, (i,), self._of_body(energy, i - 1))
         sum_of_both = ("L = T − V, not T + V.", lambda: self.setting.element(eq.T + eq.V))
         yield (
             self.letters["L"],
@@ -59,15 +61,20 @@ class EnergyQuantities(QuantityGroup):
                 self._momentum_names(i, x),
                 AskedQuantity(kinds.MOMENTUM, (i,), self._momentum(i), words=words, soft=True),
             )
-        yield (
-            ("power",),
-            AskedQuantity(
-                kinds.POWER, (), self._power(*self.numbers), words="the power of the drives"
-            ),
-        )
+        yield from ((("power" + number,), x) for number, x in self._powers.items())
+
+    def namesakes(self) -> Iterator[Named]:
+        yield from ((("P" + number,), x) for number, x in self._powers.items())
+
+    @cached_property
+    def _powers(self) -> dict[str, AskedQuantity]:
+        """The power of all drives, and of each by its number."""
+        words = "the power of the drives"
+        found = {"": AskedQuantity(kinds.POWER, (), self._power(*self.numbers), words=words)}
         for i in self.numbers:
             words = f"the power of the drive of {self.joint(i)}"
-            yield (f"power{i}",), AskedQuantity(kinds.POWER, (i,), self._power(i), words=words)
+            found[str(i)] = AskedQuantity(kinds.POWER, (i,), self._power(i), words=words)
+        return found
 
     def _momentum_names(self, i: int, coordinate: str) -> tuple[str, ...]:
         """p_θ1, p_q1, p_x, p_1; none where p is a parameter."""
@@ -97,15 +104,12 @@ class EnergyQuantities(QuantityGroup):
         """What an energy grows by."""
         return lambda: self.setting.element(energy.along(self.setting.equations.symbols.rates))
 
-    def _of_body(self, kind: Kind, body: int) -> Callable[[], Trig]:
+    def _of_body(self, energy: Callable[[Energies, int], Trig], body: int) -> Callable[[], Trig]:
         """An energy of a body with all that is fixed to it."""
 
         def value() -> Trig:
             s = self._setting
-            energies, i = Energies(s, s.motion), s.tree.body_of[body]
-            return self.setting.element(
-                energies.kinetic(i) if kind is kinds.KINETIC else energies.potential(i)
-            )
+            return self.setting.element(energy(Energies(s, s.motion), s.tree.body_of[body]))
 
         return value
 

@@ -19,7 +19,7 @@ _WORLD = "This would be right in the world's axes; here the components are along
 
 
 class QuantitiesInFrames(QuantitiesOfBodies):
-    """The same with a frame: their plain names end with its mark, see `FRAMES`."""
+    """Vectors of bodies with a frame: their plain names end with its mark, see `FRAMES`."""
 
     def single(self) -> Iterator[Named]:
         for name, table in self._framed.items():

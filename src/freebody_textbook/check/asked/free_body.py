@@ -4,7 +4,7 @@ world's, and its energies."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 from freebody.expressions.grammar.dotted_names import spellings
 from freebody.expressions.polynomials.symbols import RATE, SECOND
@@ -29,6 +29,8 @@ _VECTORS = (
 class FreeBodyQuantities(QuantityGroup):
     """v, ω, f, n, p, R, I, T, V, L."""
 
+    in_equations_of_bodies: ClassVar[Mapping[str, str]] = {"g": "gravity"}
+
     @cached_property
     def _body(self) -> FreeBody:
         symbols = self.setting.symbols
@@ -49,7 +51,8 @@ class FreeBodyQuantities(QuantityGroup):
         for name, letters, words in _VECTORS:
             for dots, ending in enumerate(("", RATE)):
                 if f"{name}_x{ending}" in ring.index:
-                    column = _column([ring[x] for x in body.components(name, ending)], words)
+                    values = [ring[x] for x in body.components(name, ending)]
+                    column = _column(values, words, is_angular=name == "omega")
                     for letter in letters:
                         found |= dict.fromkeys(spellings(letter, "", dots), column)
         places = body.coordinates[:3]
@@ -73,11 +76,14 @@ class FreeBodyQuantities(QuantityGroup):
         return found | dict(names) | {"R": turned}
 
 
-def _column(values: Iterable[Trig], words: str) -> Table:
-    return [
-        [AskedQuantity(kinds.OF_BODY, (), _constant(x), axis=axis, words=words)]
-        for axis, x in zip(XYZ, values, strict=True)
-    ]
+def _column(values: Iterable[Trig], words: str, is_angular: bool = False) -> Table:
+    def entry(axis: str, x: Trig) -> AskedQuantity:
+        value = _constant(x)
+        return AskedQuantity(
+            kinds.OF_BODY, (), value, axis=axis, words=words, is_angular=is_angular
+        )
+
+    return [[entry(axis, x)] for axis, x in zip(XYZ, values, strict=True)]
 
 
 def _matrix(rows: Iterable[Iterable[Any]], element: Callable[[Any], Trig], words: str) -> Table:

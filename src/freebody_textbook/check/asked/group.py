@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 from freebody.expressions.grammar.lexemes import NOTHING, Lexemes
+from freebody.expressions.quantities.kinds import SUMS
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.quantity import AskedQuantity, Table
 from freebody_textbook.check.asked.right_equations import RightEquations
@@ -17,6 +18,9 @@ Named = tuple[tuple[str, ...], AskedQuantity]
 class QuantityGroup:
     """Some quantities of a model; `letters` are those of their kinds, `based` says that the base
     is accelerated by -g, which then is in all accelerations; formulas: the answer's."""
+
+    in_equations_of_bodies: ClassVar[Mapping[str, str]] = {}
+    """Vectors and matrices by names that others have in the equations of motion."""
 
     def __init__(
         self,
@@ -37,6 +41,10 @@ class QuantityGroup:
         """Quantities that are one polynomial."""
         yield from ()
 
+    def namesakes(self) -> Iterator[Named]:
+        """Quantities by names that others have too: the answer tells which is meant."""
+        yield from ()
+
     def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
         """Vectors and matrices by name; single: the quantities of all groups."""
         return {}
@@ -48,7 +56,7 @@ class QuantityGroup:
 
     @property
     def numbers(self) -> range:
-        """Those of the coordinates, from 1."""
+        """The numbers of the coordinates, from 1."""
         return range(1, self.count + 1)
 
     @property
@@ -70,8 +78,7 @@ class QuantityGroup:
         """An entry of what the equations have by that name."""
 
         def value() -> Trig:
-            parts = ("c", "g", "drives") if name == "bias" else (name,)
-            return sum((part(x) for x in parts), self.setting.zero)
+            return sum(map(part, SUMS.get(name, (name,))), self.setting.zero)
 
         def part(name: str) -> Trig:
             found: Any = self.setting.all_of(name)

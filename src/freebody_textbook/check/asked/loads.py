@@ -37,7 +37,7 @@ def vectors(setting: RightEquations, single: Mapping[str, AskedQuantity]) -> dic
         )
 
     rows = [[component(name)] for name in setting.loads]
-    force = [row for row, name in zip(rows, setting.loads, strict=True) if name[0] == "f"]
+    force = rows[: len(setting.force_at_tip)]
     names = [(x, force) for x in VECTORS] + [("W", rows)]
     return dict(names) if rows else {}
 
@@ -46,7 +46,7 @@ def _of_transpose(
     setting: RightEquations, single: Mapping[str, AskedQuantity], name: str
 ) -> Iterator[Mistaken]:
     """F = Jᵀ τ, a square J of the position taken for its inverse."""
-    force = [x for x in setting.loads if x.startswith("f")]
+    force = setting.force_at_tip
     n = range(1, len(force) + 1)
     if name not in force or len(setting.symbols.coordinates) != len(force):
         return

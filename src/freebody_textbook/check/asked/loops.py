@@ -28,7 +28,7 @@ class LoopQuantities(QuantityGroup):
                 yield (f"Phiq{i}{j}",), entry
 
     def _velocity_term(self, i: int) -> Iterator[Mistaken]:
-        """What c_i may be besides, the velocity term of a joint."""
+        """The velocity term of a joint, which c_i may be besides."""
         if i in self.numbers:
             note = f"It is read as the velocity term of {self.joint(i)}."
             yield note, self.entry(kinds.VELOCITY.name, i)

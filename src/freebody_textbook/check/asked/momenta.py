@@ -17,9 +17,6 @@ from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.methods.energies import Energies
 from freebody_textbook.methods.setting import Setting
 
-WHOLE = "angular momentum"
-"""The robot's, which no answer calls so: H and L are letters of the mass matrix and the Lagrangian
-too."""
 _NAMED = LexemePattern(
     "%fresh < letter:< H | L > | %around_letter { letter:< H | L > } > ~_? ~{?"
     " point:< ~C | ~c | ~G | ~O >? number:< ~%digit | ~%low_digit >? ~}? &< &? = >"
@@ -31,6 +28,7 @@ _CENTRE, _ORIGIN, _JOINT = (
 )
 
 _USUAL = {"H": kinds.MASS, "L": kinds.LAGRANGIAN}
+"""What its letters stand for elsewhere."""
 
 
 class AngularMomenta(QuantityGroup):
@@ -42,10 +40,18 @@ class AngularMomenta(QuantityGroup):
         """Whether an answer gives one: elsewhere the names are often those of lengths."""
         return _NAMED.found_in(formulas)
 
+    @property
+    def _is_known(self) -> bool:
+        has_rotors = Energies(self._setting, self._setting.motion).has_rotors
+        return self.setting.is_planar and not has_rotors
+
+    def namesakes(self) -> Iterator[Named]:
+        if self._is_known:
+            yield tuple(_USUAL), self._whole
+
     def single(self) -> Iterator[Named]:
-        if not self.setting.is_planar or Energies(self._setting, self._setting.motion).has_rotors:
+        if not self._is_known:
             return
-        yield (WHOLE,), self._whole
         told = {
             (x["letter"], x["point"].upper(), LOW.get(x["number"], x["number"]))
             for x in _NAMED.all(self.formulas)
@@ -68,7 +74,7 @@ class AngularMomenta(QuantityGroup):
 
     @cached_property
     def _whole(self) -> AskedQuantity:
-        """Of all bodies about the base's origin; of one body also about its centre of mass."""
+        """The momentum of all bodies about the base's origin; of one body also about its centre."""
         words = "the angular momentum"
         value, bodies = self._sum(*self._bodies.values()), list(self._bodies.values())
         also = ((_CENTRE, self._about_centre(bodies[0])),) if len(bodies) == 1 else ()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from freebody.expressions.grammar.atoms import numbered
 from freebody.expressions.grammar.words import DOT
 from freebody.model.model import Model
 from freebody_textbook.check.asked.load_names import SPELT
@@ -23,7 +24,7 @@ def advice(model: Model, name: str) -> str:
     """What to write instead of a name in plain spelling, or nothing."""
     plain = name.strip(DOT).rstrip("'")
     shown = plain if len(plain) < 2 or plain[0] in "dJ" else f"{plain[0]}_{plain[1:]}"
-    if model.loops and plain.rstrip("0123456789") in _FORCES:
+    if model.loops and numbered(plain)[0] in _FORCES:
         return _FORCE.format(name=shown)
     if model.tip is None and plain in _OF_TIP:
         return _TIP.format(model=repr(model.name), name=shown)

@@ -35,6 +35,8 @@ class AskedQuantity:
     """The same component in the world's axes, of a vector that has those of its own body."""
     words: str = ""
     """What it is, where its kind alone does not tell."""
+    is_angular: bool = False
+    """Whether radians are named in its unit."""
     thoughts: tuple[Mistaken, ...] = ()
     """What it is often mistaken for: a sentence that says so, and its value."""
     note: str = ""

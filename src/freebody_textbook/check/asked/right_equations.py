@@ -9,7 +9,7 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Any
 
-from freebody.expressions.grammar.atoms import atom
+from freebody.expressions.grammar.atoms import atom, undotted
 from freebody.expressions.grammar.parser import PI
 from freebody.expressions.kinematics import Kinematics
 from freebody.expressions.notations.angles import Weights, angles_of
@@ -26,12 +26,13 @@ from freebody.expressions.polynomials.textbook_form import Layout
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.model.number_names import catalogue
+from freebody.scalars.generators import waves_of
 from freebody.scalars.trig import Trig, TrigRing
 from freebody_textbook.check.algebra.quotients import Value
 from freebody_textbook.check.asked.letters_for_numbers import with_letters
 from freebody_textbook.check.asked.quantity import Acting
 from freebody_textbook.check.link_symbols import COORDINATES, PARAMETERS
-from freebody_textbook.closed_chains.first_kind import MULTIPLIER, FirstKind
+from freebody_textbook.closed_chains.first_kind import FirstKind, is_multiplier
 from freebody_textbook.closed_chains.linear import Ratio
 from freebody_textbook.closed_chains.loops import LoopEquations
 from freebody_textbook.derive import multipliers
@@ -75,7 +76,7 @@ class RightEquations:
 
     @property
     def order(self) -> Order:
-        """What the symbols are."""
+        """The order of the symbols, and what they are."""
         return self.layout.order
 
     @property
@@ -107,7 +108,16 @@ class RightEquations:
         symbols = self.equations.symbols
         if self.is_free_body:
             return ()
-        return tuple(x for x in symbols.extra if not x.startswith(MULTIPLIER))
+        return tuple(x for x in symbols.extra if not is_multiplier(x))
+
+    @property
+    def force_at_tip(self) -> tuple[str, ...]:
+        """The components of a load that are a force's, without those of a moment."""
+        return tuple(x for x in self.loads if x[0] == "f")
+
+    def turns(self, name: str) -> bool:
+        """Whether a coordinate, or that of which it is the rate, is an angle."""
+        return undotted(name) in self.ring.angles
 
     def held(self, acting: Acting) -> list[Trig]:
         """What drives and loops of a closed chain need, coordinate by coordinate, for a force that
@@ -124,8 +134,9 @@ class RightEquations:
         still, weightless = acting in ("weight", "load"), acting == "load"
 
         def counts(name: str) -> bool:
-            moves = name.endswith((RATE, SECOND)) or name.startswith("sgn_")
-            return not (still and moves) and not (weightless and name == self.order.gravity)
+            return not (still and atom(name).dots) and not (
+                weightless and name == self.order.gravity
+            )
 
         return self.ring.polynomial(
             (powers, k) for powers, k in force.terms() if all(map(counts, powers))
@@ -133,7 +144,7 @@ class RightEquations:
 
     @cached_property
     def _by_load(self) -> list[Trig]:
-        """What the load needs."""
+        """The generalized forces that the load needs."""
         symbols, found = self.equations.symbols, [self.zero for _ in self.symbols.coordinates]
         for name in self.loads:
             force = self.image(name)
@@ -191,10 +202,8 @@ class RightEquations:
             quarters = sum(k * q for k, q in zip(row, self.quarters, strict=bool(self.quarters)))
             images[name] = images[name] + self.zero + PI / 2 * quarters
             if name in self.ring.angles:
-                images[f"sin_{name}"], images[f"cos_{name}"] = (
-                    images[name].sin(),
-                    images[name].cos(),
-                )
+                sine, cosine = waves_of(name)
+                images[sine], images[cosine] = images[name].sin(), images[name].cos()
         return images
 
     @cached_property
@@ -263,8 +272,8 @@ def in_notation(
 
 def slides_of(model: Model) -> list[int]:
     """The coordinates of slides that nothing drives."""
-    names = symbols(model, follows=False).coordinates
-    return [k for k in model.passive if names[k][0] in "dxyz"]
+    made = symbols(model, follows=False)
+    return [k for k in model.passive if made.coordinates[k] not in made.ring.angles]
 
 
 def equations_of(model: Model, loads: tuple[str, ...] = ()) -> Equations:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from freebody.expressions.polynomials.arithmetic import Product, collected
+from freebody.scalars.generators import waves_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.right_equations import RightEquations
 
@@ -15,7 +16,7 @@ Parts = dict[Product, Trig]
 def moving(setting: RightEquations) -> frozenset[str]:
     """Generators that change in time."""
     names = setting.symbols.coordinates
-    waves = (f"{function}_{name}" for function in ("sin", "cos") for name in names)
+    waves = (wave for name in names for wave in waves_of(name))
     return frozenset([*setting.order.moving, *names, *waves])
 
 

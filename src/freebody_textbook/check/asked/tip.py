@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
+from typing import ClassVar
 
 from freebody.expressions.grammar.dotted_names import spellings
 from freebody.expressions.grammar.words import DETERMINANT
@@ -31,6 +32,8 @@ _MOTION = (
 
 class TipQuantities(QuantityGroup):
     """x, y, r, J, J̇, det J."""
+
+    in_equations_of_bodies: ClassVar[Mapping[str, str]] = {"J": "JP"}
 
     def single(self) -> Iterator[Named]:
         if self._tip is not None:
@@ -158,7 +161,7 @@ class TipQuantities(QuantityGroup):
 
     @property
     def _rows(self) -> range:
-        """Of the Jacobian, from 1."""
+        """The numbers of the Jacobian's rows, from 1."""
         return range(1, 4 if self.setting.is_planar else 7)
 
     def _of_tip(self, tip: Kinematics) -> Iterator[Named]:
@@ -178,7 +181,7 @@ class TipQuantities(QuantityGroup):
                 dotted += (" va"[kind.dots] + "xyz"[k],)
                 value = self.element(lambda k=k, vector=vector: getattr(tip, vector)[k])
                 yield dotted, AskedQuantity(kind, (), value)
-        yield from self._axes(tip)
+        yield from self._axes(tip, ("n", "os"))
         rows = self._square(tip)
         if rows is not None:
             value = self.element(
@@ -186,17 +189,18 @@ class TipQuantities(QuantityGroup):
             )
             yield ("detJ", f"J{DETERMINANT}"), AskedQuantity(kinds.DETERMINANT, (), value)
 
-    def _axes(self, tip: Kinematics) -> Iterator[Named]:
-        """n, o or s, and a: the axes of the hand, columns of its orientation; a_x is an
-        acceleration too."""
-        if self.setting.is_planar:
-            return
-        for j, letters in enumerate(("n", "os", ("approach",))):
+    def namesakes(self) -> Iterator[Named]:
+        if self._tip is not None:  # a_x is an acceleration too
+            yield from self._axes(self._tip, ("", "", "a"))
+
+    def _axes(self, tip: Kinematics, letters_of: Sequence[str]) -> Iterator[Named]:
+        """The axes of the hand, columns of its orientation, by the letters of each."""
+        for j, letters in enumerate(letters_of if not self.setting.is_planar else ()):
             for i, axis in enumerate("xyz"):
                 value = self.element(lambda i=i, j=j: tip.rotation[i][j])
                 words = f"component {axis} of the hand's {'xyz'[j]} axis"
                 names = tuple(letter + axis for letter in letters)
-                yield names, AskedQuantity(kinds.OF_BODY, (), value, words=words)
+                yield names, AskedQuantity(kinds.HAND_AXIS, (), value, words=words)
 
     def _square(self, tip: Kinematics) -> range | None:
         """The rows of the Jacobian that make it square: in space of three joints those of the

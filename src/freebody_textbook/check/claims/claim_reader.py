@@ -6,16 +6,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Literal
 
+from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.grammar.lexer import Token
 from freebody.expressions.nodes import Expression, Matrix, Number
-from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.quantities import kinds
-from freebody.scalars.trig import Trig
+from freebody.scalars.generators import generators_in
 from freebody_textbook.check.algebra.answer_tree import Named
 from freebody_textbook.check.algebra.quotients import Value, difference, generator, pair
 from freebody_textbook.check.algebra.tables_in_formulas import Shape
-from freebody_textbook.check.asked.momenta import WHOLE
 from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity
 from freebody_textbook.check.claims.formula_reader import all_right, entry_label
 from freebody_textbook.check.claims.own_definitions import OwnDefinitions
@@ -38,7 +38,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
     """Lines into claims."""
 
     def claims(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
-        """What one equation states, after others."""
+        """The claims of one equation, which stands after others."""
         found = self._claims(line, before)
         by_loops = self.is_loaded and self.setting.system is not None
         if by_loops and not all(claim.target.acting for claim in found):
@@ -47,7 +47,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         return found
 
     def _claims(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
-        """The same, whatever acts."""
+        """The claims of one equation, whatever acts on the robot."""
         self.of_bodies = self.is_about_bodies(line)
         self.begin(line)
         if self._restates_a_parameter(line):
@@ -185,9 +185,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         if name.text in self.vocabulary.told:
             return self._of_own_name(name, label, node)
         single, table = self.targets.single.get(name.text), self.targets.tables.get(name.text)
-        momentum = self._momentum(name.text, node)
-        if momentum is not None:
-            return [self.claim(label, momentum, node)]
+        single = self._meant(name.text, single, node)
         if isinstance(node, Number) and table and self.may_be_vector(name.text, node):
             zeros = tuple((replace(node),) for _ in table)
             node = Matrix(zeros, span=node.span) if node.value == 0 else node
@@ -198,11 +196,11 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
                 self.source.fail(
                     f"{label} is a vector or matrix: write it as [[…, …], […, …]]", name.span
                 )
-            return [self.claim(label, self._energy_or_power(name.text, single, node), node)]
+            return [self.claim(label, single, node)]
         if table is None and single is not None:
             table = [[single]]
-        if self._is_gravity(name.text, node):
-            table = self.targets.tables["gravity"]
+        if (of_bodies := self._table_of_bodies(name.text, node)) is not None:
+            table = of_bodies
         return self._entries(label, node, table or [])
 
     def _of_own_name(self, name: Token, label: str, node: Expression) -> list[Claim]:
@@ -225,51 +223,33 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             self.source.fail(f"this says only what {label} stands for", node.span)
         return found
 
-    def _momentum(self, name: str, node: Expression) -> AskedQuantity | None:
-        """The angular momentum where an H or L is one, neither mass matrix nor Lagrangian: rates
-        stand in each of its terms to the first power."""
-        momentum = self.targets.single.get(WHOLE) if name in ("H", "L") else None
-        if momentum is None or isinstance(node, Matrix) or functions_of(node):
-            return None
-        value = self.quotient(node)
-        terms = [powers for powers, _ in value.terms()] if isinstance(value, Trig) else []
-        moving = ({x: k for x, k in p.items() if x.endswith((RATE, SECOND))} for p in terms)
-        is_linear = all(
-            sum(x.values()) == 1 and not any(n.endswith(SECOND) for n in x) for x in moving
-        )
-        return momentum if terms and is_linear else None
-
-    def _is_gravity(self, name: str, node: Matrix) -> bool:
-        """Whether g = [0; -g] tells the gravitational acceleration, not the terms of torques."""
-        table = self.targets.tables.get("gravity") if name == "g" else None
-        entries = [x for row in node.rows for x in row]
-        if table is None or len(entries) != len(table):
-            return False
-        rows = zip(entries, table, strict=True)
-        return all(difference(self.quotient(x), y.compute()).is_zero for x, (y,) in rows)
-
-    def _energy_or_power(self, name: str, single: AskedQuantity, node: Expression) -> AskedQuantity:
-        """What a P is that may be the potential energy or the power of the drives: of which it is
-        right, or has the units; with rates in it the power. What a_x is that may be an acceleration
-        or of an axis of the hand: with rates in it the first."""
-        if single.kind.dots == 2 and name[:-1] == "a":
-            axis = self.targets.single.get(name.replace("a", "approach"))
-            return axis if axis is not None and not self._moves(self.quotient(node)) else single
-        power = self.targets.single.get(name.replace("P", "power"))
-        if not name.startswith("P") or not single.kind.up_to_a_constant or power is None:
+    def _meant(
+        self, name: str, single: AskedQuantity | None, node: Expression
+    ) -> AskedQuantity | None:
+        """Of two quantities with one name, such as the potential energy and the power P, that which
+        has the unit of the answer, or is right, or has such rates as the answer."""
+        other = self.targets.namesakes.get(name)
+        if other is None or isinstance(node, Matrix) or functions_of(node):
             return single
         value, written = self.quotient(node), self.numbers.of(node.span)
         if written is not None and written.unit is not None:
-            needed = unit_of_quantity(self.setting, power, value)
-            return power if written.unit.dimension == needed else single
-        if difference(value, single.compute()).is_zero or not isinstance(value, Trig):
+            needed = unit_of_quantity(self.setting, other, value)
+            return other if written.unit.dimension == needed else single
+        if single is not None and difference(value, single.compute()).is_zero:
             return single
-        return power if self._moves(value) else single
+        return other if _rates(value) in other.kind.rates else single
 
-    def _moves(self, value: Value) -> bool:
-        """Whether rates or accelerations are in it."""
-        terms = (powers for x in pair(value) for powers, _ in x.terms())
-        return any(x.endswith((RATE, SECOND)) for powers in terms for x in powers)
+    def _table_of_bodies(self, name: str, node: Matrix) -> list[list[AskedQuantity]] | None:
+        """What a name stands for in equations of bodies, where a side says that: g = [0; -g] tells
+        the gravitational acceleration, not the terms of torques."""
+        table = self.targets.tables.get(self.targets.of_bodies.get(name, ""), [])
+        right = [x for row in table for x in row]
+        given = [x for row in node.rows for x in row]
+        if not right or len(given) != len(right):
+            return None
+        pairs = zip(given, right, strict=True)
+        same = all(difference(self.quotient(x), y.compute()).is_zero for x, y in pairs)
+        return table if same else None
 
     def _entry_by_entry(self, named: Matrix, node: Expression) -> list[Claim]:
         """The claims of [τ1; τ2] = node."""
@@ -306,7 +286,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             rows = [[entry] for entry in rows[0]]  # a vector written as a row
         if self.setting.is_planar and len(rows) == 3 and _is_of_body(table):
             table = self._in_space(table)
-        if label == "J" and len(rows) < len(table):
+        if table and table[0][0].kind.has_rows_of_tip and len(rows) < len(table):
             table = table[: len(rows)]
         if [len(row) for row in table] == [1] and len(rows) * len(rows[0]) > 1:
             self.source.fail(f"{label} is one number, not a vector or matrix", node.span)
@@ -323,6 +303,15 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
 def _own(value: Callable[[], Value], *index: int) -> AskedQuantity:
     """A name of the user's own, or an entry of it."""
     return AskedQuantity(kinds.OWN, index, value, words="as the name is explained")
+
+
+def _rates(value: Value) -> Literal["one", "some", "none"]:
+    """Which rates are in a value: one in each term, some or none."""
+    above, below = pair(value)
+    terms = [[(atom(x).dots, k) for x, k in p.items() if atom(x).dots] for p, _ in above.terms()]
+    if below.is_constant and terms and all(row == [(1, 1)] for row in terms):
+        return "one"
+    return "some" if any(atom(x).dots for x in generators_in(above, below)) else "none"
 
 
 def _is_of_body(table: list[list[AskedQuantity]]) -> bool:

@@ -39,10 +39,6 @@ from freebody_textbook.check.reading.vocabulary import Vocabulary
 from freebody_textbook.check.spelling.answer_text import AnswerText
 from freebody_textbook.check.states.state_values import functions_of
 
-_TYPED_TRANSPOSE = f"J{PRIME}"
-"""The transpose as MATLAB has it, where a force stands behind it."""
-_OF_BODIES = {"g": "gravity", "J": "JP"}
-"""What names stand for in equations of bodies."""
 _OF_ANGLES = (Wave, Number, Sum, Negative, Product, Power, Quotient)
 """What identities of sines and cosines are made of."""
 
@@ -123,13 +119,12 @@ class FormulaReader:
             return replace(self.vocabulary.matrices[name], span=span)
         if name in self.vocabulary.uses and name in self.vocabulary.symbols:
             return None  # one number of the user's own
-        if name == _TYPED_TRANSPOSE and self.is_loaded:  # J' F
-            J = self.table("J", span)
+        if name[-1:] == PRIME and self._has_rows_of_load(name[:-1]):  # J' F of MATLAB
+            J = self.table(name[:-1], span)
             return J and replace(J, rows=tuple(zip(*J.rows, strict=True)))
-        meant = _OF_BODIES.get(name, name) if self.of_bodies else name
-        if name == "J" and self.is_loaded and not any(x.startswith("n") for x in self.load):
-            meant = "JP"
-        meant = meant if meant in self.targets.tables else name
+        has_moment = not self.load.issubset(self.setting.force_at_tip)
+        by_rows = self._has_rows_of_load(name) and not has_moment
+        meant = self.targets.of_bodies.get(name, name) if self.of_bodies or by_rows else name
         table = self.targets.tables.get(meant)
         if table is None:
             return None
@@ -143,6 +138,11 @@ class FormulaReader:
             ),
             span=span,
         )
+
+    def _has_rows_of_load(self, name: str) -> bool:
+        """Whether a matrix has a row for each component of the load that the line has."""
+        table = self.targets.tables.get(name)
+        return self.is_loaded and table is not None and table[0][0].kind.has_rows_of_tip
 
     def in_axes(self, target: AskedQuantity) -> AskedQuantity:
         """A component in the axes that the line is read in."""

@@ -8,6 +8,7 @@ from contextlib import suppress
 from freebody.expressions.grammar.atoms import numbered
 from freebody.expressions.grammar.lexer import Token
 from freebody.expressions.nodes import Matrix, Number
+from freebody.scalars.generators import generators_in
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Wave
 from freebody_textbook.check.algebra.quotients import Value, difference, pair
@@ -193,7 +194,7 @@ class OwnDefinitions(SolvedQuantities):
         if not isinstance(given, Trig):
             return False
         if self.setting.is_free_body:  # T of thrusts, where m, I and rates tell the energy
-            return _symbols(given).isdisjoint(_symbols(target.polynomial()))
+            return generators_in(given).isdisjoint(generators_in(target.polynomial()))
         return is_of_another_kind(self.setting, given, target.polynomial())
 
     def _given(self, side: Sequence[Token]) -> Value | None:
@@ -242,8 +243,3 @@ class OwnDefinitions(SolvedQuantities):
             for side in (other if len(other[0]) > 1 else other[1:])
             for t in side
         )
-
-
-def _symbols(x: Trig) -> set[str]:
-    """The names in a polynomial."""
-    return {name for powers, _ in x.terms() for name in powers}

@@ -95,8 +95,7 @@ def _rename(
     plain = _plain(name)
     if plain in (*FUNCTIONS, "pi", "t"):
         raise AnswerError(f"names: {name!r} has a meaning of its own and cannot be another name")
-    is_name = all(c.isalnum() or c in "_\\{}'" for c in meaning) and not meaning.isdigit()
-    target = _plain(meaning) if is_name else ""
+    target = _plain(meaning) if words.spelt(meaning) else ""
     if target in _NUMBERED and target not in here.symbols:
         numbers = [k for k in range(1, here.setting.joints + 1) if f"{target}{k}" in here.symbols]
         for k in numbers:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
+from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.nodes import Expression, Function, Matrix, nodes
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.quantities import kinds
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named, Wave
-from freebody_textbook.check.algebra.quotients import Value, pair
+from freebody_textbook.check.algebra.quotients import Value, generator, pair
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.claims.formula_reader import FormulaReader
 from freebody_textbook.check.reading.answer_lines import Line
@@ -52,8 +54,8 @@ class SolvedQuantities(FormulaReader):
         ):
             return True  # d3 = 0.74 m at θ1 = 40°
         if self.setting.is_free_body or self.setting.system is not None:
-            return bool(names) or (self.setting.is_free_body and moving.endswith((RATE, SECOND)))
-        return by_quantities or (moving.endswith(SECOND) and bool(names))
+            return bool(names) or (self.setting.is_free_body and atom(moving).dots > 0)
+        return by_quantities or (atom(moving).dots == 2 and bool(names))
 
     def _is_position(self, line: Line) -> bool:
         """Whether a line tells a coordinate, or the sine or cosine of one, by inverse functions."""
@@ -67,16 +69,13 @@ class SolvedQuantities(FormulaReader):
 
     def _moving(self, value: Value | None) -> str:
         """The coordinate, rate or acceleration that a value is, or nothing."""
-        terms = list(value.terms()) if isinstance(value, Trig) else []
-        name = "".join(terms[0][0]) if len(terms) == 1 else ""
+        name = "" if value is None else generator(value) or ""
         known = {x + d for x in self.setting.symbols.coordinates for d in ("", RATE, SECOND)}
         if self.setting.system is not None:
             known |= set(multiplier_names(self.setting.system.loops))
         if self.setting.is_free_body:
-            known |= {
-                x for x in self.setting.ring.names if x.startswith(("v_", "omega_", "f_", "n_"))
-            }
-        return name if name in known and terms[0] == ({name: 1}, 1) else ""
+            known |= set(self.setting.symbols.extra)
+        return name if name in known else ""
 
     def _is_sum(self, value: Value | None) -> bool:
         """Whether a name stands for a sum of coordinates or rates of a closed chain, such as the
@@ -101,10 +100,11 @@ class SolvedQuantities(FormulaReader):
         if any(isinstance(x, Function) for x in nodes(node)):
             return self._position(line, name, value, node)
         words = "solved for it by the robot's quantities"
-        target = AskedQuantity(kinds.SOLVED, (), lambda: value, words=words)
+        is_angular = self.setting.turns(name)
+        target = AskedQuantity(kinds.SOLVED, (), lambda: value, words=words, is_angular=is_angular)
         if self.setting.is_free_body and not any(isinstance(x, Named) for x in nodes(node)):
             motion = FreeBodyMotion(self.setting).motion((value,))
-            target = AskedQuantity(kinds.SOLVED, (), lambda: motion.of(value), words=_IN_NUMBERS)
+            target = replace(target, compute=lambda: motion.of(value), words=_IN_NUMBERS)
         return self.claim(self.source[first.span], target, node)
 
     def _position(self, line: Line, name: str, value: Value, node: Expression) -> Claim:

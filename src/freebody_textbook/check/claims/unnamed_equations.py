@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence, Set
 from fractions import Fraction
 from itertools import product
 
+from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.grammar.lexer import Token
 from freebody.expressions.grammar.parser import around
 from freebody.expressions.nodes import Expression, Matrix, Negative, Number, Sum, nodes
-from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.quantities import kinds
+from freebody.scalars.generators import generators_in
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named
 from freebody_textbook.check.algebra.quotients import (
@@ -30,6 +31,7 @@ from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reasons import undriven_joints
 from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.check.states.state_values import functions_of
+from freebody_textbook.closed_chains.first_kind import is_multiplier
 from freebody_textbook.closed_chains.linear import Ratio
 
 _LONGEST_LABEL = 60
@@ -198,23 +200,18 @@ class UnnamedEquations(FormulaReader):
         values = [
             self.vocabulary.symbols.get(t.text) for side in line for t in side if t.kind == "name"
         ]
-        return any(
-            name.endswith(SECOND) or name.startswith("lam")
-            for value in values
-            if isinstance(value, Trig)
-            for powers, _ in value.terms()
-            for name in powers
-        )
+        names = generators_in(*(x for x in values if isinstance(x, Trig)))
+        return any(atom(x).dots == 2 or is_multiplier(x) for x in names)
 
     def _closing(self, line: Line) -> Claim | None:
         """A loop equation without its name, l1 c1 + l2 c12 - d - l3 c3 = 0, or its first or second
         derivative, times any number; None of an equation in which something presses."""
         node, value = self._difference(line)
         above, below = pair(value)
-        used = {name for powers, _ in above.terms() for name in powers}
-        if any(x.startswith("lam") for x in used) or (self.setting.order.gravity or "") in used:
+        used = generators_in(above)
+        if any(map(is_multiplier, used)) or self.setting.order.gravity in used:
             return None
-        dots = 2 * any(x.endswith(SECOND) for x in used) or any(x.endswith(RATE) for x in used)
+        dots = max((atom(x).dots for x in used), default=0)
         loops = {
             x: x.polynomial()
             for x in self.targets.single.values()
@@ -275,7 +272,7 @@ class UnnamedEquations(FormulaReader):
         return self.in_some_axes(whole, lambda: self._between(line))
 
     def _between(self, line: Line) -> list[Claim]:
-        """The same in given axes."""
+        """The claims of an equation between quantities of bodies, with components in given axes."""
         left, right = self.parse(line[0]), self.parse(line[1])
         if isinstance(left, Matrix) != isinstance(right, Matrix):
             table, k = (left, 1) if isinstance(left, Matrix) else (right, 0)
@@ -310,28 +307,16 @@ class UnnamedEquations(FormulaReader):
         if isinstance(right, Number) and not is_result:
             left, right = right, left
         whole = Sum((left, Negative(right, span=right.span)), span=around(left, right))
+        zero = self.setting.zero
+        is_0 = AskedQuantity(kinds.LONG_EQUATION, (), lambda: zero)
         if functions_of(whole):
-            zero = self.setting.zero
-            return Claim(
-                label,
-                AskedQuantity(kinds.LONG_EQUATION, (), lambda: zero),
-                whole,
-                zero,
-                self.source,
-            )
+            return Claim(label, is_0, whole, zero, self.source)
         try:
             value, other = self.quotient(left), self.quotient(right)
         except AnswerError:  # too long to be multiplied out
             if self.setting.system is None:
                 raise
-            zero = self.setting.zero
-            return Claim(
-                label,
-                AskedQuantity(kinds.LONG_EQUATION, (), lambda: zero),
-                whole,
-                zero + 1,
-                self.source,
-            )
+            return Claim(label, is_0, whole, zero + 1, self.source)
         target = AskedQuantity(kinds.IDENTITY, (), lambda: value)
         used = uses(left, self.targets.single, self.vocabulary)
         known = any(isinstance(x, Named) for side in (left, right) for x in nodes(side))

@@ -52,7 +52,7 @@ class AnswerDocument:
 
     @cached_property
     def lexemes(self) -> Lexemes:
-        """Those of its formulas."""
+        """The lexemes of its formulas."""
         return AnswerText(self.formulas).lexemes
 
     @property
@@ -131,7 +131,7 @@ class Blanks:
             at = max(at, end)
 
     def replaced(self, pattern: re.Pattern[str], new: str = "") -> None:
-        """The same in place of every match."""
+        """Put `new` in place of every match."""
         for match in pattern.finditer(str(self)):
             self.put(*match.span(), new)
 

@@ -64,7 +64,7 @@ class WrittenNumbers:
                 )
 
     def of(self, span: Span) -> WrittenNumber | None:
-        """What is said of a number or expression that stands there."""
+        """The unit, tolerance and state that are said of a number or expression."""
         for x in self.numbers:
             if x.span[0] <= span[0] and span[1] <= x.span[1]:
                 return x

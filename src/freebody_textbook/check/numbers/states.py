@@ -243,12 +243,8 @@ class StateReader:
         """Refuse a value in the unit of something else."""
         needed = unit_of(self.vocabulary.setting, {name: 1})
         if given.unit is not None and needed is not None and given.unit.dimension != needed:
-            angular = name.startswith("theta")
-            source.fail(
-                f"{sym(name)} is given in {given.unit.text}, and has the unit "
-                f"{si_text(needed, angular)}",
-                span,
-            )
+            unit = si_text(needed, self.vocabulary.setting.turns(name))
+            source.fail(f"{sym(name)} is given in {given.unit.text}, and has the unit {unit}", span)
 
 
 def _listed(

@@ -6,22 +6,22 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
-from freebody.expressions.grammar.atoms import atom
+from freebody.expressions.grammar.atoms import atom, undotted
 from freebody.expressions.quantities import units
 from freebody.expressions.quantities.units import Unit, si_text
+from freebody.scalars.generators import function_of, symbol_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.quotients import Value
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.link_symbols import BY_LETTER
-from freebody_textbook.closed_chains.first_kind import MULTIPLIER
+from freebody_textbook.closed_chains.first_kind import is_multiplier
 
 _TEXTS = {
     si_text(x, True): x
     for x in (units.MASS, units.LENGTH, units.NONE, units.INERTIA, units.ACCELERATION)
 }
 """Units of a model's numbers, as its catalogue writes them."""
-_WAVES = ("sin_", "cos_", "sgn_")
 _POSITIONS = ("x", "y", "z")
 """Coordinates of a slide along an axis of the world."""
 _OTHERS = ((1.3, 1.2, 0.9), (0.7, 0.8, 1.2))
@@ -42,14 +42,14 @@ def unit_of(setting: RightEquations, powers: Mapping[str, int]) -> Unit | None:
 def _unit(setting: RightEquations, name: str) -> Unit | None:
     if name == setting.order.gravity:
         return 0, 1, -2
-    if name.startswith(_WAVES):
+    if function_of(name):
         return 0, 0, 0
     if known := _TEXTS.get(setting.units.get(name, "")):
         return known
-    if name.startswith(MULTIPLIER) and setting.system is not None:
+    if is_multiplier(name) and setting.system is not None:
         return _unit_of_multiplier(setting.system.loops.names[int(atom(name).figures) - 1])
     own = atom(name)
-    moves = name.split("_d")[0] in setting.symbols.coordinates
+    moves = undotted(name) in setting.symbols.coordinates
     if moves and own.letter in _POSITIONS and not own.index:
         return 0, 1, -own.dots
     is_known = setting.is_planar or moves
@@ -96,7 +96,7 @@ def unit_of_quantity(setting: RightEquations, target: AskedQuantity, right: Valu
     """The unit of a quantity: by its joints where these tell, else that of its terms; None where it
     is not known."""
     turns = [
-        setting.symbols.coordinates[k - 1].startswith("theta")
+        setting.turns(setting.symbols.coordinates[k - 1])
         for k in target.index
         if 0 < k <= len(setting.symbols.coordinates)
     ]
@@ -128,11 +128,7 @@ def can_be_a_level(setting: RightEquations, gap: Trig, right: Trig) -> bool:
     polynomial, rates = setting.ring.polynomial, setting.symbols.rates
     parts = [(powers, polynomial([(powers, k)])) for powers, k in gap.terms()]
     still = [p for p, x in parts if all(x.derivative(name).is_zero for name in rates)]
-    if any(
-        name.removeprefix("sin_").removeprefix("cos_") in setting.foreign
-        for p in still
-        for name in p
-    ):
+    if any(symbol_of(name) in setting.foreign for p in still for name in p):
         return False
     found = {unit_of(setting, powers) for powers in still if powers}
     return not _units_tell(setting, right) or found <= {units.ENERGY, None}
@@ -153,7 +149,7 @@ def _has_numbers_for_parameters(setting: RightEquations) -> bool:
 
 
 def _without_waves(powers: Mapping[str, int]) -> dict[str, int]:
-    return {name: power for name, power in powers.items() if not name.startswith(_WAVES)}
+    return {name: power for name, power in powers.items() if not function_of(name)}
 
 
 def is_of_another_kind(setting: RightEquations, yours: Trig, right: Trig) -> bool:

@@ -6,11 +6,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+from freebody.expressions.grammar.atoms import atom, undotted
 from freebody.expressions.grammar.lexemes import Lexemes
 from freebody.expressions.grammar.patterns import LexemePattern, Match
 from freebody.expressions.grammar.source import Span
 from freebody.expressions.grammar.tables.characters import FILL
-from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody_textbook.check.algebra.quotients import generator
 from freebody_textbook.check.documents.answer_document import AnswerDocument, Blanks
 from freebody_textbook.check.numbers.results import StandingState, WrittenNumber, WrittenNumbers
@@ -19,7 +19,7 @@ from freebody_textbook.check.numbers.units import Unit, unit_of, unit_of_quantit
 from freebody_textbook.check.numbers.written_units import WrittenUnit, unit_at
 from freebody_textbook.check.spelling.answer_text import AnswerText
 from freebody_textbook.check.spelling.equation_marks import asked_marks, quantity_before
-from freebody_textbook.closed_chains.first_kind import MULTIPLIER
+from freebody_textbook.closed_chains.first_kind import is_multiplier
 
 _RESULT = LexemePattern(
     "number:< !-%no_result_behind @result_number | %list_end | %end < ] | ) >? > pm:@tolerance?"
@@ -97,7 +97,7 @@ class _NumberSearch:
 
     @property
     def lexemes(self) -> Lexemes:
-        """Those of the text."""
+        """The lexemes of the text."""
         return self.source.lexemes
 
     def numbers(self) -> list[WrittenNumber]:
@@ -185,13 +185,13 @@ class _NumberSearch:
         """Whether a value is that of an acceleration of a body that nothing holds, which forces
         make; or of a multiplier, or of a coordinate that the loops tell where another is given."""
         setting = self.reader.vocabulary.setting
-        if setting.system is not None and all(x.startswith(MULTIPLIER) for x in values):
+        if setting.system is not None and all(map(is_multiplier, values)):
             return True
         known = {*self.at, *(self.standing[-1].state if self.standing else ())}
         if setting.system is not None and known:
             moving = {name for name in values if not self._is_constant(name)}
             return bool(moving) and moving.isdisjoint(known)
-        return setting.is_free_body and any(name.endswith((RATE, SECOND)) for name in values)
+        return setting.is_free_body and any(atom(name).dots for name in values)
 
     def _list_behind_words(self, at: int) -> tuple[int, dict[str, GivenValue], int, str]:
         """A list of values behind a few words, where it stands, and the last of the words."""
@@ -214,7 +214,7 @@ class _NumberSearch:
 
     def _is_constant(self, name: str) -> bool:
         symbols = self.reader.vocabulary.setting.symbols
-        return name.partition("_d")[0] not in symbols.coordinates
+        return undotted(name) not in symbols.coordinates
 
     # ------------------------------------------------------------ units before numbers
     def _read_heads(self) -> None:
@@ -349,12 +349,12 @@ class _NumberSearch:
 
     def _units(self, name: str) -> Iterator[Unit | None]:
         """The units of what a name may stand for."""
-        single, setting = self.reader.targets.single, self.reader.vocabulary.setting
-        for own in (name, name.replace("P", "power")):
-            if (target := single.get(own)) is not None:
+        targets, setting = self.reader.targets, self.reader.vocabulary.setting
+        for target in (targets.single.get(name), targets.namesakes.get(name)):
+            if target is not None:
                 yield unit_of_quantity(setting, target, target.compute())
         symbol = generator(self.reader.vocabulary.symbols.get(name, setting.zero))
-        if symbol and symbol.startswith(MULTIPLIER):
+        if symbol and is_multiplier(symbol):
             yield unit_of(setting, {symbol: 1})
 
     def _clause(self, k: int) -> tuple[dict[str, GivenValue], int]:
@@ -364,7 +364,7 @@ class _NumberSearch:
             return {}, k
         _, values, end, _ = self._list_behind_words(match.stop)
         is_next = match.stop - match.start == 1 and self.lexemes[k].text in (",", ";")
-        if not values or (is_next and all(x.startswith(MULTIPLIER) for x in values)):
+        if not values or (is_next and all(map(is_multiplier, values))):
             return {}, k  # λ1 = 3 N, λ2 = 4 N
         closed = "begun" in match and end < len(self.lexemes) and self.lexemes[end].text == ")"
         return values, end + closed

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.grammar.atoms import atom
+from freebody.scalars.generators import generators_in
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.reading.answer_lines import Line
@@ -29,9 +30,9 @@ def _of_name(name: str, vocabulary: Vocabulary, targets: Targets) -> tuple[set[s
     if name in vocabulary.waves:
         return set(), set()
     if isinstance(value, Trig):
-        used = {x for powers, _ in value.terms() for x in powers}
-        found = {"rate"} if any(x.endswith(RATE) for x in used) else set[str]()
-        found |= {"motion"} if any(x.endswith(SECOND) for x in used) else set()
+        used = generators_in(value)
+        dots = {atom(x).dots for x in used}
+        found = {what for what, dot in (("rate", 1), ("motion", 2)) if dot in dots}
         found |= {"weight"} if setting.order.gravity in used else set()
         return found, used & set(setting.loads)
     if name in targets.single:

@@ -18,13 +18,14 @@ from freebody.expressions.grammar.source import Source
 from freebody.expressions.nodes import Expression, Matrix
 from freebody.expressions.polynomials.symbols import RATE, SECOND, names_by_body
 from freebody.identifiers import word_set
+from freebody.scalars.generators import function_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Angle
 from freebody_textbook.check.algebra.quotients import Value
 from freebody_textbook.check.asked import free_body_names, load_names, names_without_meaning
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.link_symbols import COORDINATES, PARAMETERS
-from freebody_textbook.closed_chains.first_kind import MULTIPLIER
+from freebody_textbook.closed_chains.first_kind import MULTIPLIER, is_multiplier
 
 if TYPE_CHECKING:
     from freebody_textbook.check.asked.quantity import AskedQuantity
@@ -99,7 +100,7 @@ class Vocabulary:
         return self._known
 
     def copy(self) -> Vocabulary:
-        """The same names, apart from what is defined later."""
+        """A vocabulary of the same names, apart from what is defined later."""
         kept = copy(self)
         kept.symbols, kept.waves = dict(self.symbols), dict(self.waves)
         kept.functions, kept.uses = dict(self.functions), dict(self.uses)
@@ -233,7 +234,7 @@ class Vocabulary:
     def listed(self) -> list[str]:
         """The model's own symbols, for errors."""
         names = self.setting.ring.names
-        return [x for x in names if x not in self.setting.foreign and not x.startswith("sgn_")]
+        return [x for x in names if x not in self.setting.foreign and not function_of(x)]
 
     # ------------------------------------------------------------ symbols
     def _all_symbols(self) -> Iterator[tuple[str, Trig]]:
@@ -252,7 +253,7 @@ class Vocabulary:
             yield from self._coordinate(name)
         for name in ring.names:
             yield name.replace("_", ""), ring[name]
-            if name.startswith(MULTIPLIER):
+            if is_multiplier(name):
                 yield name.replace(MULTIPLIER, "lambda"), ring[name]
         for name in self.setting.zeros:
             yield name.replace("_", ""), self.setting.zero
@@ -276,7 +277,7 @@ class Vocabulary:
                 continue
             bare = alone and letters not in ("x", "y")
             if letter in ("theta", "th"):  # of a cart with a pendulum θ is enough
-                bare = [x for x in self.setting.symbols.coordinates if x.startswith("theta")] == [
+                bare = [x for x in self.setting.symbols.coordinates if self.setting.turns(x)] == [
                     name
                 ]
             for k in (number, "") if bare else (number,):
@@ -310,7 +311,7 @@ class Vocabulary:
                 continue
             turning, at = [], i
             while at >= 0:
-                turning += [x for x in own[at] if x.startswith("theta")]
+                turning += [x for x in own[at] if setting.turns(x)]
                 at = model.bodies[at].parent
             for dots, ending in ((0, RATE), (1, SECOND)):
                 value = sum((setting.image(x + ending) for x in turning), setting.zero)

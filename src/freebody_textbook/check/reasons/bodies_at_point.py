@@ -176,7 +176,7 @@ class BodiesAtPoint:
         return State(rates, second, self.vector(self.s.tree.gravity), True)
 
     def states(self, j: int) -> dict[str, State]:
-        """Those in which torques are τ, c and g, or with a coordinate j column j of M."""
+        """The states in which torques are τ, c and g, or with a coordinate j column j of M."""
         if j >= 0:
             return {"M": self.starting(j)}
         still = self.starting(-1)
@@ -185,7 +185,7 @@ class BodiesAtPoint:
         return {"tau": self.moving, "c": coasting, "g": resting}
 
     def driven(self, i: int, state: State) -> Any:
-        """What drives need besides what bodies do."""
+        """The part of a torque that a drive needs besides what the bodies do."""
         drive, k = self.s.tree.bodies[i].drive, self.bodies[i].place
         rotor = self.number(drive.rotor) * state.accelerations[k] if drive else 0
         return rotor + (self.number(self.s.equations.drives[k]) if state.is_whole else 0)

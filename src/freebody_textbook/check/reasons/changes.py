@@ -9,10 +9,12 @@ from functools import partial
 from typing import Any
 
 from freebody.errors import listed
+from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.grammar.parser import PI
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.printed_names import sym
 from freebody.model.gravity import axis_of
+from freebody.scalars.generators import SIGN, function_of
 from freebody_textbook.check.algebra.finite_field import Turn
 from freebody_textbook.check.algebra.quotients import generator
 from freebody_textbook.check.reasons.bodies_at_point import Belief
@@ -29,9 +31,9 @@ _QUARTERS: Mapping[int, Turn] = {1: (1, 0), 2: (0, -1), 3: (-1, 0)}
 def part_of(powers: Mapping[str, int]) -> str:
     """What a term of a torque is by its first rates: of second degree "coriolis" or "centrifugal",
     of first degree, or with a rate's sign, "friction", else ""."""
-    if any(x.startswith("sgn_") for x in powers):
+    if any(function_of(x) == SIGN for x in powers):
         return "friction"
-    rates = {x: k for x, k in powers.items() if x.endswith("_d")}
+    rates = {x: k for x, k in powers.items() if atom(x).dots == 1}
     if sum(rates.values()) == 1:
         return "friction"
     return "coriolis" if len(rates) > 1 else "centrifugal" if rates else ""
@@ -49,7 +51,7 @@ def parts(factor: int | Fraction, *kinds: str) -> Change:
 
 def without_acceleration(x: Subject) -> Iterator[Changed]:
     """Without the terms of one coordinate's acceleration."""
-    for name in (c + "_dd" for c in x.setting.symbols.coordinates if x.accelerates):
+    for name in (c + SECOND for c in x.setting.symbols.coordinates if x.accelerates):
         yield {"name": sym(name)}, x.scaled(0, lambda p, name=name: name in p)
 
 
@@ -63,7 +65,7 @@ def twice_the_energy(x: Subject) -> Iterator[Changed]:
     for names in (set(inertial), turning, set(inertial) - turning, *own):
 
         def meant(powers: Mapping[str, int], names: set[str] = names) -> bool:
-            return bool(names & powers.keys()) and any(p.endswith("_d") for p in powers)
+            return bool(names & powers.keys()) and any(atom(p).dots == 1 for p in powers)
 
         yield {}, x.scaled(2, meant)
 

@@ -11,6 +11,7 @@ from fractions import Fraction
 from freebody.expressions.expression import Expression, mul
 from freebody.expressions.polynomials.angle_sums import Monomial, Terms, Wave, gathered, raw
 from freebody.expressions.polynomials.textbook_form import Layout
+from freebody.scalars.generators import WAVES, function_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.right_equations import RightEquations
 
@@ -45,7 +46,7 @@ def terms(setting: RightEquations, x: Trig) -> Terms:
 
 def is_too_long(x: Trig) -> bool:
     """Whether a polynomial would have too many terms to be compared one by one."""
-    waves = [name for name in x.ring.index if name.startswith(("sin_", "cos_"))]
+    waves = [name for name in x.ring.index if function_of(name) in WAVES]
     return (
         sum(math.prod(p.get(name, 0) + 1 for name in waves if name in p) for p, _ in x.terms())
         > MOST_TERMS

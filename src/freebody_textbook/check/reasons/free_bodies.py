@@ -33,7 +33,7 @@ class FreeBodyMotion:
 
     @cached_property
     def body(self) -> FreeBody:
-        """What `fb.derive` tells of it."""
+        """The body as `fb.derive` tells of it."""
         symbols = self.setting.symbols
         given = symbols.given or symbols.model
         return FreeBody(Setting(symbols), given, 0)

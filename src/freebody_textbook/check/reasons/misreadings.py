@@ -152,7 +152,7 @@ def _cosines(
 
 def _slides(setting: RightEquations, targets: Targets, work: Workspace) -> Iterator[Misreading]:
     """x of a cart: it is read as the tip's."""
-    slides = [x for x in setting.symbols.coordinates if x.startswith("d")]
+    slides = [x for x in setting.symbols.coordinates if not setting.turns(x)]
     if len(slides) != 1:
         return
     (slide,), found = slides, {}

@@ -11,10 +11,12 @@ from itertools import combinations
 from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.nodes import Expression, Negative, Number, Power, Product, Sum
 from freebody.lazy import cached_property
+from freebody.scalars.generators import function_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Angle, Named, Wave
 from freebody_textbook.check.algebra.finite_field import PRIME, rational
 from freebody_textbook.check.algebra.finite_field_tree import Workspace
+from freebody_textbook.check.algebra.quotients import generator
 from freebody_textbook.check.asked.right_equations import RightEquations
 
 _FACTORS = (0, -1, 2, Fraction(1, 2), -2, Fraction(-1, 2), 3, Fraction(1, 3), 4, Fraction(1, 4))
@@ -89,7 +91,7 @@ class SmallChanges:
         ]
 
     def _waves(self, node: Wave) -> Iterator[Repair]:
-        """The other function, another angle."""
+        """Changes of a sine or cosine: the other function, another angle."""
         other = "sin" if node.function == "cos" else "cos"
         span = node.span
         yield Repair("function", 1.0, node, Wave(other, node.angle, node.turn, span=span))
@@ -114,7 +116,7 @@ class SmallChanges:
 
     def _symbols(self, node: Named) -> Iterator[Repair]:
         """Another symbol in its place, its square, none."""
-        name = self._generator(node)
+        name = generator(node.value)
         if name is None:
             for other, value in self.related(node.name).items():
                 yield Repair("index", 1.0, node, Named(other, value, span=node.span))
@@ -128,13 +130,6 @@ class SmallChanges:
         if not isinstance(self.work.parents.get(node), Power):
             yield Repair("exponent", 2.0, node, Power(node, 2, span=node.span))
         yield Repair("extra factor", 3.0, node, Number(Fraction(1), span=node.span))
-
-    def _generator(self, node: Named) -> str | None:
-        """The generator that a symbol is."""
-        terms = list(node.value.terms()) if isinstance(node.value, Trig) else []
-        if len(terms) != 1 or terms[0][1] != 1 or sum(terms[0][0].values()) != 1:
-            return None
-        return next(iter(terms[0][0]))
 
     def _symbol(self, place: Expression, name: str) -> Named:
         """A generator at the place of a node."""
@@ -151,7 +146,7 @@ class SmallChanges:
         return [
             x
             for x in ring.names
-            if x not in ring.angles and x not in self.setting.foreign and not x.startswith("sgn_")
+            if x not in ring.angles and x not in self.setting.foreign and not function_of(x)
         ]
 
     def _rate_sums(self, node: Named, name: str) -> Iterator[Repair]:

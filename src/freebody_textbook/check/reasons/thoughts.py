@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.grammar.atoms import atom
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, times, transposed
@@ -36,7 +36,7 @@ class Component:
     def of(
         self, bodies: BodiesAtPoint, found: Mapping[Key, Vector], axes: int | None = None
     ) -> Any:
-        """Its value among vectors along the world's axes; axes: along those of another body."""
+        """The entry's value among vectors along the world's axes, or along those of body `axes`."""
         axes, v = self.axes if axes is None else axes, found[self.key]
         return (v if axes < 0 else times(transposed(bodies.bodies[axes].R), v))[self.entry]
 
@@ -158,17 +158,17 @@ class Subject:
         if (
             not self.bodies.is_told
             or self.is_equation
-            or any(x.endswith(SECOND) for x in self.names)
+            or any(atom(x).dots == 2 for x in self.names)
         ):
             return False
-        moving = sum(value for powers, value in self.rows if any(x.endswith(RATE) for x in powers))
+        moving = sum(value for powers, value in self.rows if any(atom(x).dots == 1 for x in powers))
         return self._is("T") or self.point.agree(moving, self.bodies.moved()["T", -1][0])
 
     @cached_property
     def accelerates(self) -> bool:
         """Whether the quantity is a torque, a force or an acceleration."""
         if not self.bodies.is_told:
-            return any(x.endswith(SECOND) for x in self.names)
+            return any(atom(x).dots == 2 for x in self.names)
         if self.torque is not None:
             return self.torque[0] in ("tau", "c")
         return any(self._is(x) for x in ("f", "n", "fc", "nc", "wd", "vd", "vcd", "vd tip"))

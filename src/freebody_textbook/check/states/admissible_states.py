@@ -8,14 +8,16 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.lazy import cached_property
+from freebody.scalars.generators import SIGN, function_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.quotients import Value
 from freebody_textbook.check.asked.quantity import Acting
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.states.running import Array
-from freebody_textbook.check.states.state_values import SIGN, Polynomials, StateValues
+from freebody_textbook.check.states.state_values import Polynomials, StateValues
 from freebody_textbook.closed_chains.first_kind import multiplier_names
 
 PARAMETER_SETS, STARTS, ON_EACH = 3, 4, 3
@@ -65,9 +67,7 @@ class AdmissibleStates(StateValues):
         closed."""
         chance = np.random.default_rng(29)
         values = {
-            name: chance.normal(size=self.count)
-            if name.endswith((RATE, SECOND)) or name in coordinates
-            else x
+            name: chance.normal(size=self.count) if atom(name).dots or name in coordinates else x
             for name, x in self.values.items()
         }
         return replace(self, values=values)
@@ -102,7 +102,7 @@ class StateSampler:
     """What some names are by the others, as velocities and accelerations of a free body are."""
 
     def states(self) -> AdmissibleStates | None:
-        """The same states each time; None of a chain that cannot be closed."""
+        """States drawn at random, alike each time; None of a chain that cannot be closed."""
         chance = np.random.default_rng(28)
         drawn = [self._of_one_set(chance, k) for k in range(PARAMETER_SETS)]
         parts = [x for x in drawn if x is not None and x.count]
@@ -114,7 +114,7 @@ class StateSampler:
         values = {name: np.full(count, x) for name, x in self._parameters(chance).items()}
         values |= self._guesses(chance, count)
         for name in self.setting.ring.names:
-            if name not in values and not name.startswith(SIGN):
+            if name not in values and function_of(name) != SIGN:
                 values[name] = np.full(count, chance.uniform(*_DRAWN))
         fixed = {x for x in self.given if x not in self._names}
         values |= {x: np.full(count, self.given[x]) for x in fixed}
@@ -333,7 +333,7 @@ class StateSampler:
 
     # ------------------------------------------------------------ motion
     def _moving(self, chance: np.random.Generator, states: AdmissibleStates) -> AdmissibleStates:
-        """The same positions with rates that keep the loops closed."""
+        """Positions with rates that keep the loops closed."""
         moving = self._begun(states, [x + RATE for x in self._names])
         return moving if self.still else self._solved(chance, moving, self._of_rates)[0]
 
@@ -379,7 +379,7 @@ class StateSampler:
     def _size_of(self, name: str) -> float:
         """That of a rate or acceleration; multipliers are as large as weights."""
         sizes = dict(zip(self._names, self._scale, strict=True))
-        return float(sizes.get(name.removesuffix(SECOND).removesuffix(RATE), 1.0))
+        return float(sizes.get(name.removesuffix(atom(name).ending), 1.0))
 
     def _at_rest(self, states: AdmissibleStates) -> AdmissibleStates | None:
         """Positions at which what nothing drives stays where it is."""
@@ -404,22 +404,22 @@ class StateSampler:
 
     @cached_property
     def _rows(self) -> Rows:
-        """What closes loops, where some coordinates are given."""
+        """The equations that close loops, where some coordinates are given."""
         return Rows(self.loops[0], self._loose)
 
     @cached_property
     def _any_rows(self) -> Rows:
-        """What closes loops."""
+        """The equations that close loops."""
         return Rows(self.loops[0], self._names)
 
     @cached_property
     def _of_rates(self) -> Rows:
-        """What keeps them closed."""
+        """The equations of rates that keep loops closed."""
         return Rows(self.loops[1], self._not_given(x + RATE for x in self._names))
 
     @property
     def _unknown(self) -> list[str]:
-        """What the equations of motion tell: accelerations and multipliers."""
+        """Accelerations and multipliers, which the equations of motion tell."""
         second = () if self.still else (x + SECOND for x in self._names)
         return self._not_given([*second, *self.multipliers])
 
@@ -428,12 +428,12 @@ class StateSampler:
 
     @cached_property
     def _of_forces(self) -> Rows:
-        """What tells them."""
+        """The equations of motion of which accelerations and multipliers follow."""
         return Rows([*([] if self.still else self.loops[2]), *self.passive], self._unknown)
 
     @cached_property
     def _at_rest_rows(self) -> Rows:
-        """What holds where nothing moves, by itself."""
+        """The equations of a robot that stays at rest by itself."""
         names = self._not_given([*self._names, *self.multipliers])
         return Rows([*self.loops[0], *self.passive], names)
 

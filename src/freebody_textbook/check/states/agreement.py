@@ -33,7 +33,7 @@ class Equal:
     """Up to a number for each set of parameters."""
 
     def reduced(self, gap: Running, states: AdmissibleStates) -> Running:
-        """What is left of a difference in this sense."""
+        """What a difference leaves where two values that are equal in this sense count as one."""
         if self.as_angles:
             return replace(gap, value=gap.value - 2 * np.pi * np.round(gap.value / (2 * np.pi)))
         if self.to_a_constant:

@@ -8,11 +8,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.scalars.generators import SIGN, function_of, generators_in, symbol_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.states.admissible_states import Rows, StateSampler
 from freebody_textbook.check.states.running import Array
-from freebody_textbook.check.states.state_values import SIGN, StateValues
+from freebody_textbook.check.states.state_values import StateValues
 
 _STRIDE, _STEPS = 0.05, 30
 """Radians or metres of a step from the home to the state, and Newton's steps at each."""
@@ -63,9 +64,7 @@ def _moving(coordinates: Sequence[str]) -> list[str]:
 
 def _names(rows: Sequence[Trig]) -> set[str]:
     """The symbols in polynomials; signs of rates apart."""
-    found = {name for x in rows for powers, _ in x.terms() for name in powers}
-    plain = (name.removeprefix("sin_").removeprefix("cos_") for name in found)
-    return {name for name in plain if not name.startswith(SIGN)}
+    return {symbol_of(name) for name in generators_in(*rows) if function_of(name) != SIGN}
 
 
 def _closed(

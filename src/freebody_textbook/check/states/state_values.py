@@ -13,14 +13,15 @@ import numpy as np
 from freebody.expressions.evaluate import Rules, arithmetic, evaluate
 from freebody.expressions.nodes import Arguments, Expression, Function, nodes
 from freebody.lazy import cached_property
+from freebody.scalars.generators import function_of, symbol_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.states.running import Array, Running
 from freebody_textbook.closed_chains.linear import Ratio
 
-SIGN = "sgn_"
-"""What generators for signs of rates begin with."""
+_OF_GENERATORS = {"sin": np.sin, "cos": np.cos, "sgn": np.sign}
+"""Functions by the names that generators of a ring have."""
 MOST_BRANCHES = 5
 """Functions of several values in one answer."""
 _AT_ONCE = 2000
@@ -151,12 +152,10 @@ class StateValues:
 
     def generator(self, name: str) -> Array:
         """The values of a generator of the ring."""
-        function, _, angle = name.partition("_")
-        if function in ("sin", "cos") and angle in self.values:
-            return getattr(np, function)(self.values[angle])
-        if name.startswith(SIGN):
-            return np.sign(self.values[name.removeprefix(SIGN)])
-        return self.values[name]
+        function, symbol = function_of(name), symbol_of(name)
+        if not function or symbol not in self.values:
+            return self.values[name]
+        return _OF_GENERATORS[function](self.values[symbol])
 
     def at(self, node: Expression, choice: Choice, known: Known | None = None) -> Running:
         """A tree's values, its functions on some of their branches; known: of pieces of it."""

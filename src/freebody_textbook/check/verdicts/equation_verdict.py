@@ -3,11 +3,11 @@ difference."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
+from freebody.expressions.grammar.words import spelt
 from freebody.expressions.nodes import Expression, Number, nodes, replaced
 from freebody.expressions.printed_names import sym
 from freebody.expressions.quantities.kinds import Kind
@@ -132,8 +132,9 @@ class Judge:
         right = claim.target.compute()
         title = claim.target.title
         if difference(claim.value, right).is_zero:
-            meant = f"It is read as {title}." if re.fullmatch(r"P[_{}0-9]*", claim.label) else ""
-            note = " ".join(filter(None, (meant, claim.target.note, self._zeros(claim))))
+            has_two_meanings = spelt(claim.label) in self.targets.namesakes
+            meant = claim.target.note or f"It is read as {title}." * has_two_meanings
+            note = " ".join(filter(None, (meant, self._zeros(claim))))
             return EquationVerdict(claim.label, title, True, note=note)
         if claim.target.kind.of_loops in ("positions", "rates") and claim.value.is_zero:
             return EquationVerdict(

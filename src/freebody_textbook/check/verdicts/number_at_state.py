@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
@@ -13,6 +12,7 @@ from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.printed_names import sym
 from freebody.lazy import cached_property
 from freebody.outputs.numbers import shortest
+from freebody.scalars.generators import SIGN, function_of, symbol_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
 from freebody_textbook.check.algebra.quotients import Value, pair
@@ -25,7 +25,7 @@ from freebody_textbook.check.numbers.written_units import WrittenUnit, common_un
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.states.completed_state import completed
 from freebody_textbook.check.verdicts.rounded_numbers import half_a_unit
-from freebody_textbook.closed_chains.first_kind import MULTIPLIER
+from freebody_textbook.closed_chains.first_kind import is_multiplier
 
 EXACT = 1e-9
 """How far numbers may be apart beyond their digits."""
@@ -78,7 +78,7 @@ class NumberAtState:
 
     @cached_property
     def factor(self) -> float:
-        """Of the unit in which the answer is written."""
+        """The size of the unit in which the answer is written, in SI units."""
         return self.unit.factor if self.unit else 1.0
 
     @property
@@ -124,7 +124,7 @@ class NumberAtState:
 
     @cached_property
     def thought(self) -> RealPoint:
-        """The same where a reason is sought: one digit alone would agree with many."""
+        """The state with less slack, to seek reasons at: one digit would agree with many."""
         largest = abs(self.yours) + abs(self.right)
         slack = min(self.point.slack, _VAGUE * abs(self.yours) + EXACT * largest)
         return replace(self.point, slack=slack)
@@ -157,8 +157,8 @@ class NumberAtState:
     @property
     def digits(self) -> int:
         """How many the answer has; of one that is computed from several numbers four."""
-        text = re.split("[eE]", self.claim.source.plain(self.claim.node.span))[0]
-        return len(re.sub(r"\D", "", text).lstrip("0")) if self.is_lone else 4
+        mantissa, _, _ = self.claim.source.plain(self.claim.node.span).lower().partition("e")
+        return len("".join(filter(str.isdigit, mantissa)).lstrip("0")) if self.is_lone else 4
 
     @property
     def fits(self) -> bool:
@@ -186,11 +186,11 @@ class NumberAtState:
         driven = [x for k, x in enumerate(names) if k not in model.passive]
         moving = (x + ending for ending in ("", RATE, SECOND) for x in driven)
         unknown = [x for x in moving if x not in self.values]
-        by_motion = unknown and left and all(x.startswith(MULTIPLIER) for x in left)
+        by_motion = unknown and left and all(map(is_multiplier, left))
         return unknown if by_motion else left
 
     def _symbols(self, counts: Callable[[Mapping[str, int]], bool]) -> list[str]:
-        """Those of the terms that count."""
+        """The symbols of the terms that count."""
         rows = (powers for part in pair(self.right_value) for powers, _ in part.terms())
         names = {symbol_of(name) for powers in rows if counts(powers) for name in powers}
         return [x for x in self.setting.ring.names if x in names]
@@ -211,16 +211,11 @@ class NumberAtState:
         return RealPoint.of_state(self.setting.ring, values).of(self.right_value)
 
 
-def symbol_of(generator: str) -> str:
-    """Of a sine or cosine the angle."""
-    return re.sub("^(sin|cos)_", "", generator)
-
-
 def _with_signs(setting: RightEquations, values: dict[str, float]) -> dict[str, float]:
     """Values with the signs of rates, which friction is made of."""
     signs = {
         name: float((values[rate] > 0) - (values[rate] < 0))
         for name in setting.ring.names
-        if name.startswith("sgn_") and (rate := name.removeprefix("sgn_")) in values
+        if function_of(name) == SIGN and (rate := symbol_of(name)) in values
     }
     return {**values, **signs}

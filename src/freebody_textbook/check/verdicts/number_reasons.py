@@ -71,7 +71,7 @@ def _conversions(number: NumberAtState) -> Iterator[Thought]:
         raw = {n: x.written for n, x in used.items() if x.unit and x.unit.text == unit}
         names = listed(str(sym(name)) for name in raw)
         dimension = next(x.unit.dimension for x in used.values() if x.unit and x.unit.text == unit)
-        needed = si_text(dimension, "theta" in next(iter(raw)))
+        needed = si_text(dimension, number.setting.turns(next(iter(raw))))
         text = f"{names} must be put in as {needed}, not as {unit}."
         if unit == "°":
             text = f"Degrees were taken for radians: {names} must be put in as radians."

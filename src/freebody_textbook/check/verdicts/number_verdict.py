@@ -4,17 +4,18 @@ degrees taken for radians."""
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
+from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.grammar.source import Span
 from freebody.expressions.nodes import nodes
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.printed_names import sym
 from freebody.expressions.quantities.units import si_text
 from freebody.outputs.numbers import shortest
+from freebody.scalars.generators import symbol_of, symbols_in, waves_of
 from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named
@@ -28,12 +29,10 @@ from freebody_textbook.check.numbers.units import unit_of_quantity
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reasons.free_motion import put
 from freebody_textbook.check.verdict import EquationVerdict, Example, Mistake
-from freebody_textbook.check.verdicts.number_at_state import EXACT, NumberAtState, symbol_of
+from freebody_textbook.check.verdicts.number_at_state import EXACT, NumberAtState
 from freebody_textbook.check.verdicts.number_reasons import reasons
 
 _VAGUE = "the tolerance, or what the digits leave open, is larger than the right number"
-_FORCE = re.compile(r"[fn]_?\{?[0-9₀-₉]|tau|τ")
-"""The name of a force or moment in a joint."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +69,7 @@ class NumberJudge:
         if not self.numbers.is_condition_at(span) or not isinstance(right, Trig):
             return
         here = self.numbers.state_at(span, in_symbols=True)
-        others = {x: y for x, y in given.items() if x not in here and x in _names(right)}
+        others = {x: y for x, y in given.items() if x not in here and x in symbols_in(right)}
         if others:
             claim.source.fail(
                 f"{in_words(others)} was said of the paragraph before",
@@ -112,33 +111,33 @@ class NumberJudge:
         if not given or not isinstance(right, Trig) or not isinstance(claim.value, Trig):
             return None
         same = self._is_same(claim.value, right, given)
-        own = _names(claim.value) & set(given)
+        own = symbols_in(claim.value) & set(given)
         by_others = claim.target.kind.is_equation or bool(claim.uses)  # whose motion is in it
         if own and (not by_others or self.has_motion(claim)):
             return None
         if not same or (claim.value - right).is_zero:
             return None
-        used = in_words({x: y for x, y in given.items() if x in _names(right) or x in own})
+        used = in_words({x: y for x, y in given.items() if x in symbols_in(right) or x in own})
         return EquationVerdict(claim.label, claim.target.title, True, note=f"At {used}.")
 
     def at_condition(self, claim: Claim, right: Trig) -> tuple[Trig, str]:
         """The right answer where the condition of a line without its coordinates holds, and the
         condition in words; as it is, and "", of any other line."""
-        used = _names(right)
+        used = symbols_in(right)
         given = {
             name: x
             for name, x in self.numbers.state_at(claim.node.span, in_symbols=True).items()
             if name in used
         }
-        if not given or _names(*pair(claim.value)) & set(given):
+        if not given or symbols_in(*pair(claim.value)) & set(given):
             return right, ""
         ring, zero = self.setting.ring, self.setting.zero
         images: dict[str, Value] = {}
         for name, x in given.items():
             images[name] = zero + Fraction(x.value)
             if name in ring.angles:
-                waves = zip(("sin_", "cos_"), rational_sin_cos(x.value), strict=True)
-                images |= {wave + name: zero + _simple(value) for wave, value in waves}
+                waves = zip(waves_of(name), rational_sin_cos(x.value), strict=True)
+                images |= {wave: zero + _simple(value) for wave, value in waves}
         there = put(right, images)
         assert isinstance(there, Trig)
         return there, in_words(given)
@@ -162,10 +161,11 @@ class NumberJudge:
 
     def has_what_vanishes(self, claim: Claim, given: State) -> bool:
         """Whether an answer has quantities that are 0 at a state only."""
+        single = self.targets.single
         values = (
             x.value
             for x in nodes(claim.node)
-            if isinstance(x, Named) and not _FORCE.match(x.name)  # f12x may be 0 too
+            if isinstance(x, Named) and not (x.name in single and single[x.name].kind.is_reaction)
         )
         return any(
             isinstance(x, Trig) and not x.is_zero and self._is_same(self.setting.zero, x, given)
@@ -187,11 +187,7 @@ class NumberJudge:
         point = RealPoint.of_state(self.setting.ring, values)
         found: dict[frozenset[tuple[str, int]], float] = {}
         for powers, coefficient in x.terms():
-            known = {
-                n: k
-                for n, k in powers.items()
-                if n.removeprefix("sin_").removeprefix("cos_") in given
-            }
+            known = {n: k for n, k in powers.items() if symbol_of(n) in given}
             key = frozenset((n, k) for n, k in powers.items() if n not in known)
             found[key] = found.get(key, 0.0) + point.term(known, coefficient)
         return found
@@ -245,7 +241,7 @@ class _NumberVerdict:
             claim.source.fail(
                 f"{claim.label} is a number here, but depends on {names}, which "
                 f"{'are' if len(missing) > 1 else 'is'} not given"
-                f"{held * all(x.endswith((RATE, SECOND)) for x in missing)}",
+                f"{held * all(atom(x).dots for x in missing)}",
                 claim.node.span,
                 f"State them after the number, at {sym(missing[0])} = …, or by --at "
                 f"'{missing[0]} = …', at={{'{missing[0]}': …}}.",
@@ -284,7 +280,7 @@ class _NumberVerdict:
             return "a unit that is not known here"
         if claim.target.kind.is_energy:
             return "J"
-        return si_text(needed, claim.label.lstrip("\\")[:1] in "ωαoaw")
+        return si_text(needed, claim.target.is_angular)
 
     def _note(self) -> str:
         where = self._where()
@@ -318,9 +314,3 @@ def _simple(value: Fraction) -> Fraction:
     """A sine or cosine, ½ where it is that to the digits of a float."""
     simple = value.limit_denominator(2)
     return simple if abs(simple - value) <= EXACT else value
-
-
-def _names(*values: Trig) -> set[str]:
-    """The symbols in polynomials."""
-    terms = (powers for x in values for powers, _ in x.terms())
-    return {symbol_of(name) for powers in terms for name in powers}

@@ -60,7 +60,7 @@ def _signs(opposed: Set[str], claim: Claim) -> int:
 
 
 def _terms(claim: Claim, node: Expression) -> Iterator[Expression]:
-    """Those of a sum; one of a bracket with one sign in front."""
+    """The terms of a sum; of a bracket with one sign in front a single one."""
     if isinstance(node, Sum):
         for term in node.terms:
             yield from _terms(claim, term)

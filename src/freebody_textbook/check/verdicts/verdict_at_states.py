@@ -11,6 +11,7 @@ import numpy as np
 
 from freebody.expressions.nodes import Expression, nodes, replaced
 from freebody.lazy import cached_property
+from freebody.scalars.generators import generators_in, symbols_in
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named
 from freebody_textbook.check.algebra.finite_field_tree import without_values
@@ -127,7 +128,7 @@ class _AtStates:
         given = {name for name, x in model.parameters.items() if x is not None}
         named = (x.value for x in nodes(self._tree) if isinstance(x, Named))
         symbols = (x for x in named if isinstance(x, Trig) and len(x) == 1)
-        written = {name for x in symbols for powers, _ in x.terms() for name in powers}
+        written = generators_in(*symbols)
         given -= {self.judge.setting.order.gravity}
         return bool(given) and not written & given
 
@@ -142,11 +143,11 @@ class _AtStates:
 
     @property
     def _tree(self) -> Expression:
-        """What is compared: of an equation between two sides their difference."""
+        """The tree that is compared: of an equation between two sides their difference."""
         return self.claim.node if self.claim.whole is None else self.claim.whole
 
     def _sought(self, states: AdmissibleStates) -> Running:
-        """What that must be equal to."""
+        """The values to which the tree must be equal."""
         if self.claim.whole is not None:
             return Running.exact(np.zeros(states.count))
         return states.of(self.right)
@@ -232,7 +233,7 @@ class _AtStates:
     def _goes_another_way(self) -> bool:
         """Whether it is written in symbols that the right value does not have, as along the other
         leg of a loop."""
-        own, theirs = (_symbols(x) for x in (self.right, self.claim.value))
+        own, theirs = (symbols_in(*pair(x)) for x in (self.right, self.claim.value))
         return self.claim.whole is None and not theirs <= own
 
     def _held(self) -> AdmissibleStates | None:
@@ -345,12 +346,6 @@ class _AtStates:
             return bool(self._note(agreement(states, tree, self._sought(states), self._equal)))
 
         return fits
-
-
-def _symbols(x: Value) -> set[str]:
-    """The names in a value; of a sine or cosine that of its angle."""
-    names = (name for part in pair(x) for powers, _ in part.terms() for name in powers)
-    return {name.removeprefix("sin_").removeprefix("cos_") for name in names}
 
 
 def _is_angle(x: Trig, angles: tuple[str, ...]) -> bool:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from fractions import Fraction
 
 from freebody.expressions import expression as ex
+from freebody.expressions.grammar.atoms import atom, numbered
 from freebody.expressions.grammar.source import Source
 from freebody.expressions.nodes import Expression, Function, Number, Power, Product, Sum, nodes
 from freebody.expressions.printed_names import sym
+from freebody.expressions.quantities.kinds import LETTERED
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
@@ -20,6 +21,8 @@ from freebody_textbook.check.reasons.small_changes import Repair
 from freebody_textbook.check.verdict import Mistake
 
 _LONG = 70
+_USUAL = frozenset(kind.usual for kind in LETTERED if kind.usual)
+"""Letters by which sentences name entries."""
 _OF_REPAIR = {
     "sign": "{written} has the wrong sign: it must be {should}.",
     "factor": "{written} {times}: it must be {should}.",
@@ -108,15 +111,15 @@ class Wording:
         if name in self.setting.foreign:
             return f" ({sym(name)} is not a symbol of {self.setting.symbols.model.name})"
         other = self._name(new)
-        if kind == "length" and other.startswith("lc"):
-            k = other.removeprefix("lc")
+        letter, k = numbered(other)
+        if kind == "length" and letter == "lc":
             return (
                 f": the centre of mass of link {k} is {sym(other)} from its joint, "
                 f"{sym('l' + k)} is the length of the link"
             )
         if kind == "length":
             return (
-                f": {sym(other)} is the distance to the next joint, {sym('lc' + other[1:])} only "
+                f": {sym(other)} is the distance to the next joint, {sym('lc' + k)} only "
                 f"that to the centre of mass"
             )
         if (
@@ -205,7 +208,7 @@ class Wording:
         match node:
             case Named() if node.name in self.setting.ring.index:
                 return str(sym(node.name))
-            case Named() if re.fullmatch(r"(?:H|G|tau|v|J)\d+", node.name):
+            case Named() if _is_usual(node.name):
                 return node.name.replace("tau", "τ")
             case Wave():
                 angle = ex.add(*(ex.mul(k, sym(x)) for x, k in node.angle))
@@ -219,6 +222,12 @@ class Wording:
 
     def _form(self, node: Expression) -> str:
         return self.setting.form(PolynomialReader(self.source, self.setting.ring).quotient(node))
+
+
+def _is_usual(name: str) -> bool:
+    """Whether it is the usual name of an entry, such as H12."""
+    own = atom(name)
+    return own.is_numbered and own.letter in _USUAL
 
 
 def quoted(text: str) -> str:
