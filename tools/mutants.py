@@ -69,13 +69,12 @@ AREAS = (
     Area(
         "ways out",
         ("targets/text/*.py", "targets/xla/*.py", "targets/cuda/*.py", "targets/in_torch.py",
-         "kernels/exports.py", "kernels/in_jax.py", "kernels/jax*.py", "kernels/program_*.py",
-         "kernels/self_test_samples.py"),
+         "ways_out/*.py"),
         ("exports", "export_names", "jax", "xla", "cuda"),
     ),
     Area(
         "public functions",
-        ("trees/*.py", "arrays.py", "labels.py", "errors.py", "values.py", "lazy.py", "locks.py",
+        ("trees/*.py", "any_chain/dynamics.py", "arrays.py", "labels.py", "errors.py", "values.py", "lazy.py", "locks.py",
          "identifiers.py"),
         ("arguments", "labelled", "input", "values", "fastcall", "states", "operational",
          "base_parameters", "passive", "massless", "memory", "forks_and_interrupts", "warnings"),
@@ -108,7 +107,7 @@ AREAS = (
     Area(
         "closed chains",
         ("loops/**/*.py", "model/loop_kinds.py", "model/loops.py", "motion/closed_chain*.py",
-         "motion/simulation/closed_chain*.py", "trees/newton_euler_residuals.py"),
+         "motion/simulation/closed_chain*.py", "any_chain/reactions.py"),
         ("closed_*", "dyads", "simulate"),
     ),
     Area(

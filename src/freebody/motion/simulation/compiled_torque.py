@@ -10,12 +10,12 @@ import numpy as np
 
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, KindError, UnknownNameError, listed
-from freebody.kernels.driven_steps import STATE, law_inputs
 from freebody.kernels.formulas import FORMULAS
 from freebody.kernels.formulas.inputs import INPUTS
 from freebody.lazy import cached_property
 from freebody.model.families import member_at
 from freebody.model.model import Model
+from freebody.motion.simulation.driven_steps import STATE, law_inputs
 from freebody.motion.simulation.motion_lanes import MotionLanes, some_of
 from freebody.program import Program
 from freebody.targets import Kernel, compile_program

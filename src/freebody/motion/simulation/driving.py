@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.kernels.driven_steps import both_laws
 from freebody.motion.simulation.compiled_torque import CompiledTorque
+from freebody.motion.simulation.driven_steps import both_laws
 from freebody.motion.simulation.first_order_system import Drive
 from freebody.motion.simulation.lane_torques import (
     HeldTorque,

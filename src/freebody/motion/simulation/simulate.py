@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, above_zero, as_floats, is_count, refuse_not_finite
 from freebody.errors import FreebodyError, UnknownNameError, listed, shown, warn
-from freebody.kernels.driven_steps import STEP_METHODS
 from freebody.labels import is_labelled
 from freebody.loops.equations import taken_at
 from freebody.model.model import Model
@@ -18,6 +17,7 @@ from freebody.motion.friction import WIDTH, smooth_friction
 from freebody.motion.simulation.alone import one_by_one
 from freebody.motion.simulation.closed_chain_integration import EXPLICIT
 from freebody.motion.simulation.compiled_torque import CompiledTorque
+from freebody.motion.simulation.driven_steps import STEP_METHODS
 from freebody.motion.simulation.integration import FINEST, METHODS
 from freebody.motion.simulation.interrupted import SimulationInterrupted, SimulationStopped
 from freebody.motion.simulation.joint_contacts import JointContacts, joint_contacts, refuse_beyond

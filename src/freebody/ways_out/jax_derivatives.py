@@ -21,11 +21,11 @@ from jax.core import ShapedArray
 from jax.extend.core import Primitive
 from jax.interpreters import ad, batching, mlir
 
-from freebody.kernels.differentials import Differentiable
-from freebody.kernels.jax_products import placed, product, summed
 from freebody.program import Argument
 from freebody.program.gradient import gradient
 from freebody.targets.xla.operation import Arrays, Way, operation
+from freebody.ways_out.differentials import Differentiable
+from freebody.ways_out.jax_products import placed, product, summed
 
 Positions = tuple[int, ...]
 

@@ -15,12 +15,12 @@ from freebody.algorithms.held_joints import HeldMotion, held_motion
 from freebody.algorithms.kinematics import position_rates
 from freebody.algorithms.regrouped_parameters import lightened
 from freebody.algorithms.simulation_steps import Law, Linearised
+from freebody.any_chain.kernel_options import chosen_option
 from freebody.elementary import Scalar, maximum, tanh
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
 from freebody.kernels.formulas.choices import external
 from freebody.kernels.formulas.dynamics import forward
-from freebody.kernels.options import chosen_option
 from freebody.kernels.structural import Bound, Over, fetch_own
 from freebody.model.model import Model
 from freebody.model.tree import Tree

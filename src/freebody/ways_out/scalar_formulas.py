@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from freebody.any_chain.kernel_options import chosen_option
 from freebody.errors import FreebodyError, ShapeError, SingularError
 from freebody.kernels.arguments import arguments, chosen
 from freebody.kernels.formulas import FORMULAS
-from freebody.kernels.options import chosen_option
 from freebody.model.model import Model
 
 

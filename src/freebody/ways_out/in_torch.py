@@ -9,10 +9,10 @@ import numpy as np
 
 from freebody.errors import FreebodyError, KindError, MissingPackageError
 from freebody.kernels.inputs import InputKernel
-from freebody.kernels.lookup import kernel
 from freebody.model.model import Model
 from freebody.targets import Kernel, KernelError
 from freebody.targets.target import target_named
+from freebody.ways_out.kernel import kernel
 
 if TYPE_CHECKING:
     from freebody.targets.in_torch import Tensor, TensorProgram

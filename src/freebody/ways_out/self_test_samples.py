@@ -9,7 +9,6 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, LoopError
-from freebody.kernels.closed_chains import closed_chain_function
 from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
 from freebody.kernels.formulas.inverse import known_branches
 from freebody.model.model import Model
@@ -139,11 +138,13 @@ def _closed(model: Model, names: list[str], given: list[Array]) -> list[Array]:
     Every second is a little off: where all loops are closed their equations are rounding, and say
     nothing.
     """
+    from freebody.loops.rates import loop_velocity
+
     found = dict(zip(names, given, strict=True))
     with contextlib.suppress(LoopError):
         closed_at = {x: _assembled(model, found[x]) for x in POSITIONS if x in found}
         if "q" in closed_at and "qd" in found:
-            found["qd"] = closed_chain_function("loop_velocity")(model, closed_at["q"], found["qd"])
+            found["qd"] = loop_velocity(model, closed_at["q"], found["qd"])
         for name, positions in closed_at.items():
             positions[1::2] += _OFF * (found[name] - positions)[1::2]
             found[name] = _unit_quaternions(model, positions)
@@ -153,7 +154,8 @@ def _closed(model: Model, names: list[str], given: list[Array]) -> list[Array]:
 def _assembled(model: Model, near: Array) -> Array:
     """Closed positions near these (tries, nq); where one closes nowhere, another takes its place.
     Raises LoopError where none closes."""
-    assemble = closed_chain_function("assemble")
+    from freebody.loops.assembly import assemble
+
     try:
         return assemble(model, near)
     except LoopError as none:

@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 
 from freebody.errors import MissingPackageError, ShapeError, warn
-from freebody.kernels.differentials import Differentiable, of_quantities
 from freebody.kernels.inputs import InputKernel, NamedNumbers
-from freebody.kernels.kernel_or_quantities import Asked, asked
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
 from freebody.program import Program
 from freebody.targets import Kernel, KernelError
 from freebody.targets.call_errors import BatchError
 from freebody.targets.xla.operation import Arrays, Way, interface
+from freebody.ways_out.differentials import Differentiable, of_quantities
+from freebody.ways_out.kernel_or_quantities import Asked, asked
 
 
 def to_jax(
@@ -50,7 +50,7 @@ def to_jax(
         import jax
     except ImportError:
         raise MissingPackageError("fb.to_jax", "JAX", "jax") from None
-    from freebody.kernels.jax_derivatives import JaxFunction
+    from freebody.ways_out.jax_derivatives import JaxFunction
 
     if isinstance(chosen, Asked):
         if chosen.model.family and not chosen.given:

@@ -6,10 +6,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+from freebody.any_chain.kernel_options import chosen_option
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.kernels.formulas import Option
 from freebody.kernels.inputs import InputKernel, KernelInputs, inputs_of
-from freebody.kernels.options import chosen_option, several
+from freebody.kernels.options import several
 from freebody.kernels.tracing import program
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model

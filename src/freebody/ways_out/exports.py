@@ -13,9 +13,6 @@ from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.identifiers import is_identifier
 from freebody.kernels.formulas import Option
 from freebody.kernels.inputs import InputKernel, KernelInputs
-from freebody.kernels.kernel_or_quantities import Asked, asked
-from freebody.kernels.program_description import ProgramDescription, of_program
-from freebody.kernels.self_test_samples import vectors
 from freebody.model.doubts import Doubt, attribute
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
@@ -23,6 +20,9 @@ from freebody.outputs.folder import write_folder
 from freebody.program.passes import share_reciprocals
 from freebody.targets import Kernel
 from freebody.targets.text import LANGUAGES, Unit
+from freebody.ways_out.kernel_or_quantities import Asked, asked
+from freebody.ways_out.program_description import ProgramDescription, of_program
+from freebody.ways_out.self_test_samples import vectors
 
 
 def source(

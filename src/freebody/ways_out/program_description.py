@@ -14,12 +14,12 @@ from freebody.algorithms.turned_frames import turned_frames
 from freebody.identifiers import identifiers
 from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
 from freebody.kernels.inputs import KernelInputs
-from freebody.kernels.recursion_names import MEANINGS, marks
 from freebody.model.doubts import Doubt, doubts_used
 from freebody.model.model import Model
 from freebody.model.numbers import Parameters
 from freebody.program import Argument, Program
 from freebody.targets.text import Joints
+from freebody.ways_out.recursion_names import MEANINGS, marks
 
 _NUMBERS = "numbers of the robot, listed below (SI units)"
 """What p is."""
