@@ -67,8 +67,8 @@ from freebody.report.study import study as study
 from freebody.robots import models as models
 from freebody.sweeps.samples import samples as samples
 from freebody.sweeps.sweep import sweep as sweep
-from freebody.trees.attitude import quat_wxyz as quat_wxyz
-from freebody.trees.attitude import rotation as rotation
+from freebody.trees.states import quat_wxyz as quat_wxyz
+from freebody.trees.states import rotation as rotation
 from freebody.trees.base_parameters import base_parameters as base_parameters
 from freebody.trees.controllers import admittance as admittance
 from freebody.trees.controllers import computed_torque as computed_torque

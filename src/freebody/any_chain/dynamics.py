@@ -15,16 +15,16 @@ from freebody.kernels.formulas import Option
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.trees.dynamics import refuse_singular, where_all_move_mass
-from freebody.trees.kinematics import checked_reference
-from freebody.trees.passive_joints import refuse_passive
 from freebody.trees.public_calls import (
     Key,
     Vector,
     Wrenches,
     careful,
     checked_inputs,
+    checked_reference,
     evaluate,
 )
+from freebody.trees.special_joints import refuse_passive
 
 
 def inverse_dynamics(

@@ -3,7 +3,7 @@ whether all balance."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -29,10 +29,8 @@ from freebody.loops.scaled_equations import (
 from freebody.model.geometry import first_member
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable
-from freebody.trees.kinematics import checked_reference
-from freebody.trees.newton_euler_residuals import balance
-from freebody.trees.passive_joints import refuse_passive
-from freebody.trees.public_calls import Vector, Wrenches, checked_inputs
+from freebody.trees.public_calls import Vector, Wrenches, checked_inputs, checked_reference
+from freebody.trees.special_joints import refuse_passive
 from freebody.values import ByValue
 
 _ADDED = 20.0  # times what rounding changes in the equations, for what it may change in wrenches
@@ -273,3 +271,29 @@ def _miss(
     found = balance(model, q, qd, qdd, wrenches, dict(zip(frames, loads, strict=True)))
     force, moment = (float(np.abs(x).max(initial=0.0)) for x in (found.force, found.moment))
     return max(force, moment / length(first_member(model))) / (found.largest_force or 1.0)
+
+
+@dataclass(frozen=True)
+class NewtonEulerResiduals:
+    """ΣF - m a (..., nj, dim) and ΣM - Ḣ (..., nj, 3 or 1) of every body, and the largest force and
+    moment that entered."""
+
+    force: Array
+    moment: Array
+    largest_force: float
+    largest_moment: float
+
+
+def balance(
+    model: Model, q: Array, qd: Array, qdd: Array, wrenches: Array, external: Mapping[str, Array]
+) -> NewtonEulerResiduals:
+    """How well reactions and external wrenches, world axes, explain a motion q (..., nq), qd, qdd
+    (..., nv).
+
+    wrenches: (..., joints and loops, six), as `reactions` gives them; external: {frame: (...,
+    six)}.
+    """
+    kernel = fetch(model, ("balance",), Option(wrench_frames=tuple(external)))
+    force, moment, largest = kernel(q, qd, qdd, wrenches, *external.values())
+    sizes = largest.reshape(-1, 2).max(axis=0, initial=0.0)
+    return NewtonEulerResiduals(force, moment, float(sizes[0]), float(sizes[1]))

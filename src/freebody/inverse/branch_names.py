@@ -27,7 +27,7 @@ from freebody.algorithms.closed_form_inverse.recipes import (
 from freebody.algorithms.joint_lines import parallel, perpendicular
 from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
-from freebody.trees.triangle_solutions import side_of
+from freebody.loops.dyads.geometry import side_of
 
 Words = tuple[str, str]
 """What two elbows are called."""

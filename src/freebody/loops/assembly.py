@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from freebody.algorithms.loop_checks import CLOSED
 from freebody.arrays import Array, at_sample
@@ -13,15 +12,14 @@ from freebody.errors import FreebodyError, LoopError
 from freebody.loops.dyad_decomposition import decomposed
 from freebody.loops.equations import (
     closing,
+    free_coordinates,
     gaps,
     holds,
     homed_at,
+    is_closed,
     require_loops,
     scaled_jacobian,
-    within_tolerance,
 )
-from freebody.loops.named_coordinates import free_coordinates
-from freebody.loops.redundancy import EXACT
 from freebody.loops.scaled_equations import (
     backward,
     every_residual,
@@ -136,15 +134,6 @@ def assembly_modes(
                 f"it has infinitely many positions; free fewer coordinates."
             )
     return np.array(modes).reshape(-1, model.nq)
-
-
-# ---------------------------------------------------------------- positions
-def is_closed(model: Model, q: Array, left: Array) -> NDArray[np.bool_]:
-    """(N,): whether every loop is closed at positions q (N, nq), the right way round, where solving
-    has left so much (N,) of the scaled equations."""
-    return (
-        (left < EXACT) & within_tolerance(model, q).all(axis=-1) & ~backward(model, q).any(axis=-1)
-    )
 
 
 def _restarted(

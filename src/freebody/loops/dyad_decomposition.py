@@ -25,9 +25,9 @@ from freebody.loops.dyads import (
     heading,
     is_turning,
 )
+from freebody.loops.dyads.geometry import side_of
 from freebody.model.model import Model
 from freebody.outputs.numbers import compared
-from freebody.trees.triangle_solutions import side_of
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,6 +18,7 @@ from freebody.loops.equations import (
     branches,
     closing,
     counting,
+    driven_coordinates,
     refuse_inconsistent,
     require_closed,
     scaled_jacobian,
@@ -28,7 +29,6 @@ from freebody.loops.independent_equations import (
     independent_rows,
     partition,
 )
-from freebody.loops.named_coordinates import driven_coordinates
 from freebody.loops.rank_deficient import BLURRED, RANK, Idle, Jerk, solve
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled_equations import (
@@ -41,8 +41,8 @@ from freebody.loops.scaled_equations import (
 from freebody.model.families import member_at
 from freebody.model.geometry import first_member
 from freebody.model.model import Model
-from freebody.trees.massless_joints import massless
 from freebody.trees.public_calls import Vector, Wrenches, attempt, checked_inputs
+from freebody.trees.special_joints import massless
 from freebody.trees.states import difference, integrate
 
 _REGULAR = 1e-2  # of the same, from which stages of an integration need no care

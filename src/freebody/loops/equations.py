@@ -16,10 +16,9 @@ from numpy.typing import NDArray
 
 from freebody.algorithms.loop_checks import CLOSED
 from freebody.arrays import Array, at_sample
-from freebody.errors import FreebodyError, LoopError
+from freebody.errors import FreebodyError, LoopError, UnknownNameError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
-from freebody.loops.closing_solver import Telling, closed_from
 from freebody.loops.rank_deficient import AT_REST, BLURRED
 from freebody.loops.redundancy import (
     EXACT,
@@ -30,7 +29,9 @@ from freebody.loops.redundancy import (
     surely_exact,
 )
 from freebody.loops.scaled_equations import (
+    Telling,
     backward,
+    closed_from,
     every_jacobian,
     every_residual,
     length,
@@ -51,6 +52,31 @@ def require_loops(model: Model, function: str) -> None:
         raise FreebodyError(
             f"{function}: {model.name!r} has no loops; add one with model.with_loop(...)."
         )
+
+
+def driven_coordinates(
+    function: str, model: Model, actuated: Sequence[str] | None = None
+) -> tuple[int, ...]:
+    """Indices of the driven coordinates: of those named, or the model's own."""
+    return model.driven if actuated is None else tuple(free_coordinates(model, actuated, function))
+
+
+def free_coordinates(model: Model, names: Sequence[str] | None, function: str) -> list[int]:
+    """Indices of the coordinates named, each by itself or through its joint; None is all."""
+    if names is None:
+        return list(range(model.nv))
+    if isinstance(names, str):
+        names = (names,)
+    of_joint = {
+        body.joint.name: list(at.v)
+        for body, at in zip(model.bodies, model.coordinates, strict=True)
+        if body.joint.mimic is None
+    }
+    of_name = {name: [k] for k, name in enumerate(model.velocity_names)} | of_joint
+    for name in names:
+        if name not in of_name:
+            raise UnknownNameError("coordinate", name, f"{function}: {model.name!r}", of_name)
+    return sorted({k for name in names for k in of_name[name]})
 
 
 def _projector(model: Model) -> Telling | None:
@@ -181,6 +207,15 @@ def closing(model: Model, q: Array, moving: Sequence[int]) -> tuple[Array, Array
     """(positions (N, nq) as closed as they get from q (N, nq), largest scaled equation left
     (N,))."""
     return closed_from(model, q, moving, _projector(model))
+
+
+# ---------------------------------------------------------------- positions
+def is_closed(model: Model, q: Array, left: Array) -> NDArray[np.bool_]:
+    """(N,): whether every loop is closed at positions q (N, nq), the right way round, where solving
+    has left so much (N,) of the scaled equations."""
+    return (
+        (left < EXACT) & within_tolerance(model, q).all(axis=-1) & ~backward(model, q).any(axis=-1)
+    )
 
 
 def within_tolerance(model: Model, q: Array) -> NDArray[np.bool_]:

@@ -11,8 +11,13 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.kernels.options import motion_rows
-from freebody.loops.equations import require_closed, require_loops, scaled_jacobian, taken_at
-from freebody.loops.named_coordinates import driven_coordinates
+from freebody.loops.equations import (
+    driven_coordinates,
+    require_closed,
+    require_loops,
+    scaled_jacobian,
+    taken_at,
+)
 from freebody.loops.rank_deficient import RANK
 from freebody.loops.scaled_equations import length, null_space, rate_scale
 from freebody.model.model import Model

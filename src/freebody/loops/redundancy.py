@@ -29,12 +29,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array
-from freebody.loops.closing_solver import Closing, closed_from, explored
 from freebody.loops.scaled_equations import (
+    Closing,
     Kept,
     backward,
+    closed_from,
     every_jacobian,
     every_residual,
+    explored,
     largest,
     length,
     mechanism,

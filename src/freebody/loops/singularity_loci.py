@@ -18,9 +18,13 @@ from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.kernels.options import motion_rows
 from freebody.loops.assembly import assemble
-from freebody.loops.equations import require_loops, scaled_jacobian, scaled_residual
+from freebody.loops.equations import (
+    free_coordinates,
+    require_loops,
+    scaled_jacobian,
+    scaled_residual,
+)
 from freebody.loops.independent_equations import independent_rows
-from freebody.loops.named_coordinates import free_coordinates
 from freebody.loops.scaled_equations import backward, length, rate_scale, shortest_way
 from freebody.model.model import Model
 from freebody.outputs.display import Titled, counted

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from freebody.any_chain.dynamics import forward_dynamics
+from freebody.any_chain.reactions import balance
 from freebody.arrays import Array
 from freebody.errors import SingularError
 from freebody.loops import dynamics as closed
@@ -24,8 +25,7 @@ from freebody.outputs.display import counted
 from freebody.report.results import Check, Replay
 from freebody.report.variables import PARTS
 from freebody.trees.dynamics import mass_matrix
-from freebody.trees.newton_euler_residuals import balance
-from freebody.trees.passive_joints import all_driven
+from freebody.trees.special_joints import all_driven
 from freebody.trees.states import difference
 
 if TYPE_CHECKING:

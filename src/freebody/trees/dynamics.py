@@ -16,8 +16,6 @@ from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.trees.closer_looks import looking_closer
 from freebody.trees.kinematics import jacobian
-from freebody.trees.massless_joints import refuse_massless
-from freebody.trees.passive_joints import refuse_passive
 from freebody.trees.public_calls import (
     Key,
     Vector,
@@ -26,6 +24,7 @@ from freebody.trees.public_calls import (
     evaluate,
     finite_vector,
 )
+from freebody.trees.special_joints import refuse_massless, refuse_passive
 
 
 def where_all_move_mass(

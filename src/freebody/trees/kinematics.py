@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array
-from freebody.errors import SingularError, UnknownNameError
+from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
 from freebody.model.families import of_member
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
-from freebody.trees.public_calls import Vector, careful, evaluate
+from freebody.trees.public_calls import Vector, careful, checked_reference, evaluate
 
 Reference = Literal["world", "body"]
 
@@ -114,10 +114,3 @@ def _of_frame(
     model: Model, frame: str | None, reference: str = "world", point: bool = False
 ) -> Option:
     return Option(model.frame(frame).name, checked_reference(reference), point=point)
-
-
-def checked_reference(reference: str, allowed: tuple[str, ...] = ("world", "body")) -> str:
-    """`reference`, if it is a known one."""
-    if reference not in allowed:
-        raise UnknownNameError("reference", reference, "reference=", allowed)
-    return reference

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, at_sample, check_core, refuse_not_finite
-from freebody.errors import FreebodyError, ShapeError
+from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.kernels import structural
 from freebody.kernels.arguments import shape
 from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
@@ -367,3 +367,10 @@ def wrenches_by_frame(
                 function, argument, loads[known].shape, f"({len(names)},)", f"one wrench: {order}"
             )
     return loads
+
+
+def checked_reference(reference: str, allowed: tuple[str, ...] = ("world", "body")) -> str:
+    """`reference`, if it is a known one."""
+    if reference not in allowed:
+        raise UnknownNameError("reference", reference, "reference=", allowed)
+    return reference

@@ -8,9 +8,16 @@ R. Vectors are complex numbers, arrays (N, K) of samples and solutions. A furthe
 here and a line in a table.
 """
 
-from freebody.loops.dyads.chain import Chain, Crossing, chain, coordinate, coordinates, is_turning
+from freebody.loops.dyads.chain import (
+    Chain,
+    Crossing,
+    Posture,
+    chain,
+    coordinate,
+    coordinates,
+    is_turning,
+)
 from freebody.loops.dyads.heading import heading
-from freebody.loops.dyads.posture import Posture
 from freebody.loops.dyads.step import ConstructionStep, OfOne, OfTwo
 from freebody.loops.dyads.stretch import STRETCH
 from freebody.loops.dyads.swing import SWING

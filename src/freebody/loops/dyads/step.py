@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array
-from freebody.loops.dyads.chain import Chain, Crossing
-from freebody.loops.dyads.posture import Posture
+from freebody.loops.dyads.chain import Chain, Crossing, Posture
 from freebody.model.tree import Tree
 
 Reach = tuple[str, str, Array, Array, Array]

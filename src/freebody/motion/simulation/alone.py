@@ -29,7 +29,7 @@ from freebody.motion.simulation.unending import (
     hopeless,
     too_late,
 )
-from freebody.trees.passive_joints import all_driven
+from freebody.trees.special_joints import all_driven
 
 
 def alone(asked: Simulation, method: str, result: Simulated, told: bool = False) -> bool:

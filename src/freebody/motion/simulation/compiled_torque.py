@@ -20,7 +20,7 @@ from freebody.motion.simulation.motion_lanes import MotionLanes, some_of
 from freebody.program import Program
 from freebody.targets import Kernel, compile_program
 from freebody.trees.controllers import not_negative
-from freebody.trees.passive_joints import refuse_passive
+from freebody.trees.special_joints import refuse_passive
 
 
 @dataclass(frozen=True, eq=False)

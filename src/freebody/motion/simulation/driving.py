@@ -18,7 +18,7 @@ from freebody.motion.simulation.lane_torques import (
 )
 from freebody.motion.simulation.simulation import Simulation
 from freebody.motion.simulation.torques import batched, drive_of
-from freebody.trees.passive_joints import all_driven
+from freebody.trees.special_joints import all_driven
 
 
 @dataclass(frozen=True, eq=False)

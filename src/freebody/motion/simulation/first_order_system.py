@@ -17,8 +17,8 @@ from freebody.loops.dynamics import accelerations
 from freebody.model.model import Model
 from freebody.motion.friction import WIDTH, SmoothFriction, smooth_friction
 from freebody.trees.dynamics import mass_matrix
-from freebody.trees.massless_joints import refuse_massless
 from freebody.trees.position_rates import CoordinateLayout, layout, normalised, position_rate
+from freebody.trees.special_joints import refuse_massless
 
 Drive = Callable[[Array, Array, Array], Array]
 """(t, q, qd) -> tau, all with the same leading shape."""

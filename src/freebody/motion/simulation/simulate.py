@@ -36,8 +36,8 @@ from freebody.motion.simulation.torques import (
 from freebody.motion.simulation.unending import MOST
 from freebody.motion.simulation.wrench_tables import all_wrenches, warn_of_tables
 from freebody.targets import result_memory
-from freebody.trees.massless_joints import refuse_massless
 from freebody.trees.public_calls import Vector, Wrenches, vector
+from freebody.trees.special_joints import refuse_massless
 
 if TYPE_CHECKING:
     import xarray as xr

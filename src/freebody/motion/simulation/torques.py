@@ -20,8 +20,8 @@ from freebody.motion.simulation.compiled_torque import CompiledTorque, compiled_
 from freebody.motion.simulation.first_order_system import Drive, row_at
 from freebody.outputs.numbers import compared
 from freebody.targets import Kernel
-from freebody.trees.passive_joints import all_driven, refuse_passive
 from freebody.trees.public_calls import vector
+from freebody.trees.special_joints import all_driven, refuse_passive
 
 TorqueFunction = Callable[[float, Array, Array], ArrayLike]
 Torque = ArrayLike | TorqueFunction | Kernel | None

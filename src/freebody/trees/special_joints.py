@@ -1,7 +1,9 @@
-"""Joints that move no inertia make the mass matrix singular; found once a model, and named.
+"""Joints that move no inertia, and joints that nothing drives: named where a function cannot do
+with them.
 
-Most robots are seen to be sound by what their bodies weigh, each alone; that takes microseconds, so
-that a new payload does too. Only of others is the mass matrix looked at.
+A joint that moves no inertia makes the mass matrix singular; it is found once a model. Most robots
+are seen to be sound by what their bodies weigh, each alone; that takes microseconds, so that a new
+payload does too. Only of others is the mass matrix looked at.
 """
 
 from __future__ import annotations
@@ -12,13 +14,14 @@ from functools import lru_cache
 import numpy as np
 
 from freebody.algorithms.crba import crba, supports
-from freebody.arrays import Array
-from freebody.errors import SingularError, listed
+from freebody.arrays import Array, at_sample
+from freebody.errors import PassiveJointError, SingularError, listed
 from freebody.model.derived_facts import fact
 from freebody.model.families import of_member
 from freebody.model.model import Model
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Tree, lower
+from freebody.trees.public_calls import Vector, finite_vector
 from freebody.trees.states import generic_state
 
 _NOTHING = 1e-13  # a pivot this small, relative to what it was subtracted from, is rounding
@@ -27,6 +30,34 @@ _CLEAR = 1e-11  # a pivot this large, relative to the largest entry that M can h
 _TRAVEL = 6.0
 """Metres, more than joints that translate are moved in the configurations that are looked at."""
 _BLOCK = 1024  # members of a family that are looked at together
+
+
+def refuse_passive(function: str, model: Model, tau: Vector) -> None:
+    """Raise PassiveJointError where a torque tau (..., nv) acts at a passive joint."""
+    passive = model.passive
+    if not passive:
+        return
+    if type(tau) is np.ndarray and tau.shape == (model.nv,):  # plain Python is quicker there
+        values = tau.tolist()
+        if not any(values[k] for k in passive):
+            return
+    given = finite_vector(function, model, "tau", tau)[..., model.passive]
+    bad = np.argwhere(given != 0.0)
+    if len(bad):
+        *sample, k = map(int, bad[0])
+        value, name = float(given[tuple(bad[0])]), model.velocity_names[model.passive[k]]
+        raise PassiveJointError(
+            f"{function}: the torque of {name!r} is {value:g}{at_sample(sample)}, but the joint of "
+            f"{model.name!r} is passive: nothing drives it. Give 0 there, or name it among "
+            f"model.replace(actuated=[...])."
+        )
+
+
+def all_driven(model: Model) -> Model:
+    """The model with a drive in every joint; the model itself where no joint is passive."""
+    if not model.passive:
+        return model
+    return model.replace(actuated=[b.joint.name for b in model.bodies if b.joint.mimic is None])
 
 
 def refuse_massless(model: Model, function: str) -> None:
