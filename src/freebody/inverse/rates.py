@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from freebody.algorithms.screws import arm_length
 from freebody.arrays import Array, as_floats, at_sample, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, SingularError, warn
-from freebody.inverse.task import combined_rates, row_names, rows_of
+from freebody.inverse.problem.task import combined_rates, row_names, rows_of
 from freebody.kernels.formulas import Option
 from freebody.labels import aligned, labels_of
 from freebody.model.model import Model

@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import ShapeError
-from freebody.inverse.closed_chains import of_closed_chain, still_moves, unmeasured
 from freebody.inverse.kinematics import inverse_kinematics
-from freebody.inverse.numerical_solver import NumericalSolver
-from freebody.inverse.problem import Problem
-from freebody.inverse.task import Task, read_target
+from freebody.inverse.problem.numerical_solver import NumericalSolver
+from freebody.inverse.problem.problem import Problem
+from freebody.inverse.problem.task import Task, read_target
+from freebody.inverse.ways.closed_chains import of_closed_chain, still_moves, unmeasured
 from freebody.model.doubts import RANGES, Doubt, attribute, doubts_used, named, told
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.inverse.numerical_solver import NumericalSolver
+from freebody.inverse.problem.numerical_solver import NumericalSolver
 from freebody.lazy import cached_property
 from freebody.loops.equations import closing, scaled_jacobian
 from freebody.loops.rank_deficient import RANK

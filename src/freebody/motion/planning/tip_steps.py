@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.inverse.numerical_solver import EXACT
+from freebody.inverse.problem.numerical_solver import EXACT
 from freebody.motion.planning.tip_mobility import TipMobility
 from freebody.trees.states import difference
 

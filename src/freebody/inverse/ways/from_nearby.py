@@ -1,5 +1,5 @@
-"""Arms that are nearly one with a closed form, such as calibrated ones, and families of them: every
-branch of that one, followed to the arm itself by steps side by side."""
+"""Arms that are nearly one with a closed form, such as calibrated ones, and members of families:
+every branch of that one, followed to the arms themselves by steps side by side."""
 
 from __future__ import annotations
 
@@ -13,16 +13,25 @@ from freebody.algorithms.closed_form_inverse.nearby_arm import NEARLY, nearby
 from freebody.algorithms.closed_form_inverse.solve import Branches
 from freebody.algorithms.screws import chain_to
 from freebody.arrays import Array
-from freebody.inverse.by_closed_form import candidates
-from freebody.inverse.closed_form import ClosedFormArm, closed_form_for
-from freebody.inverse.descent_kernel import descend_by_kernel
-from freebody.inverse.levenberg_marquardt import descend
-from freebody.inverse.many_starts import by_search
-from freebody.inverse.numerical_solver import EXACT, NumericalSolver
-from freebody.inverse.problem import Found, Problem
-from freebody.inverse.solutions import APART, wrapped
-from freebody.inverse.task import Task
+from freebody.errors import FreebodyError
+from freebody.inverse.problem.answer import gathered
+from freebody.inverse.problem.closed_form import ClosedFormArm, closed_form_for
+from freebody.inverse.problem.numerical_solver import (
+    EXACT,
+    NumericalSolver,
+    descend,
+    descend_by_kernel,
+    descent_kernel,
+)
+from freebody.inverse.problem.problem import Found, Problem
+from freebody.inverse.problem.solutions import APART, Solutions, wrapped
+from freebody.inverse.problem.task import Task
+from freebody.inverse.ways.by_closed_form import candidates
+from freebody.inverse.ways.many_starts import by_search
+from freebody.kernels import structural
+from freebody.kernels.formulas import Option
 from freebody.kernels.structural import Bound
+from freebody.model.families import Members
 from freebody.model.model import Model
 from freebody.trees.states import random_state
 
@@ -31,9 +40,14 @@ _UNCLEAR = 4.0
 or of neither."""
 _MISSED = 1e-4
 """What leads no nearer (m and rad) than this leads to no solution."""
-
+_MOST = 0.05
+"""How far (rad, arm lengths) members may be from the first to be followed from there."""
 Poses = Callable[[Array, np.ndarray], tuple[Array, Array]]
 """(q (M, nq), which targets (M,)) -> pose and Jacobian of the arm that each is of."""
+One = Callable[[Problem], Solutions]
+"""What solves a problem of one member."""
+Piece = tuple[np.ndarray, Solutions]
+"""Rows of the batch, and what was found for them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +115,19 @@ def nearby_form(model: Model, frame: str, task: Task) -> NearbyForm | None:
     return NearbyForm(form, differs) if differs < NEARLY else None
 
 
+def form_near(model: Model, frame: str, task: Task) -> NearbyForm | None:
+    """The closed form of a model itself, else of the arm that it nearly is."""
+    own = closed_form_for(model, frame, task)
+    if own is not None and own.held is None and task.places and task.turns and model.dim == 3:
+        return NearbyForm(own, 0.0)
+    return nearby_form(model, frame, task)
+
+
+def farther(known: NearbyForm, differs: float) -> NearbyForm:
+    """The same for arms that differ so much from it."""
+    return replace(known, differs=max(known.differs, differs))
+
+
 def difference(form: ClosedFormArm, solver: NumericalSolver, q: Array, T: Array) -> float:
     """How far (rad, arm lengths) poses T (…) at q (…) are from those of the form's arm."""
     chain = form.chain
@@ -125,6 +152,113 @@ def by_nearby(problem: Problem, known: NearbyForm) -> Found:
         return found
     searched = by_search(problem.part(rows), found.q[rows])
     return searched if len(rows) == len(sure) else found.with_rows(rows, searched)
+
+
+def of_family(model: Model, given: Problem, batch: tuple[int, ...], one: One) -> Solutions:
+    """See `fb.inverse_kinematics`; given: the problem for the first member, whose targets are of a
+    batch that broadcasts with the family."""
+    try:
+        whole = np.broadcast_shapes(batch, model.family)
+    except ValueError:
+        raise FreebodyError(
+            f"inverse_kinematics: the batch shapes do not broadcast together: target {batch}, "
+            f"model.family {model.family}."
+        ) from None
+    core = given.target.shape[-2:]
+    target = np.broadcast_to(given.target.reshape(*batch, *core), (*whole, *core))
+    problem = replace(given, target=target.reshape(-1, *core))
+    count = int(np.prod(model.family))
+    member = np.broadcast_to(np.arange(count).reshape(model.family), whole).reshape(-1)
+    pieces, rows = _side_by_side(model, problem, member)
+    notes = [note for _, s in pieces for note in s.notes]
+    for k in np.unique(member[rows]):
+        own = rows[member[rows] == k]
+        index = tuple(map(int, np.unravel_index(k, model.family)))
+        solver = replace(problem.solver, model=model[index])
+        pieces.append((own, one(replace(problem.part(own), solver=solver, alone=True))))
+    lost = sum(int((s.count == 0).sum()) for _, s in pieces)
+    if lost:
+        notes.append(f"{lost} of {len(member)} have no solution, see distance.")
+    return _joined(pieces, whole, model.nq, tuple(notes))
+
+
+def _side_by_side(
+    model: Model, problem: Problem, member: np.ndarray
+) -> tuple[list[Piece], np.ndarray]:
+    """What is sure for all members at once; the rows for which nothing is."""
+    every = np.arange(len(problem.target))
+    solver, task = problem.solver, problem.solver.task
+    limits = [body.joint.limits for body in model.bodies]
+    differ = any(isinstance(x, Members) for one in limits for x in (one.lower, one.upper))
+    if model.loops or problem.searched or differ:
+        return [], every
+    known = form_near(solver.model, solver.frame, task)
+    if known is None or not len(every):
+        return [], every
+    names = ("forward_kinematics", "jacobian")
+    bound = structural.fetch(model, names, Option(solver.frame))
+    numbers = bound.numbers[0].reshape(-1, bound.numbers[0].shape[-1])
+
+    def poses(q: Array, rows: np.ndarray) -> tuple[Array, Array]:
+        T, J = bound.kernel(q, numbers[member[rows]])
+        return T, J[..., list(task.rows), :]
+
+    q, _, _ = random_state(solver.model, 2, 16)
+    T, _ = bound.kernel(q[:, None], numbers)
+    apart = np.array([difference(known.form, solver, q, T[:, k]) for k in range(len(numbers))])
+    near = np.flatnonzero(apart < _MOST)
+    some = np.flatnonzero(np.isin(member, near))
+    if not len(some):
+        return [], every
+    known = farther(known, float(apart[near].max()))
+    step = descent_kernel(model, solver.frame, task.rows, solver.columns)
+    own = None if step is None else step.numbers[0].reshape(len(numbers), -1)[member[some]]
+    follow = Follow(lambda q, rows: poses(q, some[rows]), step, own)
+    found, sure = followed(problem.part(some), known, follow)
+    good = np.flatnonzero(sure & np.isfinite(found.miss).any(axis=-1))
+    if not len(good):
+        return [], every
+    part = replace(
+        found, q=found.q[good], miss=found.miss[good], notes=[*found.notes, _how_far(known)]
+    )
+    solved = gathered(problem.part(some[good]), known.form, part, (len(good),))
+    return [(some[good], solved)], np.setdiff1d(every, some[good])
+
+
+def _how_far(known: NearbyForm) -> str:
+    return (
+        f"Members differ by up to {known.differs:.2g} (rad, arm lengths) from the arm whose "
+        f"branches were followed."
+    )
+
+
+def _joined(
+    pieces: list[Piece], batch: tuple[int, ...], nq: int, notes: tuple[str, ...]
+) -> Solutions:
+    """What was found for all rows of a batch."""
+    M = int(np.prod(batch))
+    k = max((len(s) for _, s in pieces), default=0)
+    q, residual = np.full((M, k, nq), np.nan), np.full((M, k), np.nan)
+    within, names = np.zeros((M, k), dtype=bool), np.full((M, k), "", dtype=object)
+    distance = np.zeros(M)
+    for rows, s in pieces:
+        for whole, part in (
+            (q, s.q),
+            (residual, s.residual),
+            (within, s.within_limits),
+            (names, s.branches),
+        ):
+            whole[rows, : len(s)] = part
+        distance[rows] = s.distance
+    return Solutions(
+        q.reshape(*batch, k, nq),
+        names.astype(str).reshape(*batch, k),
+        residual.reshape(*batch, k),
+        within.reshape(*batch, k),
+        distance.reshape(batch),
+        "; ".join(dict.fromkeys(s.method for _, s in pieces)) or "no targets",
+        notes,
+    )
 
 
 def followed(problem: Problem, known: NearbyForm, follow: Follow) -> tuple[Found, np.ndarray]:
@@ -165,16 +299,3 @@ def _merged(q: Array) -> np.ndarray:
     with np.errstate(invalid="ignore"):
         near = np.abs(way).max(axis=-1) < APART
     return np.tril(near, -1).any(axis=-1)
-
-
-def form_near(model: Model, frame: str, task: Task) -> NearbyForm | None:
-    """The closed form of a model itself, else of the arm that it nearly is."""
-    own = closed_form_for(model, frame, task)
-    if own is not None and own.held is None and task.places and task.turns and model.dim == 3:
-        return NearbyForm(own, 0.0)
-    return nearby_form(model, frame, task)
-
-
-def farther(known: NearbyForm, differs: float) -> NearbyForm:
-    """The same for arms that differ so much from it."""
-    return replace(known, differs=max(known.differs, differs))

@@ -1,32 +1,41 @@
-"""Inverse kinematics from many starts: for arms without a closed form, and to polish what a closed
-form gave."""
+"""Descents towards targets from many starts, side by side, for arms without a closed form, and to
+polish what a closed form gave: Levenberg-Marquardt by matrices, or by one kernel of the structure.
+
+Source: Levenberg 1944; Marquardt 1963.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from freebody.algorithms.kinematics import ancestors
 from freebody.algorithms.loop_scales import rates_of_lengths
+from freebody.algorithms.pose_descent import step_towards
 from freebody.algorithms.screws import arm_length
 from freebody.arrays import Array
-from freebody.inverse.descent_kernel import descend_by_kernel, descent_kernel
-from freebody.inverse.levenberg_marquardt import descend
-from freebody.inverse.task import Task
+from freebody.inverse.problem.task import Task
 from freebody.kernels import structural
-from freebody.kernels.formulas import Option
-from freebody.kernels.structural import Bound
+from freebody.kernels.formulas import FORMULAS, Option
+from freebody.kernels.structural import Bound, Over
 from freebody.lazy import cached_property
 from freebody.loops.equations import scaled_jacobian, scaled_residual
 from freebody.loops.scaled_equations import length as mechanism_length
 from freebody.model.model import Model
 from freebody.model.usable_limits import usable_limits
+from freebody.program import Argument, Program, trace
+from freebody.targets import Kernel
 from freebody.trees.states import generic_state, integrate
 
 EXACT = 1e-10
 """A solution reproduces its target this well (m and rad)."""
+_UNBOUNDED = 1e30
+"""What stands for no limit inside a kernel, whose numbers are finite."""
+_TOGETHER = 4
+"""Steps after which those that have ended are put aside."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,3 +211,146 @@ class NumericalSolver:
             low, high = self.bounds
             good &= ((slid >= low) & (slid <= high)).all(axis=-1)
         return np.where(good[:, None], slid, q)
+
+
+Residual = Callable[[Array, np.ndarray], tuple[Array, Array]]
+"""(x (k, n), rows (k,)) -> (e (k, m), E (k, m, nv)): residuals of problems, and what a step takes
+off them."""
+Move = Callable[[Array, Array], Array]
+"""(x, step) -> the moved x."""
+
+
+def descend(
+    residual: Residual,
+    x: Array,
+    move: Move = np.add,
+    *,
+    goal: float = 0.0,
+    iterations: int = 60,
+    rest: float = 1e-14,
+) -> tuple[Array, Array]:
+    """(x, |e|) after descending from each start x (N, n).
+
+    A problem stops where |e| ≤ goal or where its steps fall below `rest`. Each has a damping of its
+    own, a third of the last after a step that helped, three times after one that did not.
+    """
+    x = x.copy()
+    everyone = np.arange(len(x))
+    e, E = residual(x, everyone)
+    cost, damping = np.linalg.norm(e, axis=-1), np.full(len(x), 1e-2)
+    active = everyone[cost > goal]
+    for _ in range(iterations):
+        if not len(active):
+            break
+        step = _step(e[active], E[active], damping[active])
+        trial = move(x[active], step)
+        e_trial, E_trial = residual(trial, active)
+        cost_trial = np.linalg.norm(e_trial, axis=-1)
+        better = cost_trial < cost[active]
+        kept = active[better]
+        x[kept] = trial[better]
+        e[kept] = e_trial[better]
+        E[kept] = E_trial[better]
+        cost[kept] = cost_trial[better]
+        damping[kept] = np.maximum(damping[kept] * 0.2, 1e-14)
+        damping[active[~better]] *= 4.0
+        moving = np.abs(step).max(axis=-1) > rest
+        active = active[moving & (cost[active] > goal) & (damping[active] < 1e12)]
+    return x, cost
+
+
+def _step(e: Array, E: Array, damping: Array) -> Array:
+    transposed = np.swapaxes(E, -1, -2)
+    n = E.shape[-1]
+    normal = transposed @ E
+    normal[:, range(n), range(n)] += damping[:, None]
+    return np.linalg.solve(normal, transposed @ e[..., None])[..., 0].astype(float, copy=False)
+
+
+def descent_kernel(
+    model: Model, frame: str, rows: Sequence[int], columns: Sequence[int]
+) -> Bound | None:
+    """(q, damping, target, scales, low, high) -> (q, damping, left, longest) of `step_towards`,
+    with the model's numbers; compiled when it is first asked for.
+
+    None where coordinates do not add up, as those of quaternions, where nothing is to be moved, and
+    where no machine code is made: NumPy, node by node, is slower than by matrices.
+    """
+    names = ("forward_kinematics", "jacobian")
+    option = Option(frame)
+    both = structural.fetch(model, names, option).kernel
+    if model.nq != model.nv or not columns or not rows:
+        return None
+    if not isinstance(both, Kernel) or both.target != "cpu":
+        return None
+    d, n = model.dim, model.nq
+
+    def made(p: Argument, over: Over) -> Program:
+        def evaluate(*scalars: Any) -> tuple[Any, ...]:
+            q, damping, target, scales, low, high, numbers = scalars
+            tree = over(numbers)
+
+            def pose(q: Any) -> Any:
+                (T,) = FORMULAS["forward_kinematics"].evaluate(tree, option, q=q)
+                return _parts(T, d)
+
+            def jacobian(q: Any) -> Any:
+                (J,) = FORMULAS["jacobian"].evaluate(tree, option, q=q)
+                return J
+
+            goal = _parts(target, d)
+            return step_towards(
+                pose, jacobian, rows, columns, q, damping, goal, scales, (low, high)
+            )
+
+        inputs = (
+            Argument("q", (n,)),
+            Argument("damping", ()),
+            Argument("target", (d + 1, d + 1)),
+            Argument("scales", (2,), uniform=True),
+            Argument("low", (n,), uniform=True),
+            Argument("high", (n,), uniform=True),
+        )
+        outputs = [Argument("q1", (n,)), *(Argument(x, ()) for x in ("damped", "left", "longest"))]
+        return trace("descent", evaluate, (*inputs, p), outputs)
+
+    key = ("descent", " ".join(map(str, rows)), " ".join(map(str, columns)))
+    return structural.fetch_own(model, key, option, made)
+
+
+def _parts(T: Any, d: int) -> tuple[Any, Any]:
+    return tuple(row[:d] for row in T[:d]), tuple(row[d] for row in T[:d])
+
+
+def descend_by_kernel(
+    bound: Bound,
+    q: Array,
+    target: Array,
+    scales: tuple[float, float],
+    limits: tuple[Array, Array] | None,
+    *,
+    numbers: Array | None = None,
+    goal: float = 0.0,
+    iterations: int = 60,
+    rest: float = 1e-14,
+) -> tuple[Array, Array]:
+    """(q, what is left) of starts q (N, nq) to targets (N, …), as `descend` does.
+
+    limits: (low, high) that are kept to. numbers: (N, …), of the robot that each start is of.
+    """
+    n = q.shape[-1]
+    low, high = limits or (np.full(n, -np.inf), np.full(n, np.inf))
+    low, high = np.maximum(low, -_UNBOUNDED), np.minimum(high, _UNBOUNDED)
+    fixed = np.array(scales), low, high
+    q, left = q.copy(), np.full(len(q), np.inf)
+    active, damping = np.arange(len(q)), np.full(len(q), 1e-2)
+    for start in range(0, iterations, _TOGETHER):
+        if not len(active):
+            break
+        x, held, goals = q[active], damping[active], target[active]
+        own = bound.numbers if numbers is None else (numbers[active],)
+        for _ in range(min(_TOGETHER, iterations - start)):
+            x, held, cost, longest = bound.kernel(x, held, goals, *fixed, *own)
+        q[active], damping[active], left[active] = x, held, cost
+        active = active[(cost > goal) & (longest > rest) & (held < 1e12)]
+    return q, left

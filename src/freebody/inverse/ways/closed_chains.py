@@ -10,12 +10,11 @@ from itertools import pairwise
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.inverse.answer import gathered
-from freebody.inverse.levenberg_marquardt import descend
-from freebody.inverse.numerical_solver import EXACT, NumericalSolver
-from freebody.inverse.problem import Found, Problem, found_in_turn
-from freebody.inverse.solutions import ALIKE, APART, Solutions, Verified, each_once, wrapped
-from freebody.inverse.workspace import Away, beyond_the_starts
+from freebody.inverse.problem.answer import gathered
+from freebody.inverse.problem.numerical_solver import EXACT, NumericalSolver, descend
+from freebody.inverse.problem.problem import Found, Problem, found_in_turn
+from freebody.inverse.problem.solutions import ALIKE, APART, Solutions, Verified, each_once, wrapped
+from freebody.inverse.problem.workspace import Away, beyond_the_starts
 from freebody.lazy import cached_property
 from freebody.loops.dyad_decomposition import Decomposition, decomposed
 from freebody.loops.equations import (

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.inverse.problem import Found, Problem, found_in_turn
-from freebody.inverse.solutions import ALIKE, APART, Verified, verified, within
+from freebody.inverse.problem.problem import Found, Problem, found_in_turn
+from freebody.inverse.problem.solutions import ALIKE, APART, Verified, verified, within
 from freebody.trees.states import random_state
 
 _SHOWN = 8

@@ -12,11 +12,18 @@ from numpy.typing import ArrayLike
 from freebody.algorithms.closed_form_inverse.near_reference import LOOSE
 from freebody.algorithms.loop_scales import repeating
 from freebody.arrays import Array, as_floats, check_core
-from freebody.inverse.numerical_solver import EXACT, NumericalSolver
+from freebody.inverse.problem.numerical_solver import EXACT, NumericalSolver
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.values import ByValue
 
+_OUTSIDE = "  (outside the limits)"
+_TURN = 2 * np.pi
+APART = 1e-6
+"""Joint positions nearer than this (rad, m) are one solution."""
+ALIKE = 1e-2
+"""Solutions of a redundant arm nearer than this (rad, m) are one: they are samples of a
+continuum."""
 Names = Callable[[Array], np.ndarray]
 """Solutions q (…, nq) -> the names (…) of their branches."""
 
@@ -29,15 +36,6 @@ def named(names: Names | np.ndarray, q: Array, there: np.ndarray) -> np.ndarray:
     whole = np.full(there.shape, "", dtype=found.dtype)
     whole[there] = found
     return whole
-
-
-_OUTSIDE = "  (outside the limits)"
-_TURN = 2 * np.pi
-APART = 1e-6
-"""Joint positions nearer than this (rad, m) are one solution."""
-ALIKE = 1e-2
-"""Solutions of a redundant arm nearer than this (rad, m) are one: they are samples of a
-continuum."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

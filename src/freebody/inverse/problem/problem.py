@@ -9,8 +9,8 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.inverse.numerical_solver import NumericalSolver
-from freebody.inverse.solutions import Names, Verified, named, wrapped
+from freebody.inverse.problem.numerical_solver import NumericalSolver
+from freebody.inverse.problem.solutions import Names, Verified, named, wrapped
 from freebody.lazy import cached_property
 from freebody.trees.states import neutral
 
