@@ -78,7 +78,7 @@ def inverse_dynamics(
         return evaluate("inverse_dynamics", model, (q, qd, qdd), None, wrenches, _inverse_dynamics)
     require_model("inverse_dynamics", model)
     if model.loops:
-        from freebody.loops import dynamics as closed
+        from freebody.loops import drive_torques as closed
 
         return closed.inverse_dynamics(model, q, qd, qdd, wrenches, actuated, forces)
     if actuated is not None:
@@ -97,7 +97,7 @@ def _inverse_dynamics(
 ) -> Any:
     require_model(function, model)
     if model.loops:
-        from freebody.loops import dynamics as closed
+        from freebody.loops import drive_torques as closed
 
         return closed.inverse_dynamics(model, *inputs, wrenches)
     return careful(function, model, inputs, None, wrenches)
@@ -165,7 +165,7 @@ def _forward_dynamics(
 ) -> Array:
     require_model(function, model)
     if model.loops:
-        from freebody.loops import dynamics as closed
+        from freebody.loops import accelerations as closed
 
         return closed.forward_dynamics(model, *inputs, wrenches)
     result = where_all_move_mass(function, model, inputs, None, wrenches)
@@ -206,7 +206,7 @@ def _static_torque(
 ) -> Any:
     require_model(function, model)
     if model.loops:
-        from freebody.loops import dynamics as closed
+        from freebody.loops import drive_torques as closed
 
         return closed.static_torque(model, *inputs, wrenches)
     return careful(function, model, inputs, None, wrenches)

@@ -14,11 +14,12 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
-from freebody.loops.dynamics import definite_accelerations, motion_torques
+from freebody.loops.accelerations import definite_accelerations
+from freebody.loops.drive_torques import motion_torques
 from freebody.loops.equations import branches, scaled_jacobian
 from freebody.loops.independent_equations import partition_of_loops
-from freebody.loops.rank_deficient import RANK
 from freebody.loops.scaled_equations import (
+    RANK,
     every_jacobian,
     length,
     mechanism,

@@ -14,12 +14,11 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from freebody.algorithms.loop_checks import CLOSED
+from freebody.algorithms.loop_checks import CLOSED, LEFT
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, LoopError, UnknownNameError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
-from freebody.loops.rank_deficient import AT_REST, BLURRED
 from freebody.loops.redundancy import (
     EXACT,
     counting_values,
@@ -29,6 +28,8 @@ from freebody.loops.redundancy import (
     surely_exact,
 )
 from freebody.loops.scaled_equations import (
+    AT_REST,
+    BLURRED,
     Telling,
     backward,
     closed_from,
@@ -307,3 +308,39 @@ def refuse_inconsistent(function: str, model: Model, left: Array, what: str) -> 
     worst = int(np.argmax(np.abs(left)))
     name = model.loops[loop_of_row(model)[worst]].name
     raise LoopError(f"{function}: loop {name!r} of {model.name!r} {what}.")
+
+
+def require_consistent(
+    function: str,
+    model: Model,
+    q: Array,
+    qd: Array,
+    qdd: Array,
+    problem: str,
+    among: NDArray[np.bool_],
+) -> None:
+    """Refuse accelerations at the samples marked (...) that would open a loop, with a problem that
+    has a place for the sample."""
+    bad = np.argwhere(among & (_left(model, q, qd, qdd) > max(LEFT, redundancy(model).slack)))
+    if len(bad):
+        at = tuple(map(int, bad[0]))
+        q, qd, qdd = (x[at] for x in (q, qd, qdd))
+        refuse_inconsistent(
+            function, model, _missed(model, q, qd, qdd)[0], problem.format(at_sample(at))
+        )
+
+
+def _left(model: Model, q: Array, qd: Array, qdd: Array) -> Array:
+    """(...): the largest equation, scaled to angles, that accelerations leave unsatisfied, relative
+    to its terms."""
+    left, c = _missed(model, q, qd, qdd)
+    size = 1.0 + np.abs(qdd / rate_scale(model)).max(axis=-1, initial=0.0) + np.abs(c).max(axis=-1)
+    return np.abs(left).max(axis=-1) / size
+
+
+def _missed(model: Model, q: Array, qd: Array, qdd: Array) -> tuple[Array, Array]:
+    """(Φ_q q̈ - c, c) (..., m), scaled, as far as they tell."""
+    phi, c = fetch(first_member(model), ("constraint_jacobian", "constraint_bias"), Option())(q, qd)
+    rows = row_scale(model)
+    left = rows * (np.einsum("...mk,...k->...m", phi, qdd) - c)
+    return telling_much(model, q, qd, left), rows * c

@@ -18,8 +18,7 @@ from freebody.loops.equations import (
     scaled_jacobian,
     taken_at,
 )
-from freebody.loops.rank_deficient import RANK
-from freebody.loops.scaled_equations import length, null_space, rate_scale
+from freebody.loops.scaled_equations import RANK, length, null_space, rate_scale
 from freebody.model.model import Model
 from freebody.outputs.display import Titled
 from freebody.trees.kinematics import jacobian

@@ -8,7 +8,7 @@ import numpy as np
 
 from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.arrays import Array
-from freebody.loops import dynamics as closed
+from freebody.loops import drive_torques as closed
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import with_drive

@@ -10,7 +10,7 @@ from freebody.algorithms.kinematics import joint_poses, world_poses
 from freebody.any_chain.dynamics import inverse_dynamics, joint_wrenches, static_torque
 from freebody.arrays import Array
 from freebody.figures.skeleton import mass_and_centre
-from freebody.loops.dynamics import drive_torques
+from freebody.loops.drive_torques import drive_torques
 from freebody.model.doubts import DYNAMIC, attribute, doubts_used
 from freebody.model.model import Model
 from freebody.model.tree import Tree

@@ -17,8 +17,7 @@ from freebody.arrays import Array
 from freebody.inverse.problem.numerical_solver import NumericalSolver
 from freebody.lazy import cached_property
 from freebody.loops.equations import closing, scaled_jacobian
-from freebody.loops.rank_deficient import RANK
-from freebody.loops.scaled_equations import null_space
+from freebody.loops.scaled_equations import RANK, null_space
 from freebody.trees.states import generic_state
 
 _POSITIONS = 8

@@ -15,7 +15,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
-from freebody.loops.dynamics import regular, require_way
+from freebody.loops.accelerations import regular, require_way
 from freebody.loops.equations import (
     blurred,
     require_within_tolerance,

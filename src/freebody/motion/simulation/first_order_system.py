@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from freebody.arrays import Array
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
-from freebody.loops.dynamics import accelerations
+from freebody.loops.accelerations import accelerations
 from freebody.model.model import Model
 from freebody.motion.friction import WIDTH, SmoothFriction, smooth_friction
 from freebody.trees.dynamics import mass_matrix
