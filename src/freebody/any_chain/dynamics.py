@@ -16,7 +16,7 @@ from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.trees.dynamics import refuse_singular, where_all_move_mass
 from freebody.trees.public_calls import (
-    Key,
+    CallKey,
     Vector,
     Wrenches,
     careful,
@@ -253,7 +253,7 @@ def joint_wrenches(
 
 
 def _joint_wrenches(
-    key: Key, model: Model, inputs: tuple[Vector, ...], option: Any, wrenches: Wrenches
+    key: CallKey, model: Model, inputs: tuple[Vector, ...], option: Any, wrenches: Wrenches
 ) -> Array:
     function, reference = key
     require_model(function, model)

@@ -63,8 +63,8 @@ def chosen_option(
 
 
 def _near_home(function: str, model: Model, listed: tuple[str, ...], option: Option) -> Option:
-    """Of a closed chain's equations and coordinates those that tell all near its home, whatever
-    positions will come."""
+    """Settle which of a closed chain's equations and coordinates a kernel takes: those that tell
+    all near its home, whatever positions will come."""
     from freebody.loops.independent_equations import counting_equations, require_partition
 
     if any(FORMULAS[name].settled == "equations" for name in listed):

@@ -186,7 +186,7 @@ def _found(
 
 
 def _shape(model: Model) -> tuple[int, int]:
-    """Of the wrenches of one sample."""
+    """Shape of the wrenches of one sample."""
     return len(model.bodies) + len(model.loops), 6 if model.dim == 3 else 3
 
 
@@ -222,7 +222,7 @@ def _multipliers(
 def _careful_multipliers(
     model: Model, q: Array, force: Array, reference: str
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """The same of one sample, whatever the rank."""
+    """Multipliers of one sample and the components that they determine, whatever the rank."""
     rows = row_scale(model)
     A = scaled_jacobian(model, q)
     multipliers = rows * (np.linalg.pinv(A.T, rcond=RANK) @ (rate_scale(model) * force))
@@ -251,8 +251,8 @@ def _undisturbed(model: Model, change: Array, doubt: Array) -> NDArray[np.bool_]
 
 
 def _doubt(counting: Array, every: Array) -> float:
-    """What rounding in the model's numbers adds to a wrench that is determined, relative to what is
-    not: equations (m, nv) that do not count against the least of those that do."""
+    """Doubt that rounding in the model's numbers adds to a wrench that is determined, relative to
+    what is not: equations (m, nv) that do not count against the least of those that do."""
     s = np.linalg.svd(counting, compute_uv=False)
     least = float(s[s > RANK * s.max(initial=1e-300)].min(initial=1.0))
     return _ADDED * float(np.abs(every - counting).max(initial=0.0)) / least

@@ -15,7 +15,7 @@ from freebody.errors import FreebodyError, UnknownNameError
 from freebody.inverse.problem.answer import Numbered, gathered
 from freebody.inverse.problem.closed_form import ClosedFormArm, closed_form_for
 from freebody.inverse.problem.numerical_solver import NumericalSolver
-from freebody.inverse.problem.problem import Found, LimitsChoice, Problem, nothing
+from freebody.inverse.problem.problem import Found, InverseProblem, LimitsChoice, nothing
 from freebody.inverse.problem.solutions import Solutions
 from freebody.inverse.problem.task import read_target
 from freebody.inverse.ways.by_closed_form import (
@@ -34,15 +34,15 @@ from freebody.trees.public_calls import Vector, finite_vector
 
 LIMITS = get_args(LimitsChoice)
 _NONE = np.zeros(())
-Answer = Callable[[Any, Any, Any], Solutions | None]
+_QuickAnswer = Callable[[Any, Any, Any], Solutions | None]
 """(target, q0, redundancy) -> the solutions; None where something has to be looked at: the
 arguments, or a target without solution or next to a singular one."""
 _FEW = 16
 """Targets that are sooner counted in plain Python."""
 _PART = 0.5
-"""Of the targets: so many at most are looked at closer by themselves."""
+"""Share of the targets that are looked at closer by themselves, at most."""
 _UNCLEAR = (KeyError, TypeError, ValueError, IndexError, AttributeError)
-"""What looking for an answer, or asking it, raises where an argument is not plain: whoever looks
+"""Errors of looking for an answer, or asking it, where an argument is not plain: whoever looks
 closer says what is wrong with it."""
 
 
@@ -114,8 +114,8 @@ def inverse_kinematics(
     return gathered(problem, form, found, batch)
 
 
-def _of_member(problem: Problem) -> Solutions:
-    """Of one robot of a family, targets in a row."""
+def _of_member(problem: InverseProblem) -> Solutions:
+    """Solutions of one robot of a family, targets in a row."""
     batch = (len(problem.target),)
     if problem.solver.model.loops:
         return of_closed_chain(problem, batch)
@@ -124,8 +124,8 @@ def _of_member(problem: Problem) -> Solutions:
     return gathered(problem, form, found, batch)
 
 
-def _found(problem: Problem, form: ClosedFormArm | None) -> tuple[Problem, Found]:
-    """What is found for the targets, and the problem with all of them that counts."""
+def _found(problem: InverseProblem, form: ClosedFormArm | None) -> tuple[InverseProblem, Found]:
+    """Solve for the targets: the problem with all of them that counts, and the solutions found."""
     if not len(problem.target):
         return problem, nothing(problem, form.method if form else "Levenberg–Marquardt")
     if form is None:
@@ -147,7 +147,7 @@ def _asked(
     limits: LimitsChoice,
     starts: int | None,
     seed: int | None,
-) -> tuple[Problem, Array]:
+) -> tuple[InverseProblem, Array]:
     """The arguments checked, of a family as a problem of its first member; the targets as poses (…,
     dim + 1, dim + 1)."""
     function = "inverse_kinematics"
@@ -165,10 +165,10 @@ def _asked(
         solver = replace(solver, model=model[(0,) * len(model.family)])
     flat = poses.reshape(-1, *poses.shape[-2:])
     searched = starts is not None or seed is not None
-    return Problem(solver, flat, start, limits, starts, seed or 0, searched), poses
+    return InverseProblem(solver, flat, start, limits, starts, seed or 0, searched), poses
 
 
-def _form(problem: Problem) -> ClosedFormArm | None:
+def _form(problem: InverseProblem) -> ClosedFormArm | None:
     """The arm's closed form, where it has one for this task and the targets."""
     solver = problem.solver
     if solver.model.loops:
@@ -180,7 +180,7 @@ def _form(problem: Problem) -> ClosedFormArm | None:
     return form if form is not None and form.serves(problem.target) else None
 
 
-def _without_form(problem: Problem) -> Found:
+def _without_form(problem: InverseProblem) -> Found:
     """From the branches of an arm nearby where there is one, else from many starts."""
     solver = problem.solver
     known = None
@@ -190,8 +190,8 @@ def _without_form(problem: Problem) -> Found:
 
 
 def _held(
-    problem: Problem, form: ClosedFormArm | None, redundancy: ArrayLike, poses: Array
-) -> tuple[tuple[int, ...], Problem]:
+    problem: InverseProblem, form: ClosedFormArm | None, redundancy: ArrayLike, poses: Array
+) -> tuple[tuple[int, ...], InverseProblem]:
     """The batch of targets and positions of the joint that is given, and the problem with them."""
     function, model = "inverse_kinematics", problem.solver.model
     given = as_floats(function, "redundancy", redundancy)
@@ -219,7 +219,9 @@ def _held(
 _NONE.flags.writeable = False
 
 
-def _remember(problem: Problem, form: ClosedFormArm, frame: str | None, task: object) -> None:
+def _remember(
+    problem: InverseProblem, form: ClosedFormArm, frame: str | None, task: object
+) -> None:
     """Answer at once from now on, where targets are given as this task takes them."""
     kind, d = form.branches.kind, form.branches.dim
     plain = {"pose": d + 1, "position": d}.get(kind)
@@ -234,8 +236,8 @@ def _remember(problem: Problem, form: ClosedFormArm, frame: str | None, task: ob
     problem.solver.model.compiled[place] = answer
 
 
-def _answering(kernel: Kernel, form: ClosedFormArm, own: Problem) -> Answer:
-    """What answers for one frame, task and choice of limits; own: without q0."""
+def _answering(kernel: Kernel, form: ClosedFormArm, own: InverseProblem) -> _QuickAnswer:
+    """Make the function that answers for one frame, task and choice of limits; own: without q0."""
     axes = 2 if form.branches.kind == "pose" else 1  # of one target
     middle, rest, every = own.reference, own.rest, form.branches.count
     seven, names = form.held is not None, form.names
@@ -278,7 +280,7 @@ def _answering(kernel: Kernel, form: ClosedFormArm, own: Problem) -> Answer:
 
 
 def _of_batch(
-    own: Problem,
+    own: InverseProblem,
     form: ClosedFormArm,
     alike: dict[str, Any],
     given: tuple[Array, Array | None, Any],
@@ -302,7 +304,7 @@ def _of_batch(
 
 
 def _closer(
-    own: Problem,
+    own: InverseProblem,
     form: ClosedFormArm,
     given: tuple[Array, Array | None, Any],
     arrays: tuple[Array, ...],

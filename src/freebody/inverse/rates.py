@@ -121,7 +121,7 @@ def _closer(
     q: Array,
     *others: Array,
 ) -> Array:
-    """The same of samples that are not clear to a kernel; at: of each, for errors."""
+    """Rates of samples that are not clear to a kernel; at: index of each, for errors."""
     name, rows = str(option.frame), list(option.rows)
     J, (*rates, wanted) = jacobian(model, q, name)[..., rows, :], others
     for qd in rates:

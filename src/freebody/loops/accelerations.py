@@ -69,7 +69,7 @@ _STUCK = "cannot stay closed at these rates{}: the mechanism is locked"
 
 
 def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches) -> Array:
-    """See `fb.forward_dynamics`."""
+    """Accelerations of a closed chain: `fb.forward_dynamics`."""
     option = _solution(model, "state")
     if option is not None:
         found = attempt("forward_dynamics", model, (q, qd, tau), option, wrenches)

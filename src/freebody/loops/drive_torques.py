@@ -45,7 +45,7 @@ def inverse_dynamics(
     actuated: Sequence[str] | None = None,
     forces: Vector | None = None,
 ) -> Array:
-    """See `fb.inverse_dynamics`."""
+    """Torques of the drives in a motion: `fb.inverse_dynamics` of a closed chain."""
     if forces is None:
         found = _attempted("inverse_dynamics", model, (q, qd, qdd), wrenches, actuated)
         if found is not None:
@@ -85,7 +85,7 @@ def motion_torques(
 
 
 def static_torque(model: Model, q: Vector, wrenches: Wrenches) -> Array:
-    """See `fb.static_torque`."""
+    """Torques of the drives at rest: `fb.static_torque` of a closed chain."""
     found = _attempted("static_torque", model, (q,), wrenches)
     if found is not None:
         return found
@@ -164,8 +164,8 @@ def _careful_torques(
     driven: Sequence[int],
     chosen: NDArray[np.bool_],
 ) -> Array:
-    """The same at the chosen samples of a batch, (N, nv), whatever the rank; refuses what the
-    drives cannot do."""
+    """Torques (N, nv) of the drives at the chosen samples of a batch, whatever the rank; refuses
+    motions that the drives cannot force."""
     rates, driven = rate_scale(model), list(driven)
     asked = rates * needed[chosen]
     tau = np.zeros_like(asked)

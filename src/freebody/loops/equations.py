@@ -87,8 +87,8 @@ def _projector(model: Model) -> Telling | None:
 
 
 def counting(model: Model, q: Array, scaled: Array) -> Array:
-    """Of scaled equations (..., m), or derivatives of them, at q (..., nq) the combinations that
-    count (..., m)."""
+    """Combinations that count (..., m) of scaled equations (..., m), or of derivatives of them, at
+    q (..., nq)."""
     project = _projector(model)
     return (
         scaled

@@ -48,7 +48,8 @@ def independent_rows(model: Model) -> tuple[int, ...]:
 
 
 def counting_equations(model: Model) -> Counting:
-    """The same, with what rounding of the model's numbers leaves of the others."""
+    """The independent equations, with how far rounding of the model's numbers leaves the others
+    open."""
     return Counting(independent_rows(model), redundancy(model).slack)
 
 
@@ -89,7 +90,7 @@ def regular_jacobian(model: Model, q: Array) -> tuple[Array, bool]:
 
 
 def rank(J: Array) -> int:
-    """Of a scaled Φ_q (m, nv)."""
+    """Rank of a scaled Φ_q (m, nv)."""
     s = np.linalg.svd(J, compute_uv=False)
     return int((s > RANK_WHERE_FOUND * s.max(initial=1e-300)).sum())
 
@@ -126,12 +127,12 @@ def partition(model: Model, driven: Sequence[int] | None = None) -> Partition | 
 
 
 def partition_of_loops(model: Model) -> Partition | None:
-    """One for what the loops do, to which drives do not matter; None as of `partition`."""
+    """A partition for what the loops do, to which drives do not matter; None as of `partition`."""
     return partition(model) or partition(model, range(model.nv))
 
 
 def require_partition(model: Model, function: str, by_drives: bool) -> Partition:
-    """The same, for the model's own drives or for the loops alone; SingularError where there is
+    """A partition for the model's own drives or for the loops alone; SingularError where there is
     none."""
     found = partition(model) if by_drives else partition_of_loops(model)
     if found is None:
@@ -174,7 +175,7 @@ def _chosen(model: Model, driven: tuple[int, ...]) -> Partition | None:
 
 
 def _along(columns: Array, chosen: list[int]) -> Array:
-    """Of each column (n, m) the part along those chosen."""
+    """The part of each column (n, m) along those chosen."""
     if not chosen:
         return np.zeros_like(columns)
     units = np.linalg.svd(columns[chosen], full_matrices=False)[2]

@@ -31,12 +31,12 @@ class Mobility(InWords, ByValue):
     instantaneous: int
     """nv - rank Φ_q at this position: motions that no equation forbids at once."""
     generic: int
-    """The same at nearby positions that can be reached: finite motions."""
+    """nv - rank Φ_q at nearby positions that can be reached: finite motions."""
     gruebler: int
     """nv - number of equations: the count that takes all equations as independent."""
     equations: int
     rank: int
-    """Of Φ_q in general."""
+    """Rank of Φ_q in general."""
     redundant: tuple[str, ...]
     """Equations that follow from those before them, in general: without them the mechanism moves
     the same."""

@@ -58,7 +58,7 @@ def loop_acceleration(model: Model, q: Vector, qd: Vector, accelerations: Vector
 
 
 def _attempted(function: str, model: Model, *inputs: Vector) -> Array | None:
-    """What a kernel is sure of, of a whole vector."""
+    """Rates by a kernel where it is sure of them, for a whole vector; else None."""
     chosen = None if isinstance(inputs[-1], Mapping) else partition_of_loops(model)
     if chosen is None:
         return None
@@ -129,8 +129,8 @@ def _carefully(
     arrays: dict[str, Array],
     samples: NDArray[np.intp],
 ) -> Array:
-    """The same by singular values, of arrays (N, …) which are those samples of a batch; refuses
-    what contradicts the loops, or leaves them free to move."""
+    """Rates by singular values, of arrays (N, …) which are those samples of a batch; refuses what
+    contradicts the loops, or leaves them free to move."""
     q, x = arrays["q"], arrays["rates"]
     right = (
         fetch(model, ("constraint_bias",), Option())(q, arrays["qd"])

@@ -50,7 +50,7 @@ from freebody.model.model import Model
 from freebody.trees.states import generic_state, home_guess, integrate
 
 EXACT = 1e-12
-"""Of scaled equations: what is open by less is closed but for rounding in the computation."""
+"""Scaled equations that are open by less are closed but for rounding in the computation."""
 _ZERO = 1e-9  # singular values, relative to the largest, that rounding in the computation makes
 _SOFT = 8.0  # tolerances: a singular value below moves an eighth of a radian within the tolerance
 _NEAR = 0.3  # rad: how far an exact position may be from one within the tolerance
@@ -64,7 +64,7 @@ _SLACK = 30.0
 
 @dataclass(frozen=True, eq=False)
 class Redundancy:
-    """What of the loop equations counts."""
+    """Which combinations of the loop equations count."""
 
     rank: int | None
     """The number of combinations that count; None where all equations hold together, to rounding in
@@ -81,8 +81,7 @@ class Redundancy:
 
     @property
     def slack(self) -> float:
-        """What rounding of the model's numbers may add to a gap, its rate, a balance, all
-        relative."""
+        """Share that rounding of the model's numbers may add to a gap, its rate, a balance."""
         return _SLACK * self.blur
 
 
@@ -91,7 +90,7 @@ _NONE = Redundancy(None)
 
 @geometric_fact
 def redundancy(model: Model) -> Redundancy:
-    """Of a geometry, near its home; found once."""
+    """Redundancy of a geometry's equations near its home; found once."""
     soft = softness(model)
     if not soft:
         return _NONE
@@ -141,8 +140,8 @@ def moves_exactly(model: Model, q: Array) -> bool:
 
 
 def counting_values(known: Redundancy) -> Kept:
-    """Of the singular values of Φ_q as many as the rank that is known, and those that stand clear
-    of rounding besides.
+    """Keep as many of the singular values of Φ_q as the rank that is known, and those that stand
+    clear of rounding besides.
 
     Where a position is found by combinations whose least singular value is s_r, it is uncertain by
     the tolerance over s_r, and further singular values by as much.
@@ -210,7 +209,8 @@ class _Search:
         return found[0] if good[0] and away < _NEAR else q
 
     def is_exact(self, q: Array) -> bool:
-        """See `moves_exactly`."""
+        """Whether all loops close to the last digit at q, or where a motion leads
+        (`moves_exactly`)."""
         model = self.model
         if np.abs(every_residual(model, q)).max(initial=0.0) > EXACT:
             return False
@@ -235,7 +235,8 @@ class _Search:
         return q, within & (left < EXACT) & ~backward(model, q).any(axis=-1)
 
     def closed_exactly(self, q: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """The same with every equation."""
+        """Positions near q at which every equation holds, and whether it does to the last digit
+        (N,)."""
         q, left = closed_from(self.model, q, range(self.model.nv), None)
         return q, (left < EXACT) & ~backward(self.model, q).any(axis=-1)
 

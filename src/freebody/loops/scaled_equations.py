@@ -41,7 +41,7 @@ AT_REST = 1e-6
 the computation may change them by 1e-4."""
 _NOTHING = 1e-13  # an equation that holds wherever the mechanism goes
 _OF_LENGTH = 1e-3
-"""What rounding may do to a loop, relative to its size: files print three digits at least."""
+"""How far rounding may open a loop, relative to its size: files print three digits at least."""
 _MOST_OPEN = (1e-3, 1e-3)
 """(m, rad): files print metres to four digits and angles to three, and a loop adds up a few of
 them."""
@@ -85,7 +85,7 @@ def row_names(model: Model) -> tuple[str, ...]:
 
 
 def loop_of_row(model: Model) -> tuple[int, ...]:
-    """For each equation the index of its loop."""
+    """Index of the loop of each equation."""
     tree = mechanism(model)
     return tuple(
         i for i, loop in enumerate(tree.loops) for _ in range(loop.closure.size(tree.space))
@@ -94,8 +94,8 @@ def loop_of_row(model: Model) -> tuple[int, ...]:
 
 @dataclass(frozen=True)
 class Scales:
-    """What makes lengths and angles compare: equations and rates become angles when multiplied by
-    `rows`, divided by `rates`."""
+    """Factors that make lengths and angles compare: equations and rates become angles when
+    multiplied by `rows`, divided by `rates`."""
 
     length: float
     """The mechanism's length (m): the farthest that a joint or frame is placed from the one

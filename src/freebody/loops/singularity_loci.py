@@ -32,7 +32,7 @@ from freebody.trees.kinematics import jacobian
 from freebody.trees.states import difference, generic_state, integrate, neutral
 from freebody.values import ByValue
 
-Measure = Callable[[Array], Array]
+_Measure = Callable[[Array], Array]
 """A signed number (...) of positions (..., nq), zero where singular."""
 
 _SEEDS = 40
@@ -149,7 +149,7 @@ class _SingularPositions:
 
     model: Model
     kind: Literal["first", "second"]
-    measure: Measure
+    measure: _Measure
     kept: list[int]
     held: list[int]
     values: Array
@@ -164,7 +164,7 @@ class _SingularPositions:
         return np.concatenate([phi, [float(self.measure(q))], off])
 
     def slope(self, q: Array) -> Array:
-        """Its derivative (m + 1 + h, nv) along scaled rates."""
+        """Derivative (m + 1 + h, nv) of `left` along scaled rates."""
         model, n = self.model, self.model.nv
         steps = _DIFFERENCE * np.concatenate([np.eye(n), -np.eye(n)]) * rate_scale(model)
         values = self.measure(integrate(model, np.broadcast_to(q, (2 * n, model.nq)), steps))

@@ -284,4 +284,4 @@ def _pose(function: str, model: Model, value: ArrayLike) -> Array:
 
 
 _ROUNDED = 1e-6
-"""What a rotation of six digits may be off."""
+"""Error that a rotation of six digits may have."""

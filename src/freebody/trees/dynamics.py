@@ -30,7 +30,7 @@ from freebody.trees.special_joints import refuse_massless, refuse_passive
 def where_all_move_mass(
     function: str, model: Model, inputs: tuple[Vector, ...], _: None, wrenches: Wrenches
 ) -> Any:
-    """As `careful`, of models each joint of which moves some inertia."""
+    """Answer as `careful` does, where each joint moves some inertia; refuse other models."""
     require_model(function, model)
     refuse_massless(model, function)
     return careful(function, model, inputs, None, wrenches)
@@ -148,7 +148,8 @@ def _square(model: Model, frame: str | None) -> Option:
 
 
 def _tip_wrench(model: Model, option: Option, at: np.ndarray, *inputs: Array) -> Array:
-    """The same of samples (k, …) that are not clear to a kernel; at: of each, for errors."""
+    """Tip wrenches at samples (k, …) that are not clear to a kernel; at: index of each, for
+    errors."""
     q, tau = inputs
     J = jacobian(model, q, option.frame)
     square = J[..., : model.nv, :]

@@ -15,7 +15,7 @@ from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.trees.public_calls import Vector, careful, checked_reference, evaluate
 
-Reference = Literal["world", "body"]
+FrameAxes = Literal["world", "body"]
 
 
 def forward_kinematics(model: Model, q: Vector, frame: str | None = None) -> Array:
@@ -61,7 +61,7 @@ def acceleration(
 
 
 def jacobian(
-    model: Model, q: Vector, frame: str | None = None, reference: Reference = "world"
+    model: Model, q: Vector, frame: str | None = None, reference: FrameAxes = "world"
 ) -> Array:
     """Jacobian (..., 6, nv), (..., 3, nv) in the plane: rows linear velocity of the frame's origin,
     then angular.
@@ -73,7 +73,7 @@ def jacobian(
 
 
 def jacobian_dot(
-    model: Model, q: Vector, qd: Vector, frame: str | None = None, reference: Reference = "world"
+    model: Model, q: Vector, qd: Vector, frame: str | None = None, reference: FrameAxes = "world"
 ) -> Array:
     """Time derivative (..., 6, nv) of `jacobian` along qd (..., nv): acceleration = J qdd + J̇ qd
     (2.24)."""
@@ -81,7 +81,7 @@ def jacobian_dot(
 
 
 def jacobian_derivatives(
-    model: Model, q: Vector, frame: str | None = None, reference: Reference = "world"
+    model: Model, q: Vector, frame: str | None = None, reference: FrameAxes = "world"
 ) -> Array:
     """∂J/∂q (..., 6, nv, nv), (..., 3, nv, nv) in the plane, the last axis the direction, on the
     tangent space.

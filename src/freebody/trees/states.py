@@ -168,8 +168,8 @@ def _has_numbers(model: Model) -> bool:
 def _joint_by_joint(
     model: Model, size: int, way: Callable[[Primitive], Callable[..., Any]], given: list[Array]
 ) -> Array:
-    """What each joint makes of its entries, over arrays: for models whose numbers are not all
-    known."""
+    """Apply each joint's own function to its entries, over arrays: for models whose numbers are not
+    all known."""
     result, space = np.empty((*given[0].shape[:-1], size)), of_dimension(model.dim)
     for body, at in zip(model.bodies, model.coordinates, strict=True):
         if body.joint.mimic is None:

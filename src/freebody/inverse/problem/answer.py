@@ -1,4 +1,4 @@
-"""What was found for each target as arrays, with a sentence where there is nothing."""
+"""Solutions of all targets as arrays, with a sentence where a target has none."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from freebody.algorithms.closed_form_inverse.near_reference import LOOSE
 from freebody.arrays import Array
 from freebody.inverse.problem.closed_form import ClosedFormArm
-from freebody.inverse.problem.problem import Found, Problem
+from freebody.inverse.problem.problem import Found, InverseProblem
 from freebody.inverse.problem.solutions import Solutions, within
 from freebody.inverse.problem.workspace import Away, distances
 
@@ -22,7 +22,7 @@ class Numbered(NamedTuple):
     count: int
 
     def sentences(self, sentence: Callable[[int], str], of: np.ndarray) -> list[str]:
-        """One on each of these, with its number where there are several targets; three of them at
+        """Sentences on these targets, with their numbers where there are several targets; three at
         most."""
         if self.count == 1:
             return [sentence(k) for k in range(len(of))]
@@ -31,7 +31,7 @@ class Numbered(NamedTuple):
 
 
 def gathered(
-    problem: Problem,
+    problem: InverseProblem,
     form: ClosedFormArm | None,
     found: Found,
     batch: tuple[int, ...],
@@ -78,7 +78,7 @@ def gathered(
 
 
 def _dropped(
-    problem: Problem, found: Found, there: np.ndarray, chosen: np.ndarray
+    problem: InverseProblem, found: Found, there: np.ndarray, chosen: np.ndarray
 ) -> tuple[Callable[[int], str], np.ndarray]:
     """A sentence for each target all of whose solutions lie outside the limits."""
     low, high = problem.solver.bounds

@@ -41,8 +41,8 @@ from freebody.program import Argument, trace
 from freebody.spatial import Matrix, Vector, identity
 from freebody.targets import Kernel, compile_program
 
-Words = tuple[str, str]
-"""What two elbows are called."""
+_ElbowWords = tuple[str, str]
+"""Words for the two elbows of an arm."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ class ClosedFormArm:
     branches: Branches
     task: Task
     words: tuple[str, str]
-    """What the two elbows of an arm with parallel axes are called."""
+    """Words for the two elbows of an arm with parallel axes."""
 
     @property
     def chain(self) -> ScrewChain:
@@ -71,7 +71,7 @@ class ClosedFormArm:
 
     @property
     def method(self) -> str:
-        """What is done, with its source."""
+        """Name of the method, with its source."""
         return f"closed form: {self.branches.recipe.title}"
 
     def names(self, q: Array) -> np.ndarray:
@@ -80,7 +80,8 @@ class ClosedFormArm:
         return _joined(parts, q.shape[:-1])
 
     def counted(self, target: Array) -> Array:
-        """What counts of targets (…, dim + 1, dim + 1): all, the point (…, dim) or the rotation."""
+        """The part that counts of targets (…, dim + 1, dim + 1): all, the point (…, dim) or the
+        rotation."""
         arm = self.branches
         if arm.kind == "pose":
             return target
@@ -178,8 +179,8 @@ def closed_form_for(model: Model, frame: str, task: Task) -> ClosedFormArm | Non
 
 
 def _level(model: Model, frame: str, task: Task) -> Branches | None:
-    """Of an arm with parallel axes in space, for rows that tell where it stands across and along
-    them."""
+    """Branches of an arm with parallel axes in space, for rows that tell where it stands across and
+    along them."""
     chain = chain_to(model.tree, frame)
     if chain is None or model.dim == 2:
         return None
@@ -196,7 +197,8 @@ def _level(model: Model, frame: str, task: Task) -> Branches | None:
 
 
 def _placed(model: Model, frame: str, task: Task) -> Branches | None:
-    """Of an arm of three joints in space, whose position leaves no choice of the orientation."""
+    """Branches of an arm of three joints in space, whose position leaves no choice of the
+    orientation."""
     chain = chain_to(model.tree, frame)
     if chain is None or model.dim == 2 or not task.places or len(chain.screws) != 3:
         return None
@@ -217,29 +219,29 @@ def _elbows(model: Model, chain: ScrewChain) -> tuple[str, str]:
 
 
 @singledispatch
-def _of_recipe(recipe: Recipe, x: Array, words: Words) -> list[np.ndarray]:
+def _of_recipe(recipe: Recipe, x: Array, words: _ElbowWords) -> list[np.ndarray]:
     """Names (...) of the branches of solutions x (..., n), in parts; words: of an arm whose turning
     axes are all parallel."""
     raise TypeError(f"no names of branches of a {type(recipe).__name__}")
 
 
 @_of_recipe.register
-def _(recipe: PositionByThree, x: Array, words: Words) -> list[np.ndarray]:
+def _(recipe: PositionByThree, x: Array, words: _ElbowWords) -> list[np.ndarray]:
     return _arm(recipe.screws, recipe.c, x)
 
 
 @_of_recipe.register
-def _(recipe: OrientationByThree, x: Array, words: Words) -> list[np.ndarray]:
+def _(recipe: OrientationByThree, x: Array, words: _ElbowWords) -> list[np.ndarray]:
     return _wrist(recipe.wrist.screws, x)
 
 
 @_of_recipe.register
-def _(recipe: SphericalWrist, x: Array, words: Words) -> list[np.ndarray]:
+def _(recipe: SphericalWrist, x: Array, words: _ElbowWords) -> list[np.ndarray]:
     return _arm(recipe.screws[:3], recipe.c, x[..., :3]) + _wrist(recipe.screws[3:], x[..., 3:])
 
 
 @_of_recipe.register
-def _(recipe: ThreeParallel, x: Array, words: Words) -> list[np.ndarray]:
+def _(recipe: ThreeParallel, x: Array, words: _ElbowWords) -> list[np.ndarray]:
     s1, s2, s3, s4, s5, s6 = recipe.screws
     carried = s3.moved(x[..., 2], s4.moved(x[..., 3], recipe.c))
     side = _shoulder(s1, s2, s2.moved(x[..., 1], carried))
@@ -247,17 +249,17 @@ def _(recipe: ThreeParallel, x: Array, words: Words) -> list[np.ndarray]:
 
 
 @_of_recipe.register
-def _(recipe: SeenFromTip, x: Array, words: Words) -> list[np.ndarray]:
+def _(recipe: SeenFromTip, x: Array, words: _ElbowWords) -> list[np.ndarray]:
     return _of_recipe(recipe.forward, -x[..., ::-1], words)
 
 
 @_of_recipe.register
-def _(recipe: OneJointHeld, x: Array, words: Words) -> list[np.ndarray]:
+def _(recipe: OneJointHeld, x: Array, words: _ElbowWords) -> list[np.ndarray]:
     return _of_recipe(recipe.rest, x[..., 1:] if recipe.first else x[..., :-1], words)
 
 
 @_of_recipe.register
-def _(recipe: Across, x: Array, words: Words) -> list[np.ndarray]:
+def _(recipe: Across, x: Array, words: _ElbowWords) -> list[np.ndarray]:
     s, y = [recipe.screws[i] for i in recipe.across], x[..., list(recipe.across)]
     if len(s) == 3 and not s[2].turning and s[0].turning:
         s, y = s[::-1], -y[..., ::-1]
@@ -273,8 +275,8 @@ def _(recipe: Across, x: Array, words: Words) -> list[np.ndarray]:
 
 
 def _shoulder(s1: Screw, s2: Screw, wrist: Array) -> np.ndarray:
-    """Of two turning joints that are not parallel; wrist: the carried point (..., 3) before joint 1
-    turns."""
+    """Names for two turning joints that are not parallel; wrist: the carried point (..., 3) before
+    joint 1 turns."""
     value = (wrist - s2.p) @ np.cross(s1.w, s2.w)
     size = _size(wrist - s1.p)
     return side_of(value, size, "shoulder right", "shoulder left", "shoulder overhead")
@@ -288,8 +290,8 @@ def _elbow(
     side: str | np.ndarray = "",
     words: tuple[str, str] = ("up", "down"),
 ) -> np.ndarray:
-    """Of two parallel turning joints at x (..., 2) that carry c; on the left side it is seen from
-    the back."""
+    """Names for two parallel turning joints at x (..., 2) that carry c; on the left side they are
+    seen from the back."""
     upper = _across(s2.w, s3.p - s2.p)
     fore = _across(s2.w, s3.moved(x[..., 1], c) - s3.p)
     bend = _cross(upper, fore) @ s2.w
@@ -300,14 +302,14 @@ def _elbow(
 
 
 def _flip(u: Array, s5: Screw, v: Array, x5: Array) -> np.ndarray:
-    """Of the joint at x5 (...) between two directions u and v, which it bends one way or the
+    """Names for the joint at x5 (...) between two directions u and v, which it bends one way or the
     other."""
     value = _cross(u, s5.turned(x5, v)) @ s5.w
     return side_of(value, 1.0, "wrist not flipped", "wrist flipped", "wrist straight")
 
 
 def _wrist(screws: Sequence[Screw], x: Array) -> list[np.ndarray]:
-    """Of three turning joints at x (..., 3)."""
+    """Names for a wrist of three turning joints at x (..., 3)."""
     s4, s5, s6 = screws
     return [_flip(s4.w, s5, s6.w, x[..., 1])]
 
@@ -315,7 +317,7 @@ def _wrist(screws: Sequence[Screw], x: Array) -> list[np.ndarray]:
 def _pair(
     s1: Screw, s2: Screw, c: Array, x: Array, words: tuple[str, str] = ("up", "down")
 ) -> list[np.ndarray]:
-    """Of two joints at x (..., 2) that bring c to a point."""
+    """Names for two joints at x (..., 2) that bring c to a point."""
     if s1.turning and s2.turning:
         if parallel(s1.w, s2.w):
             return [_elbow(s1, s2, c, x, words=words)]
@@ -326,8 +328,8 @@ def _pair(
 
 
 def _forward(s1: Screw, s2: Screw, c: Array, x: Array) -> np.ndarray:
-    """Of a turning and a sliding joint: whether the arm reaches out along the slide or against
-    it."""
+    """Names for a turning and a sliding joint: whether the arm reaches out along the slide or
+    against it."""
     turning, sliding = (s1, s2) if s1.turning else (s2, s1)
     way = s2.moved(x[..., 1], c) - turning.p
     return side_of(
@@ -336,7 +338,7 @@ def _forward(s1: Screw, s2: Screw, c: Array, x: Array) -> np.ndarray:
 
 
 def _arm(screws: Sequence[Screw], c: Array, x: Array) -> list[np.ndarray]:
-    """Of three joints at x (..., 3) that bring c to a point."""
+    """Names for three joints at x (..., 3) that bring c to a point."""
     s1, s2, s3 = screws
     carried = s3.moved(x[..., 2], c)
     names = _pair(s1, s2, carried, x[..., :2])

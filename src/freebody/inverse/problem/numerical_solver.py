@@ -33,7 +33,7 @@ from freebody.trees.states import generic_state, integrate
 EXACT = 1e-10
 """A solution reproduces its target this well (m and rad)."""
 _UNBOUNDED = 1e30
-"""What stands for no limit inside a kernel, whose numbers are finite."""
+"""Stands for no limit inside a kernel, whose numbers are finite."""
 _TOGETHER = 4
 """Steps after which those that have ended are put aside."""
 
@@ -213,17 +213,17 @@ class NumericalSolver:
         return np.where(good[:, None], slid, q)
 
 
-Residual = Callable[[Array, np.ndarray], tuple[Array, Array]]
+_Residual = Callable[[Array, np.ndarray], tuple[Array, Array]]
 """(x (k, n), rows (k,)) -> (e (k, m), E (k, m, nv)): residuals of problems, and what a step takes
 off them."""
-Move = Callable[[Array, Array], Array]
+_Move = Callable[[Array, Array], Array]
 """(x, step) -> the moved x."""
 
 
 def descend(
-    residual: Residual,
+    residual: _Residual,
     x: Array,
-    move: Move = np.add,
+    move: _Move = np.add,
     *,
     goal: float = 0.0,
     iterations: int = 60,

@@ -10,17 +10,17 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.inverse.problem.numerical_solver import NumericalSolver
-from freebody.inverse.problem.solutions import Names, Verified, named, wrapped
+from freebody.inverse.problem.solutions import BranchNames, Verified, named, wrapped
 from freebody.lazy import cached_property
 from freebody.trees.states import neutral
 
 LimitsChoice = Literal["mark", "drop", "ignore"]
-"""What becomes of solutions beyond the joints' limits."""
+"""Choices of what becomes of solutions beyond the joints' limits."""
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
-    """What was asked for: targets (N, …) of a frame and task."""
+class InverseProblem:
+    """A problem of inverse kinematics: targets (N, …) of a frame and task."""
 
     solver: NumericalSolver
     target: Array
@@ -35,7 +35,7 @@ class Problem:
     alone: bool = False
     """Whether the robot is asked but this once, so that no machine code of its own is made."""
 
-    def part(self, rows: np.ndarray) -> Problem:
+    def part(self, rows: np.ndarray) -> InverseProblem:
         """The targets of these rows alone."""
         held = None if self.held is None else self.held[rows]
         return replace(self, target=self.target[rows], held=held)
@@ -71,15 +71,15 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What was found for targets (N, …), k at most for one of them, NaN and "" where it has fewer;
+    """Solutions found for targets (N, …), k at most for one of them, NaN and "" where it has fewer;
     the method, and notes."""
 
     q: Array
     """(N, k, nq)."""
     miss: Array
     """(N, k), by forward kinematics."""
-    names: Names | np.ndarray
-    """Of the branches (N, k), or what finds them from solutions (…, nq)."""
+    names: BranchNames | np.ndarray
+    """Names of the branches (N, k), or the function that finds them from solutions (…, nq)."""
     method: str
     notes: list[str]
 
@@ -94,7 +94,7 @@ class Found:
         return np.flatnonzero(~np.isfinite(self.miss).any(axis=-1))
 
     def with_rows(self, rows: np.ndarray, other: Found) -> Found:
-        """The same with what another found for the targets of these rows."""
+        """Solutions with those that another found for the targets of these rows."""
         k = max(self.miss.shape[1], other.miss.shape[1])
         alike = callable(self.names) and (
             self.names == other.names if callable(other.names) else np.isnan(other.miss).all()
@@ -119,8 +119,8 @@ def _widened(x: np.ndarray, k: int) -> np.ndarray:
     return np.concatenate([x, empty.astype(x.dtype)], axis=1)
 
 
-def nothing(problem: Problem, method: str) -> Found:
-    """Of no targets."""
+def nothing(problem: InverseProblem, method: str) -> Found:
+    """Solutions of no targets."""
     return found_in_turn([], None, problem.solver.model.nq, method, [])
 
 
@@ -131,7 +131,7 @@ def found_in_turn(
     method: str,
     notes: list[str],
 ) -> Found:
-    """What was found target by target; branches: names, if there are any."""
+    """Gather solutions found target by target; branches: names, if there are any."""
     N, k = len(solutions), max((len(s.q) for s in solutions), default=0)
     q, miss = np.full((N, k, nq), np.nan), np.full((N, k), np.nan)
     names = np.full((N, k), "", dtype=object)

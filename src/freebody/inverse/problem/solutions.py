@@ -24,11 +24,11 @@ APART = 1e-6
 ALIKE = 1e-2
 """Solutions of a redundant arm nearer than this (rad, m) are one: they are samples of a
 continuum."""
-Names = Callable[[Array], np.ndarray]
+BranchNames = Callable[[Array], np.ndarray]
 """Solutions q (…, nq) -> the names (…) of their branches."""
 
 
-def named(names: Names | np.ndarray, q: Array, there: np.ndarray) -> np.ndarray:
+def named(names: BranchNames | np.ndarray, q: Array, there: np.ndarray) -> np.ndarray:
     """The names (..., k) of solutions q (..., k, nq), "" where there is none."""
     if not callable(names):
         return names
@@ -40,7 +40,7 @@ def named(names: Names | np.ndarray, q: Array, there: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Solutions(Tabled, ByValue):
-    """What `inverse_kinematics` found for one target, or for a batch of them (...).
+    """Solutions of `inverse_kinematics` for one target, or for a batch of them (...).
 
     q: (k, nq), one row a solution; of a batch (..., k, nq), k the largest number, NaN where a
     target has fewer. valid: (..., k), which rows are solutions. branches: (..., k) names such as
@@ -59,7 +59,7 @@ class Solutions(Tabled, ByValue):
     notes: tuple[str, ...] = ()
 
     @classmethod
-    def lazily_named(cls, names: Names, **fields: Any) -> Solutions:
+    def lazily_named(cls, names: BranchNames, **fields: Any) -> Solutions:
         """With all fields but the branches' names, which are found when they are asked for."""
         made = object.__new__(cls)
         vars(made).update(fields, _names=names)
@@ -69,9 +69,9 @@ class Solutions(Tabled, ByValue):
 
     @classmethod
     def of_kernel(
-        cls, names: Names, q: Array, residual: Array, within: Array, others: dict[str, Any]
+        cls, names: BranchNames, q: Array, residual: Array, within: Array, others: dict[str, Any]
     ) -> Solutions:
-        """The same from what a kernel gives, at once: within (..., branches), 1 where the limits
+        """Solutions from a kernel's outputs, at once: within (..., branches), 1 where the limits
         are kept, is made into flags when it is asked for; others: what no kernel gives, arrays that
         cannot be written to, and `_ignored` where limits do not count."""
         q.setflags(write=False)
@@ -185,8 +185,7 @@ class Verified:
 def verified(
     solver: NumericalSolver, q: Array, target: Array, reference: Array, apart: float = APART
 ) -> list[Verified]:
-    """Of candidates q (N, k, nq) for targets (N, …) those that reach them, polished, wrapped, each
-    once.
+    """Candidates q (N, k, nq) that reach their targets (N, …), polished, wrapped, each once.
 
     Positions nearer to each other than `apart` (rad, m) count as one.
     """

@@ -1,5 +1,4 @@
-"""What is asked of a frame: which rows of its motion count, the targets, and how far a pose is from
-one."""
+"""Tasks of a frame: which rows of its motion count, the targets, and how far a pose is from one."""
 
 from __future__ import annotations
 

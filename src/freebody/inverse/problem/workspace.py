@@ -15,7 +15,7 @@ from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
 from freebody.inverse.problem.closed_form import ClosedFormArm
 from freebody.inverse.problem.numerical_solver import NumericalSolver
-from freebody.inverse.problem.problem import Problem
+from freebody.inverse.problem.problem import InverseProblem
 from freebody.inverse.problem.solutions import turning_coordinates
 from freebody.inverse.problem.task import Task
 from freebody.program import Argument, trace
@@ -24,20 +24,19 @@ from freebody.trees.states import random_state
 
 _STARTS = 48
 _KEPT = 12
-"""Of the starts those that are nearest when each has gone most of its way are followed to the
-end."""
+"""How many starts, the nearest when each has gone most of its way, are followed to the end."""
 _AT_ONCE = 256
 """Targets looked at side by side, which bounds the memory."""
 _SIDE_BY_SIDE = 2048
 """Targets side by side, which bounds the memory."""
 _SAMPLES = 4096
 _NEAREST, _ANYWHERE = 8, 16
-"""Of the samples, how many near each target descents start from, and how many for all."""
+"""How many samples near each target descents start from, and how many for all targets."""
 _STEPS, _LAST_STEPS, _BEST = 20, 60, 2
-"""Of every descent; of the best few, to the end."""
+"""Steps of every descent; steps of the best few, to the end; how many these are."""
 _GRID = 96
 _VALLEYS = 4
-"""Of the least values on the grid, how many are followed."""
+"""How many of the least values on the grid are followed."""
 _CLOSER = np.linspace(-1.0, 1.0, 9)
 _ROUNDS = 14
 """How often they are looked at closer, each time four times."""
@@ -46,9 +45,9 @@ Away = tuple[Array, Callable[[int], str]]
 """Distances (N,) of targets from what can be reached, and a sentence for each."""
 
 
-def distances(problem: Problem, form: ClosedFormArm | None) -> Away:
-    """Of the targets of a problem, which have no solution; the distance is 0 where only the
-    orientation is wrong."""
+def distances(problem: InverseProblem, form: ClosedFormArm | None) -> Away:
+    """Distances of a problem's targets, which have no solution; 0 where only the orientation is
+    wrong."""
     solver, count = problem.solver, len(problem.target)
     if not solver.task.linear:
         return np.zeros(count), lambda _: "The frame cannot reach this orientation."
@@ -96,7 +95,7 @@ def _sentence(solver: NumericalSolver, distance: float, out: bool, how: str, als
 
 
 def beyond_the_starts(solver: NumericalSolver) -> str:
-    """What to say of angles whose turns differ and have no limits, as those of screws: starts lie
+    """A sentence on angles whose turns differ and have no limits, as those of screws: starts lie
     within one turn of them, so that what is not found may be there; "" without such."""
     model, again = solver.model, turning_coordinates(solver.model)
     limited = np.logical_and(*map(np.isfinite, solver.bounds))
@@ -116,7 +115,7 @@ def beyond_the_starts(solver: NumericalSolver) -> str:
 
 
 def _nearest_rows(cost: Array) -> np.ndarray:
-    """Of the costs of all starts, target by target, the rows of the least of each target."""
+    """Rows of the least costs of each target, of the costs of all starts, target by target."""
     by_target = cost.reshape(-1, _STARTS)
     best = np.argpartition(by_target, _KEPT, axis=-1)[:, :_KEPT]
     return (best + _STARTS * np.arange(len(by_target))[:, None]).ravel()
@@ -138,7 +137,7 @@ def _nearest(solver: NumericalSolver, target: Array) -> tuple[Array, Array]:
     return np.linalg.norm(error[:, :k], axis=-1), np.linalg.norm(error[:, k:], axis=-1)
 
 
-def exact_distances(problem: Problem, form: ClosedFormArm | None) -> Array | None:
+def exact_distances(problem: InverseProblem, form: ClosedFormArm | None) -> Array | None:
     """Distances (N,) of a problem's targets from what can be had with their orientation, where the
     geometry of a closed form tells: by the screws that bring a point to another one, or over the
     one joint that decides; else None."""
@@ -150,7 +149,7 @@ def exact_distances(problem: Problem, form: ClosedFormArm | None) -> Array | Non
     return np.concatenate(found) if len(found) == len(parts) > 0 else None
 
 
-def _some_distances(problem: Problem, form: ClosedFormArm) -> Array | None:
+def _some_distances(problem: InverseProblem, form: ClosedFormArm) -> Array | None:
     reached = form.reached(problem.target, problem.held)
     if reached is not None:
         screws, c, points = reached
@@ -165,7 +164,9 @@ def _some_distances(problem: Problem, form: ClosedFormArm) -> Array | None:
 class _Descents:
     """Newton's steps towards points from many starts."""
 
-    def __init__(self, problem: Problem, form: ClosedFormArm, screws: Sequence[Screw], c: Array):
+    def __init__(
+        self, problem: InverseProblem, form: ClosedFormArm, screws: Sequence[Screw], c: Array
+    ):
         self.length = problem.solver.length
         self.screws = [replace(s, p=s.p / self.length, rest=0.0) for s in screws]
         self.c = c / self.length
@@ -229,7 +230,7 @@ class _Descents:
 
 
 # ---------------------------------------------------------------- over one joint
-def _gap_kernel(problem: Problem, form: ClosedFormArm) -> Kernel | None:
+def _gap_kernel(problem: InverseProblem, form: ClosedFormArm) -> Kernel | None:
     """(target, x) -> squares of distances (ways,); None for a form that has none."""
     arm, compiled = form.branches, problem.solver.model.compiled
     key = ("gaps", problem.solver.frame, arm.kind, problem.alone)
@@ -243,7 +244,7 @@ def _gap_kernel(problem: Problem, form: ClosedFormArm) -> Kernel | None:
     return compiled[key]
 
 
-def _target(problem: Problem) -> str | None:
+def _target(problem: InverseProblem) -> str | None:
     """NumPy, where compiling would take longer than all else."""
     return "numpy" if problem.alone else None
 

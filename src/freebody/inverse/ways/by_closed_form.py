@@ -18,7 +18,7 @@ from freebody.arrays import Array
 from freebody.elementary import absolute, less, where
 from freebody.inverse.problem.closed_form import ClosedFormArm, over_arrays
 from freebody.inverse.problem.numerical_solver import NumericalSolver
-from freebody.inverse.problem.problem import Found, Problem, found_in_turn
+from freebody.inverse.problem.problem import Found, InverseProblem, found_in_turn
 from freebody.inverse.problem.solutions import ALIKE, turning_coordinates, verified
 from freebody.inverse.problem.workspace import distances
 from freebody.inverse.ways.many_starts import by_search
@@ -38,7 +38,7 @@ _AT_ONCE = 500
 """Targets side by side, which bounds the memory."""
 
 
-def by_closed_form(problem: Problem, form: ClosedFormArm) -> Found:
+def by_closed_form(problem: InverseProblem, form: ClosedFormArm) -> Found:
     """All solutions of a form for the problem's targets."""
     target = problem.target
     kernel = None if problem.alone else branch_kernel(problem.solver, form)
@@ -56,7 +56,7 @@ def by_closed_form(problem: Problem, form: ClosedFormArm) -> Found:
     return replace(found, notes=notes(problem, form, free))
 
 
-def _by_steps(problem: Problem, form: ClosedFormArm) -> tuple[Found, np.ndarray]:
+def _by_steps(problem: InverseProblem, form: ClosedFormArm) -> tuple[Found, np.ndarray]:
     """Every candidate put through forward kinematics, polished and compared with the others; which
     joints (n,) could stand anywhere."""
     solver, chain = problem.solver, form.chain
@@ -81,7 +81,7 @@ def _by_steps(problem: Problem, form: ClosedFormArm) -> tuple[Found, np.ndarray]
 
 
 def candidates(
-    form: ClosedFormArm, at_rest: Array, problem: Problem
+    form: ClosedFormArm, at_rest: Array, problem: InverseProblem
 ) -> tuple[Array, np.ndarray, Array]:
     """The branches' joint positions x (N, k, n), none of them verified, NaN where there is none;
     which joints could stand anywhere (N, k, n) and are at rest; how clear the branches are (N,
@@ -101,7 +101,7 @@ def candidates(
     return x, free, clear
 
 
-def notes(problem: Problem, form: ClosedFormArm, free: np.ndarray) -> list[str]:
+def notes(problem: InverseProblem, form: ClosedFormArm, free: np.ndarray) -> list[str]:
     """Which joints (n,) could stand anywhere, and which do not matter."""
     solver, index = problem.solver, form.chain.index
     names = solver.model.position_names
@@ -171,9 +171,9 @@ def _compiled(model: Model, solver: NumericalSolver, form: ClosedFormArm, in_fro
     return compile_program(trace("inverse_kinematics", evaluate, inputs, outputs))
 
 
-def by_self_motion(problem: Problem, form: ClosedFormArm) -> Found | None:
-    """Of each branch the solution nearest to the reference, the nearest first; None where no kernel
-    has the branches."""
+def by_self_motion(problem: InverseProblem, form: ClosedFormArm) -> Found | None:
+    """Solutions nearest to the reference, one of each branch, the nearest first; None where no
+    kernel has the branches."""
     kernel = branch_kernel(problem.solver, form, in_front=False)
     if kernel is None:
         return None
@@ -200,7 +200,7 @@ def by_self_motion(problem: Problem, form: ClosedFormArm) -> Found | None:
 class _Nearest:
     """Some targets, and how far their solutions are from the reference."""
 
-    def __init__(self, problem: Problem, form: ClosedFormArm, kernel: Kernel):
+    def __init__(self, problem: InverseProblem, form: ClosedFormArm, kernel: Kernel):
         self.problem, self.form, self.kernel = problem, form, kernel
         assert form.held is not None  # of such a form
         self.held = form.held
@@ -220,7 +220,8 @@ class _Nearest:
         return q, miss
 
     def _closer(self, best: Array, step: float) -> tuple[Array, Array]:
-        """The same from the best positions (N, branches) of a grid."""
+        """Solutions nearest to the reference, sought about the best positions (N, branches) of a
+        grid."""
         for _ in range(_ROUNDS):
             tried = best[..., None] + step * _CLOSER
             _, _, there = self._own(tried)
@@ -255,7 +256,7 @@ class _Nearest:
         return q, miss, np.where(good, far, np.inf)
 
     def _own(self, held: Array) -> tuple[Array, Array, Array]:
-        """The same of each branch at its own positions (N, branches, G)."""
+        """Solutions of each branch at its own positions (N, branches, G), as of `_solved`."""
         q, miss, far = self._solved(held)
         b = np.arange(held.shape[1])
         q, miss, far = (np.moveaxis(x[:, b, :, b], 0, 1) for x in (q, miss, far))

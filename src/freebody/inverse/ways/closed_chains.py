@@ -12,7 +12,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.inverse.problem.answer import gathered
 from freebody.inverse.problem.numerical_solver import EXACT, NumericalSolver, descend
-from freebody.inverse.problem.problem import Found, Problem, found_in_turn
+from freebody.inverse.problem.problem import Found, InverseProblem, found_in_turn
 from freebody.inverse.problem.solutions import ALIKE, APART, Solutions, Verified, each_once, wrapped
 from freebody.inverse.problem.workspace import Away, beyond_the_starts
 from freebody.lazy import cached_property
@@ -31,16 +31,17 @@ _SHOWN = 8
 """How many of infinitely many solutions are returned."""
 _CLOSED = 1e-11  # scaled loop equations of a solution
 _ROUNDING = 1e-14
-"""What is left of the scaled equations where Newton's steps have nothing to gain."""
+"""Rest of the scaled equations at which Newton's steps have nothing to gain."""
 _SETTLING = (1.0, 30.0, 1e3, 1e4)
 """How much the loops count against the tip, one descent after the other, where the target is out of
 reach."""
 
 
 def of_closed_chain(
-    problem: Problem, batch: tuple[int, ...], away: Callable[[Array], Away] | None = None
+    problem: InverseProblem, batch: tuple[int, ...], away: Callable[[Array], Away] | None = None
 ) -> Solutions:
-    """See `fb.inverse_kinematics`; away: how far targets are out of reach, by default sought."""
+    """Working modes of a closed chain, `fb.inverse_kinematics`; away: how far targets are out of
+    reach, by default sought."""
     work = _Held(problem)
     found = _searched(work) if work.plan is None else _by_dyads(work, work.plan)
     return gathered(problem, None, found, batch, away or work.away)
@@ -71,7 +72,7 @@ def unmeasured(target: Array) -> Away:
     return np.full(len(target), np.nan), lambda _: "Out of reach."
 
 
-def still_moves(problem: Problem, q: Array) -> bool:
+def still_moves(problem: InverseProblem, q: Array) -> bool:
     """Whether the robot can move from a closed position q (nq,) while its tip stands still."""
     return _Held(problem).freedom(q) > 0
 
@@ -108,7 +109,7 @@ def _searched(work: _Held) -> Found:
 class _Held:
     """A closed chain whose tip is held at targets."""
 
-    problem: Problem
+    problem: InverseProblem
 
     @property
     def solver(self) -> NumericalSolver:
@@ -117,7 +118,7 @@ class _Held:
 
     @cached_property
     def plan(self) -> Decomposition | None:
-        """In dyads, for tasks that count a position in the plane, or a pose."""
+        """Decomposition in dyads, for tasks that count a position in the plane, or a pose."""
         model, task = self.solver.model, self.solver.task
         if model.dim != 2 or task.rows not in ((0, 1), (0, 1, 2)):
             return None
@@ -155,8 +156,8 @@ class _Held:
 
     # ------------------------------------------------------------ solutions
     def verified(self, q: Array, target: Array, *, nearest_first: bool = False) -> list[Verified]:
-        """Of candidates (N, K, nq) those that reach their targets (N, …) with all loops closed,
-        polished, wrapped, each once; in their order, or the nearest to the reference first."""
+        """Candidates (N, K, nq) that reach their targets (N, …) with all loops closed, polished,
+        wrapped, each once; in their order, or the nearest to the reference first."""
         model = self.solver.model
         rows = np.isfinite(q).all(axis=-1)
         q, miss, fine = q.copy(), np.full(rows.shape, np.inf), np.zeros(rows.shape, dtype=bool)
@@ -232,7 +233,8 @@ class _Held:
 
     # ------------------------------------------------------------ out of reach
     def away(self, target: Array) -> Away:
-        """Of targets (N, …) that cannot be reached: to the nearest closed position found."""
+        """Distances of targets (N, …) that cannot be reached, to the nearest closed position
+        found."""
         near = 1e-7 * length(self.solver.model)
         found = [self._nearest(goal) for goal in target]
         sentences = []

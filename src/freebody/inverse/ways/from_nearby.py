@@ -23,7 +23,7 @@ from freebody.inverse.problem.numerical_solver import (
     descend_by_kernel,
     descent_kernel,
 )
-from freebody.inverse.problem.problem import Found, Problem
+from freebody.inverse.problem.problem import Found, InverseProblem
 from freebody.inverse.problem.solutions import APART, Solutions, wrapped
 from freebody.inverse.problem.task import Task
 from freebody.inverse.ways.by_closed_form import candidates
@@ -39,14 +39,14 @@ _UNCLEAR = 4.0
 """How much more (relative) than the arms differ a branch must clear its bounds, to be one of both
 or of neither."""
 _MISSED = 1e-4
-"""What leads no nearer (m and rad) than this leads to no solution."""
+"""A start that leads no nearer (m and rad) than this leads to no solution."""
 _MOST = 0.05
 """How far (rad, arm lengths) members may be from the first to be followed from there."""
 Poses = Callable[[Array, np.ndarray], tuple[Array, Array]]
 """(q (M, nq), which targets (M,)) -> pose and Jacobian of the arm that each is of."""
-One = Callable[[Problem], Solutions]
-"""What solves a problem of one member."""
-Piece = tuple[np.ndarray, Solutions]
+_OneMember = Callable[[InverseProblem], Solutions]
+"""Solver of a problem of one member."""
+_Piece = tuple[np.ndarray, Solutions]
 """Rows of the batch, and what was found for them."""
 
 
@@ -56,7 +56,7 @@ class Follow:
 
     poses: Poses
     kernel: Bound | None
-    """Of a step; None where steps are made with the poses."""
+    """The kernel of a step; None where steps are made with the poses."""
     numbers: Array | None = None
     """(N, …), which the kernel takes for each target; None where all are of one arm."""
 
@@ -92,7 +92,7 @@ class NearbyForm:
 
     @property
     def method(self) -> str:
-        """What is done."""
+        """Name of the method."""
         return f"{self.form.method}, of the arm nearby, and Levenberg–Marquardt from there"
 
 
@@ -124,7 +124,7 @@ def form_near(model: Model, frame: str, task: Task) -> NearbyForm | None:
 
 
 def farther(known: NearbyForm, differs: float) -> NearbyForm:
-    """The same for arms that differ so much from it."""
+    """The closed form nearby, for arms that differ so much from it."""
     return replace(known, differs=max(known.differs, differs))
 
 
@@ -142,8 +142,9 @@ def difference(form: ClosedFormArm, solver: NumericalSolver, q: Array, T: Array)
     return float(np.abs(error).max(initial=0.0))
 
 
-def by_nearby(problem: Problem, known: NearbyForm) -> Found:
-    """What the branches lead to, and for targets for which this is not sure many starts too."""
+def by_nearby(problem: InverseProblem, known: NearbyForm) -> Found:
+    """Solutions that the branches lead to, and for targets for which this is not sure many starts
+    too."""
     solver = problem.solver
     follow = Follow(lambda q, _: solver.pose_and_jacobian(q), solver.descent)
     found, sure = followed(problem, known, follow)
@@ -154,9 +155,11 @@ def by_nearby(problem: Problem, known: NearbyForm) -> Found:
     return searched if len(rows) == len(sure) else found.with_rows(rows, searched)
 
 
-def of_family(model: Model, given: Problem, batch: tuple[int, ...], one: One) -> Solutions:
-    """See `fb.inverse_kinematics`; given: the problem for the first member, whose targets are of a
-    batch that broadcasts with the family."""
+def of_family(
+    model: Model, given: InverseProblem, batch: tuple[int, ...], one: _OneMember
+) -> Solutions:
+    """Solutions of all members of a family, `fb.inverse_kinematics`; given: the problem for the
+    first member, whose targets are of a batch that broadcasts with the family."""
     try:
         whole = np.broadcast_shapes(batch, model.family)
     except ValueError:
@@ -183,9 +186,9 @@ def of_family(model: Model, given: Problem, batch: tuple[int, ...], one: One) ->
 
 
 def _side_by_side(
-    model: Model, problem: Problem, member: np.ndarray
-) -> tuple[list[Piece], np.ndarray]:
-    """What is sure for all members at once; the rows for which nothing is."""
+    model: Model, problem: InverseProblem, member: np.ndarray
+) -> tuple[list[_Piece], np.ndarray]:
+    """Solutions that are sure for all members at once; the rows for which nothing is."""
     every = np.arange(len(problem.target))
     solver, task = problem.solver, problem.solver.task
     limits = [body.joint.limits for body in model.bodies]
@@ -233,9 +236,9 @@ def _how_far(known: NearbyForm) -> str:
 
 
 def _joined(
-    pieces: list[Piece], batch: tuple[int, ...], nq: int, notes: tuple[str, ...]
+    pieces: list[_Piece], batch: tuple[int, ...], nq: int, notes: tuple[str, ...]
 ) -> Solutions:
-    """What was found for all rows of a batch."""
+    """Join the solutions of all pieces to those of a batch."""
     M = int(np.prod(batch))
     k = max((len(s) for _, s in pieces), default=0)
     q, residual = np.full((M, k, nq), np.nan), np.full((M, k), np.nan)
@@ -261,7 +264,9 @@ def _joined(
     )
 
 
-def followed(problem: Problem, known: NearbyForm, follow: Follow) -> tuple[Found, np.ndarray]:
+def followed(
+    problem: InverseProblem, known: NearbyForm, follow: Follow
+) -> tuple[Found, np.ndarray]:
     """The solutions (N, branches) that the branches of the arm nearby lead to, and whether this is
     sure (N,): each of them led to one of its own, or is none there either."""
     solver, form = problem.solver, known.form

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.inverse.problem.problem import Found, Problem, found_in_turn
+from freebody.inverse.problem.problem import Found, InverseProblem, found_in_turn
 from freebody.inverse.problem.solutions import ALIKE, APART, Verified, verified, within
 from freebody.trees.states import random_state
 
@@ -15,8 +15,9 @@ _AT_ONCE = 1024
 """Targets side by side, which bounds the memory."""
 
 
-def by_search(problem: Problem, known: Array | None = None) -> Found:
-    """What the starts lead to: within the limits, and beyond them where nothing is found within.
+def by_search(problem: InverseProblem, known: Array | None = None) -> Found:
+    """Solutions that the starts lead to: within the limits, and beyond them where none is found
+    within.
 
     known: (N, k, nq), positions to be looked at besides, NaN where there is none.
     """
@@ -46,7 +47,7 @@ def by_search(problem: Problem, known: Array | None = None) -> Found:
     )
 
 
-def _from_starts(problem: Problem, starts: Array, known: Array | None) -> list[Verified]:
+def _from_starts(problem: InverseProblem, starts: Array, known: Array | None) -> list[Verified]:
     """The solutions of each target."""
     solver, N, K = problem.solver, len(problem.target), len(starts)
     goals = np.repeat(problem.target, K, axis=0)
@@ -67,7 +68,7 @@ def _from_starts(problem: Problem, starts: Array, known: Array | None) -> list[V
     return solutions
 
 
-def _starts(problem: Problem, K: int) -> Array:
+def _starts(problem: InverseProblem, K: int) -> Array:
     """(K, nq): q0, some near it, and some anywhere; without q0 all anywhere within the limits."""
     model, solver = problem.solver.model, problem.solver
     q, noise, _ = random_state(model, problem.seed, K)
@@ -78,7 +79,7 @@ def _starts(problem: Problem, K: int) -> Array:
     return np.where(solver.moving, q, problem.reference)
 
 
-def _sorted_out(problem: Problem, q: Array, keep: bool) -> list[Verified]:
+def _sorted_out(problem: InverseProblem, q: Array, keep: bool) -> list[Verified]:
     """Solutions among what was found (N, K, nq), nearest to the reference first; `keep`: only those
     within limits."""
     solver, reference = problem.solver, problem.reference
@@ -94,8 +95,8 @@ def _sorted_out(problem: Problem, q: Array, keep: bool) -> list[Verified]:
     return results
 
 
-def _settled(problem: Problem, q: Array, q0: Array, keep: bool) -> Array:
-    """What reached its target, slid along the solutions as near to q0 as can be."""
+def _settled(problem: InverseProblem, q: Array, q0: Array, keep: bool) -> Array:
+    """Positions that reached their target, slid along the solutions as near to q0 as can be."""
     flat, goals = q.reshape(-1, q.shape[-1]), np.repeat(problem.target, q.shape[1], axis=0)
     good = problem.solver.miss(flat, goals) < 1e-6
     if good.any():

@@ -44,7 +44,8 @@ OF_ONE: dict[tuple[bool, str], OfOne] = {
     (kind.rod, kind.joints): kind
     for kind in (TRIANGLE, TURN_AND_SLIDE, SLIDE_AND_TURN, TWO_SLIDES, SWING, STRETCH)
 }
-"""By whether the ends stay a distance apart, and the unknown joints in their order."""
+"""Kinds that close one chain, by whether its ends stay a distance apart, and its unknown joints in
+their order."""
 
 OF_TWO: tuple[OfTwo, ...] = (two_circles,)
 """Tried in their order."""

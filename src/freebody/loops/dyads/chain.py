@@ -32,7 +32,7 @@ class Chain:
 
     @property
     def frames(self) -> tuple[str, ...]:
-        """Its ends on the robot."""
+        """Ends of the chain that are frames of the robot."""
         return tuple(end for end in self.ends if end is not None)
 
 
@@ -115,7 +115,7 @@ class Posture:
         return q
 
     def moved(self, q: Array) -> Posture:
-        """The same target with other positions."""
+        """Posture of other positions with the same target."""
         return Posture(self.tree, q, self.target, self.angle)
 
     def _complex(self, p: tuple) -> Complex:
