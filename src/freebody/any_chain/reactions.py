@@ -112,14 +112,45 @@ def reactions(
     forces: Vector | None = None,
     reference: Literal["world", "child"] = "world",
 ) -> Reactions:
-    """All reactions of a tree or closed chain at the state q (..., nq), qd (..., nv).
+    """All reactions of a tree or closed chain in a state: of every joint and loop, and whether the
+    equations determine them.
 
-    Give tau (..., nv), the drives' torques, and the motion follows; or qdd (..., nv), and the
-    torques of the driven joints (`actuated`) follow. wrenches: as for `inverse_dynamics`. forces:
-    (..., nv), generalized forces besides the drives', each between parent and child along its
-    joint, as that of a spring is: of the joint's wrench it is a part. What acts from outside, such
-    as drag, is given as wrenches. Raises LoopError for a state that the loops do not allow,
-    PassiveJointError for a torque at a passive joint.
+    Parameters
+    ----------
+    model : Model
+        Robot, an open chain or a closed one.
+    q : (..., nq)
+        Positions, rad and m; loops closed.
+    qd : (..., nv)
+        Rates, rad/s and m/s.
+    tau : (..., nv), optional
+        Torques and forces of the drives (N m, N): the motion follows.
+    qdd : (..., nv), optional
+        Accelerations: the torques of the driven joints follow. Give this or `tau`.
+    wrenches : {frame: (..., 6)} or (..., 6), optional
+        External wrenches, as for `inverse_dynamics`.
+    actuated : names, optional
+        Of a closed chain the joints that drive; default those not passive.
+    forces : (..., nv), optional
+        Generalized forces besides the drives', each between parent and child along its joint, as
+        that of a spring is: of the joint's wrench it is a part. What acts from outside, such as
+        drag, is given as wrenches.
+    reference : "world" or "child"
+        Axes of the wrenches.
+
+    Returns
+    -------
+    Reactions
+        Wrenches (..., k, 6), joints, then loops; which components are determined, multipliers,
+        accelerations, torques, and how well all balance.
+
+    Raises
+    ------
+    LoopError
+        A state that the loops do not allow.
+    PassiveJointError
+        A torque at a passive joint.
+
     Source: (5.23), (5.29); Newton and Euler body by body (3.1, 3.2, 6.1, 6.2).
     """
     if actuated is not None and not model.loops:

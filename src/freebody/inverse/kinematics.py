@@ -61,33 +61,52 @@ def inverse_kinematics(
     """All joint positions that bring a frame to a target where a closed form exists, else those
     found from many starts.
 
-    target: a point (..., dim) in m, or a pose (..., dim + 1, dim + 1), world axes. frame: name,
-    default the tip. task: what counts of the target: "position" (a point's default), "orientation",
-    "pose" (a pose's default), or rows among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy",
-    "w"). q0: (nq,), where joints stay that could stand anywhere, next to which angles are wrapped,
-    and near which a redundant arm is sought. limits: "mark" says in `within_limits` which solutions
-    keep to the joints' limits, "drop" leaves out the others, "ignore" does not look at them.
-    redundancy: (...), of an arm with seven joints the position of the last, else of the first (rad,
-    m), for which all branches are returned; without it, of each branch the one nearest to q0, else
-    to the middle of the limits. starts, seed: of the numeric search (default: 32 for redundant
-    arms, else 96, and 0), which they ask for; refused where a closed form finds all.
-
-    Returns Solutions. Out of reach: k = 0, the distance (m) to the workspace, and a sentence in
-    `notes`. Every solution has been put through forward kinematics. Raises ShapeError,
-    NotFiniteError, UnknownNameError, MissingValueError.
-
-    Of a family (..., *family, k, nq): branches of the first member, or of an arm that it nearly
-    is, are followed to all members side by side; members for which that is not sure are solved one
-    by one.
+    Closed forms, whatever frames, base and tool: planar arms of up to three joints (2.14, 2.15, by
+    atan2 and with both elbows), SCARA robots, three joints that place a point, three that orient,
+    six with a spherical wrist (Pieper 1968) or with three parallel axes (Elias and Wen 2022), seven
+    of which six are such an arm. Else Levenberg–Marquardt.
 
     Of a closed chain these are the working modes, at which the loops are closed too: all of them,
     and named by the sides on which elbows lie, where a planar robot comes apart into dyads, else
     those found from many starts.
 
-    Closed forms, whatever frames, base and tool: planar arms of up to three joints (2.14, 2.15, by
-    atan2 and with both elbows), SCARA robots, three joints that place a point, three that orient,
-    six with a spherical wrist (Pieper 1968) or with three parallel axes (Elias and Wen 2022), seven
-    of which six are such an arm. Else Levenberg–Marquardt.
+    Parameters
+    ----------
+    model : Model
+        Robot, an open chain or a closed one. Of a family branches of the first member, or of an arm
+        that it nearly is, are followed to all members side by side; members for which that is not
+        sure are solved one by one.
+    target : (..., dim) or (..., dim + 1, dim + 1)
+        Point (m), or pose, world axes.
+    frame : str, optional
+        Name, default the tip.
+    task : str or names of rows, optional
+        What counts of the target: "position" (a point's default), "orientation", "pose" (a pose's
+        default), or rows among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy", "w").
+    q0 : (nq,), optional
+        Where joints stay that could stand anywhere, next to which angles are wrapped, and near
+        which a redundant arm is sought; rad and m.
+    limits : "mark", "drop" or "ignore"
+        "mark" says in `within_limits` which solutions keep to the joints' limits, "drop" leaves out
+        the others, "ignore" does not look at them.
+    redundancy : (...), optional
+        Of an arm with seven joints the position of the last, else of the first (rad, m), for which
+        all branches are returned; without it, of each branch the one nearest to q0, else to the
+        middle of the limits.
+    starts, seed : int, optional
+        Of the numeric search (default: 32 for redundant arms, else 96, and 0), which they ask for;
+        refused where a closed form finds all.
+
+    Returns
+    -------
+    Solutions
+        q (..., k, nq), of a family (..., *family, k, nq); every solution has been put through
+        forward kinematics. Out of reach: k = 0, the distance (m) to the workspace, and a sentence
+        in `notes`.
+
+    Raises
+    ------
+    ShapeError, NotFiniteError, UnknownNameError, MissingValueError
     """
     given: Any = target
     try:

@@ -79,12 +79,35 @@ def input_output(
     rows: Sequence[str] | None = None,
     actuated: Sequence[str] | None = None,
 ) -> InputOutput:
-    """J_a and J_b of a parallel robot at the closed position q (nq,).
+    """J_a and J_b of a parallel robot at a closed position: how its tip moves with its driven
+    joints (2.35)-(2.40).
 
-    frame: the tip. rows: of its motion, among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy",
-    "w"), as many as there are driven joints (`actuated`, default those not passive) and degrees of
-    freedom; default the first ones. Raises LoopError, and FreebodyError where the numbers do not
-    match. Source: (2.35)-(2.40); Gosselin, Angeles 1990.
+    Parameters
+    ----------
+    model : Model
+        A closed chain.
+    q : (nq,)
+        Closed position, rad and m.
+    frame : str, optional
+        The tip.
+    rows : names, optional
+        Of its motion, among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy", "w"), as many as
+        there are driven joints and degrees of freedom; default the first ones.
+    actuated : names, optional
+        Driven joints; default those not passive.
+
+    Returns
+    -------
+    InputOutput
+
+    Raises
+    ------
+    LoopError
+        The loops are open at q.
+    FreebodyError
+        The numbers of rows, drives and degrees of freedom do not match.
+
+    Source: Gosselin, Angeles 1990.
     """
     require_loops(model, "input_output")
     at = finite_vector("input_output", model, "q", q)

@@ -31,12 +31,28 @@ _LOOSE = 1e-9  # singular values of Φ_q from which coordinates are told by the 
 
 
 def loop_velocity(model: Model, q: Vector, rates: Vector) -> Array:
-    """Rates qd (..., nv) that keep every loop closed at the closed position q (..., nq) (2.35,
-    5.22).
+    """Rates that keep every loop closed at a closed position (2.35, 5.22).
 
-    rates: {coordinate: value} for the independent coordinates, or a whole vector (..., nv), from
-    which the nearest consistent one is taken. Raises LoopError when the values given contradict the
-    loops, FreebodyError when they do not determine the motion.
+    Parameters
+    ----------
+    model : Model
+        A closed chain.
+    q : (..., nq)
+        Closed position, rad and m.
+    rates : {coordinate: value} or (..., nv)
+        Of the independent coordinates, or a whole vector, from which the nearest consistent one is
+        taken; rad/s and m/s.
+
+    Returns
+    -------
+    (..., nv)
+
+    Raises
+    ------
+    LoopError
+        The values given contradict the loops.
+    FreebodyError
+        They do not determine the motion.
     """
     require_loops(model, "loop_velocity")
     found = _attempted("loop_velocity", model, q, rates)
@@ -47,8 +63,26 @@ def loop_velocity(model: Model, q: Vector, rates: Vector) -> Array:
 
 
 def loop_acceleration(model: Model, q: Vector, qd: Vector, accelerations: Vector) -> Array:
-    """Accelerations qdd (..., nv) consistent with the loops at the closed state q, qd (5.28);
-    arguments as for `loop_velocity`."""
+    """Accelerations that keep every loop closed in a closed state (5.28).
+
+    Parameters
+    ----------
+    model : Model
+        A closed chain.
+    q, qd : (..., nq), (..., nv)
+        Closed position, and rates that keep it closed.
+    accelerations : {coordinate: value} or (..., nv)
+        As the rates of `loop_velocity`; rad/s² and m/s².
+
+    Returns
+    -------
+    (..., nv)
+
+    Raises
+    ------
+    LoopError, FreebodyError
+        As for `loop_velocity`.
+    """
     require_loops(model, "loop_acceleration")
     found = _attempted("loop_acceleration", model, q, qd, accelerations)
     if found is not None:

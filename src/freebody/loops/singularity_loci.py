@@ -70,11 +70,29 @@ def singularity_loci(
 ) -> tuple[Locus, ...]:
     """Curves of singular positions of a planar parallel robot, all that random starts lead to.
 
-    kind: "first" (the tip loses a degree of freedom) or "second" (the drives lose control of the
-    tip). frame, rows: of the tip's motion, as for `input_output`. hold: values that coordinates
-    keep, {name: value}, for mechanisms of more than two degrees of freedom: what is left must be a
-    curve. Raises FreebodyError otherwise. Positions of both types are on both; those where curves
-    that were not found otherwise only touch are left out.
+    Positions of both types are on both; those where curves that were not found otherwise only touch
+    are left out.
+
+    Parameters
+    ----------
+    model : Model
+        A closed chain.
+    kind : "first" or "second"
+        "first": the tip loses a degree of freedom; "second": the drives lose control of the tip.
+    frame, rows : optional
+        Of the tip's motion, as for `input_output`.
+    hold : {name: value}, optional
+        Values that coordinates keep (rad, m), for mechanisms of more than two degrees of freedom:
+        what is left must be a curve.
+
+    Returns
+    -------
+    tuple of Locus
+
+    Raises
+    ------
+    FreebodyError
+        What is left is no curve.
     """
     require_loops(model, "singularity_loci")
     if kind not in ("first", "second"):
