@@ -67,8 +67,6 @@ from freebody.report.study import study as study
 from freebody.robots import models as models
 from freebody.sweeps.samples import samples as samples
 from freebody.sweeps.sweep import sweep as sweep
-from freebody.trees.states import quat_wxyz as quat_wxyz
-from freebody.trees.states import rotation as rotation
 from freebody.trees.base_parameters import base_parameters as base_parameters
 from freebody.trees.controllers import admittance as admittance
 from freebody.trees.controllers import computed_torque as computed_torque
@@ -113,7 +111,9 @@ from freebody.trees.operational_space import regressor as regressor
 from freebody.trees.states import difference as difference
 from freebody.trees.states import integrate as integrate
 from freebody.trees.states import neutral as neutral
+from freebody.trees.states import quat_wxyz as quat_wxyz
 from freebody.trees.states import random_state as random_state
+from freebody.trees.states import rotation as rotation
 from freebody.ways_out.exports import export as export
 from freebody.ways_out.exports import source as source
 from freebody.ways_out.in_jax import to_jax as to_jax

@@ -16,7 +16,6 @@ from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.trees.dynamics import refuse_singular, where_all_move_mass
 from freebody.trees.public_calls import (
-    CallKey,
     Vector,
     Wrenches,
     careful,
@@ -99,7 +98,8 @@ def _inverse_dynamics(
     if model.loops:
         from freebody.loops import drive_torques as closed
 
-        return closed.inverse_dynamics(model, *inputs, wrenches)
+        q, qd, qdd = inputs
+        return closed.inverse_dynamics(model, q, qd, qdd, wrenches)
     return careful(function, model, inputs, None, wrenches)
 
 
@@ -167,7 +167,8 @@ def _forward_dynamics(
     if model.loops:
         from freebody.loops import accelerations as closed
 
-        return closed.forward_dynamics(model, *inputs, wrenches)
+        q, qd, tau = inputs
+        return closed.forward_dynamics(model, q, qd, tau, wrenches)
     result = where_all_move_mass(function, model, inputs, None, wrenches)
     refuse_singular(function, model, result)
     return result
@@ -208,7 +209,7 @@ def _static_torque(
     if model.loops:
         from freebody.loops import drive_torques as closed
 
-        return closed.static_torque(model, *inputs, wrenches)
+        return closed.static_torque(model, inputs[0], wrenches)
     return careful(function, model, inputs, None, wrenches)
 
 
@@ -253,7 +254,7 @@ def joint_wrenches(
 
 
 def _joint_wrenches(
-    key: CallKey, model: Model, inputs: tuple[Vector, ...], option: Any, wrenches: Wrenches
+    key: tuple[str, Any], model: Model, inputs: tuple[Vector, ...], option: Any, wrenches: Wrenches
 ) -> Array:
     function, reference = key
     require_model(function, model)

@@ -17,7 +17,7 @@ from freebody.model.model_argument import require_model
 from freebody.trees.closer_looks import looking_closer
 from freebody.trees.kinematics import jacobian
 from freebody.trees.public_calls import (
-    Key,
+    CallKey,
     Vector,
     Wrenches,
     careful,
@@ -198,7 +198,9 @@ def momentum(model: Model, q: Vector, qd: Vector, about: ArrayLike | None = None
     return evaluate(("momentum", "about"), model, (q, qd, about), _about, None, _momentum_about)
 
 
-def _momentum_about(key: Key, model: Model, inputs: tuple[Any, ...], option: Any, _: None) -> Array:
+def _momentum_about(
+    key: CallKey, model: Model, inputs: tuple[Any, ...], option: Any, _: None
+) -> Array:
     require_model("momentum", model)
     *state, about = inputs
     return careful(key, model, (*state, finite_vector("momentum", model, "about", about)), option)
