@@ -28,22 +28,7 @@ def chosen_option(
     function: what was called, for errors.
     """
     listed = several(function, "names", names)
-    for name in listed:
-        if name not in FORMULAS:
-            raise UnknownNameError("quantity", name, function, FORMULAS)
-        if listed.count(name) > 1:
-            raise FreebodyError(f"{function}: the quantity {name!r} is asked for twice.")
-        if FORMULAS[name].chains in ("open", "arm", "square"):
-            model.require_tree(f"{function}: {name}")
-        if FORMULAS[name].chains == "square":
-            require_square(function, model)
-        if FORMULAS[name].chains == "closed" and not model.loops:
-            raise FreebodyError(
-                f"{function}: {name}: {model.name!r} has no loops; add one with "
-                f"model.with_loop(...)."
-            )
-    if not listed:
-        raise FreebodyError(f"{function}: give at least one quantity.")
+    _require_possible(function, model, listed)
     _require_used(
         function, listed, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows
     )
@@ -60,6 +45,26 @@ def chosen_option(
     if any("redundancy" in FORMULAS[name].inputs for name in listed):
         option = option._replace(redundant=known_branches(model.tree, option).held is not None)
     return listed, _near_home(function, model, listed, option) if model.loops else option
+
+
+def _require_possible(function: str, model: Model, listed: tuple[str, ...]) -> None:
+    """Refuse names of no quantity, names given twice, and quantities that the chain has not."""
+    for name in listed:
+        if name not in FORMULAS:
+            raise UnknownNameError("quantity", name, function, FORMULAS)
+        if listed.count(name) > 1:
+            raise FreebodyError(f"{function}: the quantity {name!r} is asked for twice.")
+        if FORMULAS[name].chains in ("open", "arm", "square"):
+            model.require_tree(f"{function}: {name}")
+        if FORMULAS[name].chains == "square":
+            require_square(function, model)
+        if FORMULAS[name].chains == "closed" and not model.loops:
+            raise FreebodyError(
+                f"{function}: {name}: {model.name!r} has no loops; add one with "
+                f"model.with_loop(...)."
+            )
+    if not listed:
+        raise FreebodyError(f"{function}: give at least one quantity.")
 
 
 def _near_home(function: str, model: Model, listed: tuple[str, ...], option: Option) -> Option:

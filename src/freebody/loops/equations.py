@@ -24,7 +24,7 @@ from freebody.loops.redundancy import (
     counting_values,
     moves_exactly,
     redundancy,
-    softness,
+    rounding_threshold,
     surely_exact,
 )
 from freebody.loops.scaled_equations import (
@@ -165,7 +165,7 @@ def holds(model: Model, q: Array, among: NDArray[np.bool_]) -> NDArray[np.bool_]
     """(...): whether what is known of the model's equations holds at those of the positions q
     (..., nq): all that counts is closed, and nothing of it in doubt."""
     found = np.array(among, dtype=bool)
-    if not softness(model):
+    if not rounding_threshold(model):
         return found
     some, known = q[among], redundancy(model)
     phi = np.abs(scaled_residual(model, some))
