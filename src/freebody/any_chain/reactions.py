@@ -81,9 +81,9 @@ class Reactions(Tabled, ByValue):
         rows = [
             (
                 name,
-                *(f"{x:.4g}{'' if known else ' *'}" for x, known in zip(wrench, told, strict=True)),
+                *(f"{x:.4g}{'' if known else ' *'}" for x, known in zip(wrench, sure, strict=True)),
             )
-            for name, wrench, told in zip(self.names, self.wrenches, self.determined, strict=True)
+            for name, wrench, sure in zip(self.names, self.wrenches, self.determined, strict=True)
         ]
         head = (f"{x} ({'N' if x[0] == 'f' else 'N m'})" for x in axes)
         undetermined = (
@@ -212,8 +212,8 @@ def _found(
         )
     world = wrenches_in("world")
     left = _miss(model, q, qd, qdd, world, frames, loads)
-    asked = world if reference == "world" else wrenches_in(reference)
-    return Reactions(model.reaction_names, asked, determined, multipliers, qdd, tau, left)
+    chosen = world if reference == "world" else wrenches_in(reference)
+    return Reactions(model.reaction_names, chosen, determined, multipliers, qdd, tau, left)
 
 
 def _shape(model: Model) -> tuple[int, int]:

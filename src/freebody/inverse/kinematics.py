@@ -116,7 +116,7 @@ def inverse_kinematics(
             return sure
     except _UNCLEAR:
         pass
-    problem, poses = _asked(model, target, frame, task, q0, limits, starts, seed)
+    problem, poses = _checked_problem(model, target, frame, task, q0, limits, starts, seed)
     batch = poses.shape[:-2]
     if model.family:
         if redundancy is not None:
@@ -157,7 +157,7 @@ def _found(problem: InverseProblem, form: ClosedFormArm | None) -> tuple[Inverse
     return problem, by_closed_form(problem, form)
 
 
-def _asked(
+def _checked_problem(
     model: Model,
     target: ArrayLike,
     frame: str | None,

@@ -1,1 +1,1 @@
-"""Closed chains: closing them, their mobility, accelerations under forces, torques of their drives."""
+"""Closed chains: closing them, their mobility, accelerations under forces, drives' torques."""

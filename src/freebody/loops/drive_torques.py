@@ -167,15 +167,15 @@ def _careful_torques(
     """Torques (N, nv) of the drives at the chosen samples of a batch, whatever the rank; refuses
     motions that the drives cannot force."""
     rates, driven = rate_scale(model), list(driven)
-    asked = rates * needed[chosen]
-    tau = np.zeros_like(asked)
+    wanted = rates * needed[chosen]
+    tau = np.zeros_like(wanted)
     _, s, Vt = np.linalg.svd(scaled_jacobian(model, q[chosen]))
     ranks = (s > RANK * s.max(axis=-1, keepdims=True, initial=1e-300)).sum(axis=-1)
     for rank in np.unique(ranks):
         at = np.flatnonzero(ranks == rank)
         N = np.swapaxes(Vt[at, rank:], -1, -2)
         motions = np.swapaxes(N[:, driven], -1, -2)
-        power = np.einsum("nkf,nk->nf", N, asked[at])
+        power = np.einsum("nkf,nk->nf", N, wanted[at])
         # N's columns are units: less than _STILL is rounding, also where a drive has no more
         largest = np.linalg.norm(motions, axis=(-2, -1))
         cut = np.maximum(1e-9, _STILL / np.maximum(largest, 1e-300))

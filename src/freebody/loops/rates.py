@@ -27,7 +27,7 @@ from freebody.loops.scaled_equations import rate_scale, row_scale
 from freebody.model.model import Model
 from freebody.trees.public_calls import Vector, attempt, common_batch, finite_vector
 
-_LOOSE = 1e-9  # singular values of Φ_q from which coordinates are told by the others
+_LOOSE = 1e-9  # singular values of Φ_q from which coordinates follow from the others
 
 
 def loop_velocity(model: Model, q: Vector, rates: Vector) -> Array:
@@ -143,10 +143,10 @@ def _by_kernel(
     function: str, model: Model, held: tuple[int, ...] | None, arrays: dict[str, Array]
 ) -> Array:
     """NaN where no fixed choice of equations and coordinates does, or where no loop feels one that
-    is not told."""
+    has no value given."""
     chosen = partition_of_loops(model)
-    told = range(model.nv) if held is None else held
-    if chosen is None or not set(idle_coordinates(model)) <= set(told):
+    valued = range(model.nv) if held is None else held
+    if chosen is None or not set(idle_coordinates(model)) <= set(valued):
         return np.full(arrays["rates"].shape, np.nan)
     option = (
         Option(partition=chosen)

@@ -79,8 +79,8 @@ def row_names(model: Model) -> tuple[str, ...]:
     tree = mechanism(model)
     return tuple(
         f"{loop.name}.{part}"
-        for loop, told in zip(model.loops, tree.loops, strict=True)
-        for part in told.closure.row_names(tree.space)
+        for loop, lowered in zip(model.loops, tree.loops, strict=True)
+        for part in lowered.closure.row_names(tree.space)
     )
 
 
@@ -147,17 +147,17 @@ def _tolerance(model: Model, tree: Tree, index: int) -> tuple[float, float]:
 
 
 def length(model: Model) -> float:
-    """See `Scales`."""
+    """Length of the mechanism (m), see `Scales`."""
     return scales(model).length
 
 
 def row_scale(model: Model) -> Array:
-    """See `Scales`."""
+    """Factors (m,) that make angles of the loop equations."""
     return scales(model).rows
 
 
 def rate_scale(model: Model) -> Array:
-    """See `Scales`."""
+    """Factors (nv,) that make rates of angles: the length for rates in m/s, 1 for angular ones."""
     return scales(model).rates
 
 

@@ -288,7 +288,7 @@ def _step(function: str, h: float) -> Array:
 
 
 def _gain(function: str, model: Model, name: str, value: Any) -> Array:
-    """One for each coordinate, none below 0."""
+    """A gain as one number for each coordinate; none may be below 0."""
     given = value if is_labelled(value) else as_floats(function, name, value)
     if isinstance(given, np.ndarray) and given.ndim == 0:
         given = np.full(model.nv, given)

@@ -29,11 +29,11 @@ class InverseProblem:
     starts: int | None
     seed: int
     searched: bool = False
-    """Whether a search was asked for, by its starts or seed."""
+    """Whether a search is wanted, by its starts or seed."""
     held: Array | None = None
     """(N,): of an arm of seven joints the position of the one that is given."""
     alone: bool = False
-    """Whether the robot is asked but this once, so that no machine code of its own is made."""
+    """Whether the robot is solved for but this once, so that no machine code of its own is made."""
 
     def part(self, rows: np.ndarray) -> InverseProblem:
         """The targets of these rows alone."""
@@ -41,7 +41,7 @@ class InverseProblem:
         return replace(self, target=self.target[rows], held=held)
 
     def refuse_search(self) -> None:
-        """Refuse what is asked of a search, where a closed form answers."""
+        """Refuse arguments of a search, where a closed form answers."""
         if self.searched:
             raise FreebodyError(
                 f"inverse_kinematics: starts= and seed= are of the numeric search; for "
