@@ -89,12 +89,12 @@ def _near_home(function: str, model: Model, listed: tuple[str, ...], option: Opt
 def _require_used(function: str, listed: Sequence[str], **given: Any) -> None:
     """Refuse an option that none of the quantities uses."""
     for name, value in given.items():
-        given_one = (
+        is_set = (
             value is not None
             and value != "world"
             and not (name == "wrench_frames" and not len(value))
         )
-        if given_one and not any(FORMULAS[x].uses(name) for x in listed):
+        if is_set and not any(FORMULAS[x].uses(name) for x in listed):
             used = ", ".join(x for x, formula in FORMULAS.items() if formula.uses(name))
             raise FreebodyError(
                 f"{function}: {name}={value!r} has no meaning for {', '.join(listed)}; it is for "
