@@ -169,21 +169,38 @@ def reactions(
         "reactions", model, {"q": q, "qd": qd, name: third, "forces": acting}, wrenches
     )
     if qdd is not None:
-        second = given
-        if model.loops:
-            motion = at, rates, second, *loads
-            drive = motion_torques("reactions", model, frames, acting, *motion, actuated=actuated)
-        else:
-            inverse = fetch(model, ("inverse_dynamics",), Option(wrench_frames=frames))
-            drive = inverse(at, rates, second, *loads) - acting
+        drive, second = _torques(model, frames, acting, at, rates, given, loads, actuated), given
     else:
-        drive = given
-        state = at, rates, drive + acting, *loads
-        if model.loops:
-            second = definite_accelerations("reactions", model, frames, *state)
-        else:
-            second = fetch(model, ("forward_dynamics",), Option(wrench_frames=frames))(*state)
+        drive, second = given, _accelerations(model, frames, at, rates, given + acting, loads)
     return _found(model, frames, at, rates, second, drive, acting, loads, reference)
+
+
+def _torques(
+    model: Model,
+    frames: tuple[str, ...],
+    forces: Array,
+    q: Array,
+    qd: Array,
+    qdd: Array,
+    loads: list[Array],
+    actuated: Sequence[str] | None,
+) -> Array:
+    """Torques (..., nv) of the drives that a motion needs besides the forces, of any chain."""
+    if model.loops:
+        motion = q, qd, qdd, *loads
+        return motion_torques("reactions", model, frames, forces, *motion, actuated=actuated)
+    inverse = fetch(model, ("inverse_dynamics",), Option(wrench_frames=frames))
+    return inverse(q, qd, qdd, *loads) - forces
+
+
+def _accelerations(
+    model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, loads: list[Array]
+) -> Array:
+    """Accelerations (..., nv) that torques and forces cause, of any chain."""
+    if model.loops:
+        return definite_accelerations("reactions", model, frames, q, qd, tau, *loads)
+    forward = fetch(model, ("forward_dynamics",), Option(wrench_frames=frames))
+    return forward(q, qd, tau, *loads)
 
 
 def _found(
@@ -197,6 +214,8 @@ def _found(
     loads: list[Array],
     reference: str,
 ) -> Reactions:
+    """The reactions of a motion and the torques that go with it."""
+
     def wrenches_in(axes: str) -> Array:
         kernel = fetch(model, ("closed_wrenches",), Option(reference=axes, wrench_frames=frames))
         return kernel(q, qd, qdd, multipliers, *loads)
