@@ -26,7 +26,7 @@ import pinocchio as pin
 import freebody as fb
 from common import seconds
 from freebody.model.model import Model
-from freebody.trees.passive_joints import all_driven
+from freebody.trees.special_joints import all_driven
 
 BATCH, LOOP, SAMPLES = 4096, 256, 1000
 ROBOTS = ("four_bar", "five_bar", "stewart")

@@ -11,7 +11,7 @@ import freebody as fb
 from freebody.algorithms.closed_form_inverse.quartic import zeros
 from freebody.algorithms.closed_form_inverse.solve import branches
 from freebody.errors import FreebodyError
-from freebody.inverse import by_closed_form
+from freebody.inverse.ways import by_closed_form
 from support.arms import apart, arm, direction, meeting, parallel, skew
 from support.exported import passes, require
 

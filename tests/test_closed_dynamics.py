@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody.any_chain.reactions import balance
 from freebody.errors import SingularError
 from freebody.model.model import Model
-from freebody.trees.newton_euler_residuals import balance
 from support.helpers import FIRST, STEPS, close, numbers
 
 ALL = (

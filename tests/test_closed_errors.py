@@ -17,7 +17,7 @@ from freebody.errors import (
     UnknownNameError,
 )
 from freebody.model.model import Model
-from freebody.trees.passive_joints import all_driven
+from freebody.trees.special_joints import all_driven
 from support.helpers import close, refused
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")

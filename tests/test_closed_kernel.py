@@ -14,7 +14,7 @@ from freebody.kernels import lookup, structural
 from freebody.loops.independent_equations import partition
 from freebody.loops.scaled_equations import rate_scale, row_scale
 from freebody.model.model import Model
-from freebody.trees.passive_joints import all_driven
+from freebody.trees.special_joints import all_driven
 from support.helpers import close, numbers
 
 CLOSED = [

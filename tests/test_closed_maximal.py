@@ -10,7 +10,7 @@ import pytest
 
 import freebody as fb
 from freebody.model.model import Model
-from freebody.trees.passive_joints import all_driven
+from freebody.trees.special_joints import all_driven
 from support.closed_chains import GROUND, Mechanism, Pin, built, drives, homogeneous, moving
 from support.generate import random_inertia
 from support.helpers import close, numbers

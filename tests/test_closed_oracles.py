@@ -11,7 +11,7 @@ import pytest
 
 import freebody as fb
 from freebody.model.model import Model
-from freebody.trees.passive_joints import all_driven
+from freebody.trees.special_joints import all_driven
 from support.extras import extra
 from support.helpers import close, numbers
 

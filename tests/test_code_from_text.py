@@ -60,7 +60,6 @@ KNOWN = {
     ("sweeps/run.py", "pickle"): "a sweep from the process that called it, through Dask, which "
     "pickles what it sends in the same way",
     ("model/edits.py", "setattr"): "constant names, when the module is imported",
-    ("kernels/closed_chains.py", "import_module"): "modules of the table that stands there",
     ("freebody_notes/contents.py", "import_module"): "the parts that contents.toml lists",
     (
         "targets/llvm/machine.py",

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.kernels.options import chosen_option
+from freebody.any_chain.kernel_options import chosen_option
 from freebody.kernels.tracing import program
 from freebody.targets import KernelError
 from freebody.targets.llvm import cpu, machine

@@ -19,10 +19,9 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody.any_chain.kernel_options import chosen_option
 from freebody.elementary import FUNCTIONS
 from freebody.kernels.formulas import FORMULAS
-from freebody.kernels.options import chosen_option
-from freebody.kernels.self_test_samples import vectors
 from freebody.kernels.tracing import program
 from freebody.program import Argument, Program, trace
 from freebody.scalars.operations import OPERATIONS
@@ -43,6 +42,7 @@ from freebody.targets.cuda.parts import (
 )
 from freebody.targets.llvm.machine import host
 from freebody.targets.text import Unit, cuda
+from freebody.ways_out.self_test_samples import vectors
 from support import gpu
 from support.extras import extra
 from support.real_files import ROBOTS

@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.inverse.descent_kernel import descend_by_kernel, descent_kernel
-from freebody.inverse.numerical_solver import NumericalSolver
-from freebody.inverse.task import Task
+from freebody.inverse.problem.numerical_solver import (
+    NumericalSolver,
+    descend_by_kernel,
+    descent_kernel,
+)
+from freebody.inverse.problem.task import Task
 
 
 def by_matrices(solver):

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.kernels import differentials
-from freebody.kernels.differentials import Differentiable, length, of_quantities
-from freebody.kernels.kernel_or_quantities import asked
 from freebody.program.derivative import applied, applied_back, directional, jacobian
 from freebody.program.evaluate import evaluated
 from freebody.targets import compile_program
+from freebody.ways_out import differentials
+from freebody.ways_out.differentials import Differentiable, length, of_quantities
+from freebody.ways_out.kernel_or_quantities import asked
 
 STEP = 1e-30
 

@@ -27,13 +27,13 @@ import freebody as fb
 from freebody.cli.app import app, run
 from freebody.elementary import epsilon, less, less_equal, maximum, minimum, sign, sin, sqrt, where
 from freebody.kernels.formulas import FORMULAS
-from freebody.kernels.self_test_samples import vectors
 from freebody.program import Argument, Program, trace
 from freebody.scalars.expr import Expr
 from freebody.scalars.operations import OPERATIONS
 from freebody.targets.text import LANGUAGES, Unit
 from freebody.targets.text.language import called
 from freebody.targets.text.statements import Spelling, lines, statements, words_of
+from freebody.ways_out.self_test_samples import vectors
 from support.browser import browser
 from support.closed_chains import built, ring
 from support.exported import NEEDS, TOOL, passes, require, self_test

@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody.any_chain.reactions import Reactions
 from freebody.errors import MissingValueError
 from freebody.kernels.formulas import Option
 from freebody.kernels.inputs import InputKernel
 from freebody.kernels.structural import fetch
-from freebody.loops.reactions import Reactions
 from freebody.model.families import FamilyError
 from freebody.model.quantity_reader import VALUES
 from freebody.targets.llvm import fastcall

@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.kernels import differentials
-from freebody.kernels.differentials import Differentiable
 from freebody.targets.xla import operation as xla
 from freebody.targets.xla.batch_axes import arranged
+from freebody.ways_out import differentials
+from freebody.ways_out.differentials import Differentiable
 from support.extras import extra
 from support.real_files import ROBOTS
 

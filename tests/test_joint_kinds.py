@@ -14,7 +14,7 @@ import pytest
 import freebody as fb
 from freebody.expressions.polynomials.symbols import symbols
 from freebody.figures.snapshot import clear_pose
-from freebody.inverse.solutions import turning_coordinates
+from freebody.inverse.problem.solutions import turning_coordinates
 from freebody.model.build import build_model
 from freebody.model.description import Joint, Limits, Link, Mimic, RobotDescription
 from freebody.model.gravity import gravity_of

@@ -8,15 +8,15 @@ import pytest
 
 import freebody as fb
 from freebody.errors import SingularError
-from freebody.trees import massless_joints
+from freebody.trees import special_joints
 from support import generate
 
 
 def in_full(model: fb.Model, monkeypatch: pytest.MonkeyPatch) -> tuple[str, ...]:
     """The verdict without the quick one."""
     with monkeypatch.context() as patch:
-        patch.setattr(massless_joints, "_all_sound", lambda model: False)
-        return massless_joints.massless(fb.Model(**model.__getstate__()))
+        patch.setattr(special_joints, "_all_sound", lambda model: False)
+        return special_joints.massless(fb.Model(**model.__getstate__()))
 
 
 def arm(rng: np.random.Generator) -> fb.Model:
@@ -52,9 +52,9 @@ def test_the_quick_verdict_is_never_kinder(monkeypatch):
     for _ in range(150):
         model = arm(rng)
         found = in_full(model, monkeypatch)
-        sure += massless_joints._all_sound(model)
+        sure += special_joints._all_sound(model)
         idle += found != ()
-        assert massless_joints.massless(model) == found
+        assert special_joints.massless(model) == found
     assert sure > 20
     assert idle > 20
 
@@ -62,7 +62,7 @@ def test_the_quick_verdict_is_never_kinder(monkeypatch):
 @pytest.mark.parametrize("seed", range(12))
 def test_random_trees_have_the_same_verdict(seed: int, monkeypatch):
     model = generate.model(seed, 2 + seed % 2)
-    assert massless_joints.massless(model) == in_full(model, monkeypatch)
+    assert special_joints.massless(model) == in_full(model, monkeypatch)
 
 
 def test_a_negative_mass_is_looked_at_in_full():
@@ -73,14 +73,14 @@ def test_a_negative_mass_is_looked_at_in_full():
         {"a": 0.5, "m": -0.4, "com": (-0.5, 0.0, 0.0), "I": spin},
     ]
     model = fb.dh(rows, convention="standard", physical="ignore")
-    assert massless_joints.massless(model) == ("joint1",)
+    assert special_joints.massless(model) == ("joint1",)
 
 
 def test_a_rotor_that_takes_the_inertia_away_is_seen():
     spin = (0.1, 0.0, 0.0, 0.1, 0.0, 0.1)
     rows = [{"a": 0.5, "m": 2.0, "com": (-0.5, 0.0, 0.0), "I": spin, "rotor": -0.1}]
     model = fb.dh(rows, convention="standard", physical="ignore")
-    assert massless_joints.massless(model) == ("joint1",)
+    assert special_joints.massless(model) == ("joint1",)
 
 
 def test_a_new_payload_is_no_reason_to_lower_the_tree(monkeypatch):
@@ -91,7 +91,7 @@ def test_a_new_payload_is_no_reason_to_lower_the_tree(monkeypatch):
     def never(*args: object) -> None:
         raise AssertionError
 
-    monkeypatch.setattr(massless_joints, "lower", never)
+    monkeypatch.setattr(special_joints, "lower", never)
     loaded = model.with_payload(mass=2.0)
     tau = fb.inverse_dynamics(loaded, q, q, np.ones(6))
     np.testing.assert_allclose(fb.forward_dynamics(loaded, q, q, tau), np.ones(6), rtol=1e-9)

@@ -18,7 +18,7 @@ from freebody.errors import (
     UnknownNameError,
 )
 from freebody.model.model import Model
-from freebody.trees import massless_joints
+from freebody.trees import special_joints
 from support import generate
 
 
@@ -473,7 +473,7 @@ def test_tip_wrench():
 def test_a_new_payload_is_seen_to_move_inertia_without_the_mass_matrix(monkeypatch):
     """In a loop over payloads this would take fifty times what the forward dynamics take."""
     arm, q = fb.load("ur5e"), 0.3 * np.ones(6)
-    monkeypatch.setattr(massless_joints, "crba", None)
+    monkeypatch.setattr(special_joints, "crba", None)
     heavy = arm.with_payload(3.0).bind({"forearm_link.mass": 2.5})
     qdd = fb.forward_dynamics(heavy, q, q, q)
     assert fb.inverse_dynamics(heavy, q, q, qdd) == pytest.approx(q, abs=1e-11)
@@ -498,14 +498,14 @@ def test_a_new_payload_is_seen_to_move_inertia_without_the_mass_matrix(monkeypat
 def test_what_bodies_weigh_alone_finds_no_robot_sound_that_is_not(model, usual, monkeypatch):
     """From a usual link to none the verdict is that of the mass matrix, whatever was seen without
     it."""
-    assert massless_joints._all_sound(model)
+    assert special_joints._all_sound(model)
     for link in usual:
         for size in (*10.0 ** -np.arange(0.0, 25.0, 2.0), 0.0):
             less = model.bind({name: size * value for name, value in link.items()})
-            alone = massless_joints._all_sound(less)
+            alone = special_joints._all_sound(less)
             with monkeypatch.context() as without:
-                without.setattr(massless_joints, "_all_sound", lambda _: False)
-                names = massless_joints.massless(less)
+                without.setattr(special_joints, "_all_sound", lambda _: False)
+                names = special_joints.massless(less)
             assert not (alone and names), (link, size, names)
         assert not alone
 

@@ -90,7 +90,7 @@ def test_a_call_that_is_laid_out_otherwise_is_an_error():
 @pytest.fixture
 def another_interface(monkeypatch):
     known = xla.Interface(None, "XLA's interface to compiled functions has version 1.0, known is 0")
-    monkeypatch.setattr("freebody.kernels.in_jax.interface", lambda: known)
+    monkeypatch.setattr("freebody.ways_out.in_jax.interface", lambda: known)
     monkeypatch.setattr(xla, "interface", lambda: known)
 
 

@@ -69,14 +69,13 @@ AREAS = (
     Area(
         "ways out",
         ("targets/text/*.py", "targets/xla/*.py", "targets/cuda/*.py", "targets/in_torch.py",
-         "kernels/exports.py", "kernels/in_jax.py", "kernels/jax*.py", "kernels/program_*.py",
-         "kernels/self_test_samples.py"),
+         "ways_out/*.py"),
         ("exports", "export_names", "jax", "xla", "cuda"),
     ),
     Area(
         "public functions",
-        ("trees/*.py", "arrays.py", "labels.py", "errors.py", "values.py", "lazy.py", "locks.py",
-         "identifiers.py"),
+        ("trees/*.py", "any_chain/dynamics.py", "arrays.py", "labels.py", "errors.py", "values.py",
+         "lazy.py", "locks.py", "identifiers.py"),
         ("arguments", "labelled", "input", "values", "fastcall", "states", "operational",
          "base_parameters", "passive", "massless", "memory", "forks_and_interrupts", "warnings"),
     ),
@@ -89,7 +88,7 @@ AREAS = (
     ),
     Area(
         "inverse and reach",
-        ("inverse/*.py", "reach/*.py", "algorithms/closed_form_inverse/*.py"),
+        ("inverse/**/*.py", "reach/*.py", "algorithms/closed_form_inverse/*.py"),
         ("inverse_kinematics", "inverse_velocity", "singularities", "descent_kernel", "branches",
          "calibrated_arms", "dexterity", "payload_map", "workspace", "reach_diagrams"),
     ),
@@ -109,7 +108,7 @@ AREAS = (
         "closed chains",
         ("loops/**/*.py", "model/loop_kinds.py", "model/loops.py", "motion/closed_chain*.py",
          "motion/simulation/first_order_system.py",
-         "trees/newton_euler_residuals.py"),
+         "any_chain/reactions.py"),
         ("closed_*", "dyads", "simulate"),
     ),
     Area(

@@ -1,6 +1,11 @@
 """Written by tools/stub.py from the table in __init__.py: what type checkers read of it."""
 
 from . import math as math
+from freebody.any_chain.dynamics import forward_dynamics as forward_dynamics
+from freebody.any_chain.dynamics import inverse_dynamics as inverse_dynamics
+from freebody.any_chain.dynamics import joint_wrenches as joint_wrenches
+from freebody.any_chain.dynamics import static_torque as static_torque
+from freebody.any_chain.reactions import reactions as reactions
 from freebody.errors import FreebodyError as FreebodyError
 from freebody.errors import FreebodyWarning as FreebodyWarning
 from freebody.errors import LoopError as LoopError
@@ -18,20 +23,13 @@ from freebody.inverse.kinematics import inverse_kinematics as inverse_kinematics
 from freebody.inverse.rates import inverse_acceleration as inverse_acceleration
 from freebody.inverse.rates import inverse_velocity as inverse_velocity
 from freebody.inverse.singularities import singularities as singularities
-from freebody.kernels.exports import export as export
-from freebody.kernels.exports import source as source
-from freebody.kernels.in_jax import to_jax as to_jax
-from freebody.kernels.in_torch import to_torch as to_torch
-from freebody.kernels.lookup import kernel as kernel
 from freebody.kernels.own_functions import compile as compile
-from freebody.kernels.scalar_formulas import formula as formula
 from freebody.loops.assembly import assemble as assemble
 from freebody.loops.assembly import assembly_modes as assembly_modes
 from freebody.loops.input_output import input_output as input_output
 from freebody.loops.mobility import mobility as mobility
 from freebody.loops.rates import loop_acceleration as loop_acceleration
 from freebody.loops.rates import loop_velocity as loop_velocity
-from freebody.loops.reactions import reactions as reactions
 from freebody.loops.singularity_loci import singularity_loci as singularity_loci
 from freebody.model.description import Drive as Drive
 from freebody.model.description import Limits as Limits
@@ -69,8 +67,6 @@ from freebody.report.study import study as study
 from freebody.robots import models as models
 from freebody.sweeps.samples import samples as samples
 from freebody.sweeps.sweep import sweep as sweep
-from freebody.trees.attitude import quat_wxyz as quat_wxyz
-from freebody.trees.attitude import rotation as rotation
 from freebody.trees.base_parameters import base_parameters as base_parameters
 from freebody.trees.controllers import admittance as admittance
 from freebody.trees.controllers import computed_torque as computed_torque
@@ -80,20 +76,16 @@ from freebody.trees.controllers import operational_space_control as operational_
 from freebody.trees.controllers import pd_gravity as pd_gravity
 from freebody.trees.dynamics import bias as bias
 from freebody.trees.dynamics import coriolis_matrix as coriolis_matrix
-from freebody.trees.dynamics import forward_dynamics as forward_dynamics
 from freebody.trees.dynamics import forward_dynamics_derivatives as forward_dynamics_derivatives
 from freebody.trees.dynamics import gravity_torque as gravity_torque
-from freebody.trees.dynamics import inverse_dynamics as inverse_dynamics
 from freebody.trees.dynamics import inverse_dynamics_derivatives as inverse_dynamics_derivatives
 from freebody.trees.dynamics import (
     inverse_dynamics_second_derivatives as inverse_dynamics_second_derivatives,
 )
-from freebody.trees.dynamics import joint_wrenches as joint_wrenches
 from freebody.trees.dynamics import kinetic_energy as kinetic_energy
 from freebody.trees.dynamics import mass_matrix as mass_matrix
 from freebody.trees.dynamics import momentum as momentum
 from freebody.trees.dynamics import potential_energy as potential_energy
-from freebody.trees.dynamics import static_torque as static_torque
 from freebody.trees.dynamics import tip_wrench as tip_wrench
 from freebody.trees.kinematics import acceleration as acceleration
 from freebody.trees.kinematics import center_of_mass as center_of_mass
@@ -119,7 +111,15 @@ from freebody.trees.operational_space import regressor as regressor
 from freebody.trees.states import difference as difference
 from freebody.trees.states import integrate as integrate
 from freebody.trees.states import neutral as neutral
+from freebody.trees.states import quat_wxyz as quat_wxyz
 from freebody.trees.states import random_state as random_state
+from freebody.trees.states import rotation as rotation
+from freebody.ways_out.exports import export as export
+from freebody.ways_out.exports import source as source
+from freebody.ways_out.in_jax import to_jax as to_jax
+from freebody.ways_out.in_torch import to_torch as to_torch
+from freebody.ways_out.kernel import kernel as kernel
+from freebody.ways_out.scalar_formulas import formula as formula
 from freebody_notes.figures.catalogue import notes_figure as notes_figure
 from freebody_textbook.check.check import check as check
 from freebody_textbook.closed_chains.loops import loop_equations as loop_equations

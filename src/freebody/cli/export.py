@@ -91,7 +91,7 @@ def export(
     The folder's README.txt has the command that compiles and runs the self-test.
     """
     with terminal.progress("reading") as progress:
-        from freebody.kernels.exports import export as write
+        from freebody.ways_out.exports import export as write
 
         model = robot.load()
         progress(f"writing {language}", 0.3)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 def programs(model: Model, quantity: str) -> Iterator[str]:
     """A heading and the listing for each stage of a quantity's program."""
-    from freebody.kernels.options import chosen_option
+    from freebody.any_chain.kernel_options import chosen_option
     from freebody.kernels.tracing import program
     from freebody.program.passes import PASSES
 

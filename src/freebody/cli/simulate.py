@@ -187,8 +187,8 @@ def _torque(
     times = _times(*course)
     if torque == "zero":
         return times, None, None
-    from freebody.kernels.lookup import kernel
     from freebody.trees.controllers import default_pd_gains, pd_gravity
+    from freebody.ways_out.kernel import kernel
 
     goal, kp, kd = law
     aim = q if goal is None else _vector("--goal", goal, model.nq, model)

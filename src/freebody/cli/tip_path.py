@@ -74,7 +74,7 @@ class TipPathOptions:
 
     def _refuse_idle_pose(self, model: Model) -> None:
         """Refuse an orientation of which the task counts nothing."""
-        from freebody.inverse.task import rows_of
+        from freebody.inverse.problem.task import rows_of
         from freebody.motion.planning.tip_motions import REACHABLE
 
         if self.pose is None or self._task in (None, REACHABLE):

@@ -14,6 +14,7 @@ from itertools import count
 import numpy as np
 
 from freebody.algorithms.rnea import Recursion, rnea
+from freebody.any_chain.dynamics import joint_wrenches
 from freebody.arrays import Array
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Expression
@@ -22,7 +23,6 @@ from freebody.figures.skeleton import BodyPlace, Skeleton, extent
 from freebody.figures.text import label
 from freebody.model.joints import JointKind
 from freebody.model.model import Model
-from freebody.trees.dynamics import joint_wrenches
 from freebody.trees.public_calls import Wrenches, wrenches_by_frame
 
 NOISE = 1e-9

@@ -8,6 +8,7 @@ from os import PathLike
 
 import numpy as np
 
+from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
 from freebody.expressions.notations.notation import BookNotation
 from freebody.figures.body_loads import NOISE, BodyLoads
@@ -19,7 +20,6 @@ from freebody.figures.snapshot import Snapshot, resting_pose, snapshot, with_val
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
 from freebody.outputs.numbers import significant
-from freebody.trees.dynamics import inverse_dynamics
 from freebody.trees.public_calls import Vector, Wrenches
 
 PANEL, TALLEST = 430.0, 400.0

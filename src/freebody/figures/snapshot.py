@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import root
 
+from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.arrays import Array
 from freebody.errors import warn
 from freebody.expressions.naming import Naming
@@ -27,7 +28,7 @@ from freebody.loops.rates import loop_acceleration, loop_velocity
 from freebody.model.model import Model
 from freebody.model.parameter_formulas import followed
 from freebody.model.parameters import Parameter, with_parameters
-from freebody.trees.dynamics import inverse_dynamics, mass_matrix
+from freebody.trees.dynamics import mass_matrix
 from freebody.trees.kinematics import acceleration, velocity
 from freebody.trees.public_calls import Wrenches, single_vector
 from freebody.trees.states import integrate, neutral

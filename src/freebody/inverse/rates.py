@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from freebody.algorithms.screws import arm_length
 from freebody.arrays import Array, as_floats, at_sample, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, SingularError, warn
-from freebody.inverse.task import combined_rates, row_names, rows_of
+from freebody.inverse.problem.task import combined_rates, row_names, rows_of
 from freebody.kernels.formulas import Option
 from freebody.labels import aligned, labels_of
 from freebody.model.model import Model
@@ -36,19 +36,37 @@ def inverse_velocity(
     task: str | Sequence[str] | None = None,
     damping: float | None = None,
 ) -> Array:
-    """Joint rates q̇ (..., nv) with J q̇ = V (2.25).
+    """Joint rates q̇ with J q̇ = V (2.25); of more joints than rows those of least norm.
 
-    q: (..., nq). V: velocity of the frame, linear (m/s) then angular (rad/s), world axes: (..., r)
-    for the r rows of the task, or (..., 6), (..., 3) in the plane, of which those rows are taken.
-    task: "position", "orientation", "pose" or rows by name; default by the length of V: dim entries
-    are a position's, all rows a pose's. So a planar 2R takes (ẋ, ẏ), the rows that make its J
-    square. frame: default the tip.
+    Parameters
+    ----------
+    model : Model
+        An open chain.
+    q : (..., nq)
+        Positions, rad and m.
+    V : (..., r)
+        Velocity of the frame, linear (m/s) then angular (rad/s), world axes: for the r rows of the
+        task, or (..., 6), (..., 3) in the plane, of which those rows are taken.
+    frame : str, optional
+        Name, default the tip.
+    task : str or names of rows, optional
+        "position", "orientation", "pose" or rows by name; default by the length of V: dim entries
+        are a position's, all rows a pose's. So a planar 2R takes (ẋ, ẏ), the rows that make its J
+        square. More rows than joints are refused.
+    damping : float, optional
+        A singular value of J (> 0, lengths over the arm's, such as 0.05): singular values below it
+        are damped, q̇ is exact elsewhere, and a FreebodyWarning says how far off V is (Nakamura and
+        Hanafusa 1986; Chiaverini 1997).
 
-    With more joints than rows the q̇ of least norm; with fewer it is refused. Raises SingularError
-    where J loses rank, saying which direction is lost, unless `damping` is given (> 0, a singular
-    value of J with lengths over the arm's, such as 0.05): then singular values below it are damped,
-    q̇ is exact elsewhere, and a FreebodyWarning says how far off V is (Nakamura and Hanafusa 1986;
-    Chiaverini 1997).
+    Returns
+    -------
+    (..., nv)
+        rad/s and m/s.
+
+    Raises
+    ------
+    SingularError
+        J loses rank, with the direction that is lost, unless `damping` is given.
     """
     require_one("inverse_velocity", model)
     model.require_tree("inverse_velocity", "fb.input_output(model, q).J")
@@ -64,10 +82,26 @@ def inverse_acceleration(
     task: str | Sequence[str] | None = None,
     damping: float | None = None,
 ) -> Array:
-    """Joint accelerations q̈ (..., nv) with J q̈ + J̇ q̇ = A (2.26).
+    """Joint accelerations q̈ with J q̈ + J̇ q̇ = A (2.26).
 
-    qd: (..., nv). A: acceleration of the frame, the time derivative of its velocity (m/s², rad/s²).
-    All else as for `inverse_velocity`.
+    Parameters
+    ----------
+    model, q, frame, task, damping
+        As for `inverse_velocity`.
+    qd : (..., nv)
+        Rates, rad/s and m/s.
+    A : (..., r)
+        Acceleration of the frame, the time derivative of its velocity (m/s², rad/s²), world axes.
+
+    Returns
+    -------
+    (..., nv)
+        rad/s² and m/s².
+
+    Raises
+    ------
+    SingularError
+        As for `inverse_velocity`.
     """
     require_one("inverse_acceleration", model)
     model.require_tree("inverse_acceleration", "fb.input_output(model, q).J")
@@ -121,7 +155,7 @@ def _closer(
     q: Array,
     *others: Array,
 ) -> Array:
-    """The same of samples that are not clear to a kernel; at: of each, for errors."""
+    """Rates of samples that are not clear to a kernel; at: index of each, for errors."""
     name, rows = str(option.frame), list(option.rows)
     J, (*rates, wanted) = jacobian(model, q, name)[..., rows, :], others
     for qd in rates:

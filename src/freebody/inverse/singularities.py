@@ -16,7 +16,7 @@ from freebody.expressions.expression import Expression
 from freebody.expressions.kinematics import Kinematics, kinematics
 from freebody.expressions.polynomials.determinant import columns_of
 from freebody.expressions.singularities import Condition, Determinant, jacobian_determinant
-from freebody.inverse.task import row_names, rows_of
+from freebody.inverse.problem.task import row_names, rows_of
 from freebody.model.model import Model
 from freebody.outputs.display import Titled
 from freebody.trees.kinematics import jacobian, jacobian_derivatives

@@ -1,1 +1,1 @@
-"""What can be computed, as a table of formulas, and the way from a name in it to its kernel."""
+"""A table of formulas that can be computed, and the way from a formula to its kernel."""

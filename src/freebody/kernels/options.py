@@ -1,5 +1,5 @@
-"""Options of `fb.kernel`: checked against the formulas that are asked for, and put together as one
-record."""
+"""Arguments that choose among a formula's variants: names, rows of a frame's motion, and how many
+of these a robot's joints can serve."""
 
 from __future__ import annotations
 
@@ -8,9 +8,6 @@ from typing import Any
 
 from freebody.algorithms.inverse_rates import wrench_rows
 from freebody.errors import FreebodyError, KindError, SingularError, UnknownNameError
-from freebody.kernels.closed_chains import closed_chain_function
-from freebody.kernels.formulas import FORMULAS, Option
-from freebody.kernels.formulas.inverse import known_branches
 from freebody.model.model import Model
 from freebody.outputs.display import counted
 
@@ -22,101 +19,6 @@ def several(function: str, argument: str, given: Any) -> tuple[Any, ...]:
     if not isinstance(given, (list, tuple)):
         raise KindError(function, argument, given, "a name or a list of names")
     return tuple(given)
-
-
-def chosen_option(
-    model: Model,
-    names: str | Sequence[str],
-    *,
-    frame: str | None = None,
-    reference: str = "world",
-    wrench_frames: Sequence[str] = (),
-    rows: Sequence[str] | None = None,
-    function: str = "fb.kernel",
-) -> tuple[tuple[str, ...], Option]:
-    """The names as a tuple and the structure that is meant, checked; arguments as for `kernel`.
-
-    function: what was called, for errors.
-    """
-    listed = several(function, "names", names)
-    for name in listed:
-        if name not in FORMULAS:
-            raise UnknownNameError("quantity", name, function, FORMULAS)
-        if listed.count(name) > 1:
-            raise FreebodyError(f"{function}: the quantity {name!r} is asked for twice.")
-        if FORMULAS[name].chains in ("open", "arm", "square"):
-            model.require_tree(f"{function}: {name}")
-        if FORMULAS[name].chains == "square":
-            require_square(function, model)
-        if FORMULAS[name].chains == "closed" and not model.loops:
-            raise FreebodyError(
-                f"{function}: {name}: {model.name!r} has no loops; add one with "
-                f"model.with_loop(...)."
-            )
-    if not listed:
-        raise FreebodyError(f"{function}: give at least one quantity.")
-    _require_used(
-        function, listed, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows
-    )
-    _require_axes(listed, reference)
-    chosen = motion_rows(model, rows)
-    if any(FORMULAS[name].free_rows for name in listed):
-        require_few_rows(function, model, chosen)
-    option = Option(
-        model.frame(frame).name if any(FORMULAS[name].of_frame for name in listed) else None,
-        reference,
-        tuple(model.frame(f).name for f in wrench_frames),
-        rows=chosen,
-    )
-    if any("redundancy" in FORMULAS[name].inputs for name in listed):
-        option = option._replace(redundant=known_branches(model.tree, option).held is not None)
-    return listed, _near_home(function, model, listed, option) if model.loops else option
-
-
-def _near_home(function: str, model: Model, listed: tuple[str, ...], option: Option) -> Option:
-    """Of a closed chain's equations and coordinates those that tell all near its home, whatever
-    positions will come."""
-    if any(FORMULAS[name].settled == "equations" for name in listed):
-        option = option._replace(equations=closed_chain_function("counting_equations")(model))
-    for name in listed:
-        settled = FORMULAS[name].settled
-        if settled in ("partition", "loops"):
-            # one by the drives does for what the loops do, too
-            by_drives = settled == "partition" or any(
-                FORMULAS[x].settled == "partition" for x in listed
-            )
-            chosen = closed_chain_function("require_partition")(
-                model, f"{function}: {name}", by_drives
-            )
-            option = option._replace(partition=chosen)
-    return option
-
-
-def _require_used(function: str, listed: Sequence[str], **given: Any) -> None:
-    """Refuse an option that none of the quantities uses."""
-    for name, value in given.items():
-        asked = (
-            value is not None
-            and value != "world"
-            and not (name == "wrench_frames" and not len(value))
-        )
-        if asked and not any(FORMULAS[x].uses(name) for x in listed):
-            used = ", ".join(x for x, formula in FORMULAS.items() if formula.uses(name))
-            raise FreebodyError(
-                f"{function}: {name}={value!r} has no meaning for {', '.join(listed)}; it is for "
-                f"{used}."
-            )
-
-
-def _require_axes(listed: Sequence[str], reference: str) -> None:
-    """Refuse axes that not all of the quantities that have a choice can be given in."""
-    offered = [FORMULAS[name].axes for name in listed if FORMULAS[name].axes]
-    common = (
-        "world",
-        *(x for x in dict.fromkeys(sum(offered, ())) if all(x in axes for axes in offered)),
-    )
-    if reference not in common:
-        raise UnknownNameError("reference", reference, "reference=", common)
 
 
 def motion_row_names(model: Model) -> tuple[str, ...]:

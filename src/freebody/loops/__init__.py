@@ -1,1 +1,1 @@
-"""Closed chains: closing them, their mobility, dynamics and reactions."""
+"""Closed chains: closing them, their mobility, accelerations under forces, drives' torques."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from freebody.algorithms.loop_checks import CLOSED
 from freebody.arrays import Array, at_sample
@@ -13,15 +12,14 @@ from freebody.errors import FreebodyError, LoopError
 from freebody.loops.dyad_decomposition import decomposed
 from freebody.loops.equations import (
     closing,
+    free_coordinates,
     gaps,
     holds,
     homed_at,
+    is_closed,
     require_loops,
     scaled_jacobian,
-    within_tolerance,
 )
-from freebody.loops.named_coordinates import free_coordinates
-from freebody.loops.redundancy import EXACT
 from freebody.loops.scaled_equations import (
     backward,
     every_residual,
@@ -40,14 +38,30 @@ _NEARLY = 0.02  # gap, relative to the length, that rounded numbers may be the r
 
 
 def assemble(model: Model, q: Vector | None = None, free: Sequence[str] | None = None) -> Array:
-    """q (..., nq) near the guess q (default: the model's home) at which every loop is closed, to
-    rounding.
+    """The position near a guess at which every loop is closed, to rounding.
 
-    free: names of the coordinates (`model.velocity_names`) or joints that may move; the others keep
-    the values given. None: all may. Given by name, q may leave out coordinates that may move: those
-    start from the model's home. Where the search from the guess ends with a gap, other starts are
-    tried and the nearest closed position is taken. Raises LoopError with the loop and the gap when
-    none is found. Levenberg-Marquardt on Φ (5.21).
+    Levenberg-Marquardt on Φ (5.21). Where the search from the guess ends with a gap, other starts
+    are tried and the nearest closed position is taken.
+
+    Parameters
+    ----------
+    model : Model
+        A closed chain.
+    q : (..., nq), optional
+        Guess, rad and m; default the model's home. Given by name, it may leave out coordinates that
+        may move: those start from the home.
+    free : names, optional
+        Coordinates (`model.velocity_names`) or joints that may move; the others keep the values
+        given. None: all may.
+
+    Returns
+    -------
+    (..., nq)
+
+    Raises
+    ------
+    LoopError
+        No closed position was found: the loop and its gap.
     """
     require_loops(model, "assemble")
     moving = free_coordinates(model, free, "assemble")
@@ -96,15 +110,31 @@ def _completed(model: Model, q: Vector | None, moving: Sequence[int]) -> Vector:
 def assembly_modes(
     model: Model, q: Vector, free: Sequence[str] | None = None, starts: int | None = None
 ) -> Array:
-    """All closed positions (k, nq) that were found with the fixed coordinates of q (nq,), nearest
-    to q first.
+    """All closed positions that were found with the fixed coordinates of a position, nearest first.
 
-    free: as for `assemble`; the coordinates that differ from mode to mode. Planar mechanisms that
-    come apart into dyads (two unknown joints per loop) are solved in closed form, and these are
-    all. Others by Newton's method from `starts` starts (200) spread over the free coordinates'
-    whole range, so completeness is likely, not proved; where a closed form answers, `starts` is
-    refused. Where the mechanism can move with the fixed coordinates locked, there are infinitely
-    many and FreebodyError is raised.
+    Planar mechanisms that come apart into dyads (two unknown joints per loop) are solved in closed
+    form, and these are all. Others by Newton's method from starts spread over the free coordinates'
+    whole range, so completeness is likely, not proved.
+
+    Parameters
+    ----------
+    model : Model
+        A closed chain.
+    q : (nq,)
+        The fixed coordinates, and where to look first; rad and m.
+    free : names, optional
+        As for `assemble`; the coordinates that differ from mode to mode.
+    starts : int, optional
+        Of the numeric search, default 200; refused where a closed form answers.
+
+    Returns
+    -------
+    (k, nq)
+
+    Raises
+    ------
+    FreebodyError
+        The mechanism can move with the fixed coordinates locked: there are infinitely many.
     """
     require_loops(model, "assembly_modes")
     guess = finite_vector("assembly_modes", model, "q", q)
@@ -136,15 +166,6 @@ def assembly_modes(
                 f"it has infinitely many positions; free fewer coordinates."
             )
     return np.array(modes).reshape(-1, model.nq)
-
-
-# ---------------------------------------------------------------- positions
-def is_closed(model: Model, q: Array, left: Array) -> NDArray[np.bool_]:
-    """(N,): whether every loop is closed at positions q (N, nq), the right way round, where solving
-    has left so much (N,) of the scaled equations."""
-    return (
-        (left < EXACT) & within_tolerance(model, q).all(axis=-1) & ~backward(model, q).any(axis=-1)
-    )
 
 
 def _restarted(

@@ -25,9 +25,9 @@ from freebody.loops.dyads import (
     heading,
     is_turning,
 )
+from freebody.loops.dyads.geometry import side_of
 from freebody.model.model import Model
 from freebody.outputs.numbers import compared
-from freebody.trees.triangle_solutions import side_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,16 +143,10 @@ def _found(
     model: Model, left: set[int], pending: list[Chain], held: str | None
 ) -> list[ConstructionStep] | None:
     """Steps for all coordinates in `left`, or None."""
-    steps: list[ConstructionStep] = []
-    if held is not None:
-        turns = [
-            c
-            for c in pending[0].path
-            if coordinate(model.tree, c) in left and is_turning(model.tree, c)
-        ]
-        if len(turns) > 1:
-            return None
-        steps += [heading(held, turns[0])] if turns else []
+    turns = [] if held is None else _free_turns(model, left, pending[0])
+    if len(turns) > 1:
+        return None
+    steps = [heading(held, turn) for turn in turns] if held is not None else []
     while True:
         for step in steps:
             left -= coordinates(model.tree, step.crossings)
@@ -165,6 +159,12 @@ def _found(
         step, used = chosen
         steps.append(step)
         pending = [c for c in pending if c not in used]
+
+
+def _free_turns(model: Model, left: set[int], chain: Chain) -> list[Crossing]:
+    """The turning joints on the way of a chain whose coordinates are unknown."""
+    tree = model.tree
+    return [c for c in chain.path if coordinate(tree, c) in left and is_turning(tree, c)]
 
 
 def _next(

@@ -14,23 +14,25 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from freebody.algorithms.loop_checks import CLOSED
+from freebody.algorithms.loop_checks import CLOSED, LEFT
 from freebody.arrays import Array, at_sample
-from freebody.errors import FreebodyError, LoopError
+from freebody.errors import FreebodyError, LoopError, UnknownNameError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
-from freebody.loops.closing_solver import Telling, closed_from
-from freebody.loops.rank_deficient import AT_REST, BLURRED
 from freebody.loops.redundancy import (
     EXACT,
     counting_values,
     moves_exactly,
     redundancy,
-    softness,
+    rounding_threshold,
     surely_exact,
 )
 from freebody.loops.scaled_equations import (
+    AT_REST,
+    BLURRED,
+    Telling,
     backward,
+    closed_from,
     every_jacobian,
     every_residual,
     length,
@@ -53,6 +55,31 @@ def require_loops(model: Model, function: str) -> None:
         )
 
 
+def driven_coordinates(
+    function: str, model: Model, actuated: Sequence[str] | None = None
+) -> tuple[int, ...]:
+    """Indices of the driven coordinates: of those named, or the model's own."""
+    return model.driven if actuated is None else tuple(free_coordinates(model, actuated, function))
+
+
+def free_coordinates(model: Model, names: Sequence[str] | None, function: str) -> list[int]:
+    """Indices of the coordinates named, each by itself or through its joint; None is all."""
+    if names is None:
+        return list(range(model.nv))
+    if isinstance(names, str):
+        names = (names,)
+    of_joint = {
+        body.joint.name: list(at.v)
+        for body, at in zip(model.bodies, model.coordinates, strict=True)
+        if body.joint.mimic is None
+    }
+    of_name = {name: [k] for k, name in enumerate(model.velocity_names)} | of_joint
+    for name in names:
+        if name not in of_name:
+            raise UnknownNameError("coordinate", name, f"{function}: {model.name!r}", of_name)
+    return sorted({k for name in names for k in of_name[name]})
+
+
 def _projector(model: Model) -> Telling | None:
     """Φ_q -> P, the combinations that count; None where every equation does."""
     known = redundancy(model)
@@ -60,8 +87,8 @@ def _projector(model: Model) -> Telling | None:
 
 
 def counting(model: Model, q: Array, scaled: Array) -> Array:
-    """Of scaled equations (..., m), or derivatives of them, at q (..., nq) the combinations that
-    count (..., m)."""
+    """Combinations that count (..., m) of scaled equations (..., m), or of derivatives of them, at
+    q (..., nq)."""
     project = _projector(model)
     return (
         scaled
@@ -138,7 +165,7 @@ def holds(model: Model, q: Array, among: NDArray[np.bool_]) -> NDArray[np.bool_]
     """(...): whether what is known of the model's equations holds at those of the positions q
     (..., nq): all that counts is closed, and nothing of it in doubt."""
     found = np.array(among, dtype=bool)
-    if not softness(model):
+    if not rounding_threshold(model):
         return found
     some, known = q[among], redundancy(model)
     phi = np.abs(scaled_residual(model, some))
@@ -181,6 +208,15 @@ def closing(model: Model, q: Array, moving: Sequence[int]) -> tuple[Array, Array
     """(positions (N, nq) as closed as they get from q (N, nq), largest scaled equation left
     (N,))."""
     return closed_from(model, q, moving, _projector(model))
+
+
+# ---------------------------------------------------------------- positions
+def is_closed(model: Model, q: Array, left: Array) -> NDArray[np.bool_]:
+    """(N,): whether every loop is closed at positions q (N, nq), the right way round, where solving
+    has left so much (N,) of the scaled equations."""
+    return (
+        (left < EXACT) & within_tolerance(model, q).all(axis=-1) & ~backward(model, q).any(axis=-1)
+    )
 
 
 def within_tolerance(model: Model, q: Array) -> NDArray[np.bool_]:
@@ -272,3 +308,39 @@ def refuse_inconsistent(function: str, model: Model, left: Array, what: str) -> 
     worst = int(np.argmax(np.abs(left)))
     name = model.loops[loop_of_row(model)[worst]].name
     raise LoopError(f"{function}: loop {name!r} of {model.name!r} {what}.")
+
+
+def require_consistent(
+    function: str,
+    model: Model,
+    q: Array,
+    qd: Array,
+    qdd: Array,
+    problem: str,
+    among: NDArray[np.bool_],
+) -> None:
+    """Refuse accelerations at the samples marked (...) that would open a loop, with a problem that
+    has a place for the sample."""
+    bad = np.argwhere(among & (_left(model, q, qd, qdd) > max(LEFT, redundancy(model).slack)))
+    if len(bad):
+        at = tuple(map(int, bad[0]))
+        q, qd, qdd = (x[at] for x in (q, qd, qdd))
+        refuse_inconsistent(
+            function, model, _missed(model, q, qd, qdd)[0], problem.format(at_sample(at))
+        )
+
+
+def _left(model: Model, q: Array, qd: Array, qdd: Array) -> Array:
+    """(...): the largest equation, scaled to angles, that accelerations leave unsatisfied, relative
+    to its terms."""
+    left, c = _missed(model, q, qd, qdd)
+    size = 1.0 + np.abs(qdd / rate_scale(model)).max(axis=-1, initial=0.0) + np.abs(c).max(axis=-1)
+    return np.abs(left).max(axis=-1) / size
+
+
+def _missed(model: Model, q: Array, qd: Array, qdd: Array) -> tuple[Array, Array]:
+    """(Φ_q q̈ - c, c) (..., m), scaled, as far as they tell."""
+    phi, c = fetch(first_member(model), ("constraint_jacobian", "constraint_bias"), Option())(q, qd)
+    rows = row_scale(model)
+    left = rows * (np.einsum("...mk,...k->...m", phi, qdd) - c)
+    return telling_much(model, q, qd, left), rows * c

@@ -11,20 +11,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from freebody.algorithms.loop_constraints import Counting
 from freebody.algorithms.loop_forces import Partition
 from freebody.arrays import Array
 from freebody.errors import SingularError
-from freebody.loops.assembly import is_closed
-from freebody.loops.equations import closing, scaled_jacobian
-from freebody.loops.mobility import dependent_rows, rank, regular_jacobian
-from freebody.loops.redundancy import redundancy
-from freebody.loops.scaled_equations import mechanism
+from freebody.loops.equations import closing, is_closed, scaled_jacobian
+from freebody.loops.redundancy import EXACT, redundancy
+from freebody.loops.scaled_equations import explored, mechanism, null_space
 from freebody.model.geometry import first_member, geometric_fact
 from freebody.model.model import Model
 from freebody.trees.states import generic_state, home_guess
 
+RANK_WHERE_FOUND = 1e-8
+"""Singular values of the scaled Φ_q, relative to the largest, that count as zero at positions
+found."""
 _SEEDS = 8  # starts from which a closed position is sought where home leads to none
 _REGULAR = 1e-2  # the smallest part, relative to the largest, that a coordinate has of its own
 _NOTHING = 1e-12  # an entry of a scaled Φ_q that is rounding
@@ -46,7 +48,8 @@ def independent_rows(model: Model) -> tuple[int, ...]:
 
 
 def counting_equations(model: Model) -> Counting:
-    """The same, with what rounding of the model's numbers leaves of the others."""
+    """The independent equations, with how far rounding of the model's numbers leaves the others
+    open."""
     return Counting(independent_rows(model), redundancy(model).slack)
 
 
@@ -61,13 +64,6 @@ def _regular(model: Model) -> Array | None:
     return here if rank(here) == len(here) else regular_jacobian(model, at)[0]
 
 
-@geometric_fact
-def idle_coordinates(model: Model) -> tuple[int, ...]:
-    """Coordinates that no loop feels."""
-    regular = _regular(model)
-    return () if regular is None else tuple(np.flatnonzero(~regular.any(axis=0)).tolist())
-
-
 def _anywhere(model: Model) -> Array | None:
     """A closed position (nq,), the same whatever was asked before: home's, else the first found
     from fixed starts."""
@@ -80,6 +76,47 @@ def _anywhere(model: Model) -> Array | None:
     return None
 
 
+def regular_jacobian(model: Model, q: Array) -> tuple[Array, bool]:
+    """(the scaled Φ_q (m, nv) of largest rank at q (nq,) and at positions reached from it, whether
+    any is reached)."""
+    J = scaled_jacobian(model, q)
+
+    def close(start: Array) -> tuple[Array, NDArray[np.bool_]]:
+        found, left = closing(model, start, range(model.nv))
+        return found, left < EXACT
+
+    reached = explored(model, q, null_space(J, RANK_WHERE_FOUND)[0].T, close)
+    return max([J, *(scaled_jacobian(model, p) for p in reached)], key=rank), len(reached) > 0
+
+
+def rank(J: Array) -> int:
+    """Rank of a scaled Φ_q (m, nv)."""
+    s = np.linalg.svd(J, compute_uv=False)
+    return int((s > RANK_WHERE_FOUND * s.max(initial=1e-300)).sum())
+
+
+def dependent_rows(J: Array) -> tuple[int, ...]:
+    """Rows of J (m, n) that are combinations of rows before them."""
+    basis = np.zeros((0, J.shape[1]))
+    found = []
+    for k, row in enumerate(J):
+        rest = row - basis.T @ (basis @ row)
+        rest -= basis.T @ (basis @ rest)
+        size = float(np.linalg.norm(rest))
+        if size <= 1e-7 * max(float(np.linalg.norm(row)), 1e-300):
+            found.append(k)
+        else:
+            basis = np.vstack([basis, rest / size])
+    return tuple(found)
+
+
+@geometric_fact
+def idle_coordinates(model: Model) -> tuple[int, ...]:
+    """Coordinates that no loop feels."""
+    regular = _regular(model)
+    return () if regular is None else tuple(np.flatnonzero(~regular.any(axis=0)).tolist())
+
+
 def partition(model: Model, driven: Sequence[int] | None = None) -> Partition | None:
     """The partition for drives in the coordinates `driven` (default: the model's own).
 
@@ -90,12 +127,12 @@ def partition(model: Model, driven: Sequence[int] | None = None) -> Partition | 
 
 
 def partition_of_loops(model: Model) -> Partition | None:
-    """One for what the loops do, to which drives do not matter; None as of `partition`."""
+    """A partition for what the loops do, to which drives do not matter; None as of `partition`."""
     return partition(model) or partition(model, range(model.nv))
 
 
 def require_partition(model: Model, function: str, by_drives: bool) -> Partition:
-    """The same, for the model's own drives or for the loops alone; SingularError where there is
+    """A partition for the model's own drives or for the loops alone; SingularError where there is
     none."""
     found = partition(model) if by_drives else partition_of_loops(model)
     if found is None:
@@ -138,7 +175,7 @@ def _chosen(model: Model, driven: tuple[int, ...]) -> Partition | None:
 
 
 def _along(columns: Array, chosen: list[int]) -> Array:
-    """Of each column (n, m) the part along those chosen."""
+    """The part of each column (n, m) along those chosen."""
     if not chosen:
         return np.zeros_like(columns)
     units = np.linalg.svd(columns[chosen], full_matrices=False)[2]

@@ -11,10 +11,14 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.kernels.options import motion_rows
-from freebody.loops.equations import require_closed, require_loops, scaled_jacobian, taken_at
-from freebody.loops.named_coordinates import driven_coordinates
-from freebody.loops.rank_deficient import RANK
-from freebody.loops.scaled_equations import length, null_space, rate_scale
+from freebody.loops.equations import (
+    driven_coordinates,
+    require_closed,
+    require_loops,
+    scaled_jacobian,
+    taken_at,
+)
+from freebody.loops.scaled_equations import RANK, length, null_space, rate_scale
 from freebody.model.model import Model
 from freebody.outputs.display import Titled
 from freebody.trees.kinematics import jacobian
@@ -75,12 +79,35 @@ def input_output(
     rows: Sequence[str] | None = None,
     actuated: Sequence[str] | None = None,
 ) -> InputOutput:
-    """J_a and J_b of a parallel robot at the closed position q (nq,).
+    """J_a and J_b of a parallel robot at a closed position: how its tip moves with its driven
+    joints (2.35)-(2.40).
 
-    frame: the tip. rows: of its motion, among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy",
-    "w"), as many as there are driven joints (`actuated`, default those not passive) and degrees of
-    freedom; default the first ones. Raises LoopError, and FreebodyError where the numbers do not
-    match. Source: (2.35)-(2.40); Gosselin, Angeles 1990.
+    Parameters
+    ----------
+    model : Model
+        A closed chain.
+    q : (nq,)
+        Closed position, rad and m.
+    frame : str, optional
+        The tip.
+    rows : names, optional
+        Of its motion, among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy", "w"), as many as
+        there are driven joints and degrees of freedom; default the first ones.
+    actuated : names, optional
+        Driven joints; default those not passive.
+
+    Returns
+    -------
+    InputOutput
+
+    Raises
+    ------
+    LoopError
+        The loops are open at q.
+    FreebodyError
+        The numbers of rows, drives and degrees of freedom do not match.
+
+    Source: Gosselin, Angeles 1990.
     """
     require_loops(model, "input_output")
     at = finite_vector("input_output", model, "q", q)

@@ -5,21 +5,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.loops.closing_solver import explored
-from freebody.loops.equations import closing, require_closed, scaled_jacobian, taken_at
-from freebody.loops.redundancy import EXACT, redundancy
+from freebody.loops.equations import require_closed, scaled_jacobian, taken_at
+from freebody.loops.independent_equations import (
+    RANK_WHERE_FOUND,
+    dependent_rows,
+    rank,
+    regular_jacobian,
+)
+from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled_equations import null_space, row_names
 from freebody.model.model import Model
 from freebody.outputs.display import InWords, counted
 from freebody.trees.public_calls import Vector, finite_vector
 from freebody.values import ByValue
-
-# singular values of the scaled Φ_q, relative to the largest, that count as zero at positions found
-_RANK = 1e-8
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -30,12 +31,12 @@ class Mobility(InWords, ByValue):
     instantaneous: int
     """nv - rank Φ_q at this position: motions that no equation forbids at once."""
     generic: int
-    """The same at nearby positions that can be reached: finite motions."""
+    """nv - rank Φ_q at nearby positions that can be reached: finite motions."""
     gruebler: int
     """nv - number of equations: the count that takes all equations as independent."""
     equations: int
     rank: int
-    """Of Φ_q in general."""
+    """Rank of Φ_q in general."""
     redundant: tuple[str, ...]
     """Equations that follow from those before them, in general: without them the mechanism moves
     the same."""
@@ -100,7 +101,7 @@ def mobility(model: Model, q: Vector) -> Mobility:
         return Mobility(model.name, n, n, n, 0, 0, (), model.velocity_names)
     model = taken_at(model, at)
     require_closed("mobility", model, at)
-    here, _ = null_space(scaled_jacobian(model, at), _RANK)
+    here, _ = null_space(scaled_jacobian(model, at), RANK_WHERE_FOUND)
     regular, moves = regular_jacobian(model, at)
     finite = model.nv - rank(regular) if moves else 0
     names, known = row_names(model), redundancy(model)
@@ -119,40 +120,6 @@ def mobility(model: Model, q: Vector) -> Mobility:
         independent_coordinates(model, here),
         known.misfit,
     )
-
-
-def regular_jacobian(model: Model, q: Array) -> tuple[Array, bool]:
-    """(the scaled Φ_q (m, nv) of largest rank at q (nq,) and at positions reached from it, whether
-    any is reached)."""
-    J = scaled_jacobian(model, q)
-
-    def close(start: Array) -> tuple[Array, NDArray[np.bool_]]:
-        found, left = closing(model, start, range(model.nv))
-        return found, left < EXACT
-
-    reached = explored(model, q, null_space(J, _RANK)[0].T, close)
-    return max([J, *(scaled_jacobian(model, p) for p in reached)], key=rank), len(reached) > 0
-
-
-def rank(J: Array) -> int:
-    """Of a scaled Φ_q (m, nv)."""
-    s = np.linalg.svd(J, compute_uv=False)
-    return int((s > _RANK * s.max(initial=1e-300)).sum())
-
-
-def dependent_rows(J: Array) -> tuple[int, ...]:
-    """Rows of J (m, n) that are combinations of rows before them."""
-    basis = np.zeros((0, J.shape[1]))
-    found = []
-    for k, row in enumerate(J):
-        rest = row - basis.T @ (basis @ row)
-        rest -= basis.T @ (basis @ rest)
-        size = float(np.linalg.norm(rest))
-        if size <= 1e-7 * max(float(np.linalg.norm(row)), 1e-300):
-            found.append(k)
-        else:
-            basis = np.vstack([basis, rest / size])
-    return tuple(found)
 
 
 def independent_coordinates(model: Model, directions: Array) -> tuple[str, ...]:

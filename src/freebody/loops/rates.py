@@ -27,16 +27,32 @@ from freebody.loops.scaled_equations import rate_scale, row_scale
 from freebody.model.model import Model
 from freebody.trees.public_calls import Vector, attempt, common_batch, finite_vector
 
-_LOOSE = 1e-9  # singular values of Φ_q from which coordinates are told by the others
+_LOOSE = 1e-9  # singular values of Φ_q from which coordinates follow from the others
 
 
 def loop_velocity(model: Model, q: Vector, rates: Vector) -> Array:
-    """Rates qd (..., nv) that keep every loop closed at the closed position q (..., nq) (2.35,
-    5.22).
+    """Rates that keep every loop closed at a closed position (2.35, 5.22).
 
-    rates: {coordinate: value} for the independent coordinates, or a whole vector (..., nv), from
-    which the nearest consistent one is taken. Raises LoopError when the values given contradict the
-    loops, FreebodyError when they do not determine the motion.
+    Parameters
+    ----------
+    model : Model
+        A closed chain.
+    q : (..., nq)
+        Closed position, rad and m.
+    rates : {coordinate: value} or (..., nv)
+        Of the independent coordinates, or a whole vector, from which the nearest consistent one is
+        taken; rad/s and m/s.
+
+    Returns
+    -------
+    (..., nv)
+
+    Raises
+    ------
+    LoopError
+        The values given contradict the loops.
+    FreebodyError
+        They do not determine the motion.
     """
     require_loops(model, "loop_velocity")
     found = _attempted("loop_velocity", model, q, rates)
@@ -47,8 +63,26 @@ def loop_velocity(model: Model, q: Vector, rates: Vector) -> Array:
 
 
 def loop_acceleration(model: Model, q: Vector, qd: Vector, accelerations: Vector) -> Array:
-    """Accelerations qdd (..., nv) consistent with the loops at the closed state q, qd (5.28);
-    arguments as for `loop_velocity`."""
+    """Accelerations that keep every loop closed in a closed state (5.28).
+
+    Parameters
+    ----------
+    model : Model
+        A closed chain.
+    q, qd : (..., nq), (..., nv)
+        Closed position, and rates that keep it closed.
+    accelerations : {coordinate: value} or (..., nv)
+        As the rates of `loop_velocity`; rad/s² and m/s².
+
+    Returns
+    -------
+    (..., nv)
+
+    Raises
+    ------
+    LoopError, FreebodyError
+        As for `loop_velocity`.
+    """
     require_loops(model, "loop_acceleration")
     found = _attempted("loop_acceleration", model, q, qd, accelerations)
     if found is not None:
@@ -58,7 +92,7 @@ def loop_acceleration(model: Model, q: Vector, qd: Vector, accelerations: Vector
 
 
 def _attempted(function: str, model: Model, *inputs: Vector) -> Array | None:
-    """What a kernel is sure of, of a whole vector."""
+    """Rates by a kernel where it is sure of them, for a whole vector; else None."""
     chosen = None if isinstance(inputs[-1], Mapping) else partition_of_loops(model)
     if chosen is None:
         return None
@@ -109,10 +143,10 @@ def _by_kernel(
     function: str, model: Model, held: tuple[int, ...] | None, arrays: dict[str, Array]
 ) -> Array:
     """NaN where no fixed choice of equations and coordinates does, or where no loop feels one that
-    is not told."""
+    has no value given."""
     chosen = partition_of_loops(model)
-    told = range(model.nv) if held is None else held
-    if chosen is None or not set(idle_coordinates(model)) <= set(told):
+    valued = range(model.nv) if held is None else held
+    if chosen is None or not set(idle_coordinates(model)) <= set(valued):
         return np.full(arrays["rates"].shape, np.nan)
     option = (
         Option(partition=chosen)
@@ -129,8 +163,8 @@ def _carefully(
     arrays: dict[str, Array],
     samples: NDArray[np.intp],
 ) -> Array:
-    """The same by singular values, of arrays (N, …) which are those samples of a batch; refuses
-    what contradicts the loops, or leaves them free to move."""
+    """Rates by singular values, of arrays (N, …) which are those samples of a batch; refuses what
+    contradicts the loops, or leaves them free to move."""
     q, x = arrays["q"], arrays["rates"]
     right = (
         fetch(model, ("constraint_bias",), Option())(q, arrays["qd"])

@@ -29,12 +29,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array
-from freebody.loops.closing_solver import Closing, closed_from, explored
 from freebody.loops.scaled_equations import (
+    Closing,
     Kept,
     backward,
+    closed_from,
     every_jacobian,
     every_residual,
+    explored,
     largest,
     length,
     mechanism,
@@ -48,9 +50,9 @@ from freebody.model.model import Model
 from freebody.trees.states import generic_state, home_guess, integrate
 
 EXACT = 1e-12
-"""Of scaled equations: what is open by less is closed but for rounding in the computation."""
+"""Scaled equations that are open by less are closed but for rounding in the computation."""
 _ZERO = 1e-9  # singular values, relative to the largest, that rounding in the computation makes
-_SOFT = 8.0  # tolerances: a singular value below moves an eighth of a radian within the tolerance
+_TOLERANCES = 8.0  # a singular value below so many moves an eighth of a radian within one
 _NEAR = 0.3  # rad: how far an exact position may be from one within the tolerance
 _STRIDE, _WAY = 0.1, 0.5  # rad: of the way that shows a motion, each step and the least of all
 _FOLLOWED = 4  # directions in which an exact motion is followed
@@ -62,7 +64,7 @@ _SLACK = 30.0
 
 @dataclass(frozen=True, eq=False)
 class Redundancy:
-    """What of the loop equations counts."""
+    """Which combinations of the loop equations count."""
 
     rank: int | None
     """The number of combinations that count; None where all equations hold together, to rounding in
@@ -74,13 +76,12 @@ class Redundancy:
     """(m, rad): by how much the others were open there, at most."""
     blur: float = 0.0
     """The misfit as an angle: what scaled equations are uncertain by."""
-    soft: float = 0.0
+    threshold: float = 0.0
     """Singular values that rounding of the model's numbers may have made out of zeros are below."""
 
     @property
     def slack(self) -> float:
-        """What rounding of the model's numbers may add to a gap, its rate, a balance, all
-        relative."""
+        """Share that rounding of the model's numbers may add to a gap, its rate, a balance."""
         return _SLACK * self.blur
 
 
@@ -89,11 +90,11 @@ _NONE = Redundancy(None)
 
 @geometric_fact
 def redundancy(model: Model) -> Redundancy:
-    """Of a geometry, near its home; found once."""
-    soft = softness(model)
-    if not soft:
+    """Redundancy of a geometry's equations near its home; found once."""
+    threshold = rounding_threshold(model)
+    if not threshold:
         return _NONE
-    search = _Search(model, soft)
+    search = _Search(model, threshold)
     at = search.start()
     if at is None or search.is_exact(at):
         return _NONE
@@ -102,45 +103,47 @@ def redundancy(model: Model) -> Redundancy:
         return _NONE
     at = max(reached, key=search.regularity)
     _, s, Vt = np.linalg.svd(every_jacobian(model, at))
-    rank = int((s > soft).sum())
+    rank = int((s > threshold).sum())
     # singular values between rounding in the computation and rounding in the file: do they let it
     # move?
-    ways = [search.way(at, Vt[k], rank) for k in np.flatnonzero(_doubtful(s, soft))]
+    ways = [search.way(at, Vt[k], rank) for k in np.flatnonzero(_doubtful(s, threshold))]
     seen = np.concatenate([at[None], *(way for way in ways if way is not None)])
     rank += sum(way is None for way in ways)
-    return _NONE if rank == mechanism(model).constraints else _weighed(model, seen, rank, soft)
+    return _NONE if rank == mechanism(model).constraints else _weighed(model, seen, rank, threshold)
 
 
-def softness(model: Model) -> float:
+def rounding_threshold(model: Model) -> float:
     """Below it a singular value of the scaled Φ_q may be a zero that rounding of the model's
     numbers has changed; 0 where they are to be taken as they stand."""
-    return _SOFT * float(scales(model).tolerance.max(initial=0.0))
+    return _TOLERANCES * float(scales(model).tolerance.max(initial=0.0))
 
 
-def _doubtful(s: Array, soft: float) -> NDArray[np.bool_]:
+def _doubtful(s: Array, threshold: float) -> NDArray[np.bool_]:
     """Which of singular values s (..., k) are neither zero nor clear of rounding."""
-    return (s > _ZERO * s.max(axis=-1, keepdims=True, initial=1e-300)) & (s <= soft)
+    return (s > _ZERO * s.max(axis=-1, keepdims=True, initial=1e-300)) & (s <= threshold)
 
 
 def surely_exact(model: Model, q: Array) -> NDArray[np.bool_]:
     """(...): whether at q (..., nq) all equations are independent, clear of rounding of the model's
     numbers, or all hold to the last digit and no singular value is small without being zero."""
     s = np.asarray(np.linalg.svd(every_jacobian(model, q), compute_uv=False), dtype=np.float64)
-    soft, every = softness(model), mechanism(model).constraints
+    threshold, every = rounding_threshold(model), mechanism(model).constraints
     closed = (np.abs(every_residual(model, q)) <= EXACT).all(axis=-1)
-    return ((s > soft).sum(axis=-1) == every) | (closed & ~_doubtful(s, soft).any(axis=-1))
+    return ((s > threshold).sum(axis=-1) == every) | (
+        closed & ~_doubtful(s, threshold).any(axis=-1)
+    )
 
 
 def moves_exactly(model: Model, q: Array) -> bool:
     """Whether near the position q (nq,) all loops close to the last digit, and no singular value
     leaves in doubt what they hold: there, or where a motion leads with all of them closed."""
-    search = _Search(model, softness(model))
+    search = _Search(model, rounding_threshold(model))
     return search.is_exact(search.exactly(q))
 
 
 def counting_values(known: Redundancy) -> Kept:
-    """Of the singular values of Φ_q as many as the rank that is known, and those that stand clear
-    of rounding besides.
+    """Keep as many of the singular values of Φ_q as the rank that is known, and those that stand
+    clear of rounding besides.
 
     Where a position is found by combinations whose least singular value is s_r, it is uncertain by
     the tolerance over s_r, and further singular values by as much.
@@ -149,13 +152,13 @@ def counting_values(known: Redundancy) -> Kept:
 
     def kept(s: Array) -> NDArray[np.bool_]:
         before = np.concatenate([s[..., :1], s[..., :-1]], axis=-1)
-        clear = s > known.soft * np.maximum(1.0, s[..., :1] / np.maximum(before, 1e-300))
+        clear = s > known.threshold * np.maximum(1.0, s[..., :1] / np.maximum(before, 1e-300))
         return np.logical_and.accumulate(clear | (np.arange(s.shape[-1]) < rank), axis=-1)
 
     return kept
 
 
-def _weighed(model: Model, seen: Array, rank: int, soft: float) -> Redundancy:
+def _weighed(model: Model, seen: Array, rank: int, threshold: float) -> Redundancy:
     """From positions (k, nq) on the mechanism's ways."""
     seen, _ = closed_from(model, seen, range(model.nv), lambda A: telling(A, largest(rank)))
     phi, A = every_residual(model, seen), every_jacobian(model, seen)
@@ -169,16 +172,16 @@ def _weighed(model: Model, seen: Array, rank: int, soft: float) -> Redundancy:
         float(length(model) * most[metres].max(initial=0.0)),
         float(most[~metres].max(initial=0.0)),
     )
-    return Redundancy(rank, _telling_rows(A, rank), misfit, float(most.max()), soft)
+    return Redundancy(rank, _telling_rows(A, rank), misfit, float(most.max()), threshold)
 
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """Positions at which all loops are closed within the tolerance; singular values below `soft`
-    may be rounding."""
+    """Positions at which all loops are closed within the tolerance; singular values below
+    `threshold` may be rounding."""
 
     model: Model
-    soft: float
+    threshold: float
 
     def start(self) -> Array | None:
         """The one nearest to home, of those found from fixed starts."""
@@ -208,7 +211,8 @@ class _Search:
         return found[0] if good[0] and away < _NEAR else q
 
     def is_exact(self, q: Array) -> bool:
-        """See `moves_exactly`."""
+        """Whether all loops close to the last digit at q, or where a motion leads
+        (`moves_exactly`)."""
         model = self.model
         if np.abs(every_residual(model, q)).max(initial=0.0) > EXACT:
             return False
@@ -227,26 +231,27 @@ class _Search:
         """(positions (N, nq) near q at which all that tells holds, whether the rest does within the
         tolerance (N,))."""
         model = self.model
-        kept = largest(rank) if rank is not None else lambda s: s > self.soft
+        kept = largest(rank) if rank is not None else lambda s: s > self.threshold
         q, left = closed_from(model, q, range(model.nv), lambda A: telling(A, kept))
         within = (np.abs(every_residual(model, q)) <= scales(model).tolerance).all(axis=-1)
         return q, within & (left < EXACT) & ~backward(model, q).any(axis=-1)
 
     def closed_exactly(self, q: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """The same with every equation."""
+        """Positions near q at which every equation holds, and whether it does to the last digit
+        (N,)."""
         q, left = closed_from(self.model, q, range(self.model.nv), None)
         return q, (left < EXACT) & ~backward(self.model, q).any(axis=-1)
 
     def neighbours(self, q: Array) -> Array:
         """Positions (k, nq) that a motion within the tolerance leads to from q (nq,)."""
         _, s, Vt = np.linalg.svd(every_jacobian(self.model, q))
-        return explored(self.model, q, Vt[int((s > self.soft).sum()) :], self.closed)
+        return explored(self.model, q, Vt[int((s > self.threshold).sum()) :], self.closed)
 
     def regularity(self, q: Array) -> tuple[int, float]:
         """(how many combinations of equations tell something at q (nq,), how much the last of
         them)."""
         s = np.linalg.svd(every_jacobian(self.model, q), compute_uv=False)
-        clear = s[s > self.soft]
+        clear = s[s > self.threshold]
         return len(clear), float(clear.min(initial=1.0))
 
     def way(self, start: Array, direction: Array, rank: int) -> Array | None:

@@ -1,16 +1,16 @@
 """The loop equations of a model as arrays, every one of them, scaled so that lengths and angles
-compare."""
+compare; by how much they may stay open, and the way onto them by Levenberg-Marquardt."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from freebody.algorithms.kinematics import frame_pose, joint_poses, world_poses
+from freebody.algorithms.kinematics import ancestors, frame_pose, joint_poses, world_poses
 from freebody.algorithms.loop_scales import (
     equations_of_lengths,
     mechanism_length,
@@ -20,7 +20,6 @@ from freebody.algorithms.loop_scales import (
 from freebody.arrays import Array
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
-from freebody.loops.tolerance import tolerance_of_loop
 from freebody.model.bodies import Body
 from freebody.model.contributions import pose_part
 from freebody.model.geometry import first_member, geometric_fact
@@ -30,9 +29,33 @@ from freebody.model.placement import Placement
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Attached, Mass, Pieces, Pose, Tree, tree_of
 from freebody.spatial import Vector, dot, of_dimension, times
-from freebody.trees.states import difference
+from freebody.trees.states import difference, integrate
 
+RANK = 1e-9
+"""Singular values of Φ_q, relative to the largest, that count as zero."""
+BLURRED = 1e-5
+"""Singular values that count as zero for accelerations, in which rounding is divided by the square
+of a singular value."""
+AT_REST = 1e-6
+"""Singular values that count as zero for accelerations of a mechanism at rest, where rounding in
+the computation may change them by 1e-4."""
 _NOTHING = 1e-13  # an equation that holds wherever the mechanism goes
+_OF_LENGTH = 1e-3
+"""How far rounding may open a loop, relative to its size: files print three digits at least."""
+_MOST_OPEN = (1e-3, 1e-3)
+"""(m, rad): files print metres to four digits and angles to three, and a loop adds up a few of
+them."""
+_WAYS = (0.05, 0.13, 0.31)  # rad: how far a neighbourhood is explored
+_MOST_WAYS = 48  # directions, among many at random
+_LONGEST_STEP = 0.6  # rad: the longest step towards closure
+_ITERATIONS = 60
+
+
+@geometric_fact
+def mechanism(model: Model) -> Tree:
+    """The tree of a geometry, without inertias, drives and gravity; names in it may be those of
+    another model."""
+    return tree_of(model, _Places(of_dimension(model.dim), VALUES))
 
 
 class _Places(Pieces):
@@ -51,25 +74,18 @@ class _Places(Pieces):
         return self.space.zero
 
 
-@geometric_fact
-def mechanism(model: Model) -> Tree:
-    """The tree of a geometry, without inertias, drives and gravity; names in it may be those of
-    another model."""
-    return tree_of(model, _Places(of_dimension(model.dim), VALUES))
-
-
 def row_names(model: Model) -> tuple[str, ...]:
     """A name for each loop equation: the loop's, and the component of its reaction."""
     tree = mechanism(model)
     return tuple(
         f"{loop.name}.{part}"
-        for loop, told in zip(model.loops, tree.loops, strict=True)
-        for part in told.closure.row_names(tree.space)
+        for loop, lowered in zip(model.loops, tree.loops, strict=True)
+        for part in lowered.closure.row_names(tree.space)
     )
 
 
 def loop_of_row(model: Model) -> tuple[int, ...]:
-    """For each equation the index of its loop."""
+    """Index of the loop of each equation."""
     tree = mechanism(model)
     return tuple(
         i for i, loop in enumerate(tree.loops) for _ in range(loop.closure.size(tree.space))
@@ -78,8 +94,8 @@ def loop_of_row(model: Model) -> tuple[int, ...]:
 
 @dataclass(frozen=True)
 class Scales:
-    """What makes lengths and angles compare: equations and rates become angles when multiplied by
-    `rows`, divided by `rates`."""
+    """Factors that make lengths and angles compare: equations and rates become angles when
+    multiplied by `rows`, divided by `rates`."""
 
     length: float
     """The mechanism's length (m): the farthest that a joint or frame is placed from the one
@@ -106,7 +122,7 @@ def scales(model: Model) -> Scales:
     for i, loop in enumerate(tree.loops):
         turns = len(loop.closure.turns)
         lengths = loop.closure.size(tree.space) - turns
-        apart, turned = tolerance_of_loop(model, tree, i)
+        apart, turned = _tolerance(model, tree, i)
         tolerance += [apart / reach] * lengths + [turned] * turns
     along = np.array(rates_of_lengths(tree), dtype=bool)
     whole = np.array(repeating(tree), dtype=bool)
@@ -116,18 +132,32 @@ def scales(model: Model) -> Scales:
     )
 
 
+def _tolerance(model: Model, tree: Tree, index: int) -> tuple[float, float]:
+    """(metres, radians): the model's `loop_tolerance`, or its default for a loop of the size that
+    it has in `tree`."""
+    if model.loop_tolerance is not None:
+        return model.loop_tolerance
+    loop = tree.loops[index]
+    first, second = (ancestors(tree, tree.frames[frame][0]) for frame in loop.frames)
+    offsets = [tree.bodies[i].p for i in set(first) ^ set(second)]
+    offsets += [tree.frames[frame][2] for frame in loop.frames] + [(loop.distance,)]
+    size = max(float(np.linalg.norm(np.asarray(p, dtype=float))) for p in offsets)
+    metres, radians = _MOST_OPEN
+    return min(metres, _OF_LENGTH * size), radians
+
+
 def length(model: Model) -> float:
-    """See `Scales`."""
+    """Length of the mechanism (m), see `Scales`."""
     return scales(model).length
 
 
 def row_scale(model: Model) -> Array:
-    """See `Scales`."""
+    """Factors (m,) that make angles of the loop equations."""
     return scales(model).rows
 
 
 def rate_scale(model: Model) -> Array:
-    """See `Scales`."""
+    """Factors (nv,) that make rates of angles: the length for rates in m/s, 1 for angular ones."""
     return scales(model).rates
 
 
@@ -192,3 +222,75 @@ def telling(A: Array, kept: Kept) -> Array:
 def largest(rank: Array | int) -> Kept:
     """The `rank` (...) largest."""
     return lambda s: np.arange(s.shape[-1]) < np.asarray(rank)[..., None]
+
+
+Telling = Callable[[Array], Array]
+"""Φ_q (N, m, nv) -> P (N, m, m): the combinations of the equations that count, see
+`scaled_equations.telling`."""
+Closing = Callable[[Array], tuple[Array, NDArray[np.bool_]]]
+"""q (N, nq) -> (positions near q (N, nq), whether they are closed (N,))."""
+
+
+def closed_from(
+    model: Model, q: Array, moving: Sequence[int], projector: Telling | None
+) -> tuple[Array, Array]:
+    """(positions (N, nq) as closed as they get from q (N, nq), largest scaled equation left
+    (N,))."""
+
+    def at(q: Array) -> tuple[Array, Array]:
+        phi, J = every_residual(model, q), every_jacobian(model, q)
+        if projector is not None:
+            P = projector(J)
+            phi, J = np.einsum("nij,nj->ni", P, phi), P @ J
+        return phi, J[..., list(moving)]
+
+    stretch = rate_scale(model)
+    q = np.array(q)
+    phi, J = at(q)
+    damping = np.full(len(q), 1e-2)
+    for _ in range(_ITERATIONS):
+        size = np.abs(phi).max(axis=-1, initial=0.0)
+        active = np.flatnonzero((size > 1e-15) & (damping < 1e6))
+        if not len(active):
+            break
+        step = _levenberg(
+            J[active], phi[active], damping[active] * np.linalg.norm(phi[active], axis=-1)
+        )
+        full = np.zeros((len(active), model.nv))
+        full[:, list(moving)] = step
+        trial = integrate(model, q[active], full * stretch)
+        left, slope = at(trial)
+        better = np.linalg.norm(left, axis=-1) < np.linalg.norm(phi[active], axis=-1)
+        at_better = active[better]
+        q[at_better], phi[at_better], J[at_better] = trial[better], left[better], slope[better]
+        damping[active] = np.where(
+            better, np.maximum(damping[active] * 0.1, 1e-12), damping[active] * 10.0
+        )
+    return q, np.abs(phi).max(axis=-1, initial=0.0)
+
+
+def _levenberg(J: Array, phi: Array, damping: Array) -> Array:
+    """The step -Jᵀ (J Jᵀ + μ)⁻¹ φ (N, k), no longer than a sensible turn."""
+    U, s, Vt = np.linalg.svd(J, full_matrices=False)
+    floor = 1e-10 * s.max(axis=-1, keepdims=True, initial=1e-300)
+    gain = np.where(s > floor, s / (s * s + damping[:, None]), 0.0)
+    step = -np.einsum("nkj,nk->nj", Vt, gain * np.einsum("nmk,nm->nk", U, phi))
+    longest = np.abs(step).max(axis=-1, initial=0.0)
+    return step * np.minimum(1.0, _LONGEST_STEP / np.maximum(longest, 1e-300))[:, None]
+
+
+def explored(model: Model, q: Array, directions: Array, close: Closing) -> Array:
+    """Closed positions (k, nq) to which finite motions lead from q (nq,): steps along directions
+    (n, nv), scaled, and mixtures of them, that closing does not undo."""
+    n = len(directions)
+    if not n:
+        return np.empty((0, model.nq))
+    ways = np.concatenate([np.eye(n), np.random.default_rng(2).normal(size=(4 * n, n))])[
+        :_MOST_WAYS
+    ]
+    ways /= np.linalg.norm(ways, axis=-1, keepdims=True)
+    ways = np.concatenate([size * sign * ways for size in _WAYS for sign in (1.0, -1.0)])
+    start = np.broadcast_to(q, (len(ways), model.nq))
+    found, good = close(integrate(model, start, ways @ directions * rate_scale(model)))
+    moved = np.linalg.norm(difference(model, start, found) / rate_scale(model), axis=-1)
+    return found[good & (moved > 0.3 * np.linalg.norm(ways, axis=-1))]

@@ -18,9 +18,13 @@ from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.kernels.options import motion_rows
 from freebody.loops.assembly import assemble
-from freebody.loops.equations import require_loops, scaled_jacobian, scaled_residual
+from freebody.loops.equations import (
+    free_coordinates,
+    require_loops,
+    scaled_jacobian,
+    scaled_residual,
+)
 from freebody.loops.independent_equations import independent_rows
-from freebody.loops.named_coordinates import free_coordinates
 from freebody.loops.scaled_equations import backward, length, rate_scale, shortest_way
 from freebody.model.model import Model
 from freebody.outputs.display import Titled, counted
@@ -28,7 +32,7 @@ from freebody.trees.kinematics import jacobian
 from freebody.trees.states import difference, generic_state, integrate, neutral
 from freebody.values import ByValue
 
-Measure = Callable[[Array], Array]
+_Measure = Callable[[Array], Array]
 """A signed number (...) of positions (..., nq), zero where singular."""
 
 _SEEDS = 40
@@ -66,11 +70,29 @@ def singularity_loci(
 ) -> tuple[Locus, ...]:
     """Curves of singular positions of a planar parallel robot, all that random starts lead to.
 
-    kind: "first" (the tip loses a degree of freedom) or "second" (the drives lose control of the
-    tip). frame, rows: of the tip's motion, as for `input_output`. hold: values that coordinates
-    keep, {name: value}, for mechanisms of more than two degrees of freedom: what is left must be a
-    curve. Raises FreebodyError otherwise. Positions of both types are on both; those where curves
-    that were not found otherwise only touch are left out.
+    Positions of both types are on both; those where curves that were not found otherwise only touch
+    are left out.
+
+    Parameters
+    ----------
+    model : Model
+        A closed chain.
+    kind : "first" or "second"
+        "first": the tip loses a degree of freedom; "second": the drives lose control of the tip.
+    frame, rows : optional
+        Of the tip's motion, as for `input_output`.
+    hold : {name: value}, optional
+        Values that coordinates keep (rad, m), for mechanisms of more than two degrees of freedom:
+        what is left must be a curve.
+
+    Returns
+    -------
+    tuple of Locus
+
+    Raises
+    ------
+    FreebodyError
+        What is left is no curve.
     """
     require_loops(model, "singularity_loci")
     if kind not in ("first", "second"):
@@ -145,7 +167,7 @@ class _SingularPositions:
 
     model: Model
     kind: Literal["first", "second"]
-    measure: Measure
+    measure: _Measure
     kept: list[int]
     held: list[int]
     values: Array
@@ -160,7 +182,7 @@ class _SingularPositions:
         return np.concatenate([phi, [float(self.measure(q))], off])
 
     def slope(self, q: Array) -> Array:
-        """Its derivative (m + 1 + h, nv) along scaled rates."""
+        """Derivative (m + 1 + h, nv) of `left` along scaled rates."""
         model, n = self.model, self.model.nv
         steps = _DIFFERENCE * np.concatenate([np.eye(n), -np.eye(n)]) * rate_scale(model)
         values = self.measure(integrate(model, np.broadcast_to(q, (2 * n, model.nq)), steps))

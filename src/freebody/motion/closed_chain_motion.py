@@ -10,13 +10,11 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import LoopError
 from freebody.loops.assembly import assemble
-from freebody.loops.equations import closing, scaled_jacobian
+from freebody.loops.equations import closing, free_coordinates, scaled_jacobian
 from freebody.loops.mobility import mobility
-from freebody.loops.named_coordinates import free_coordinates
-from freebody.loops.rank_deficient import RANK
 from freebody.loops.rates import loop_acceleration, loop_velocity
 from freebody.loops.redundancy import redundancy
-from freebody.loops.scaled_equations import backward, length, null_space, rate_scale
+from freebody.loops.scaled_equations import RANK, backward, length, null_space, rate_scale
 from freebody.model.model import Model
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.piecewise import hermite

@@ -12,7 +12,7 @@ from freebody.algorithms.screws import arm_length
 from freebody.algorithms.singular_values import singular_values
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.inverse.task import row_names, rows_of
+from freebody.inverse.problem.task import row_names, rows_of
 from freebody.kernels.formulas import Option
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted

@@ -10,7 +10,7 @@ import numpy as np
 from freebody.algorithms.singular_values import left_singular_vectors, told
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.inverse.task import row_names, rows_of
+from freebody.inverse.problem.task import row_names, rows_of
 from freebody.kernels.formulas import Option
 from freebody.model.families import FamilyError
 from freebody.model.model import Model

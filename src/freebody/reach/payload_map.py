@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from freebody.any_chain.dynamics import static_torque
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.elementary import Scalar, absolute, less, where
 from freebody.errors import FreebodyError, PassiveJointError
-from freebody.kernels.scalar_formulas import formula
 from freebody.labels import aligned
 from freebody.model.doubts import (
     EFFORTS,
@@ -29,10 +29,10 @@ from freebody.program import Argument, trace
 from freebody.reach.labelled_maps import axes_of, labelled
 from freebody.spatial import dot, of_dimension, times, transposed
 from freebody.targets import Kernel, compile_program
-from freebody.trees.dynamics import static_torque
 from freebody.trees.kinematics import forward_kinematics
 from freebody.trees.public_calls import Vector, finite_vector
 from freebody.values import ByValue
+from freebody.ways_out.scalar_formulas import formula
 
 if TYPE_CHECKING:
     import xarray as xr

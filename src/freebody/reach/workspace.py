@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import ShapeError
-from freebody.inverse.closed_chains import of_closed_chain, still_moves, unmeasured
 from freebody.inverse.kinematics import inverse_kinematics
-from freebody.inverse.numerical_solver import NumericalSolver
-from freebody.inverse.problem import Problem
-from freebody.inverse.task import Task, read_target
+from freebody.inverse.problem.numerical_solver import NumericalSolver
+from freebody.inverse.problem.problem import InverseProblem
+from freebody.inverse.problem.task import Task, read_target
+from freebody.inverse.ways.closed_chains import of_closed_chain, still_moves, unmeasured
 from freebody.model.doubts import RANGES, Doubt, attribute, doubts_used, named, told
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
@@ -218,7 +218,7 @@ def _closed_chain(model: Model, frame: str, task: Task, target: Array) -> Ways:
     ways, distance = np.zeros(len(poses), dtype=int), np.zeros(len(poses))
     for start in range(0, len(poses), _MODES_AT_ONCE):
         part = slice(start, start + _MODES_AT_ONCE)
-        problem = Problem(solver, poses[part], None, "mark", None, 0)
+        problem = InverseProblem(solver, poses[part], None, "mark", None, 0)
         found = of_closed_chain(problem, problem.target.shape[:1], away=unmeasured)
         ways[part] = (found.valid & found.within_limits).sum(axis=-1)
         distance[part], method = found.distance, found.method

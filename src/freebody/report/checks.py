@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from freebody.any_chain.dynamics import forward_dynamics
+from freebody.any_chain.reactions import balance
 from freebody.arrays import Array
 from freebody.errors import SingularError
-from freebody.loops import dynamics as closed
+from freebody.loops import drive_torques as closed
 from freebody.loops.assembly import assemble
 from freebody.loops.equations import gaps, scaled_residual
 from freebody.loops.rates import loop_velocity
@@ -22,9 +24,8 @@ from freebody.motion.simulation.simulate import simulate
 from freebody.outputs.display import counted
 from freebody.report.results import Check, Replay
 from freebody.report.variables import PARTS
-from freebody.trees import dynamics
-from freebody.trees.newton_euler_residuals import balance
-from freebody.trees.passive_joints import all_driven
+from freebody.trees.dynamics import mass_matrix
+from freebody.trees.special_joints import all_driven
 from freebody.trees.states import difference
 
 if TYPE_CHECKING:
@@ -172,10 +173,10 @@ def _forward(model: Model, motion: Motion, data: xr.Dataset) -> Check | None:
     """Forward dynamics of the torques against the accelerations; None where the mass matrix is
     singular."""
     try:
-        back = dynamics.forward_dynamics(all_driven(model), motion.q, motion.qd, data["tau"].values)
+        back = forward_dynamics(all_driven(model), motion.q, motion.qd, data["tau"].values)
     except SingularError:
         return None
-    M = dynamics.mass_matrix(model, motion.q)
+    M = mass_matrix(model, motion.q)
     condition = float(np.linalg.cond(M).max())
     scale = np.abs(np.linalg.solve(M, np.abs(data["tau"].values)[..., None])).max()
     return check(

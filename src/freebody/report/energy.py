@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.arrays import Array
-from freebody.loops import dynamics as closed
+from freebody.loops import drive_torques as closed
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import with_drive
@@ -56,7 +57,7 @@ def _integral(model: Model, motion: Motion, parts: int) -> Array:
     h = np.diff(knots)[:, None] / parts
     starts = knots[:-1, None] + h * np.arange(parts)
     q, qd, qdd = motion.at(starts[..., None] + 0.5 * h[..., None] * (1.0 + _NODES))
-    torques = closed.torques if model.loops else dynamics.inverse_dynamics
+    torques = closed.torques if model.loops else inverse_dynamics
     power = np.sum(torques(model, q, qd, qdd) * qd, axis=-1)
     work = np.concatenate([[0.0], np.cumsum(np.sum(0.5 * h * (power @ _WEIGHTS), axis=-1))])
     return work[np.searchsorted(knots, motion.t)]

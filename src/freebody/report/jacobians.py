@@ -8,8 +8,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.loops.equations import scaled_jacobian
-from freebody.loops.rank_deficient import RANK
-from freebody.loops.scaled_equations import null_space, rate_scale
+from freebody.loops.scaled_equations import RANK, null_space, rate_scale
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
 from freebody.report.results import Singularity

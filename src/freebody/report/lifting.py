@@ -10,9 +10,9 @@ from freebody.algorithms.screws import chain_to
 from freebody.arrays import Array
 from freebody.figures.drawing import Drawing
 from freebody.figures.map_diagram import map_diagram
-from freebody.inverse.closed_form import ClosedFormArm, closed_form_for
 from freebody.inverse.kinematics import inverse_kinematics
-from freebody.inverse.task import Task
+from freebody.inverse.problem.closed_form import ClosedFormArm, closed_form_for
+from freebody.inverse.problem.task import Task
 from freebody.model.doubts import EFFORTS, MASSES, doubts_on
 from freebody.model.model import Model
 from freebody.motion.ranges import ranges

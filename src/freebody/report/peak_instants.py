@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from freebody.any_chain.dynamics import inverse_dynamics, joint_wrenches
 from freebody.arrays import Array
 from freebody.model.model import Model
 from freebody.motion.files.contradictions import GivenRates
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Flags, ranges, with_drive
 from freebody.report.bearings import bearing_loads
-from freebody.trees import dynamics
 from freebody.trees.position_rates import Index
 
 _TOLD = 1e-4  # of the largest at the samples: what is higher between them is worth a sample
@@ -61,9 +61,9 @@ class _Loads:
     def _of(self, q: Array, qd: Array, qdd: Array) -> Array:
         model, shape = self.model, q.shape[:-1]
         q, qd, qdd = (x.reshape(-1, x.shape[-1]) for x in (q, qd, qdd))
-        tau = dynamics.inverse_dynamics(model, q, qd, qdd)
+        tau = inverse_dynamics(model, q, qd, qdd)
         power = np.where(with_drive(model), tau * qd, 0.0)
-        wrenches = dynamics.joint_wrenches(model, q, qd, qdd, reference="child")
+        wrenches = joint_wrenches(model, q, qd, qdd, reference="child")
         force, moment = wrenches[..., : model.dim], wrenches[..., model.dim :]
         bearings = bearing_loads(model, force, moment).values()
         found = [tau, power, power.sum(axis=-1, keepdims=True)]

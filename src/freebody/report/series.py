@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebody.algorithms.kinematics import joint_poses, world_poses
+from freebody.any_chain.dynamics import inverse_dynamics, joint_wrenches, static_torque
 from freebody.arrays import Array
 from freebody.figures.skeleton import mass_and_centre
-from freebody.loops.dynamics import drive_torques
+from freebody.loops.drive_torques import drive_torques
 from freebody.model.doubts import DYNAMIC, attribute, doubts_used
 from freebody.model.model import Model
 from freebody.model.tree import Tree
@@ -83,10 +84,10 @@ def torques(model: Model, motion: Motion) -> Values:
     M = dynamics.mass_matrix(model, q)
     C = dynamics.coriolis_matrix(model, q, qd)
     gravity = dynamics.gravity_torque(model, q)
-    springs = dynamics.static_torque(model.opened, q) - gravity
+    springs = static_torque(model.opened, q) - gravity
     rotors = rotor * qdd
     parts = {
-        "tau": dynamics.inverse_dynamics(model, q, qd, qdd),
+        "tau": inverse_dynamics(model, q, qd, qdd),
         "tau_inertial": np.einsum("tij,tj->ti", M, qdd) - rotors,
         "tau_coriolis": np.einsum("tij,tj->ti", C, qd),
         "tau_gravity": gravity,
@@ -111,8 +112,8 @@ def _coulomb(model: Model, qd: Array) -> Array:
 
 def _reactions(model: Model, motion: Motion) -> Values:
     at, d = (motion.q, motion.qd, motion.qdd), model.dim
-    world = dynamics.joint_wrenches(model, *at, reference="world")
-    child = dynamics.joint_wrenches(model, *at, reference="child")
+    world = joint_wrenches(model, *at, reference="world")
+    child = joint_wrenches(model, *at, reference="child")
     parts = world[..., :d], world[..., d:], child[..., :d], child[..., d:]
     names = "force", "moment", "force_child", "moment_child"
     found = {f"reaction_{name}": part for name, part in zip(names, parts, strict=True)}

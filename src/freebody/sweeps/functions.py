@@ -10,18 +10,18 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from freebody.any_chain.kernel_options import chosen_option
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, KindError, ShapeError, UnknownNameError, listed
 from freebody.kernels.arguments import arguments
 from freebody.kernels.formulas import FORMULAS, INPUTS
 from freebody.kernels.inputs import InputKernel
-from freebody.kernels.lookup import kernel
-from freebody.kernels.options import chosen_option
 from freebody.model.doubts import ALL
 from freebody.model.model import Model
 from freebody.model.numbers import found, known
 from freebody.targets import Kernel
 from freebody.trees.public_calls import finite_vector
+from freebody.ways_out.kernel import kernel
 
 FAILURES = (FreebodyError, ArithmeticError, ValueError)
 """Errors by which a function says that it has no value at a point; any other is a fault of its

@@ -20,8 +20,8 @@ from freebody.trees.public_calls import checked_inputs, refuse_overflow
 
 
 class Look(Protocol):
-    """What a quantity is, found with care: at samples (k,) of its inputs, of a family (k, *family);
-    at: the index of each in the whole batch, for errors."""
+    """Finds a quantity with care: at samples (k,) of its inputs, of a family (k, *family); at: the
+    index of each in the whole batch, for errors."""
 
     def __call__(self, model: Model, option: Option, at: np.ndarray, *inputs: Array) -> Array: ...
 
@@ -33,8 +33,8 @@ Closer = Callable[..., Array | tuple[Array, ...]]
 def looking_closer(
     look: Look, called: Mapping[str, str] = MappingProxyType({})
 ) -> Callable[..., Any]:
-    """What answers instead of `public_calls.careful` for a quantity of one output whose kernel says
-    NaN where it is not sure. called: see `public_calls.checked_inputs`."""
+    """Make the function that answers instead of `public_calls.careful` for a quantity whose kernel
+    says NaN where it is not sure. called: see `public_calls.checked_inputs`."""
 
     def answer(
         key: Any,
@@ -68,8 +68,8 @@ def closer_where_unclear(
     look: Closer,
     result: Any = None,
 ) -> Any:
-    """What a kernel gives; where an output is not finite, at samples of the first `lead` axes, what
-    a closer look gives. named: the kernel's inputs; result: what it has given already."""
+    """Outputs of a kernel; where one is not finite, at samples of the first `lead` axes, those of a
+    closer look. named: the kernel's inputs; result: what it has given already."""
     if result is None:
         result = bound(*named.values())
     outputs = result if isinstance(result, tuple) else (result,)

@@ -35,13 +35,33 @@ _RATE = 10.0  # rad/s
 
 
 def pd_gravity(model: Model, q: Vector, qd: Vector, q_ref: Vector, kp: Vector, kd: Vector) -> Array:
-    """PD control with gravity compensation: tau = g + springs + kp (q_ref ⊖ q) - kd q̇ (..., nv).
+    """PD control with gravity compensation: tau = g + springs + kp (q_ref ⊖ q) - kd q̇.
 
-    q, q_ref: (..., nq), rad or m; qd: (..., nv). kp, kd: (..., nv) or one number for all joints, at
-    least 0 (N m/rad, N m s/rad; N/m, N s/m). q_ref ⊖ q is `fb.difference(model, q, q_ref)`. With kp
-    and kd above 0 the robot comes to rest at q_ref alone. `fb.simulate` and `fb.export` take
-    `fb.kernel(model, "pd_gravity")`. Raises PassiveJointError, FreebodyError for a negative gain,
-    ShapeError, NotFiniteError. Source: Takegaki and Arimoto 1981.
+    With kp and kd above 0 the robot comes to rest at q_ref alone. `fb.simulate` and `fb.export`
+    take `fb.kernel(model, "pd_gravity")`.
+
+    Parameters
+    ----------
+    model : Model
+    q, q_ref : (..., nq)
+        Positions, rad and m; q_ref ⊖ q is `fb.difference(model, q, q_ref)`.
+    qd : (..., nv)
+        Rates, rad/s and m/s.
+    kp, kd : (..., nv) or one number for all joints
+        At least 0; N m/rad, N m s/rad and N/m, N s/m.
+
+    Returns
+    -------
+    (..., nv)
+        N m and N.
+
+    Raises
+    ------
+    PassiveJointError, ShapeError, NotFiniteError
+    FreebodyError
+        A negative gain.
+
+    Source: Takegaki and Arimoto 1981.
     """
     _require_drives("pd_gravity", model)
     gains = [_gain("pd_gravity", model, name, x) for name, x in (("kp", kp), ("kd", kd))]
@@ -58,13 +78,33 @@ def computed_torque(
     kp: Vector,
     kd: Vector,
 ) -> Array:
-    """Computed torque (..., nv), M (q̈_ref + kd ė + kp e) + c + g + friction + springs, so that ë +
-    kd ė + kp e = 0.
+    """Computed torque M (q̈_ref + kd ė + kp e) + c + g + friction + springs, so that ë + kd ė + kp
+    e = 0.
 
-    e = q_ref ⊖ q (`fb.difference(model, q, q_ref)`), ė = qd_ref - qd. q, q_ref: (..., nq); qd,
-    qd_ref, qdd_ref: (..., nv). kp (1/s²), kd (1/s): (..., nv) or one number, at least 0; kd = 2 √kp
-    is critical damping. Coulomb friction is compensated with the sign of q̇. As a kernel:
-    `fb.kernel(model, "computed_torque")`. Raises as `pd_gravity`. Source: Luh, Walker, Paul 1980.
+    e = q_ref ⊖ q (`fb.difference(model, q, q_ref)`), ė = qd_ref - qd. Coulomb friction is
+    compensated with the sign of q̇. As a kernel: `fb.kernel(model, "computed_torque")`.
+
+    Parameters
+    ----------
+    model : Model
+    q, q_ref : (..., nq)
+        Positions, rad and m.
+    qd, qd_ref, qdd_ref : (..., nv)
+        Rates and accelerations.
+    kp, kd : (..., nv) or one number for all joints
+        1/s² and 1/s, at least 0; kd = 2 √kp is critical damping.
+
+    Returns
+    -------
+    (..., nv)
+        N m and N.
+
+    Raises
+    ------
+    PassiveJointError, ShapeError, NotFiniteError, FreebodyError
+        As `pd_gravity` does.
+
+    Source: Luh, Walker, Paul 1980.
     """
     _require_drives("computed_torque", model)
     gains = [_gain("computed_torque", model, name, x) for name, x in (("kp", kp), ("kd", kd))]
@@ -84,16 +124,43 @@ def operational_space_control(
     frame: str | None = None,
     rows: Sequence[str] | None = None,
 ) -> Array:
-    """Torques (..., nv) with which a frame's motion has ë + kd ė + kp e = 0, by inverse dynamics in
+    """Torques with which a frame's motion has ë + kd ė + kp e = 0, by inverse dynamics in
     operational space.
 
-    pose_ref: (..., 4, 4), in the plane (..., 3, 3); V_ref, A_ref: (..., r), of the rows of the
-    frame's motion, m and rad, world axes. kp_task (1/s²), kd_task (1/s): (..., r) or one number, at
-    least 0. e: what the origin lacks, then the rotation vector of the rotation that is missing, at
-    most π. tau_null: (..., nv), N m and N, projected so that it does not accelerate the frame (such
-    as a damping of a redundant arm's joints); None: 0. frame: default the tip. rows: among "vx",
-    "vy", "vz", "wx", "wy", "wz" (plane: "vx", "vy", "w"); default all. Raises SingularError where
-    the frame cannot move along all rows, and as `pd_gravity`. Source: Khatib 1987.
+    e is what the origin lacks, then the rotation vector of the rotation that is missing, at most π.
+
+    Parameters
+    ----------
+    model : Model
+    q, qd : (..., nq), (..., nv)
+        Positions and rates, rad or m and s.
+    pose_ref : (..., 4, 4)
+        Pose of the frame, in the plane (..., 3, 3).
+    V_ref, A_ref : (..., r)
+        Velocity and acceleration, of the rows of the frame's motion, m and rad, world axes.
+    kp_task, kd_task : (..., r) or one number
+        1/s² and 1/s, at least 0.
+    tau_null : (..., nv), optional
+        N m and N, projected so that it does not accelerate the frame (such as a damping of a
+        redundant arm's joints); default 0.
+    frame : str, optional
+        Name, default the tip.
+    rows : names, optional
+        Among "vx", "vy", "vz", "wx", "wy", "wz" (plane: "vx", "vy", "w"); default all.
+
+    Returns
+    -------
+    (..., nv)
+        N m and N.
+
+    Raises
+    ------
+    SingularError
+        The frame cannot move along all rows.
+    PassiveJointError, ShapeError, NotFiniteError, FreebodyError
+        As `pd_gravity` does.
+
+    Source: Khatib 1987.
     """
     function = "operational_space_control"
     _require_drives(function, model)
@@ -221,7 +288,7 @@ def _step(function: str, h: float) -> Array:
 
 
 def _gain(function: str, model: Model, name: str, value: Any) -> Array:
-    """One for each coordinate, none below 0."""
+    """A gain as one number for each coordinate; none may be below 0."""
     given = value if is_labelled(value) else as_floats(function, name, value)
     if isinstance(given, np.ndarray) and given.ndim == 0:
         given = np.full(model.nv, given)
@@ -284,4 +351,4 @@ def _pose(function: str, model: Model, value: ArrayLike) -> Array:
 
 
 _ROUNDED = 1e-6
-"""What a rotation of six digits may be off."""
+"""Error that a rotation of six digits may have."""

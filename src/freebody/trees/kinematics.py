@@ -8,20 +8,35 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array
-from freebody.errors import SingularError, UnknownNameError
+from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
 from freebody.model.families import of_member
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
-from freebody.trees.public_calls import Vector, careful, evaluate
+from freebody.trees.public_calls import Vector, careful, checked_reference, evaluate
 
-Reference = Literal["world", "body"]
+FrameAxes = Literal["world", "body"]
 
 
 def forward_kinematics(model: Model, q: Vector, frame: str | None = None) -> Array:
-    """Pose T_WF (..., 4, 4) of a frame in the world; (..., 3, 3) in the plane (2.10-2.13).
+    """Pose T_WF of a frame in the world (2.10-2.13).
 
-    q: (..., nq). frame: name, default the tip. Raises ShapeError, NotFiniteError, UnknownNameError.
+    Parameters
+    ----------
+    model : Model
+    q : (..., nq)
+        Positions, rad and m.
+    frame : str, optional
+        Name, default the tip.
+
+    Returns
+    -------
+    (..., 4, 4)
+        Lengths in m; (..., 3, 3) in the plane.
+
+    Raises
+    ------
+    ShapeError, NotFiniteError, UnknownNameError
     """
     return evaluate(("forward_kinematics", frame), model, (q,), _of_frame)
 
@@ -29,11 +44,25 @@ def forward_kinematics(model: Model, q: Vector, frame: str | None = None) -> Arr
 def velocity(
     model: Model, q: Vector, qd: Vector, frame: str | None = None, point: ArrayLike | None = None
 ) -> Array:
-    """Velocity (..., 6) of a frame: linear (m/s) of its origin or of `point`, then angular (rad/s),
-    world axes.
+    """Velocity of a frame, or of a point fixed to it.
 
-    In the plane (..., 3): ẋ, ẏ, ω. q: (..., nq); qd: (..., nv); point: (..., dim), fixed to the
-    frame, in its axes (m). Source: (2.16-2.18), (4.3), (6.16-6.19).
+    Parameters
+    ----------
+    model : Model
+    q, qd : (..., nq), (..., nv)
+        Positions and rates, rad or m and s.
+    frame : str, optional
+        Name, default the tip.
+    point : (..., dim), optional
+        Fixed to the frame, in its axes (m); default its origin.
+
+    Returns
+    -------
+    (..., 6)
+        Linear (m/s) of the origin or point, then angular (rad/s), world axes. In the plane (...,
+        3): ẋ, ẏ, ω.
+
+    Source: (2.16-2.18), (4.3), (6.16-6.19).
     """
     if point is None:
         return evaluate(("velocity", frame), model, (q, qd), _of_frame)
@@ -48,11 +77,22 @@ def acceleration(
     frame: str | None = None,
     point: ArrayLike | None = None,
 ) -> Array:
-    """Acceleration (..., 6): time derivative of `velocity`, linear (m/s²) then angular (rad/s²),
-    world axes.
+    """Acceleration of a frame, or of a point fixed to it: the time derivative of `velocity`.
 
-    It is the acceleration of the point itself, not a spatial (Plücker) one. Arguments as for
-    `velocity`; qdd: (..., nv).
+    It is the acceleration of the point itself, not a spatial (Plücker) one.
+
+    Parameters
+    ----------
+    model, q, qd, frame, point
+        As for `velocity`.
+    qdd : (..., nv)
+        Accelerations of the joints, rad/s² and m/s².
+
+    Returns
+    -------
+    (..., 6)
+        Linear (m/s²), then angular (rad/s²), world axes; in the plane (..., 3).
+
     Source: (2.24), (4.5), (6.20-6.22).
     """
     if point is None:
@@ -61,19 +101,31 @@ def acceleration(
 
 
 def jacobian(
-    model: Model, q: Vector, frame: str | None = None, reference: Reference = "world"
+    model: Model, q: Vector, frame: str | None = None, reference: FrameAxes = "world"
 ) -> Array:
-    """Jacobian (..., 6, nv), (..., 3, nv) in the plane: rows linear velocity of the frame's origin,
-    then angular.
+    """Jacobian of a frame: its velocity is J q̇.
 
-    q: (..., nq). reference: "world" axes, or those of the frame ("body"). The notes' planar J
-    (2.19) is [..., :2, :].
+    Parameters
+    ----------
+    model : Model
+    q : (..., nq)
+        Positions, rad and m.
+    frame : str, optional
+        Name, default the tip.
+    reference : "world" or "body"
+        Axes of the rows: the world's, or those of the frame.
+
+    Returns
+    -------
+    (..., 6, nv)
+        Rows linear velocity of the frame's origin, then angular; (..., 3, nv) in the plane. The
+        notes' planar J (2.19) is [..., :2, :].
     """
     return evaluate(("jacobian", frame, reference), model, (q,), _of_frame)
 
 
 def jacobian_dot(
-    model: Model, q: Vector, qd: Vector, frame: str | None = None, reference: Reference = "world"
+    model: Model, q: Vector, qd: Vector, frame: str | None = None, reference: FrameAxes = "world"
 ) -> Array:
     """Time derivative (..., 6, nv) of `jacobian` along qd (..., nv): acceleration = J qdd + J̇ qd
     (2.24)."""
@@ -81,7 +133,7 @@ def jacobian_dot(
 
 
 def jacobian_derivatives(
-    model: Model, q: Vector, frame: str | None = None, reference: Reference = "world"
+    model: Model, q: Vector, frame: str | None = None, reference: FrameAxes = "world"
 ) -> Array:
     """∂J/∂q (..., 6, nv, nv), (..., 3, nv, nv) in the plane, the last axis the direction, on the
     tangent space.
@@ -114,10 +166,3 @@ def _of_frame(
     model: Model, frame: str | None, reference: str = "world", point: bool = False
 ) -> Option:
     return Option(model.frame(frame).name, checked_reference(reference), point=point)
-
-
-def checked_reference(reference: str, allowed: tuple[str, ...] = ("world", "body")) -> str:
-    """`reference`, if it is a known one."""
-    if reference not in allowed:
-        raise UnknownNameError("reference", reference, "reference=", allowed)
-    return reference

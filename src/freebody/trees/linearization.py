@@ -12,10 +12,10 @@ from freebody.trees.dynamics import forward_dynamics_derivatives
 from freebody.trees.public_calls import Vector, finite_vector
 
 _SYMMETRIC = 1e-9
-"""Of a matrix's largest entry: how far from symmetric it may be by rounding."""
+"""How far from symmetric a matrix may be by rounding, relative to its largest entry."""
 
 _ROUNDED = 1e-10
-"""What an eigenvalue of 1 may be off."""
+"""Error of an eigenvalue of 1 by rounding."""
 
 
 def linearize(

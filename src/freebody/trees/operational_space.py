@@ -24,9 +24,8 @@ from freebody.spatial import of_dimension
 from freebody.trees.closer_looks import looking_closer
 from freebody.trees.dynamics import bias, mass_matrix, where_all_move_mass
 from freebody.trees.kinematics import jacobian, jacobian_dot
-from freebody.trees.massless_joints import refuse_massless
-from freebody.trees.passive_joints import refuse_passive
 from freebody.trees.public_calls import Vector, careful, evaluate, refuse_overflow
+from freebody.trees.special_joints import refuse_massless, refuse_passive
 
 
 def mass_matrix_inverse(model: Model, q: Vector) -> Array:

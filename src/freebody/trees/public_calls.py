@@ -1,5 +1,5 @@
-"""What every public function does around its kernel: take vectors and dicts, check shapes, blame
-what is not finite."""
+"""Work of every public function around its kernel: take vectors and dicts, check shapes, blame what
+is not finite."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, at_sample, check_core, refuse_not_finite
-from freebody.errors import FreebodyError, ShapeError
+from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.kernels import structural
 from freebody.kernels.arguments import shape
 from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
@@ -25,13 +25,13 @@ Vector = ArrayLike | Mapping[str, float]
 Wrenches = ArrayLike | Mapping[str, ArrayLike] | None
 
 
-Key = str | tuple[Any, ...]
+CallKey = str | tuple[Any, ...]
 """Name of a formula, or that and what else was chosen, such as a frame's name: under it a model
 keeps what answers."""
 
 
 def evaluate(
-    key: Key,
+    key: CallKey,
     model: Model,
     inputs: tuple[Any, ...],
     option: Callable[..., Option] | None = None,
@@ -67,10 +67,10 @@ def evaluate(
 
 
 def attempt(
-    key: Key, model: Model, inputs: tuple[Any, ...], option: Option, wrenches: Wrenches = None
+    key: CallKey, model: Model, inputs: tuple[Any, ...], option: Option, wrenches: Wrenches = None
 ) -> Any:
-    """What `evaluate` finds with the kernel of an option that says NaN where there is something to
-    look at; None there.
+    """Evaluate by the kernel of an option that says NaN where there is something to look at; None
+    there.
 
     The kernel is the one that it will try under this key from now on.
     """
@@ -91,10 +91,10 @@ def attempt(
 
 
 def _nothing(*_: Any) -> None:
-    """What is not sure at once is not answered."""
+    """Answer nothing: None stands for whatever is not sure at once."""
 
 
-def _place(key: Key, wrenches: Wrenches) -> Key:
+def _place(key: CallKey, wrenches: Wrenches) -> CallKey:
     """Where a model keeps what answers under a key, and with wrenches on these frames."""
     if wrenches is None:
         return key
@@ -103,13 +103,13 @@ def _place(key: Key, wrenches: Wrenches) -> Key:
 
 
 def careful(
-    key: Key,
+    key: CallKey,
     model: Model,
     inputs: tuple[Any, ...],
     option: Callable[..., Option] | None = None,
     wrenches: Wrenches = None,
 ) -> Any:
-    """As `evaluate`, the inputs looked at one by one, with the kernel of the model's structure.
+    """Evaluate by the kernel of the model's structure, the inputs looked at one by one.
 
     `option` makes an Option of the model and of what the key holds besides the name.
     """
@@ -203,7 +203,7 @@ def checked_inputs(
 
 
 def _of_family(model: Model) -> dict[str, Array]:
-    """What a family adds to the arrays whose batches must go together."""
+    """Arrays that a family adds to those whose batches must broadcast together."""
     return {"model.family": np.empty((*model.family, 0))} if model.family else {}
 
 
@@ -272,7 +272,7 @@ _VECTORS = {
         lambda model: ("fx", "fy", "fz", "mx", "my", "mz") if model.dim == 3 else ("fx", "fy", "m"),
     ),
 }
-"""By the dimension of an input (`kernels.formulas.INPUTS`)."""
+"""Names of vectors by the dimension of an input (`kernels.formulas.INPUTS`)."""
 
 
 _ALIKE = {"about": "point", "waypoints": "q", "path": "q"}
@@ -280,8 +280,8 @@ _ALIKE = {"about": "point", "waypoints": "q", "path": "q"}
 
 
 def _dimension(name: str) -> str:
-    """Of an argument: inputs of formulas have theirs in the table, all others are along the
-    rates."""
+    """Dimension of an argument: inputs of formulas have theirs in the table, all others are along
+    the rates."""
     if name.startswith("wrenches"):
         return "six"
     given = INPUTS.get(_ALIKE.get(name, name))
@@ -367,3 +367,10 @@ def wrenches_by_frame(
                 function, argument, loads[known].shape, f"({len(names)},)", f"one wrench: {order}"
             )
     return loads
+
+
+def checked_reference(reference: str, allowed: tuple[str, ...] = ("world", "body")) -> str:
+    """`reference`, if it is a known one."""
+    if reference not in allowed:
+        raise UnknownNameError("reference", reference, "reference=", allowed)
+    return reference

@@ -1,5 +1,5 @@
-"""Positions as points of a manifold: neutral, random, moving along a velocity, and the velocity
-between two."""
+"""Positions as points of a manifold: neutral, random, moving along a velocity, the velocity between
+two, and the rotations and quaternions that spherical and free joints take."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.arrays import Array, too_large
-from freebody.errors import MissingValueError
+from freebody.arrays import Array, as_floats, too_large
+from freebody.errors import FreebodyError, MissingValueError
 from freebody.labels import refuse_other_times
 from freebody.model.description import Limits
 from freebody.model.families import FamilyError, arrays_in
@@ -19,6 +19,7 @@ from freebody.model.geometry import first_member
 from freebody.model.joints import Primitive
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
+from freebody.model.placement import about, rotation_matrix
 from freebody.model.usable_limits import usable_limits
 from freebody.spatial import of_dimension
 from freebody.trees.public_calls import careful, common_batch, evaluate, finite_vector
@@ -167,8 +168,8 @@ def _has_numbers(model: Model) -> bool:
 def _joint_by_joint(
     model: Model, size: int, way: Callable[[Primitive], Callable[..., Any]], given: list[Array]
 ) -> Array:
-    """What each joint makes of its entries, over arrays: for models whose numbers are not all
-    known."""
+    """Apply each joint's own function to its entries, over arrays: for models whose numbers are not
+    all known."""
     result, space = np.empty((*given[0].shape[:-1], size)), of_dimension(model.dim)
     for body, at in zip(model.bodies, model.coordinates, strict=True):
         if body.joint.mimic is None:
@@ -190,3 +191,32 @@ def _batched(function: str, model: Model, **given: ArrayLike) -> list[Array]:
     named = {name: finite_vector(function, model, name, value) for name, value in given.items()}
     batch = common_batch(function, named)
     return [np.broadcast_to(array, (*batch, array.shape[-1])) for array in named.values()]
+
+
+def rotation(axes: str, angles: Sequence[float] | ArrayLike) -> Array:
+    """R_WB (3, 3) of turns about the body's own axes: rotation("ZXZ", [a, b, c]) is Rz(a) Rx(b)
+    Rz(c).
+
+    axes: letters X, Y, Z, one per angle (rad). It takes components in the turned frame to those in
+    the first (6.8).
+    """
+    given = as_floats("rotation", "angles", angles)
+    if not axes or set(axes.upper()) - set("XYZ") or given.shape != (len(axes),):
+        raise FreebodyError(
+            f"rotation: axes {axes!r} and {given.size} angles; give one angle for each of the "
+            f"letters X, Y, Z."
+        )
+    R = np.eye(3)
+    for axis, angle in zip(axes.lower(), given, strict=True):
+        R = R @ np.array(about(axis, np.sin(angle), np.cos(angle)))
+    return R
+
+
+def quat_wxyz(R: ArrayLike) -> Array:
+    """The unit quaternion w, x, y, z (w >= 0) of a rotation matrix (3, 3), as spherical and free
+    joints take it."""
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.from_matrix(
+        rotation_matrix(as_floats("quat_wxyz", "R", R), "quat_wxyz")
+    ).as_quat(canonical=True, scalar_first=True)

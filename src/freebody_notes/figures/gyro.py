@@ -8,13 +8,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from freebody.any_chain.dynamics import joint_wrenches
 from freebody.arrays import Array
 from freebody.figures.drawing import Drawing, Label, Line, Mark, Prism, point
 from freebody.figures.figure import Figure
 from freebody.figures.snapshot import snapshot
 from freebody.figures.view import axonometric
 from freebody.formats.loading import load
-from freebody.trees.dynamics import joint_wrenches
 
 _RING = 0.62
 

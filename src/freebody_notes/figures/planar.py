@@ -8,13 +8,13 @@ from functools import partial
 
 import numpy as np
 
+from freebody.any_chain.dynamics import forward_dynamics
 from freebody.figures.drawing import Arrow, Drawing, Turn, point
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.layers import geometry, motion
 from freebody.figures.layers.structure import clear_way
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.model.planar_arms import planar
-from freebody.trees.dynamics import forward_dynamics
 from freebody.trees.public_calls import Vector
 from freebody_notes.figures.apart import apart, inertias
 from freebody_notes.figures.bodies import pinned

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from freebody.any_chain.dynamics import forward_dynamics
 from freebody.figures.drawing import Drawing, Label, Line, Mark, point
 from freebody.figures.figure import Figure
 from freebody.figures.layers import structure
@@ -13,7 +14,6 @@ from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import snapshot
 from freebody.figures.view import View, axonometric
 from freebody.formats.loading import load
-from freebody.trees.dynamics import forward_dynamics
 
 _POSE = (0.2, 1.5, 0.75, 0.93, 0.12, -0.12, 0.28)
 _RATES = (0.1, 0.7, -0.35, -0.1, -0.35, 0.6)

@@ -8,9 +8,16 @@ R. Vectors are complex numbers, arrays (N, K) of samples and solutions. A furthe
 here and a line in a table.
 """
 
-from freebody.loops.dyads.chain import Chain, Crossing, chain, coordinate, coordinates, is_turning
+from freebody.loops.dyads.chain import (
+    Chain,
+    Crossing,
+    Posture,
+    chain,
+    coordinate,
+    coordinates,
+    is_turning,
+)
 from freebody.loops.dyads.heading import heading
-from freebody.loops.dyads.posture import Posture
 from freebody.loops.dyads.step import ConstructionStep, OfOne, OfTwo
 from freebody.loops.dyads.stretch import STRETCH
 from freebody.loops.dyads.swing import SWING
@@ -37,7 +44,8 @@ OF_ONE: dict[tuple[bool, str], OfOne] = {
     (kind.rod, kind.joints): kind
     for kind in (TRIANGLE, TURN_AND_SLIDE, SLIDE_AND_TURN, TWO_SLIDES, SWING, STRETCH)
 }
-"""By whether the ends stay a distance apart, and the unknown joints in their order."""
+"""Kinds that close one chain, by whether its ends stay a distance apart, and its unknown joints in
+their order."""
 
 OF_TWO: tuple[OfTwo, ...] = (two_circles,)
 """Tried in their order."""

@@ -1,12 +1,19 @@
-"""The joints on the way between two frames."""
+"""The joints on the way between two frames, and postures: where a planar chain stands in many
+samples."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from freebody.algorithms.kinematics import ancestors
+import numpy as np
+from numpy.typing import NDArray
+
+from freebody.algorithms.kinematics import ancestors, frame_pose, joint_poses, world_poses
+from freebody.arrays import Array
+from freebody.lazy import cached_property
 from freebody.model.tree import Tree
+from freebody.spatial import times
 
 Crossing = tuple[int, float]
 """A joint on the way from the first end to the second, and the sign with which it moves what comes
@@ -25,7 +32,7 @@ class Chain:
 
     @property
     def frames(self) -> tuple[str, ...]:
-        """Its ends on the robot."""
+        """Ends of the chain that are frames of the robot."""
         return tuple(end for end in self.ends if end is not None)
 
 
@@ -50,5 +57,66 @@ def coordinate(tree: Tree, crossing: Crossing) -> int:
 
 
 def coordinates(tree: Tree, crossings: Iterable[Crossing]) -> set[int]:
-    """The same of several."""
+    """Which coordinates several joints on the way are, as indices in q."""
     return {coordinate(tree, crossing) for crossing in crossings}
+
+
+Complex = NDArray[np.complexfloating]
+
+
+@dataclass(frozen=True, eq=False)
+class Posture:
+    """Positions q (N, K, nq) and where everything is; target: points (N, 1), angle: directions (N,
+    1)."""
+
+    tree: Tree
+    q: Array
+    target: Complex | None = None
+    angle: Array | None = None
+
+    @cached_property
+    def world(self) -> list:
+        """Poses of all bodies."""
+        return world_poses(self.tree, joint_poses(self.tree, tuple(np.moveaxis(self.q, -1, 0))))
+
+    def point(self, frame: str | None) -> Complex:
+        """Origin of a frame, or the target."""
+        if frame is None:
+            assert self.target is not None
+            return np.broadcast_to(self.target, self.q.shape[:-1])
+        return self._complex(frame_pose(self.tree, self.world, frame)[1])
+
+    def heading(self, frame: str) -> Array:
+        """Angle of a frame's x axis."""
+        R, _ = frame_pose(self.tree, self.world, frame)
+        return np.asarray(np.angle(self._complex((R[0][0], R[1][0]))), dtype=float)
+
+    def pivot(self, body: int) -> Complex:
+        """Where a joint is."""
+        return self._complex(self.world[body][1])
+
+    def slide(self, crossing: Crossing) -> Complex:
+        """Unit vector along which a sliding joint moves what comes behind."""
+        body, sign = crossing
+        return sign * self._complex(times(self.world[body][0], self.tree.bodies[body].axis))
+
+    def turned(self, *turns: tuple[Crossing, Array]) -> Array:
+        """q with joints turned by angles of what comes behind them."""
+        q = np.array(self.q)
+        for (body, sign), angle in turns:
+            (w,), _ = self.tree.bodies[body].columns[0]
+            q[..., coordinate(self.tree, (body, sign))] += sign * w * angle
+        return q
+
+    def slid(self, crossing: Crossing, way: Array) -> Array:
+        """q with a joint slid by a way of what comes behind it, along its own axis."""
+        q = np.array(self.q)
+        q[..., coordinate(self.tree, crossing)] += way
+        return q
+
+    def moved(self, q: Array) -> Posture:
+        """Posture of other positions with the same target."""
+        return Posture(self.tree, q, self.target, self.angle)
+
+    def _complex(self, p: tuple) -> Complex:
+        return np.broadcast_to(np.asarray(p[0] + 1j * np.asarray(p[1])), self.q.shape[:-1])

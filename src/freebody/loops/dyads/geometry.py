@@ -1,4 +1,5 @@
-"""Triangles and right-angled triangles, of vectors as complex numbers."""
+"""Triangles and right-angled triangles, of vectors as complex numbers; words for their two
+solutions."""
 
 from __future__ import annotations
 
@@ -6,14 +7,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array
-from freebody.loops.dyads.chain import Crossing
-from freebody.loops.dyads.posture import Complex, Posture
-from freebody.trees.triangle_solutions import by_triangle
+from freebody.loops.dyads.chain import Complex, Crossing, Posture
 
 _COINCIDE = 1e-6
 """Sides of a triangle, relative to its perimeter, below which two of its pins are one."""
 _LOOSE = 1e-9
 """How far (relative) a square may be negative and still be taken as 0: a straight dyad."""
+_NEGATIVE = 1e-7
+"""How far (relative) a root may be negative and still be taken as 0: what is found is verified
+later."""
+_FLAT = 1e-6  # angles (rad) below which two branches count as one
 
 
 def along(e: Complex, v: Complex) -> Array:
@@ -31,7 +34,17 @@ def corner(opposite: Array, a: Array, b: Array) -> Array:
     none."""
     d = a - b
     above, below = (opposite - d) * (opposite + d), (a + b - opposite) * (a + b + opposite)
-    return by_triangle(above, below, (a + b) ** 2 + opposite**2)
+    return _by_triangle(above, below, (a + b) ** 2 + opposite**2)
+
+
+def _by_triangle(above: Array, below: Array, scale: Array) -> Array:
+    """ψ = 2 atan √(above / below), the half-angle formula of a triangle; NaN where one is below
+    0."""
+    loose = -_NEGATIVE * scale
+    with np.errstate(invalid="ignore"):
+        good = (above >= loose) & (below >= loose)
+        psi = 2.0 * np.arctan2(np.sqrt(np.maximum(above, 0.0)), np.sqrt(np.maximum(below, 0.0)))
+    return np.where(good, psi, np.nan)
 
 
 def root(a: Array, b: Array) -> Array:
@@ -46,6 +59,15 @@ def side(base: Complex, other: Complex, elbow: Complex) -> Array:
     left."""
     one, two = other - base, elbow - base
     return across(one, two) / np.maximum(np.abs(one) * np.abs(two), 1e-300)
+
+
+def side_of(
+    value: Array, size: Array | float, positive: str, negative: str, between: str | np.ndarray
+) -> np.ndarray:
+    """One of three words (...) by the sign of values (...), `between` where they are small beside
+    `size`."""
+    flat = np.abs(value) <= _FLAT * size
+    return np.where(flat, between, np.where(value > 0, positive, negative))
 
 
 def shifted(at: Posture, first: Crossing, second: Crossing, way: Complex) -> Array:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from freebody.arrays import Array
-from freebody.loops.dyads.chain import Crossing
-from freebody.loops.dyads.posture import Posture
+from freebody.loops.dyads.chain import Crossing, Posture
 from freebody.loops.dyads.step import ConstructionStep
 
 

@@ -1,4 +1,4 @@
-"""What a dyad is: unknown joints of chains, found from the others."""
+"""A dyad: unknown joints of chains, found from the others."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array
-from freebody.loops.dyads.chain import Chain, Crossing
-from freebody.loops.dyads.posture import Posture
+from freebody.loops.dyads.chain import Chain, Crossing, Posture
 from freebody.model.tree import Tree
 
 Reach = tuple[str, str, Array, Array, Array]
@@ -28,9 +27,9 @@ class ConstructionStep(ABC):
     crossings: tuple[Crossing, ...]
     """The joints that it finds."""
     names: tuple[str, ...] = ()
-    """Of its points, as each kind needs them."""
+    """Names of its points, as each kind needs them."""
     ways: ClassVar[tuple[str, str]] = ("left", "right")
-    """What the solutions with a positive and a negative label are called."""
+    """Words for the solutions with a positive and a negative label."""
 
     @property
     def chain(self) -> Chain:
@@ -44,7 +43,7 @@ class ConstructionStep(ABC):
 
     @property
     def called(self) -> str:
-        """What lies one way or the other."""
+        """Word for what lies one way or the other."""
         return self.names[0]
 
     @abstractmethod
@@ -62,7 +61,7 @@ class ConstructionStep(ABC):
         return None
 
     def reach(self, at: Posture) -> Reach | None:
-        """What keeps it from closing."""
+        """Distance and lengths that keep the dyad from closing."""
         del at
         return None
 

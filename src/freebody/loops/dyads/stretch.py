@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.loops.dyads.chain import Posture
 from freebody.loops.dyads.geometry import across, along, root
-from freebody.loops.dyads.posture import Posture
 from freebody.loops.dyads.step import ConstructionStep, OfOne
 
 

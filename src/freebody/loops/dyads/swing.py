@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array
-from freebody.loops.dyads.chain import Chain, Crossing
+from freebody.loops.dyads.chain import Chain, Complex, Crossing, Posture
 from freebody.loops.dyads.geometry import coincident, corner, side
-from freebody.loops.dyads.posture import Complex, Posture
 from freebody.loops.dyads.step import ConstructionStep, NameOf, OfOne, Reach
 
 

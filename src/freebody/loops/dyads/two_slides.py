@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from freebody.arrays import Array
+from freebody.loops.dyads.chain import Posture
 from freebody.loops.dyads.geometry import shifted
-from freebody.loops.dyads.posture import Posture
 from freebody.loops.dyads.step import ConstructionStep, OfOne
 
 

@@ -14,14 +14,15 @@ from freebody.algorithms import path_timing
 from freebody.algorithms.path_dynamics import torques_along
 from freebody.algorithms.regrouped_parameters import lightened
 from freebody.algorithms.rnea import External, rnea
+from freebody.any_chain.dynamics import inverse_dynamics
+from freebody.any_chain.kernel_options import chosen_option
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, SingularError
 from freebody.kernels.formulas import Option
 from freebody.kernels.formulas.choices import at_driven_joints, external, partition_of
-from freebody.kernels.options import chosen_option
 from freebody.kernels.structural import Bound, Over, fetch_own
 from freebody.lazy import cached_property
-from freebody.loops.dynamics import drive_torques
+from freebody.loops.drive_torques import drive_torques
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.motion.optimal.geometric_path import PathSamples
@@ -30,7 +31,6 @@ from freebody.motion.ranges import Flags
 from freebody.outputs.display import counted
 from freebody.program import Argument, Program, trace
 from freebody.spatial import Vector
-from freebody.trees.dynamics import inverse_dynamics
 
 _NAME = "time_optimal"
 

@@ -12,8 +12,8 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, LoopError
 from freebody.inverse.kinematics import inverse_kinematics
-from freebody.inverse.numerical_solver import NumericalSolver
-from freebody.inverse.task import combined_rates
+from freebody.inverse.problem.numerical_solver import NumericalSolver
+from freebody.inverse.problem.task import combined_rates
 from freebody.lazy import cached_property
 from freebody.motion.planning.tip_mobility import TipMobility, TipPosture, TipSteps
 from freebody.motion.planning.tip_paths import TipPath

@@ -14,11 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.inverse.numerical_solver import EXACT, NumericalSolver
+from freebody.inverse.problem.numerical_solver import EXACT, NumericalSolver
 from freebody.lazy import cached_property
 from freebody.loops.equations import closing, scaled_jacobian
-from freebody.loops.rank_deficient import RANK
-from freebody.loops.scaled_equations import null_space
+from freebody.loops.scaled_equations import RANK, null_space
 from freebody.trees.states import difference, generic_state
 
 _POSITIONS = 8

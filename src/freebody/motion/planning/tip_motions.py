@@ -13,8 +13,8 @@ from scipy.interpolate import make_interp_spline
 
 from freebody.arrays import Array, above_zero, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, MissingArgumentError, ShapeError, UnknownNameError
-from freebody.inverse.numerical_solver import NumericalSolver
-from freebody.inverse.task import TASKS, Task, read_target, row_names
+from freebody.inverse.problem.numerical_solver import NumericalSolver
+from freebody.inverse.problem.task import TASKS, Task, read_target, row_names
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.piecewise import PiecewisePolynomial, of_spline

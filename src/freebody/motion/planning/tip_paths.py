@@ -19,7 +19,7 @@ from scipy.spatial.transform import Rotation
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.inverse.task import rotation_vector
+from freebody.inverse.problem.task import rotation_vector
 
 _HALF_TURN = 1e-6
 _STRAIGHT = 1e-6  # of the distances: points this near to a line have no circle through them

@@ -21,7 +21,7 @@ from scipy.integrate import BDF, DOP853, LSODA, RK45, OdeSolver, Radau
 from freebody.arrays import Array
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
-from freebody.loops.dynamics import accelerations, regular, require_way
+from freebody.loops.accelerations import accelerations, regular, require_way
 from freebody.loops.equations import (
     blurred,
     require_within_tolerance,
@@ -33,8 +33,8 @@ from freebody.loops.scaled_equations import rate_scale
 from freebody.model.model import Model
 from freebody.motion.friction import WIDTH, SmoothFriction, smooth_friction
 from freebody.trees.dynamics import mass_matrix
-from freebody.trees.massless_joints import refuse_massless
 from freebody.trees.position_rates import CoordinateLayout, layout, normalised, position_rate
+from freebody.trees.special_joints import refuse_massless
 from freebody.trees.states import integrate
 
 TorqueLaw = Callable[[Array, Array, Array], Array]

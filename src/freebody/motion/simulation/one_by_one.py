@@ -43,7 +43,7 @@ from freebody.motion.simulation.unending import (
     hopeless,
     too_late,
 )
-from freebody.trees.passive_joints import all_driven
+from freebody.trees.special_joints import all_driven
 
 _EVERY = 50  # steps between two looks, of which one costs as much as a step or two
 # step times decay rate from which stability, not accuracy, tells the step: both methods are stable

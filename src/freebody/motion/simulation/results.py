@@ -29,7 +29,7 @@ from freebody.motion.simulation.first_order_system import (
 from freebody.motion.simulation.joint_contacts import JointContacts
 from freebody.motion.simulation.simulation import Simulation
 from freebody.motion.simulation.torques import TorqueInput, drive_of
-from freebody.trees.passive_joints import all_driven
+from freebody.trees.special_joints import all_driven
 
 if TYPE_CHECKING:
     import xarray as xr

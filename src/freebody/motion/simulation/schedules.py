@@ -14,8 +14,8 @@ from freebody.labels import is_labelled
 from freebody.model.model import Model
 from freebody.motion.simulation.first_order_system import TorqueLaw
 from freebody.motion.simulation.torques import CompiledTorque, TorqueFunction, TorqueInput
-from freebody.trees.passive_joints import refuse_passive
 from freebody.trees.public_calls import vector
+from freebody.trees.special_joints import refuse_passive
 
 _MOST = 1_000_000  # sampling instants: beyond these a run would take hours
 _SAME = 1e-9  # of a sampling interval: instants this close to a time are that time

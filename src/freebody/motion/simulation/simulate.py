@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.errors import FreebodyError, UnknownNameError, listed
-from freebody.kernels.driven_steps import STEP_METHODS
 from freebody.model.model import Model
 from freebody.motion.friction import WIDTH, smooth_friction
+from freebody.motion.simulation.driven_steps import STEP_METHODS
 from freebody.motion.simulation.first_order_system import EXPLICIT, METHODS
 from freebody.motion.simulation.joint_contacts import refuse_beyond
 from freebody.motion.simulation.one_by_one import one_by_one
@@ -46,8 +46,8 @@ from freebody.motion.simulation.torques import (
 )
 from freebody.motion.simulation.unending import MOST
 from freebody.targets import result_memory
-from freebody.trees.massless_joints import refuse_massless
 from freebody.trees.public_calls import Vector, Wrenches
+from freebody.trees.special_joints import refuse_massless
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, warn
-from freebody.kernels.driven_steps import STEP_METHODS, driven_rates, driven_step
 from freebody.kernels.structural import Bound
 from freebody.loops.equations import require_closed
 from freebody.motion.simulation.contact_events import ContactEvents
+from freebody.motion.simulation.driven_steps import STEP_METHODS, driven_rates, driven_step
 from freebody.motion.simulation.first_order_system import (
     System,
     TorqueLaw,

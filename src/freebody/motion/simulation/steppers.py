@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.kernels.driven_steps import both_laws
 from freebody.kernels.structural import Bound
+from freebody.motion.simulation.driven_steps import both_laws
 from freebody.motion.simulation.first_order_system import System, TorqueLaw
 from freebody.motion.simulation.lanes import (
     HeldTorque,
@@ -28,8 +28,8 @@ from freebody.motion.simulation.simulation import Simulation
 from freebody.motion.simulation.torques import CompiledTorque, batched, drive_of
 from freebody.targets import Kernel
 from freebody.targets.in_turn import Placed, in_turn
-from freebody.trees.passive_joints import all_driven
 from freebody.trees.position_rates import position_rate
+from freebody.trees.special_joints import all_driven
 
 LaneState = tuple[Array, Array]
 """Positions q (lanes, nq) and rates q̇ (lanes, nv)."""

@@ -13,7 +13,6 @@ from numpy.typing import ArrayLike
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, KindError, ShapeError, UnknownNameError, listed, warn
 from freebody.kernels.column_by_column import ColumnKernel, KernelList
-from freebody.kernels.driven_steps import STATE, law_inputs
 from freebody.kernels.formulas import FORMULAS
 from freebody.kernels.formulas.inputs import INPUTS
 from freebody.kernels.inputs import InputKernel
@@ -21,14 +20,15 @@ from freebody.labels import is_labelled, row_times
 from freebody.lazy import cached_property
 from freebody.model.families import member_at
 from freebody.model.model import Model
+from freebody.motion.simulation.driven_steps import STATE, law_inputs
 from freebody.motion.simulation.first_order_system import TorqueLaw, row_at
 from freebody.motion.simulation.lanes import MotionLanes, some_of
 from freebody.outputs.numbers import compared
 from freebody.program import Argument, Program
 from freebody.targets import Kernel, compile_program
 from freebody.trees.controllers import not_negative
-from freebody.trees.passive_joints import all_driven, refuse_passive
 from freebody.trees.public_calls import Wrenches, vector, wrenches_by_frame
+from freebody.trees.special_joints import all_driven, refuse_passive
 
 _SAME_TIME = 1e-9  # of the duration: how far the label of a row may be from its time
 

@@ -1,0 +1,270 @@
+"""Forces from motion, and motion from forces, of open and closed chains.
+
+A kernel that the model keeps answers at once. Where it does not, the room of the model's chains
+does: `trees` with care, or `loops`, which is imported when the first closed chain comes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Literal
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError
+from freebody.kernels.formulas import Option
+from freebody.model.model import Model
+from freebody.model.model_argument import require_model
+from freebody.trees.dynamics import refuse_singular, where_all_move_mass
+from freebody.trees.public_calls import (
+    Vector,
+    Wrenches,
+    careful,
+    checked_inputs,
+    checked_reference,
+    evaluate,
+)
+from freebody.trees.special_joints import refuse_passive
+
+
+def inverse_dynamics(
+    model: Model,
+    q: Vector,
+    qd: Vector,
+    qdd: Vector,
+    wrenches: Wrenches = None,
+    actuated: Sequence[str] | None = None,
+    forces: Vector | None = None,
+) -> Array:
+    """Joint torques tau that a motion needs: M q̈ + c + g + friction + springs + rotors - Σ Jᵀ w -
+    forces, by recursive Newton-Euler.
+
+    Parameters
+    ----------
+    model : Model
+        Robot, an open chain or a closed one.
+    q : (..., nq)
+        Positions, rad and m.
+    qd, qdd : (..., nv)
+        Rates and accelerations, per s and s².
+    wrenches : {frame: (..., 6)} or (..., 6), optional
+        Force (N), then moment (N m), that act on the arm at a frame's origin, world axes; one
+        array is for the tip. In the plane (..., 3): fx, fy, m.
+    actuated : names, optional
+        Of a closed chain the joints that drive; default those not passive.
+    forces : (..., nv), optional
+        Generalized forces (N m, N) along the joints that no drive gives, at passive joints too:
+        springs between links, cables, aerodynamic drag.
+
+    Returns
+    -------
+    (..., nv)
+        N m and N. Of an open chain the entries of passive joints (`model.passive`) are the torques
+        that would be needed there; the motion is possible where they are zero. Of a closed chain
+        the torques of the driven joints, zero elsewhere; of more drives than the mechanism needs,
+        the smallest torques.
+
+    Raises
+    ------
+    ShapeError, NotFiniteError, UnknownNameError, MissingValueError
+    LoopError
+        A state that the loops do not allow.
+    SingularError
+        The drives do not determine the motion.
+
+    Source: Luh, Walker, Paul 1980; notes 4.6-4.15, 6.16-6.29.
+    """
+    if actuated is None and forces is None:
+        return evaluate("inverse_dynamics", model, (q, qd, qdd), None, wrenches, _inverse_dynamics)
+    require_model("inverse_dynamics", model)
+    if model.loops:
+        from freebody.loops import drive_torques as closed
+
+        return closed.inverse_dynamics(model, q, qd, qdd, wrenches, actuated, forces)
+    if actuated is not None:
+        raise FreebodyError(
+            f"inverse_dynamics: actuated= chooses among the joints of a closed chain; "
+            f"{model.name!r} has no loops."
+        )
+    given = {"q": q, "qd": qd, "qdd": qdd, "forces": forces}
+    (*motion, acting), loads = _checked("inverse_dynamics", model, given, wrenches)
+    key = "inverse_dynamics"
+    return evaluate(key, model, tuple(motion), None, loads, _inverse_dynamics) - acting
+
+
+def _inverse_dynamics(
+    function: str, model: Model, inputs: tuple[Vector, ...], _: None, wrenches: Wrenches
+) -> Any:
+    require_model(function, model)
+    if model.loops:
+        from freebody.loops import drive_torques as closed
+
+        q, qd, qdd = inputs
+        return closed.inverse_dynamics(model, q, qd, qdd, wrenches)
+    return careful(function, model, inputs, None, wrenches)
+
+
+def forward_dynamics(
+    model: Model,
+    q: Vector,
+    qd: Vector,
+    tau: Vector,
+    wrenches: Wrenches = None,
+    forces: Vector | None = None,
+) -> Array:
+    """Accelerations q̈ under joint torques (3.29), of closed chains (5.29), with dependent equations
+    and at singular positions too, where a motion keeps its branch.
+
+    Parameters
+    ----------
+    model : Model
+        Robot, an open chain or a closed one.
+    q : (..., nq)
+        Positions, rad and m.
+    qd : (..., nv)
+        Rates, rad/s and m/s.
+    tau : (..., nv)
+        Torques and forces of the drives, N m and N.
+    wrenches, forces : optional
+        External wrenches and further generalized forces, as for `inverse_dynamics`.
+
+    Returns
+    -------
+    (..., nv)
+        rad/s² and m/s².
+
+    Raises
+    ------
+    SingularError
+        A joint that moves no inertia, by its name.
+    LoopError
+        A state that the loops do not allow.
+    PassiveJointError
+        A torque at a passive joint.
+    """
+    if isinstance(model, Model) and model.passive:
+        refuse_passive("forward_dynamics", model, tau)
+    if forces is not None:
+        require_model("forward_dynamics", model)
+        given = {"q": q, "qd": qd, "tau": tau, "forces": forces}
+        (q, qd, tau, acting), wrenches = _checked("forward_dynamics", model, given, wrenches)
+        tau = tau + acting
+    return evaluate("forward_dynamics", model, (q, qd, tau), None, wrenches, _forward_dynamics)
+
+
+def _checked(
+    function: str, model: Model, given: dict[str, Vector], wrenches: Wrenches
+) -> tuple[list[Array], dict[str, Array] | None]:
+    """The inputs as finite arrays of one batch shape, and the wrenches by frame."""
+    frames, arrays = checked_inputs(function, model, given, wrenches)
+    loads = dict(zip(frames, arrays[len(given) :], strict=True))
+    return arrays[: len(given)], loads or None
+
+
+def _forward_dynamics(
+    function: str, model: Model, inputs: tuple[Vector, ...], _: None, wrenches: Wrenches
+) -> Array:
+    require_model(function, model)
+    if model.loops:
+        from freebody.loops import accelerations as closed
+
+        q, qd, tau = inputs
+        return closed.forward_dynamics(model, q, qd, tau, wrenches)
+    result = where_all_move_mass(function, model, inputs, None, wrenches)
+    refuse_singular(function, model, result)
+    return result
+
+
+def static_torque(model: Model, q: Vector, wrenches: Wrenches = None) -> Array:
+    """Torques that hold the arm at rest: g + springs - Σ Jᵀ w (2.41-2.49).
+
+    Parameters
+    ----------
+    model : Model
+        Robot, an open chain or a closed one.
+    q : (..., nq)
+        Positions, rad and m.
+    wrenches : optional
+        Wrenches that act on the arm, as for `inverse_dynamics`; the notes' (2.52) prints the torque
+        that exerts f, its negative.
+
+    Returns
+    -------
+    (..., nv)
+        N m and N. An open chain rests where the entries of its passive joints are zero; elsewhere
+        they are the holding torque that is missing. Of a closed chain the torques of the driven
+        joints, as for `inverse_dynamics`.
+
+    Raises
+    ------
+    LoopError, SingularError
+        As `inverse_dynamics` does.
+    """
+    return evaluate("static_torque", model, (q,), None, wrenches, _static_torque)
+
+
+def _static_torque(
+    function: str, model: Model, inputs: tuple[Vector, ...], _: None, wrenches: Wrenches
+) -> Any:
+    require_model(function, model)
+    if model.loops:
+        from freebody.loops import drive_torques as closed
+
+        return closed.static_torque(model, inputs[0], wrenches)
+    return careful(function, model, inputs, None, wrenches)
+
+
+def joint_wrenches(
+    model: Model,
+    q: Vector,
+    qd: Vector,
+    qdd: Vector,
+    wrenches: Wrenches = None,
+    reference: Literal["world", "child"] = "world",
+) -> Array:
+    """Reaction wrench of every joint in a motion: the total that the parent exerts on the child, at
+    the child's joint origin.
+
+    A motion's generalized forces between parent and child along a joint, such as those of springs,
+    change no joint's total in an open chain (in a closed one: `reactions`, forces=); what acts from
+    outside is given as wrenches.
+
+    Parameters
+    ----------
+    model : Model
+        Robot, an open chain or a closed one.
+    q, qd, qdd, wrenches
+        Motion and external wrenches, as for `inverse_dynamics`.
+    reference : "world" or "child"
+        Axes of the components.
+
+    Returns
+    -------
+    (..., nj, 6)
+        Force (N), then moment (N m); (..., nj, 3) in the plane. Row i belongs to joint_names[i].
+        Of a closed chain a row for each loop follows, on the second frame's body by the first's;
+        `reactions` also says which components are determined.
+
+    Raises
+    ------
+    LoopError, SingularError
+        As `inverse_dynamics` does.
+    """
+    key = "joint_wrenches", reference
+    return evaluate(key, model, (q, qd, qdd), _in_axes, wrenches, _joint_wrenches)
+
+
+def _joint_wrenches(
+    key: tuple[str, Any], model: Model, inputs: tuple[Vector, ...], option: Any, wrenches: Wrenches
+) -> Array:
+    function, reference = key
+    require_model(function, model)
+    if model.loops:
+        from freebody.any_chain.reactions import reactions
+
+        q, qd, qdd = inputs
+        return reactions(model, q, qd, qdd=qdd, wrenches=wrenches, reference=reference).wrenches
+    return careful(key, model, inputs, option, wrenches)
+
+
+def _in_axes(model: Model, reference: str) -> Option:
+    return Option(reference=checked_reference(reference, ("world", "child")))

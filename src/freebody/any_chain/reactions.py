@@ -1,0 +1,350 @@
+"""Every reaction of a mechanism, of joints and of loops: which components are determined, and
+whether all balance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from freebody.arrays import Array
+from freebody.errors import FreebodyError, UnknownNameError
+from freebody.kernels.formulas import Option
+from freebody.kernels.structural import fetch
+from freebody.loops.accelerations import definite_accelerations
+from freebody.loops.drive_torques import motion_torques
+from freebody.loops.equations import branches, scaled_jacobian
+from freebody.loops.independent_equations import partition_of_loops
+from freebody.loops.scaled_equations import (
+    RANK,
+    every_jacobian,
+    length,
+    mechanism,
+    null_space,
+    rate_scale,
+    row_scale,
+)
+from freebody.model.geometry import first_member
+from freebody.model.model import Model
+from freebody.outputs.display import Tabled, TextTable
+from freebody.trees.public_calls import Vector, Wrenches, checked_inputs, checked_reference
+from freebody.trees.special_joints import refuse_passive
+from freebody.values import ByValue
+
+_ADDED = 20.0  # times what rounding changes in the equations, for what it may change in wrenches
+_DETERMINED = 1e-7
+"""Part of a wrench, relative to the largest, that undetermined multipliers may add."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Reactions(Tabled, ByValue):
+    """Reaction wrenches of a mechanism in motion; arrays have the batch of the inputs in front."""
+
+    names: tuple[str, ...]
+    """Joints, then loops."""
+    wrenches: Array
+    """(..., k, six): force, then moment. Of a joint on its child by its parent at the child's joint
+    origin; of a loop on the second frame's body by the first's, at the second frame's origin. World
+    axes, or those of child and second frame."""
+    determined: NDArray[np.bool_]
+    """(..., k, six) bool: whether the equations determine the component, in the axes of `wrenches`;
+    others are the smallest possible."""
+    multipliers: Array
+    """λ (..., m) of (5.23), one a loop equation; -Φ_qᵀ λ is what the loops do."""
+    qdd: Array
+    """(..., nv)."""
+    tau: Array
+    """(..., nv): of the drives."""
+    balance: float
+    """Largest of ΣF - m a (N) and (ΣM - Ḣ) / length (N; of a family the first member's) over all
+    bodies, relative to the largest force: it checks the wrenches against accelerations found from
+    the poses alone."""
+
+    def _title(self) -> str:
+        return f"Reactions at {', '.join(self.names)}, of shape {self.wrenches.shape}"
+
+    def _table(self) -> TextTable:
+        if self.wrenches.ndim > 2:
+            return TextTable(
+                (),
+                (),
+                (f"At one instant: wrenches[{', '.join(['k'] * (self.wrenches.ndim - 2))}].",),
+            )
+        axes = (
+            ("fx", "fy", "fz", "mx", "my", "mz")
+            if self.wrenches.shape[-1] == 6
+            else ("fx", "fy", "m")
+        )
+        rows = [
+            (
+                name,
+                *(f"{x:.4g}{'' if known else ' *'}" for x, known in zip(wrench, sure, strict=True)),
+            )
+            for name, wrench, sure in zip(self.names, self.wrenches, self.determined, strict=True)
+        ]
+        head = (f"{x} ({'N' if x[0] == 'f' else 'N m'})" for x in axes)
+        undetermined = (
+            ()
+            if self.determined.all()
+            else ("* not determined by the equations: the smallest possible value.",)
+        )
+        return TextTable(("", *head), rows, undetermined)
+
+    def __getitem__(self, name: str) -> Array:
+        """The wrench (..., six) of one joint or loop."""
+        if name not in self.names:
+            raise UnknownNameError("reaction", name, "this mechanism", self.names)
+        return self.wrenches[..., self.names.index(name), :]
+
+
+def reactions(
+    model: Model,
+    q: Vector,
+    qd: Vector,
+    *,
+    tau: Vector | None = None,
+    qdd: Vector | None = None,
+    wrenches: Wrenches = None,
+    actuated: Sequence[str] | None = None,
+    forces: Vector | None = None,
+    reference: Literal["world", "child"] = "world",
+) -> Reactions:
+    """All reactions of a tree or closed chain in a state: of every joint and loop, and whether the
+    equations determine them.
+
+    Parameters
+    ----------
+    model : Model
+        Robot, an open chain or a closed one.
+    q : (..., nq)
+        Positions, rad and m; loops closed.
+    qd : (..., nv)
+        Rates, rad/s and m/s.
+    tau : (..., nv), optional
+        Torques and forces of the drives (N m, N): the motion follows.
+    qdd : (..., nv), optional
+        Accelerations: the torques of the driven joints follow. Give this or `tau`.
+    wrenches : {frame: (..., 6)} or (..., 6), optional
+        External wrenches, as for `inverse_dynamics`.
+    actuated : names, optional
+        Of a closed chain the joints that drive; default those not passive.
+    forces : (..., nv), optional
+        Generalized forces besides the drives', each between parent and child along its joint, as
+        that of a spring is: of the joint's wrench it is a part. What acts from outside, such as
+        drag, is given as wrenches.
+    reference : "world" or "child"
+        Axes of the wrenches.
+
+    Returns
+    -------
+    Reactions
+        Wrenches (..., k, 6), joints, then loops; which components are determined, multipliers,
+        accelerations, torques, and how well all balance.
+
+    Raises
+    ------
+    LoopError
+        A state that the loops do not allow.
+    PassiveJointError
+        A torque at a passive joint.
+
+    Source: (5.23), (5.29); Newton and Euler body by body (3.1, 3.2, 6.1, 6.2).
+    """
+    if actuated is not None and not model.loops:
+        raise FreebodyError(
+            f"reactions: actuated= chooses among the joints of a closed chain; {model.name!r} has "
+            f"no loops."
+        )
+    if (tau is None) == (qdd is None):
+        raise FreebodyError("reactions: give either tau=, the torques, or qdd=, the accelerations.")
+    checked_reference(reference, ("world", "child"))
+    if tau is not None:
+        refuse_passive("reactions", model, tau)
+    name, third = ("tau", tau) if qdd is None else ("qdd", qdd)
+    acting = np.zeros(model.nv) if forces is None else forces
+    frames, (at, rates, given, acting, *loads) = checked_inputs(
+        "reactions", model, {"q": q, "qd": qd, name: third, "forces": acting}, wrenches
+    )
+    if qdd is not None:
+        drive, second = _torques(model, frames, acting, at, rates, given, loads, actuated), given
+    else:
+        drive, second = given, _accelerations(model, frames, at, rates, given + acting, loads)
+    return _found(model, frames, at, rates, second, drive, acting, loads, reference)
+
+
+def _torques(
+    model: Model,
+    frames: tuple[str, ...],
+    forces: Array,
+    q: Array,
+    qd: Array,
+    qdd: Array,
+    loads: list[Array],
+    actuated: Sequence[str] | None,
+) -> Array:
+    """Torques (..., nv) of the drives that a motion needs besides the forces, of any chain."""
+    if model.loops:
+        motion = q, qd, qdd, *loads
+        return motion_torques("reactions", model, frames, forces, *motion, actuated=actuated)
+    inverse = fetch(model, ("inverse_dynamics",), Option(wrench_frames=frames))
+    return inverse(q, qd, qdd, *loads) - forces
+
+
+def _accelerations(
+    model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, loads: list[Array]
+) -> Array:
+    """Accelerations (..., nv) that torques and forces cause, of any chain."""
+    if model.loops:
+        return definite_accelerations("reactions", model, frames, q, qd, tau, *loads)
+    forward = fetch(model, ("forward_dynamics",), Option(wrench_frames=frames))
+    return forward(q, qd, tau, *loads)
+
+
+def _found(
+    model: Model,
+    frames: tuple[str, ...],
+    q: Array,
+    qd: Array,
+    qdd: Array,
+    tau: Array,
+    forces: Array,
+    loads: list[Array],
+    reference: str,
+) -> Reactions:
+    """The reactions of a motion and the torques that go with it."""
+
+    def wrenches_in(axes: str) -> Array:
+        kernel = fetch(model, ("closed_wrenches",), Option(reference=axes, wrench_frames=frames))
+        return kernel(q, qd, qdd, multipliers, *loads)
+
+    multipliers = np.zeros((*q.shape[:-1], 0))
+    determined = np.ones((*q.shape[:-1], *_shape(model)), dtype=bool)
+    if model.loops:
+        needed = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))(
+            q, qd, qdd, *loads
+        )
+        multipliers, determined = _multipliers(
+            first_member(model), q, tau + forces - needed, reference
+        )
+    world = wrenches_in("world")
+    left = _miss(model, q, qd, qdd, world, frames, loads)
+    chosen = world if reference == "world" else wrenches_in(reference)
+    return Reactions(model.reaction_names, chosen, determined, multipliers, qdd, tau, left)
+
+
+def _shape(model: Model) -> tuple[int, int]:
+    """Shape of the wrenches of one sample."""
+    return len(model.bodies) + len(model.loops), 6 if model.dim == 3 else 3
+
+
+def _multipliers(
+    model: Model, q: Array, force: Array, reference: str
+) -> tuple[Array, NDArray[np.bool_]]:
+    """λ (..., m) with Φ_qᵀ λ = force (..., nv), what the drives do and the motion does not need;
+    which components of the wrenches they determine (..., k, six)."""
+    batch, chosen = q.shape[:-1], partition_of_loops(model)
+    determined = np.ones((*batch, *_shape(model)), dtype=bool)
+    if chosen is None:
+        multipliers = np.zeros((*batch, mechanism(model).constraints))
+        with_care = np.ones(batch, dtype=bool)
+    else:
+        multipliers = fetch(model, ("loop_multipliers",), Option(partition=chosen))(q, force)
+        with_care = np.asarray(np.isnan(multipliers).any(axis=-1))
+        if len(chosen.rows) < mechanism(model).constraints:
+            change = fetch(
+                model, ("loose_wrenches",), Option(reference=reference, partition=chosen)
+            )(q)
+            determined = _undisturbed(
+                model, np.abs(change).max(axis=-3), np.full(batch, _DETERMINED)
+            )
+    for taken, part in branches(model, q, with_care):
+        for index in np.argwhere(part):
+            at = tuple(index)
+            multipliers[at], determined[at] = _careful_multipliers(
+                taken, q[at], force[at], reference
+            )
+    return multipliers, determined
+
+
+def _careful_multipliers(
+    model: Model, q: Array, force: Array, reference: str
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Multipliers of one sample and the components that they determine, whatever the rank."""
+    rows = row_scale(model)
+    A = scaled_jacobian(model, q)
+    multipliers = rows * (np.linalg.pinv(A.T, rcond=RANK) @ (rate_scale(model) * force))
+    combinations = rows[:, None] * null_space(A, RANK)[1]
+    if not combinations.shape[1]:
+        return multipliers, np.ones(_shape(model), dtype=bool)
+    kernel = fetch(model, ("closed_wrenches",), Option(reference=reference))
+    still = np.zeros(model.nv)
+    rest = kernel(q, still, still, np.zeros(mechanism(model).constraints))
+    change = np.abs(kernel(q, still, still, combinations.T) - rest).max(axis=0)
+    doubt = max(_DETERMINED, _doubt(A, every_jacobian(model, q)))
+    return multipliers, _undisturbed(model, change, np.array(doubt))
+
+
+def _undisturbed(model: Model, change: Array, doubt: Array) -> NDArray[np.bool_]:
+    """(..., k, six): which components of the wrenches combinations of multipliers that no motion
+    feels leave alone.
+
+    change (..., k, six): what they do, at most; doubt (...): relative to the largest of them, what
+    is nothing.
+    """
+    size = change.copy()
+    size[..., model.dim :] /= length(model)  # forces and moments compare
+    largest = size.max(axis=(-2, -1), initial=1e-300)
+    return size < (doubt * largest)[..., None, None]
+
+
+def _doubt(counting: Array, every: Array) -> float:
+    """Doubt that rounding in the model's numbers adds to a wrench that is determined, relative to
+    what is not: equations (m, nv) that do not count against the least of those that do."""
+    s = np.linalg.svd(counting, compute_uv=False)
+    least = float(s[s > RANK * s.max(initial=1e-300)].min(initial=1.0))
+    return _ADDED * float(np.abs(every - counting).max(initial=0.0)) / least
+
+
+def _miss(
+    model: Model,
+    q: Array,
+    qd: Array,
+    qdd: Array,
+    wrenches: Array,
+    frames: tuple[str, ...],
+    loads: list[Array],
+) -> float:
+    """Largest miss of ΣF = m a and ΣM = Ḣ over all bodies, relative to the largest force that
+    enters."""
+    found = balance(model, q, qd, qdd, wrenches, dict(zip(frames, loads, strict=True)))
+    force, moment = (float(np.abs(x).max(initial=0.0)) for x in (found.force, found.moment))
+    return max(force, moment / length(first_member(model))) / (found.largest_force or 1.0)
+
+
+@dataclass(frozen=True)
+class NewtonEulerResiduals:
+    """ΣF - m a (..., nj, dim) and ΣM - Ḣ (..., nj, 3 or 1) of every body, and the largest force and
+    moment that entered."""
+
+    force: Array
+    moment: Array
+    largest_force: float
+    largest_moment: float
+
+
+def balance(
+    model: Model, q: Array, qd: Array, qdd: Array, wrenches: Array, external: Mapping[str, Array]
+) -> NewtonEulerResiduals:
+    """How well reactions and external wrenches, world axes, explain a motion q (..., nq), qd, qdd
+    (..., nv).
+
+    wrenches: (..., joints and loops, six), as `reactions` gives them; external: {frame: (...,
+    six)}.
+    """
+    kernel = fetch(model, ("balance",), Option(wrench_frames=tuple(external)))
+    force, moment, largest = kernel(q, qd, qdd, wrenches, *external.values())
+    sizes = largest.reshape(-1, 2).max(axis=0, initial=0.0)
+    return NewtonEulerResiduals(force, moment, float(sizes[0]), float(sizes[1]))

@@ -1,0 +1,194 @@
+"""Torques of the drives of a closed chain that a motion needs, or that hold it at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from freebody.arrays import Array, at_sample
+from freebody.errors import SingularError
+from freebody.kernels.formulas import Option
+from freebody.kernels.structural import fetch
+from freebody.loops.equations import (
+    branches,
+    driven_coordinates,
+    require_closed,
+    require_consistent,
+    scaled_jacobian,
+)
+from freebody.loops.independent_equations import (
+    partition,
+)
+from freebody.loops.scaled_equations import (
+    RANK,
+    rate_scale,
+)
+from freebody.model.model import Model
+from freebody.trees.public_calls import Vector, Wrenches, attempt, checked_inputs
+
+# part of a mechanism's motion, all coordinates as angles, by which a drive that stands still moves
+_STILL = 1e-12
+_WOULD_OPEN = (
+    "would open{} under these accelerations; "
+    "make them consistent with fb.loop_acceleration(model, q, qd, qdd)"
+)
+
+
+def inverse_dynamics(
+    model: Model,
+    q: Vector,
+    qd: Vector,
+    qdd: Vector,
+    wrenches: Wrenches,
+    actuated: Sequence[str] | None = None,
+    forces: Vector | None = None,
+) -> Array:
+    """Torques of the drives in a motion: `fb.inverse_dynamics` of a closed chain."""
+    if forces is None:
+        found = _attempted("inverse_dynamics", model, (q, qd, qdd), wrenches, actuated)
+        if found is not None:
+            return found
+        forces = np.zeros(model.nv)
+    given = {"q": q, "qd": qd, "qdd": qdd, "forces": forces}
+    frames, arrays = checked_inputs("inverse_dynamics", model, given, wrenches)
+    acting = arrays.pop(len(given) - 1)
+    return motion_torques("inverse_dynamics", model, frames, acting, *arrays, actuated=actuated)
+
+
+def motion_torques(
+    function: str,
+    model: Model,
+    frames: tuple[str, ...],
+    forces: Array,
+    q: Array,
+    qd: Array,
+    qdd: Array,
+    *loads: Array,
+    actuated: Sequence[str] | None = None,
+) -> Array:
+    """Torques (..., nv) of the drives, less what generalized forces (..., nv) do; refuses states
+    and accelerations that the loops do not allow."""
+    driven = driven_coordinates(function, model, actuated)
+    arrays = q, qd, qdd, *loads
+    tau = _by_drives("inverse_dynamics", model, driven, frames, arrays)
+    if forces.any():
+        tau = tau - _by_drives("drive_torques", model, driven, (), (q, forces))
+    with_care = np.asarray(np.isnan(tau).any(axis=-1))
+    for taken, part in branches(model, q, with_care):
+        require_closed(function, taken, q, qd, part)
+        require_consistent(function, taken, q, qd, qdd, _WOULD_OPEN, part)
+        needed = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))(*arrays)
+        tau[part] = _careful_torques(function, taken, q, needed - forces, driven, part)
+    return tau
+
+
+def static_torque(model: Model, q: Vector, wrenches: Wrenches) -> Array:
+    """Torques of the drives at rest: `fb.static_torque` of a closed chain."""
+    found = _attempted("static_torque", model, (q,), wrenches)
+    if found is not None:
+        return found
+    frames, arrays = checked_inputs("static_torque", model, {"q": q}, wrenches)
+    tau = _by_drives("static_torque", model, model.driven, frames, tuple(arrays))
+    with_care = np.asarray(np.isnan(tau).any(axis=-1))
+    q = np.broadcast_to(arrays[0], (*tau.shape[:-1], model.nq))
+    for taken, part in branches(model, q, with_care):
+        require_closed("static_torque", taken, q, among=part)
+        needed = fetch(model.opened, ("static_torque",), Option(wrench_frames=frames))(*arrays)
+        tau[part] = _careful_torques("static_torque", taken, q, needed, model.driven, part)
+    return tau
+
+
+def _attempted(
+    function: str,
+    model: Model,
+    inputs: tuple[Vector, ...],
+    wrenches: Wrenches,
+    actuated: Sequence[str] | None = None,
+) -> Array | None:
+    """The torques of the drives where a kernel is sure of them."""
+    chosen = partition(model, driven_coordinates(function, model, actuated))
+    if chosen is None:
+        return None
+    key = function if actuated is None else (function, "driven", *chosen.driven)
+    return attempt(key, model, inputs, Option(partition=chosen, checks="state"), wrenches)
+
+
+def _by_drives(
+    function: str,
+    model: Model,
+    driven: tuple[int, ...],
+    frames: tuple[str, ...],
+    arrays: tuple[Array, ...],
+) -> Array:
+    """Torques (..., nv) of the drives, of arrays q, …; NaN where a kernel is not sure."""
+    chosen = partition(model, driven)
+    if chosen is None:
+        return np.full((*arrays[0].shape[:-1], model.nv), np.nan)
+    option = Option(wrench_frames=frames, partition=chosen, checks="state")
+    return fetch(model, (function,), option)(*arrays)
+
+
+def torques(model: Model, q: Array, qd: Array, qdd: Array) -> Array:
+    """`inverse_dynamics` (..., nv) of states taken as closed: those between the samples of a
+    motion, which its curve leaves open by as little as it is off."""
+    needed = fetch(model.opened, ("inverse_dynamics",), Option())(q, qd, qdd)
+    return drive_torques("inverse_dynamics", model, q, needed)
+
+
+def drive_torques(function: str, model: Model, q: Array, needed: Array) -> Array:
+    """Torques (..., nv) of the driven joints, zero elsewhere, with the power of `needed` in every
+    motion that the loops allow.
+
+    needed (..., nv): torques of the tree that is left when all loops are cut. Least norm where too
+    many drive.
+    """
+    chosen = partition(model)
+    if chosen is None:
+        tau = np.full(needed.shape, np.nan)
+    else:
+        tau = fetch(model, ("drive_torques",), Option(partition=chosen))(q, needed)
+    with_care = np.asarray(np.isnan(tau).any(axis=-1))
+    if with_care.any():
+        q = np.broadcast_to(q, (*needed.shape[:-1], model.nq))
+        tau[with_care] = _careful_torques(function, model, q, needed, model.driven, with_care)
+    return tau
+
+
+def _careful_torques(
+    function: str,
+    model: Model,
+    q: Array,
+    needed: Array,
+    driven: Sequence[int],
+    chosen: NDArray[np.bool_],
+) -> Array:
+    """Torques (N, nv) of the drives at the chosen samples of a batch, whatever the rank; refuses
+    motions that the drives cannot force."""
+    rates, driven = rate_scale(model), list(driven)
+    wanted = rates * needed[chosen]
+    tau = np.zeros_like(wanted)
+    _, s, Vt = np.linalg.svd(scaled_jacobian(model, q[chosen]))
+    ranks = (s > RANK * s.max(axis=-1, keepdims=True, initial=1e-300)).sum(axis=-1)
+    for rank in np.unique(ranks):
+        at = np.flatnonzero(ranks == rank)
+        N = np.swapaxes(Vt[at, rank:], -1, -2)
+        motions = np.swapaxes(N[:, driven], -1, -2)
+        power = np.einsum("nkf,nk->nf", N, wanted[at])
+        # N's columns are units: less than _STILL is rounding, also where a drive has no more
+        largest = np.linalg.norm(motions, axis=(-2, -1))
+        cut = np.maximum(1e-9, _STILL / np.maximum(largest, 1e-300))
+        found = np.einsum("nkf,nf->nk", np.linalg.pinv(motions, rcond=cut), power)
+        missed = np.abs(np.einsum("nfk,nk->nf", motions, found) - power).max(axis=-1, initial=0.0)
+        bad = np.flatnonzero(missed > 1e-9 * (1.0 + np.abs(power).max(axis=-1, initial=0.0)))
+        if len(bad):
+            names = ", ".join(model.velocity_names[k] for k in driven) or "none"
+            where = at_sample(tuple(map(int, np.argwhere(chosen)[at[bad[0]]])))
+            raise SingularError(
+                f"{function}: the driven joints of {model.name!r} ({names}) cannot force this "
+                f"motion{where}: it can move with these joints locked (too few drives, or a "
+                f"singular position of the second type). Drive another joint: actuated=[...]."
+            )
+        tau[at[:, None], driven] = found / rates[driven]
+    return tau

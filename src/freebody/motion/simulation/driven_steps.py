@@ -1,0 +1,345 @@
+"""Steps of a simulation with the torque's own course inside: a line over time, or a compiled law of
+time and state. Smooth Coulomb friction, whose width is an input, is part of them; dry friction and
+stops come in as what pushes and which coordinates are held."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any
+
+from freebody.algorithms import simulation_steps
+from freebody.algorithms.crba import bias, without
+from freebody.algorithms.held_joints import HeldMotion, held_motion
+from freebody.algorithms.kinematics import position_rates
+from freebody.algorithms.regrouped_parameters import lightened
+from freebody.algorithms.simulation_steps import Law, Linearised
+from freebody.any_chain.kernel_options import chosen_option
+from freebody.elementary import Scalar, maximum, tanh
+from freebody.errors import SingularError
+from freebody.kernels.formulas import Option
+from freebody.kernels.formulas.choices import external
+from freebody.kernels.formulas.dynamics import forward
+from freebody.kernels.structural import Bound, Over, fetch_own
+from freebody.model.model import Model
+from freebody.model.tree import Tree
+from freebody.program import Argument, Program, trace
+from freebody.program.evaluate import evaluated
+from freebody.scalars.dual import Dual, slopes, value
+from freebody.spatial import Vector, add, identity, scale, sub
+
+STATE = ("t", "q", "qd")
+"""Inputs of a law that the step gives it; all others are given to the step."""
+
+
+@dataclass(frozen=True)
+class StepMethod:
+    """A method of fixed steps.
+
+    formula: the kernel whose method it is. order: of its error. implicit: whether it is stable
+    however stiff the drives are. reach: of an explicit method, step times decay rate up to which it
+    is stable. coulomb: what it takes for Coulomb friction c sign(q̇), width to be filled in.
+    """
+
+    formula: str
+    order: int
+    implicit: bool
+    reach: float
+    coulomb: str
+
+
+STEP_METHODS = {
+    "rk4": StepMethod("rk4_step", 4, False, 2.78, "c tanh(q̇ / {width:g})"),
+    "semi-implicit": StepMethod("semi_implicit_step", 1, False, 2.0, "c tanh(q̇ / {width:g})"),
+    "implicit": StepMethod("implicit_step", 2, True, float("inf"), "c q̇ / √(q̇² + {width:g}²)"),
+}
+
+Torque = Callable[[float, Vector, Vector], Vector]
+"""Of the part of the step that has passed, q and q̇."""
+
+Loads = tuple[Vector, ...]
+
+
+def driven_step(
+    model: Model,
+    method: str,
+    wrench_frames: Sequence[str] = (),
+    varying: Sequence[bool] = (),
+    law: Program | None = None,
+    adds: bool = False,
+    holds: bool = False,
+) -> Bound:
+    """A kernel (q, qd, h, width, t, …) -> (q1, qd1): a step of h from time t on.
+
+    Then follow, without a law, two torques (nv,) and which parts of the way from the one to the
+    other the step begins and ends at (2,), else the law's inputs besides `STATE` in its order;
+    then, where it `adds` another line of torques, the same of that; then, where the step `holds`
+    coordinates, torques that push besides (nv,) and which coordinates
+    are held (nv,), 1 or 0; then the wrenches, of one that is `varying` two and the parts, like the
+    torques. width: of Coulomb friction. With the model's numbers as last input, as in
+    `structural.fetch`.
+    """
+    record = STEP_METHODS[method]
+    takes = _Taken(model, law, adds, holds, tuple(varying))
+    option = _option(model, record.formula, wrench_frames)
+    reached = (Argument("q1", (model.nq,)), Argument("qd1", (model.nv,)))
+
+    def evaluate(tree: Tree, *scalars: Any) -> tuple[Any, ...]:
+        (q, qd, h, width), (torque, held, loads) = scalars[:4], takes.told(scalars)
+        step = _DrivenStep(tree, option, method, width, torque, loads, *held)
+        end = step.implicit(q, qd, h) if record.implicit else step.explicit(q, qd, h)
+        return simulation_steps.on_loops(tree, q, end, option.equations)
+
+    key = ("driven step", method, *takes.key)
+    return _fetched(model, key, option, evaluate, takes.inputs, reached)
+
+
+def driven_rates(
+    model: Model,
+    wrench_frames: Sequence[str],
+    varying: Sequence[bool],
+    law: Program | None,
+    adds: bool = False,
+) -> Bound:
+    """What a step that holds coordinates meets in a state: a kernel of the same inputs -> (q̈ (nv,),
+    what holds (nv,), M (nv, nv))."""
+    takes = _Taken(model, law, adds, True, tuple(varying))
+    option, nv = _option(model, "rk4_step", wrench_frames), model.nv
+    found = (Argument("qdd", (nv,)), Argument("reaction", (nv,)), Argument("M", (nv, nv)))
+
+    def evaluate(tree: Tree, *scalars: Any) -> HeldMotion:
+        (q, qd, _, width), (torque, held, loads) = scalars[:4], takes.told(scalars)
+        return _DrivenStep(tree, option, "rk4", width, torque, loads, *held).rates(q, qd)
+
+    key = ("driven rates", *takes.key)
+    return _fetched(model, key, option, evaluate, takes.inputs, found)
+
+
+def _option(model: Model, formula: str, wrench_frames: Sequence[str]) -> Option:
+    return chosen_option(model, formula, wrench_frames=wrench_frames, function="simulate")[1]
+
+
+@dataclass(frozen=True)
+class _Taken:
+    """What a kernel of a step takes besides the model's numbers."""
+
+    model: Model
+    law: Program | None
+    adds: bool
+    holds: bool
+    varying: tuple[bool, ...]
+
+    @property
+    def key(self) -> tuple[str, ...]:
+        """By which kernels are told apart."""
+        law = self.law.digest if self.law else ""
+        return law, "adds" if self.adds else "", "holds" if self.holds else "", str(self.varying)
+
+    @property
+    def own(self) -> tuple[Argument, ...]:
+        """What says what the torque is."""
+        if self.law is None:
+            return _line_of("", self.model.nv)
+        return tuple(x for x in self.law.inputs if x.name not in STATE)
+
+    @property
+    def inputs(self) -> tuple[Argument, ...]:
+        """All, in their order."""
+        nv, size = self.model.nv, 6 if self.model.dim == 3 else 3
+        return (
+            Argument("q", (self.model.nq,)),
+            Argument("qd", (nv,)),
+            Argument("h", ()),
+            Argument("width", (), uniform=True),
+            Argument("t", ()),
+            *(Argument(f"given{k}", x.shape) for k, x in enumerate(self.own)),
+            *(_line_of("added", nv) if self.adds else ()),
+            *(Argument(name, (nv,)) for name in ("push", "held") if self.holds),
+            *(
+                x
+                for k, varies in enumerate(self.varying)
+                for x in (
+                    _line_of(f"wrench{k}", size) if varies else [Argument(f"wrench{k}", (size,))]
+                )
+            ),
+        )
+
+    def told(
+        self, scalars: Sequence[Any]
+    ) -> tuple[Torque, Sequence[Vector], Callable[[float], Loads]]:
+        """The torque, what pushes and what is held, and the wrenches."""
+        _, _, h, _, t, *rest = scalars
+        more = iter(rest)
+        own = [*islice(more, len(self.own))]
+        torque = _of_law(self.law, t, h, own) if self.law else _of_line(*own)
+        if self.adds:
+            torque = _sum(torque, _of_line(*islice(more, 3)))
+        held = [*islice(more, 2)] if self.holds else ()
+        return torque, held, _loads(self.varying, [*more])
+
+
+def _fetched(
+    model: Model,
+    key: tuple[str, ...],
+    option: Option,
+    evaluate: Callable[..., tuple[Any, ...]],
+    taken: tuple[Argument, ...],
+    found: tuple[Argument, ...],
+) -> Bound:
+    """The kernel of a function of the tree and of what is taken."""
+
+    def made(p: Argument, over: Over) -> Program:
+        def whole(*scalars: Any) -> tuple[Any, ...]:
+            *given, numbers = scalars
+            return evaluate(lightened(over(numbers)), *given)
+
+        try:
+            return trace("_".join(key[0].split()), whole, (*taken, p), found)
+        except ZeroDivisionError:
+            raise SingularError(
+                f"simulate: {model.name!r} or its torque divides by zero in every state."
+            ) from None
+
+    return fetch_own(model, key, option, made)
+
+
+def _line_of(name: str, size: int) -> tuple[Argument, ...]:
+    """What a line takes."""
+    ends = (Argument(f"{name}{end}", (size,)) for end in ("first", "last"))
+    return *ends, Argument(f"{name}parts", (2,))
+
+
+def _line(first: Vector, last: Vector, parts: Vector) -> Callable[[float], Vector]:
+    """Of the part of the step that has passed."""
+    begin, end = parts
+
+    def at(part: float) -> Vector:
+        way = begin + part * (end - begin) if 0.0 < part < 1.0 else parts[int(part)]
+        return add(first, scale(way, sub(last, first)))
+
+    return at
+
+
+def _of_line(*own: Vector) -> Torque:
+    line = _line(*own)
+    return lambda part, q, qd: line(part)
+
+
+def _sum(one: Torque, other: Torque) -> Torque:
+    return lambda part, q, qd: add(one(part, q, qd), other(part, q, qd))
+
+
+def _loads(varying: Sequence[bool], given: Sequence[Vector]) -> Callable[[float], Loads]:
+    """Wrenches on frames, of the part of the step that has passed."""
+    rest = iter(given)
+    lines = [_line(*islice(rest, 3)) if varies else next(rest) for varies in varying]
+    return lambda part: tuple(x(part) if callable(x) else x for x in lines)
+
+
+def _of_law(law: Program, t: Scalar, h: Scalar, own: Sequence[Any]) -> Torque:
+    def at(part: float, q: Vector, qd: Vector) -> Vector:
+        state = {"t": t + part * h if part else t, "q": q, "qd": qd}
+        (tau,) = evaluated(law, law_inputs(law, state, own))
+        return tau
+
+    return at
+
+
+def both_laws(law: Program, other: Program) -> Program:
+    """The sum of two laws, the second of which takes nothing but `STATE`."""
+    taken = {x.name: x for x in (*law.inputs, *other.inputs)}
+
+    def tau(*scalars: Any) -> tuple[Vector]:
+        given = dict(zip(taken, scalars, strict=True))
+        (one,), (more,) = (evaluated(x, [given[i.name] for i in x.inputs]) for x in (law, other))
+        return (add(one, more),)
+
+    return trace("both_laws", tau, tuple(taken.values()), law.outputs)
+
+
+def law_inputs(law: Program, state: Mapping[str, Any], own: Sequence[Any]) -> list[Any]:
+    """What a law takes, in its order: t, q and qd by name, all others as they come."""
+    rest = iter(own)
+    return [state[x.name] if x.name in state else next(rest) for x in law.inputs]
+
+
+@dataclass(frozen=True)
+class _DrivenStep:
+    """A step with what drives it: the width of Coulomb friction, the torque, and the wrenches;
+    torques that push besides, and which coordinates are held, where there are any."""
+
+    tree: Tree
+    option: Option
+    method: str
+    width: Scalar
+    torque: Torque
+    loads: Callable[[float], Loads]
+    push: Vector = ()
+    held: Vector = ()
+
+    def explicit(self, q: Vector, qd: Vector, h: Scalar) -> simulation_steps.State:
+        rk4 = self.method == "rk4"
+        walk = simulation_steps.runge_kutta if rk4 else simulation_steps.semi_implicit
+        return walk(self.tree, q, qd, h, self._holding if self.held else self._free)
+
+    def implicit(self, q: Vector, qd: Vector, h: Scalar) -> simulation_steps.State:
+        def on_bodies(part: float, q: Vector) -> Any:
+            return external(self.tree, self.option, q, self.loads(part))
+
+        law, counting = _linearised(self.tree, self.torque), self.option.equations
+        return simulation_steps.implicit(self.tree, q, qd, h, on_bodies, law, counting, self.width)
+
+    def rates(self, q: Vector, qd: Vector, part: float = 0.0) -> HeldMotion:
+        """What the state meets."""
+        smooth = without(self.tree, "coulomb")
+        loads = external(self.tree, self.option, q, self.loads(part))
+        tau = add(self._tau(part, q, qd), self.push)
+        return held_motion(self.tree, q, sub(tau, bias(smooth, q, qd, loads)), self.held)
+
+    def _holding(self, part: float, q: Vector, qd: Vector) -> Vector:
+        return self.rates(q, qd, part).qdd
+
+    def _free(self, part: float, q: Vector, qd: Vector) -> Vector:
+        smooth = without(self.tree, "coulomb")
+        return forward(smooth, self.option, q, qd, self._tau(part, q, qd), self.loads(part))[0]
+
+    def _tau(self, part: float, q: Vector, qd: Vector) -> Vector:
+        return sub(self.torque(part, q, qd), _friction(self.tree, qd, self.width))
+
+
+def _friction(tree: Tree, qd: Vector, width: Scalar) -> Vector:
+    """c tanh(q̇ / width) of all joints, as it acts on the coordinates."""
+    total: list[Scalar] = [0.0] * tree.nv
+    for body in tree.bodies:
+        if body.drive is not None:
+            (rate,), at = body.rates(qd), body.coordinates
+            own = body.drive.coulomb * tanh(rate / width)
+            total[at.v[0]] = total[at.v[0]] + at.ratio * own
+    return tuple(total)
+
+
+def _linearised(tree: Tree, torque: Torque) -> Law:
+    """The torque at the end of a stage, linear in the state of its beginning: of the slopes those
+    of each joint's torque by its own motion, where they resist it."""
+    nv = tree.nv
+
+    def at(start: float, end: float, q: Vector, qd: Vector) -> Linearised:
+        along = [position_rates(tree, q, unit) for unit in identity(nv)]
+        seeded = tuple(Dual(x, {k: along[k][i] for k in range(nv)}) for i, x in enumerate(q))
+        rates = tuple(Dual(x, {nv + k: 1.0}) for k, x in enumerate(qd))
+        found = torque(end, seeded, rates)
+        rows = [slopes(x, 2 * nv) for x in found]
+        moving = tuple(_times(row[:nv], qd) for row in rows)
+        stiffness = tuple(maximum(-row[k], 0.0) for k, row in enumerate(rows))
+        damping = tuple(maximum(-row[nv + k], 0.0) for k, row in enumerate(rows))
+        return Linearised(tuple(map(value, found)), scale(-1.0, moving), stiffness, damping)
+
+    return at
+
+
+def _times(row: Sequence[Scalar], qd: Vector) -> Scalar:
+    total: Scalar = 0.0
+    for slope, rate in zip(row, qd, strict=True):
+        total = total + slope * rate
+    return total

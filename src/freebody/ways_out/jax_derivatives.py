@@ -1,0 +1,323 @@
+"""Programs as functions of JAX, with derivatives of every order.
+
+The derivative along tangents is an operation of JAX's own, `freebody_linear`, which is linear in
+these and knows its transpose. One tangent, or one cotangent, is what a kernel of the derivative
+along a direction takes, or one of the gradient; where there are many for the same values, as in
+`jacfwd` and `jacrev`, whole Jacobians are computed once and multiplied by them.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Sequence
+from functools import cache
+from math import prod
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.core import ShapedArray
+from jax.extend.core import Primitive
+from jax.interpreters import ad, batching, mlir
+
+from freebody.program import Argument
+from freebody.program.gradient import gradient
+from freebody.targets.xla.operation import Arrays, Way, operation
+from freebody.ways_out.differentials import Differentiable
+from freebody.ways_out.jax_products import placed, product, summed
+
+Positions = tuple[int, ...]
+
+
+class JaxFunction:
+    """A program as a function of arrays (..., *core) of one floating-point type.
+
+    Attributes:
+        call: the function; returns a tuple.
+        program: what it computes.
+    """
+
+    def __init__(self, what: Differentiable, way: Way):
+        self.what, self.way, self.program = what, way, what.program
+        plain = operation(what.program, way)
+
+        @jax.custom_jvp
+        def call(*arrays: Any) -> Arrays:
+            return plain(*level(self.program.inputs, arrays))
+
+        call.defjvp(self._rule, symbolic_zeros=True)
+        self.call = call
+        self.matrices = cache(self._matrices)
+        self.along = cache(self._along)
+        self.applied = cache(self._applied)
+        self.gradient = cache(self._gradient)
+
+    def _rule(self, primals: Arrays, tangents: Arrays) -> tuple[Arrays, Arrays]:
+        results = self.call(*primals)  # itself, so that it is differentiated again by this rule
+        by = tuple(
+            k for k, x in enumerate(tangents) if type(x) is not jax.custom_derivatives.SymbolicZero
+        )
+        if not by:
+            return results, tuple(map(jnp.zeros_like, results))
+        given = level(self.program.inputs, primals)
+        rates = [tangents[k].reshape(given[k].shape) for k in by]
+        every = tuple(range(len(results)))
+        changes = _linear.bind(
+            *given, *rates, function=self, by=by, of=every, back=None, matrix=False
+        )
+        return results, tuple(changes)
+
+    def _along(self, by: Positions) -> JaxFunction:
+        """Of the rates of the outputs; rates of the inputs `by` come last."""
+        return JaxFunction(self.what.along(by), self.way)
+
+    def _gradient(self, by: Positions, of: Positions) -> JaxFunction:
+        """Of the gradient by the inputs `by`; weights of the outputs `of` come last."""
+        return JaxFunction(Differentiable(gradient(self.program, by, of)), self.way)
+
+    def _applied(self, by: Positions, of: Positions, count: int, back: bool) -> JaxFunction | None:
+        """Of the Jacobian, or its transpose, times so many vectors, which come last; None if it
+        would be too long."""
+        made = self.what.applied(by, of, count, back)
+        return made and JaxFunction(made, self.way)
+
+    def _matrices(self, by: Positions) -> Callable[..., Arrays]:
+        """A function of the inputs: the derivatives of each output by each of the inputs `by`,
+        (*output, *input)."""
+        found = self.what.jacobian(by)
+        call = JaxFunction(found.function, self.way).call
+        return call if found.whole else lambda *arrays: self._columns(by, arrays)
+
+    def _columns(self, by: Positions, arrays: Arrays) -> Arrays:
+        """The same from the derivatives along unit vectors."""
+        shapes = [self.program.inputs[k].shape for k in by]
+        ends = np.cumsum([prod(shape) for shape in shapes]).tolist()
+        given = level(self.program.inputs, arrays)
+        axis = max(
+            (x.ndim - len(a.shape) for x, a in zip(given, self.program.inputs, strict=True)),
+            default=0,
+        )
+        units = np.split(np.eye(ends[-1], dtype=given[0].dtype), ends[:-1], axis=1)
+        rates = [jnp.asarray(x.reshape(-1, *shape)) for x, shape in zip(units, shapes, strict=True)]
+        found = []
+        for y in self.along(by).call(*(jnp.expand_dims(x, axis) for x in given), *rates):
+            parts = jnp.split(jnp.moveaxis(y, axis, -1), ends[:-1], axis=-1)
+            found += [
+                x.reshape(*x.shape[:-1], *shape) for x, shape in zip(parts, shapes, strict=True)
+            ]
+        return tuple(found)
+
+
+def level(inputs: Sequence[Argument], arrays: Sequence[Any]) -> list[Any]:
+    """The arrays with equally many leading axes, of size 1 where there were fewer."""
+    axes = [x.ndim - len(argument.shape) for x, argument in zip(arrays, inputs, strict=True)]
+    most = max(axes, default=0)
+    return [x.reshape((1,) * (most - n) + x.shape) for x, n in zip(arrays, axes, strict=True)]
+
+
+_linear = Primitive("freebody_linear")
+"""Operands: the inputs of a function; then, if `back` is None, rates of the inputs `by`, and the
+results are those of the outputs `of`. Else cotangents of the outputs `of`, and the results are
+those of the inputs `by`, with the leading axes `back`. All operands have equally many leading axes.
+matrix: whether through whole Jacobians."""
+_linear.multiple_results = True
+
+
+def _evaluate(
+    *operands: Any, function: JaxFunction, by: Positions, of: Positions, back: Any, matrix: bool
+) -> Arrays:
+    """What the operation computes, in terms of kernels that have derivatives themselves."""
+    count = len(function.program.inputs)
+    primals, given = operands[:count], operands[count:]
+    if not matrix and back is None:
+        rates = function.along(by).call(*primals, *given)
+        return tuple(rates[k] for k in of)
+    if not matrix:
+        slopes = function.gradient(by, of).call(*primals, *given)
+        inputs = [function.program.inputs[k].shape for k in by]
+        return tuple(
+            summed(x, (*batch, *shape))
+            for x, batch, shape in zip(slopes, back, inputs, strict=True)
+        )
+    how = function, by, of, back
+    results = _shared(*how, primals, given)
+    return _multiplied(*how, primals, given) if results is None else results
+
+
+def _shared(
+    function: JaxFunction, by: Positions, of: Positions, back: Any, primals: Arrays, given: Arrays
+) -> Arrays | None:
+    """Of vectors that are the same for all samples, by a kernel that multiplies with them itself;
+    None where others come, or too many."""
+    sizes = _batches(function.program, by, of, back, (*primals, *given))
+    values, vectors = (
+        np.broadcast_shapes(*some) for some in (sizes[: len(primals)], sizes[len(primals) :])
+    )
+    many = [k for k, n in enumerate(vectors) if n > 1]
+    if any(values[k] > 1 for k in many):
+        return None
+    count = prod(vectors[k] for k in many)
+    found = function.applied(by, of, count, back is not None)
+    if found is None:
+        return None
+    lists = []
+    for x in given:
+        core = x.shape[len(vectors) :]
+        lists.append(jnp.broadcast_to(x, (*vectors, *core)).reshape(count, *core))
+    results = found.call(*primals, *lists)
+    one = [k for k in range(len(vectors)) if k not in many]
+    sizes_of = [values[k] for k in one], [vectors[k] for k in many]
+    if back is None:
+        cores = [function.program.outputs[k].shape for k in of]
+        return tuple(
+            placed(
+                y.reshape(*sizes_of[0], *core, *sizes_of[1]), [*one, *range(-len(core), 0), *many]
+            )
+            for y, core in zip(results, cores, strict=True)
+        )
+    cores = [function.program.inputs[k].shape for k in by]
+    made = [
+        placed(y.reshape(*sizes_of[0], *sizes_of[1], *core), [*one, *many, *range(-len(core), 0)])
+        for y, core in zip(results, cores, strict=True)
+    ]
+    return tuple(
+        summed(x, (*batch, *core)) for x, batch, core in zip(made, back, cores, strict=True)
+    )
+
+
+def _multiplied(
+    function: JaxFunction, by: Positions, of: Positions, back: Any, primals: Arrays, given: Arrays
+) -> Arrays:
+    """Through Jacobians as arrays."""
+    inputs = [function.program.inputs[k].shape for k in by]
+    outputs = [function.program.outputs[k].shape for k in of]
+    every = function.matrices(by)(*primals)
+    tables = [every[k * len(by) : (k + 1) * len(by)] for k in of]
+    if back is None:
+        return tuple(
+            sum(
+                product(False, x, y, out, shape)
+                for x, y, shape in zip(row, given, inputs, strict=True)
+            )
+            for row, out in zip(tables, outputs, strict=True)
+        )
+    return tuple(
+        summed(
+            sum(
+                product(True, row[j], y, out, shape)
+                for row, y, out in zip(tables, given, outputs, strict=True)
+            ),
+            (*back[j], *shape),
+        )
+        for j, shape in enumerate(inputs)
+    )
+
+
+def _batches(
+    program: Any, by: Positions, of: Positions, back: Any, operands: Sequence[Any]
+) -> list[Any]:
+    """The leading axes of each operand."""
+    last = [program.inputs[k] for k in by] if back is None else [program.outputs[k] for k in of]
+    arguments = (*program.inputs, *last)
+    return [x.shape[: x.ndim - len(a.shape)] for x, a in zip(operands, arguments, strict=True)]
+
+
+@_linear.def_abstract_eval
+def _shapes(
+    *operands: Any, function: JaxFunction, by: Positions, of: Positions, back: Any, matrix: bool
+) -> Any:
+    program, dtype = function.program, operands[0].dtype
+    if back is None:
+        batch = np.broadcast_shapes(*_batches(program, by, of, back, operands))
+        shapes = [(*batch, *program.outputs[k].shape) for k in of]
+    else:
+        shapes = [(*batch, *program.inputs[k].shape) for batch, k in zip(back, by, strict=True)]
+    return [ShapedArray(shape, dtype) for shape in shapes]
+
+
+def _mapped(operands: Sequence[Any], axes: Sequence[int | None], **params: Any) -> Any:
+    """Where many vectors come for the same values, through a matrix."""
+    count = len(params["function"].program.inputs)
+    size = next(x.shape[axis] for x, axis in zip(operands, axes, strict=True) if axis is not None)
+    moved = [
+        x[None] if axis is None else jnp.moveaxis(x, axis, 0)
+        for x, axis in zip(operands, axes, strict=True)
+    ]
+    if all(axis is None for axis in axes[:count]):
+        params["matrix"] = True
+    if params["back"] is not None:
+        params["back"] = tuple((size, *batch) for batch in params["back"])
+    results = _linear.bind(*moved, **params)
+    return results, [0] * len(results)
+
+
+def _jvp(operands: Sequence[Any], tangents: Sequence[Any], **params: Any) -> Any:
+    """It is linear in its last operands, and in the others what `_evaluate` is."""
+    count = len(params["function"].program.inputs)
+    results, changes = _linear.bind(*operands, **params), []
+    moving = [k for k in range(count) if type(tangents[k]) is not ad.Zero]
+    if moving:
+
+        def of_moving(*given: Any) -> Arrays:
+            values = list(operands)
+            for k, x in zip(moving, given, strict=True):
+                values[k] = x
+            return _evaluate(*values, **params)
+
+        at, along = ([x[k] for k in moving] for x in (operands, tangents))
+        changes.append(jax.jvp(of_moving, at, along)[1])
+    if any(type(x) is not ad.Zero for x in tangents[count:]):
+        last = map(ad.instantiate_zeros, tangents[count:])
+        changes.append(_linear.bind(*operands[:count], *last, **params))
+    return results, [sum(terms[1:], terms[0]) for terms in zip(*changes, strict=True)]
+
+
+def _transposed(
+    cotangents: Sequence[Any],
+    *operands: Any,
+    function: JaxFunction,
+    by: Positions,
+    of: Positions,
+    back: Any,
+    matrix: bool,
+) -> list[Any]:
+    """The other way, by the operands that are unknown, of the results that count."""
+    count = len(function.program.inputs)
+    primals, last = operands[:count], operands[count:]
+    unknown = [k for k, x in enumerate(last) if ad.is_undefined_primal(x)]
+    counting = [k for k, x in enumerate(cotangents) if type(x) is not ad.Zero]
+    found: list[Any] = [None] * len(operands)
+    if not counting:
+        return found
+    given = [cotangents[k] for k in counting]
+    shapes = [last[k].aval.shape for k in unknown]
+    if back is None:
+        wanted = tuple(by[k] for k in unknown)
+        cores = [len(function.program.inputs[k].shape) for k in wanted]
+        axes = tuple(shape[: len(shape) - core] for shape, core in zip(shapes, cores, strict=True))
+        kept = tuple(of[k] for k in counting)
+        results = _linear.bind(
+            *primals, *given, function=function, by=wanted, of=kept, back=axes, matrix=matrix
+        )
+    else:
+        kept, wanted = tuple(by[k] for k in counting), tuple(of[k] for k in unknown)
+        results = _linear.bind(
+            *primals, *given, function=function, by=kept, of=wanted, back=None, matrix=matrix
+        )
+        results = [summed(x, shape) for x, shape in zip(results, shapes, strict=True)]
+    for k, result in zip(unknown, results, strict=True):
+        found[count + k] = result
+    return found
+
+
+_linear.def_impl(_evaluate)
+with contextlib.suppress(ImportError, AttributeError):  # JAX has no public name for it
+    from jax._src.dispatch import prim_requires_devices_during_lowering
+
+    # what it is made of is, where there are several devices, cut for them
+    prim_requires_devices_during_lowering.add(_linear)
+mlir.register_lowering(_linear, mlir.lower_fun(_evaluate, multiple_results=True))
+batching.primitive_batchers[_linear] = _mapped
+ad.primitive_jvps[_linear] = _jvp
+ad.primitive_transposes[_linear] = _transposed

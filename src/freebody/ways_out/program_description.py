@@ -1,0 +1,259 @@
+"""A program told to whoever reads it as text: arguments with units, the robot's structure, counts,
+all in words.
+
+Every name from outside becomes a word; which word is which name stands in `names`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from freebody import __version__
+from freebody.algorithms.turned_frames import turned_frames
+from freebody.identifiers import identifiers
+from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
+from freebody.kernels.inputs import KernelInputs
+from freebody.model.doubts import Doubt, doubts_used
+from freebody.model.model import Model
+from freebody.model.numbers import Parameters
+from freebody.program import Argument, Program
+from freebody.targets.text import Joints
+from freebody.ways_out.recursion_names import MEANINGS, marks
+
+_NUMBERS = "numbers of the robot, listed below (SI units)"
+"""What p is."""
+
+
+class ProgramDescription:
+    """Of a program of a model. Attributes: comment, joints, marks (see `Unit`), names."""
+
+    def __init__(
+        self,
+        model: Model,
+        quantities: tuple[str, ...],
+        option: Option,
+        numbers: KernelInputs | None,
+        program: Program,
+    ):
+        self.model, self.option, self.numbers, self.program = model, option, numbers, program
+        self._names = quantities
+        # of all numbers: names.json is then the same for all functions of a robot, which may share
+        # a folder
+        self._number_words = identifiers(Parameters(model).names)
+        self._joint_words = identifiers(model.joint_names)
+        self._body_words = identifiers([*(body.name for body in model.bodies), *model.frame_names])
+        self._meanings = self._worded(quantities)
+        self.marks = marks(program, option, numbers.tree if numbers else lambda _: model.tree)
+
+    @property
+    def comment(self) -> tuple[str, ...]:
+        """Lines for the head of the text."""
+        program, model = self.program, self.model
+        (robot,) = identifiers([model.name]).values()
+        counts = ", ".join(f"{count} {op}" for op, count in sorted(program.operations.items()))
+        lines = [
+            f"{program.name} of the robot {robot}.",
+            f"{sum(program.operations.values())} operations: {counts or 'none'}.",
+            f"Written by freebody {__version__} for this robot only: its numbers are constants in "
+            f"the code{', except those in p' if self.numbers else ''}.",
+            *self._doubtful(),
+            "",
+            *self._arguments("Inputs", program.inputs),
+            *self._arguments("Outputs", program.outputs),
+            *_listed_numbers(self.model, self.numbers, self._number_words),
+            *self._structure(),
+        ]
+        if self.option.frame is not None:
+            frame = self._body_words[self.option.frame]
+            lines.append(f"The frame is {frame}; axes: {self.option.reference}.")
+        return (*lines, *self._legend())
+
+    @property
+    def doubts(self) -> tuple[Doubt, ...]:
+        """On what the quantities depend on."""
+        return doubts_used(self.model, *(x for name in self._names for x in FORMULAS[name].touches))
+
+    def _doubtful(self) -> list[str]:
+        """By kind, since sentences hold names of the robot's."""
+        kinds = ", ".join(dict.fromkeys(doubt.kind for doubt in self.doubts))
+        return [f"Doubts about the robot: {kinds}."] if kinds else []
+
+    def _legend(self) -> list[str]:
+        """What the words of the text stand for that are names of the recursion."""
+        letters = {
+            word.removeprefix("minus_").rstrip("xyz_0123456789") for word in self.marks.values()
+        }
+        if not letters:
+            return []
+        told = [
+            f"  {letter} {meaning}" for letter, meaning in MEANINGS.items() if letter in letters
+        ]
+        return [
+            "",
+            *_SECTIONS,
+            *(_TURNED if self._is_turned else ()),
+            *(_COUNTED if letters & {"M", "c"} else ()),
+            *(_REGROUPED if letters & {*"fnhI"} else ()),
+            *told,
+        ]
+
+    @property
+    def _is_turned(self) -> bool:
+        """Whether the bodies' frames may not be those of the robot."""
+        return not self.numbers and turned_frames(self.model.tree) is not self.model.tree
+
+    @property
+    def joints(self) -> Joints:
+        """Which joint each scalar belongs to: entries of q and of the rates, and rows of what has
+        one for each."""
+        by_q, by_v = [-1] * self.model.nq, [-1] * self.model.nv
+        for k, at in reversed(list(enumerate(self.model.coordinates))):
+            for owner, entries in ((by_q, at.q), (by_v, at.v)):
+                for i in entries:
+                    owner[i] = k
+        last = len(self.model.bodies) - 1
+        inputs: list[int] = []
+        for argument in self.program.inputs:
+            rates = argument.name in INPUTS and INPUTS[argument.name].dims == ("nv",)
+            owners = by_q if argument.name in POSITIONS else by_v if rates else [-1] * argument.size
+            inputs += owners
+        outputs: list[int] = []
+        for argument in self.program.outputs:
+            rows = argument.shape and argument.shape[0] == self.model.nv
+            outputs += [by_v[index[0]] if rows else last for index in argument.indices()]
+        return Joints(tuple(inputs), tuple(outputs), tuple(self._joint_words.values()))
+
+    @property
+    def names(self) -> dict[str, Any]:
+        """The names as they were, by the word that stands for each."""
+        (robot,) = identifiers([self.model.name]).values()
+        return {
+            "robot": {robot: self.model.name},
+            "joints": {word: name for name, word in self._joint_words.items()},
+            "bodies and frames": {word: name for name, word in self._body_words.items()},
+            "numbers": {word: name for name, word in self._number_words.items()},
+        }
+
+    def _worded(self, quantities: tuple[str, ...]) -> dict[str, str]:
+        """What each argument is."""
+        found = {name: given.meaning for name, given in INPUTS.items()} | {"p": _NUMBERS}
+        if self.model.nq == self.model.nv:  # no quaternions
+            found |= {name: f"{found[name].partition(';')[0]})" for name in ("q", "qd")}
+        for k, frame in enumerate(self.option.wrench_frames):
+            found[f"wrench{k}"] = (
+                f"wrench on the frame {self._body_words[frame]}: force, then moment about its "
+                f"origin, world axes (N, N m)"
+            )
+        for name in quantities:
+            for label, output in FORMULAS[name].outputs.items():
+                full = f"{name}_{label}" if len(quantities) > 1 else label
+                found[f"out {full}"] = output.meaning
+        return found
+
+    def _arguments(self, title: str, arguments: Iterable[Argument]) -> list[str]:
+        kind = "out " if title == "Outputs" else ""
+        return [
+            f"{title}:",
+            *(f"  {a}: {self._meanings.get(kind + a.name, 'as named')}" for a in arguments),
+            "",
+        ]
+
+    def _structure(self) -> list[str]:
+        """One line a joint: what it is, which entries move it, what it carries."""
+        model = self.model
+        lines = [f"Joints, in {model.dim} dimensions:"]
+        for k, (body, at) in enumerate(zip(model.bodies, model.coordinates, strict=True)):
+            parent = (
+                self._body_words[model.bodies[body.parent].name] if body.parent >= 0 else "the base"
+            )
+            follows = " (follows another)" if body.joint.mimic is not None else ""
+            lines.append(
+                f"  {k + 1} {self._joint_words[body.joint.name]}: {body.kind.name}{follows}, q "
+                f"{_span(at.q)}, "
+                f"qd {_span(at.v)}, carries {self._body_words[body.name]} on {parent}"
+            )
+        if model.loops:
+            lines.append(f"  and {len(model.loops)} loops that close the chain")
+        return [*lines, f"Gravity: {self._gravity()}."]
+
+    def _gravity(self) -> str:
+        """Where it pulls: whoever mounts the robot has to know."""
+        given = self.numbers.model if self.numbers else self.model
+        if (given.gravity_size, given.gravity_direction) != (
+            self.model.gravity_size,
+            self.model.gravity_direction,
+        ):
+            return "in p"
+        return f"[{', '.join(f'{x:.6g}' for x in self.model.gravity)}] m/s^2, world axes"
+
+
+_SECTIONS = (
+    "Sections: outward, up to joint k: values that depend on no later joint; inward, to joint k: "
+    "values needed only",
+    "for results of joints up to k. Names: w3_y is the y component, in its own axes, of the "
+    "angular velocity of",
+    "body 3, which joint 3 carries, and minus_w3_y its negative; t1, t2, ... are values without "
+    "such a name.",
+)
+_TURNED = (
+    "Frames of bodies are turned about the axes of their joints, and moved along them, where this "
+    "saves operations:",
+    "their own axes and origins are then those.",
+)
+_COUNTED = ("Entries of M and c count from 0, as arrays do.",)
+_REGROUPED = (
+    "Masses are regrouped among bodies where this saves operations and leaves the motion "
+    "unchanged: f, n, h and I",
+    "are then those of the regrouped bodies.",
+)
+
+
+def _span(entries: tuple[int, ...]) -> str:
+    """Positions from 0 on."""
+    return (
+        f"[{entries[0]}]"
+        if len(entries) == 1
+        else f"[{entries[0]}..{entries[-1]}]"
+        if entries
+        else "[]"
+    )
+
+
+def _listed_numbers(model: Model, numbers: KernelInputs | None, words: dict[str, str]) -> list[str]:
+    """What the entries of p are."""
+    if numbers is None:
+        return []
+    records = {record.name: record for record in Parameters(model)}
+    lines = []
+    for k, (name, value) in enumerate(zip(numbers.names, numbers.values, strict=True)):
+        unit = records[name].unit.replace("²", "^2")
+        unit = "" if unit == "1" else unit
+        own = (
+            f", here {value:.6g} {unit}".rstrip()
+            if value == value
+            else f" ({unit})"
+            if unit
+            else ""
+        )
+        lines.append(f"  p [{k}] {words[name]}{own}")
+    return ["Numbers of the robot:", *lines, ""]
+
+
+def of_program(
+    program: Program, numbers: KernelInputs | None = None
+) -> tuple[tuple[str, ...], dict[str, Any]]:
+    """The head of the text of a kernel, of which no more is known than its program and its p; and
+    p's names."""
+    counts = ", ".join(f"{count} {op}" for op, count in sorted(program.operations.items()))
+    words = identifiers(Parameters(numbers.model).names if numbers else ())
+    head = [
+        f"{program.name}: {', '.join(map(str, program.inputs))} -> "
+        f"{', '.join(map(str, program.outputs))}.",
+        f"{sum(program.operations.values())} operations: {counts or 'none'}.",
+        f"Written by freebody {__version__}.",
+    ]
+    if numbers is None:
+        return tuple(head), {}
+    listed = _listed_numbers(numbers.model, numbers, words)
+    return (*head, "", *listed[:-1]), {"numbers": {word: name for name, word in words.items()}}
