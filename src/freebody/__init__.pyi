@@ -1,14 +1,6 @@
 """Written by tools/stub.py from the table in __init__.py: what type checkers read of it."""
 
 from . import math as math
-from freebody_textbook.check.check import check as check
-from freebody_textbook.closed_chains.loops import loop_equations as loop_equations
-from freebody_textbook.equations.equations import equations as equations
-from freebody_textbook.relations.functions import sampled_trajectory as sampled_trajectory
-from freebody_textbook.relations.functions import trajectory as trajectory
-from freebody_textbook.relations.functions import vector_function as vector_function
-from freebody_textbook.relations.quantities import quantities as quantities
-from freebody_textbook.relations.relation import relation as relation
 from freebody.errors import FreebodyError as FreebodyError
 from freebody.errors import FreebodyWarning as FreebodyWarning
 from freebody.errors import LoopError as LoopError
@@ -17,7 +9,6 @@ from freebody.errors import PassiveJointError as PassiveJointError
 from freebody.errors import PhysicalWarning as PhysicalWarning
 from freebody.figures.ellipsoid_diagram import ellipsoid_diagram as ellipsoid_diagram
 from freebody.figures.free_body import free_body_diagram as free_body_diagram
-from freebody_textbook.drawings.illustrate import derive as derive
 from freebody.figures.kinematic import kinematic_diagram as kinematic_diagram
 from freebody.figures.loci import singularity_diagram as singularity_diagram
 from freebody.figures.map_diagram import map_diagram as map_diagram
@@ -130,5 +121,14 @@ from freebody.trees.states import integrate as integrate
 from freebody.trees.states import neutral as neutral
 from freebody.trees.states import random_state as random_state
 from freebody_notes.figures.catalogue import notes_figure as notes_figure
+from freebody_textbook.check.check import check as check
+from freebody_textbook.closed_chains.loops import loop_equations as loop_equations
+from freebody_textbook.drawings.illustrate import derive as derive
+from freebody_textbook.equations.equations import equations as equations
+from freebody_textbook.relations.functions import sampled_trajectory as sampled_trajectory
+from freebody_textbook.relations.functions import trajectory as trajectory
+from freebody_textbook.relations.functions import vector_function as vector_function
+from freebody_textbook.relations.quantities import quantities as quantities
+from freebody_textbook.relations.relation import relation as relation
 
 __version__: str
