@@ -78,7 +78,7 @@ KNOWN = {
     ("targets/llvm/fastcall.py", "pythonapi"): "constant names of CPython's functions",
     ("targets/llvm/gufunc.py", "pythonapi"): "constant names of CPython's functions",
     (
-        "formats/estimated_inertias.py",
+        "formats/masses.py",
         "trimesh",
     ): "bytes of four formats of shapes, only where estimate_inertia asks for it",
     ("targets/llvm/gufunc.py", "PYFUNCTYPE"): "functions of NumPy's table",

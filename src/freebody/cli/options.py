@@ -45,22 +45,22 @@ Labels = Literal["names", "values", "both"]
 
 def number(text: str | float) -> float:
     """An option's number; the parser's own would also take 1_0 and digits of other scripts."""
-    from freebody.formats import number_text
+    from freebody.formats import read_file
 
-    value = number_text.number(text) if isinstance(text, str) else text
-    if value is None or number_text.fault(value):
+    value = read_file.number(text) if isinstance(text, str) else text
+    if value is None or read_file.fault(value):
         raise typer.BadParameter(f"{shown(text)} is not a number that can be used.")
     return value
 
 
 def values(what: str, text: str) -> list[float]:
     """Numbers apart by commas or blanks; a number with "deg" is an angle in degrees."""
-    from freebody.formats import number_text
+    from freebody.formats import read_file
 
     found = []
     for piece in re.sub(r" ?(deg|°)", r"deg", " ".join(text.split())).replace(",", " ").split():
-        value = number_text.number(piece.removesuffix("deg"))
-        if value is None or number_text.fault(value):
+        value = read_file.number(piece.removesuffix("deg"))
+        if value is None or read_file.fault(value):
             raise FreebodyError(
                 f"{what} {shown(text)}: {shown(piece)} is not a number that can be used; "
                 f'write for example {what} "0.5, 30 deg".'
@@ -228,13 +228,13 @@ _ENTRIES = (0, 3, 4, 1, 5, 2)
 
 def _payload(text: str) -> dict[str, Any]:
     """What --payload means, as arguments of `Model.with_payload`."""
-    from freebody.formats import number_text
+    from freebody.formats import read_file
 
     def numbers(part: str | None) -> list[float] | None:
         if part is None:
             return None
-        found = [number_text.number(piece.strip()) for piece in part.split(",")]
-        usable = [x for x in found if x is not None and not number_text.fault(x)]
+        found = [read_file.number(piece.strip()) for piece in part.split(",")]
+        usable = [x for x in found if x is not None and not read_file.fault(x)]
         return usable if len(usable) == len(found) else []
 
     match = _PAYLOAD.fullmatch(text.strip())

@@ -10,7 +10,7 @@ import typer
 
 from freebody.cli import options, terminal
 from freebody.errors import FreebodyError, OutputError
-from freebody.formats.number_text import number
+from freebody.formats.read_file import number
 from freebody.outputs.display import counted
 from freebody.outputs.folder import prepare
 from freebody.outputs.numbers import compared

@@ -152,11 +152,11 @@ def _free(name: str, axes: dict[str, Any]) -> str:
 
 def _range(text: str) -> tuple[str, float, float, int | None]:
     """Name, ends and count of a range, None for none."""
-    from freebody.formats import number_text
+    from freebody.formats import read_file
 
     name, equals, rest = text.rpartition("=")
     pieces = [x.strip() for x in rest.split(":")]
-    low, high = (number_text.number(x) for x in (*pieces, "", "")[:2])
+    low, high = (read_file.number(x) for x in (*pieces, "", "")[:2])
     count = pieces[2] if len(pieces) == 3 else "1"
     if (
         not (equals and name.strip() and low is not None and high is not None)

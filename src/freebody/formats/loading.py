@@ -8,8 +8,7 @@ from pathlib import Path
 
 from freebody.errors import FileError, FreebodyError, MassWarning, UnknownNameError, shown, warn
 from freebody.formats import dh_csv, read_file, toml, urdf
-from freebody.formats.estimated_inertias import estimated
-from freebody.formats.implausible_masses import implausible_masses
+from freebody.formats.masses import estimated, implausible_masses
 from freebody.formats.urdf_elements import xacro
 from freebody.model import planar_arms
 from freebody.model.build import BasePolicy, MimicPolicy, build_model

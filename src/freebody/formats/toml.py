@@ -3,21 +3,18 @@ reference."""
 
 from __future__ import annotations
 
-import re
-import tomllib
 from dataclasses import replace
 from typing import Any, Literal
 
-from freebody.errors import FileError, ModelError
+from freebody.errors import ModelError
 from freebody.formats import toml_parts as parts
-from freebody.formats.toml_joint import DRIVE, drive, joint, limits_of
-from freebody.formats.toml_lines import bounded, lines
 from freebody.formats.toml_parameters import with_values
-from freebody.formats.toml_table import TomlTable
+from freebody.formats.toml_table import TomlTable, table_of
 from freebody.model import dh, planar_arms
-from freebody.model.description import Link, RobotDescription
+from freebody.model.description import Link, Mount, RobotDescription
 from freebody.model.doubts import DOUBT_KINDS, Doubt
 
+_TOLD_KINDS = [kind for kind in DOUBT_KINDS.values() if kind.key]
 _GENERAL = (
     "name",
     "dim",
@@ -32,10 +29,21 @@ _GENERAL = (
     "loop",
     "loop_tolerance",
     "home",
-    *(kind.key for kind in DOUBT_KINDS.values() if kind.key),
+    *(kind.key for kind in _TOLD_KINDS),
 )
 _TREE = ("link", "joint")
 _BASES: tuple[Literal["fixed", "free"], ...] = ("fixed", "free")
+
+_DH_NUMBERS = {
+    "theta": "angle",
+    "d": "number",
+    "a": "number",
+    "alpha": "angle",
+    "rotor": "number",
+    "gear": "number",
+    "m": "number",
+}
+_DH_ROW = ("joint", "name", "joint_name", *_DH_NUMBERS, "com", "I", "friction", "limits", "passive")
 
 
 def describe(file: str, text: str, *, name: str) -> RobotDescription:
@@ -52,18 +60,12 @@ def describe(file: str, text: str, *, name: str) -> RobotDescription:
         described = _FORMS[forms[0] if forms else "tree"](top)
     except ModelError as error:
         top.refuse(str(error), *forms)
-    frames = list(described.mounts)
-    # a dict for its order: an error lists the names in the order of the file
-    names = dict.fromkeys(part.name for part in (*described.links, *frames))
-    for table in top.tables("frame"):
-        frames.append(parts.mount(table, described.dim, names))
-        if frames[-1].name in names:
-            table.refuse(f"frame {frames[-1].name!r}: the name is taken; rename it.", "name")
-        names[frames[-1].name] = None
+    mounts = _mounts(top, described)
+    names = [part.name for part in (*described.links, *mounts)]
     extra = replace(
         described,
         name=top.text("name", name),
-        mounts=tuple(frames),
+        mounts=mounts,
         loops=tuple(parts.loop(t, described.dim) for t in top.tables("loop")),
         payloads=tuple(parts.payload(t, described.dim, names) for t in top.tables("payload")),
         base=top.choice("base", _BASES, "fixed"),
@@ -73,33 +75,24 @@ def describe(file: str, text: str, *, name: str) -> RobotDescription:
         source=top.text("source", ""),
         about=top.text("about", ""),
         notices=tuple(
-            Doubt(kind.name, text, file)
-            for kind in DOUBT_KINDS.values()
-            if kind.key
-            for text in _texts(top, kind.key)
+            Doubt(kind.name, text, file) for kind in _TOLD_KINDS for text in _texts(top, kind.key)
         ),
         file=file,
     )
     return with_values(top, extra)
 
 
-def table_of(file: str, text: str) -> TomlTable:
-    """The parsed text, with its lines."""
-    bounded(file, text)
-    try:
-        data, found = tomllib.loads(text), lines(text)
-    except tomllib.TOMLDecodeError as error:
-        where = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)", str(error))
-        message = str(error)[: where.start()] if where else str(error)
-        line = int(where[1]) if where and where[1] else text.count("\n") + 1
-        raise FileError(
-            file, line, f"this is not valid TOML: {message[0].lower()}{message[1:]}."
-        ) from None
-    except ValueError:  # Python's own limit, against time that grows with the square of the digits
-        long = re.search(r"[0-9_]{4000,}", text)
-        line = text.count("\n", 0, long.start()) + 1 if long else None
-        raise FileError(file, line, "a number has more than 4300 digits.") from None
-    return TomlTable(file, found, (), data)
+def _mounts(top: TomlTable, described: RobotDescription) -> tuple[Mount, ...]:
+    """The frames that the form of the arm brings along, then those of the file."""
+    found = list(described.mounts)
+    # a dict for its order: an error lists the names in the order of the file
+    names = dict.fromkeys(part.name for part in (*described.links, *found))
+    for table in top.tables("frame"):
+        found.append(parts.mount(table, described.dim, names))
+        if found[-1].name in names:
+            table.refuse(f"frame {found[-1].name!r}: the name is taken; rename it.", "name")
+        names[found[-1].name] = None
+    return tuple(found)
 
 
 def _tree(top: TomlTable) -> RobotDescription:
@@ -110,7 +103,7 @@ def _tree(top: TomlTable) -> RobotDescription:
     links = tuple(parts.link(t, dim) for t in top.tables("link"))
     if not links:
         top.refuse("there are no links; write a [[link]] for each body, the base included.")
-    joints = tuple(joint(t, dim) for t in top.tables("joint"))
+    joints = tuple(parts.joint(t, dim) for t in top.tables("joint"))
     return RobotDescription("", dim, links, joints, parts.gravity(top, dim))
 
 
@@ -125,9 +118,10 @@ def _planar(top: TomlTable) -> RobotDescription:
         key: inner.quantities(key, len(word), default=None) for key in ("l", "lc", "m", "I")
     }
     limits = [
-        limits_of(t, angles=word[i : i + 1] == "R") for i, t in enumerate(inner.tables("limits"))
+        parts.limits_of(t, angles=word[i : i + 1] == "R")
+        for i, t in enumerate(inner.tables("limits"))
     ]
-    drives = [drive(t.only(*DRIVE)) for t in inner.tables("drives")]
+    drives = [parts.drive(t.only(*parts.DRIVE)) for t in inner.tables("drives")]
     described = planar_arms.describe(
         word,
         **given,
@@ -155,7 +149,7 @@ def _dh(top: TomlTable) -> RobotDescription:
     inner = top.inner(top.data["dh"], "dh").called("[dh]").only("convention", "rows")
     convention: Any = inner.choice("convention", ("standard", "modified"))
     tables = inner.tables("rows")
-    rows = [parts.dh_row(t.called(f"dh row {i + 1}")) for i, t in enumerate(tables)]
+    rows = [_dh_row(t.called(f"dh row {i + 1}")) for i, t in enumerate(tables)]
     described = dh.describe(
         [{key: value for key, value in row.items() if key != "joint_name"} for row in rows],
         convention=convention,
@@ -164,6 +158,33 @@ def _dh(top: TomlTable) -> RobotDescription:
         joint_names=[row.get("joint_name") for row in rows],
     )
     return replace(described, gravity=parts.gravity(top, 3))
+
+
+def _dh_row(table: TomlTable) -> dict[str, Any]:
+    """One row of a DH table, as `fb.dh` takes it, and joint_name."""
+    table.only(*_DH_ROW)
+    row: dict[str, Any] = {
+        key: table.quantity(key, kind) for key, kind in _DH_NUMBERS.items() if key in table
+    }
+    row["joint"] = table.choice("joint", "RP", "R")
+    for key in ("name", "joint_name"):
+        if key in table:
+            row[key] = table.text(key)
+    if "com" in table:
+        row["com"] = table.quantities("com", 3)
+    if "I" in table:
+        full = isinstance(table.data["I"], list) and len(table.data["I"]) == 3
+        row["I"] = table.matrix("I", 3) if full else table.quantities("I", 6)
+    if "friction" in table:
+        friction = table.inner(table.data["friction"], "friction").only("viscous", "coulomb")
+        row["friction"] = (
+            friction.quantity("viscous", default=0.0),
+            friction.quantity("coulomb", default=0.0),
+        )
+    if "limits" in table:
+        row["limits"] = parts.limits(table, angles=row["joint"] == "R")
+    row["passive"] = table.flag("passive")
+    return row
 
 
 _FORMS = {"tree": _tree, "planar": _planar, "dh": _dh}

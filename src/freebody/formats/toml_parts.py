@@ -1,24 +1,48 @@
-"""The tables of a robot in TOML: links, frames, payloads, loops, gravity, and the rows of a DH
-table."""
+"""The parts of a robot in TOML: links with their masses, joints with limits and drives, placements,
+frames, payloads, loops, gravity and home positions.
+
+Each function reads one table, as docs/formats.md describes it.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from typing import Any
 
+import numpy as np
+
 from freebody.errors import ModelError
-from freebody.formats.toml_inertia import MASS, inertia
-from freebody.formats.toml_joint import limits
 from freebody.formats.toml_parameters import parameter_table
-from freebody.formats.toml_placement import PLACE, direction, placement
 from freebody.formats.toml_table import TomlTable
-from freebody.model.description import Link, Loop, Mount, Payload
+from freebody.model.description import (
+    INFINITE,
+    Drive,
+    Joint,
+    Limits,
+    Link,
+    Loop,
+    Mimic,
+    Mount,
+    Payload,
+)
 from freebody.model.gravity import gravity_of
+from freebody.model.inertia import Inertia
+from freebody.model.joints import KINDS
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.loops import checked_tolerance
 from freebody.model.parameters import Parameter, Quantity
-from freebody.model.placement import Placement
+from freebody.model.placement import (
+    AxisRotation,
+    Placement,
+    Rotate,
+    Shift,
+    rotate,
+    rpy,
+    shift,
+    turn,
+)
+from freebody.outputs.numbers import compared
 
 
 def link(table: TomlTable, dim: int) -> Link:
@@ -110,40 +134,263 @@ def gravity(top: TomlTable, dim: int) -> tuple[Quantity, tuple[float, ...]]:
     return (size if isinstance(size, Parameter) else Parameter("g", size)), down
 
 
-_DH_NUMBERS = {
-    "theta": "angle",
-    "d": "number",
-    "a": "number",
-    "alpha": "angle",
-    "rotor": "number",
-    "gear": "number",
-    "m": "number",
-}
-_DH_ROW = ("joint", "name", "joint_name", *_DH_NUMBERS, "com", "I", "friction", "limits", "passive")
+DRIVE = ("friction", "rotor", "spring")
+_OWN = tuple(number.name for kind in KINDS.values() for number in kind.numbers)
 
 
-def dh_row(table: TomlTable) -> dict[str, Any]:
-    """One row of a DH table, as `fb.dh` takes it, and joint_name."""
-    table.only(*_DH_ROW)
-    row: dict[str, Any] = {
-        key: table.quantity(key, kind) for key, kind in _DH_NUMBERS.items() if key in table
+def joint(table: TomlTable, dim: int) -> Joint:
+    """[[joint]]"""
+    table = table.called(f"joint {table.text('name')!r}")
+    table.only(
+        *("name", "kind", "parent", "child", *PLACE, "axis", *_OWN),
+        *("limits", *DRIVE, "mimic", "passive"),
+    )
+    kind = table.choice("kind", KINDS)
+    one = KINDS[kind].nv == 1
+    own = [number.name for number in KINDS[kind].numbers]
+    taken = {
+        "axis": KINDS[kind].needs_axis,
+        "limits": one,
+        **dict.fromkeys(DRIVE, one),
+        **{name: name in own for name in _OWN},
+        "mimic": one,
     }
-    row["joint"] = table.choice("joint", "RP", "R")
-    for key in ("name", "joint_name"):
-        if key in table:
-            row[key] = table.text(key)
-    if "com" in table:
-        row["com"] = table.quantities("com", 3)
-    if "I" in table:
-        full = isinstance(table.data["I"], list) and len(table.data["I"]) == 3
-        row["I"] = table.matrix("I", 3) if full else table.quantities("I", 6)
-    if "friction" in table:
-        friction = table.inner(table.data["friction"], "friction").only("viscous", "coulomb")
-        row["friction"] = (
-            friction.quantity("viscous", default=0.0),
-            friction.quantity("coulomb", default=0.0),
+    if unused := [key for key, has_it in taken.items() if key in table and not has_it]:
+        table.refuse(f"a {kind} joint has no {unused[0]}; remove it.", unused[0])
+    if table.flag("passive") and (KINDS[kind].nv == 0 or "mimic" in table):
+        reason = (
+            "has nothing to drive"
+            if KINDS[kind].nv == 0
+            else "follows another, which may be passive"
         )
-    if "limits" in table:
-        row["limits"] = limits(table, angles=row["joint"] == "R")
-    row["passive"] = table.flag("passive")
-    return row
+        table.refuse(f"passive: the joint {reason}; remove it.", "passive")
+    return Joint(
+        table.text("name"),
+        kind,
+        table.text("parent"),
+        table.text("child"),
+        placement(table, dim),
+        _axis(table, kind, dim) if KINDS[kind].needs_axis else (),
+        limits(table, angles=not KINDS[kind].slides),
+        drive(table),
+        _mimic(table),
+        table.line,
+        table.flag("passive"),
+        tuple(map(table.quantity, own)),
+    )
+
+
+def _axis(table: TomlTable, kind: str, dim: int) -> tuple[float, ...]:
+    """A vector, or "x", "-z"; in the plane a revolute joint's is 1 (counterclockwise) or -1."""
+    if KINDS[kind].axis_size(dim) == 1:
+        return (table.number("axis", default=1.0),)
+    return direction(table, dim)
+
+
+def limits(table: TomlTable, angles: bool) -> Limits:
+    """limits = { lower, upper, velocity, effort }; angles: of an angle, not a length."""
+    inner = table.table("limits")
+    return limits_of(inner.called(f"{table.where}, limits"), angles) if inner else Limits()
+
+
+def limits_of(table: TomlTable, angles: bool) -> Limits:
+    """The same from its own table."""
+    table.only("lower", "upper", "velocity", "effort")
+    angle, rate = ("angle", "rate") if angles else ("number", "number")
+    return Limits(
+        table.number("lower", angle, -INFINITE, infinite=True),
+        table.number("upper", angle, INFINITE, infinite=True),
+        table.number("velocity", rate, INFINITE, infinite=True),
+        table.number("effort", "number", INFINITE, infinite=True),
+    )
+
+
+def drive(table: TomlTable) -> Drive:
+    """friction, rotor and spring."""
+
+    def part(key: str, *known: str) -> TomlTable | None:
+        inner = table.table(key)
+        return inner.called(f"{table.where}, {key}").only(*known) if inner else None
+
+    friction, rotor = part("friction", "viscous", "coulomb"), part("rotor", "inertia", "gear")
+    spring = part("spring", "stiffness", "rest")
+    return Drive(
+        viscous=friction.quantity("viscous", default=0.0) if friction else 0.0,
+        coulomb=friction.quantity("coulomb", default=0.0) if friction else 0.0,
+        rotor=rotor.quantity("inertia") if rotor else 0.0,
+        gear=rotor.quantity("gear", default=1.0) if rotor else 1.0,
+        stiffness=spring.quantity("stiffness") if spring else 0.0,
+        rest=spring.quantity("rest", "angle", 0.0) if spring else 0.0,
+    )
+
+
+def _mimic(table: TomlTable) -> Mimic | None:
+    inner = table.table("mimic")
+    if inner is None:
+        return None
+    inner = inner.called(f"{table.where}, mimic").only("joint", "ratio", "offset")
+    return Mimic(
+        inner.text("joint"),
+        inner.number("ratio", default=1.0),
+        inner.number("offset", "angle", 0.0),
+    )
+
+
+MASS = ("mass", "com", "inertia", "shape")
+_SHAPE_SIZES: dict[str, tuple[str, ...]] = {
+    "point": (),
+    "disc": ("radius",),
+    "ring": ("radius",),
+    "bar": ("length",),
+    "box": ("size",),
+    "cylinder": ("radius", "length"),
+    "sphere": ("radius",),
+}
+
+
+def inertia(table: TomlTable, dim: int) -> Inertia:
+    """mass, com, and inertia or shape."""
+    mass = table.quantity("mass")
+    com = table.quantities("com", dim, default=(0.0,) * dim)
+    if "shape" in table and "inertia" in table:
+        table.refuse("shape and inertia exclude each other; keep one.", "shape")
+    try:
+        if "shape" in table:
+            return _shaped(table, dim, mass, com)
+        return Inertia(mass, com, _tensor(table, dim))
+    except ModelError as error:
+        table.refuse(str(error), "inertia" if "inertia" in table else "mass")
+
+
+def _tensor(table: TomlTable, dim: int) -> tuple[Quantity, ...]:
+    """One number in the plane; six in space, or a symmetric 3×3 matrix of numbers."""
+    if dim == 2:
+        return (table.quantity("inertia", default=0.0),)
+    rows = table.data.get("inertia")
+    if isinstance(rows, list) and rows and all(isinstance(row, list) for row in rows):
+        full = np.array(table.matrix("inertia", 3))
+        return Inertia.of(0.0, (0.0,) * 3, full).tensor
+    return table.quantities("inertia", 6, default=(0.0,) * 6)
+
+
+def _shaped(table: TomlTable, dim: int, mass: Quantity, com: tuple[Quantity, ...]) -> Inertia:
+    """shape = { bar = { length = 0.4 } }"""
+    outer = table.inner(table.data["shape"], "shape").only(*_SHAPE_SIZES)
+    if len(outer.data) != 1:
+        outer.refuse(
+            f"shape names {len(outer.data)} shapes, expected one of {', '.join(_SHAPE_SIZES)}."
+        )
+    (kind,) = outer.data
+    sizes = (
+        outer.inner(outer.data[kind], kind)
+        .called(f"{table.where}, {kind}")
+        .only(*_SHAPE_SIZES[kind])
+    )
+    if isinstance(mass, Parameter):
+        table.refuse(
+            "a shape needs a mass in numbers; give inertia = ... as a name instead.", "mass"
+        )
+    if kind == "box":
+        body = Inertia.box(mass, sizes.vector("size", dim))
+    elif kind == "point":
+        body = Inertia.point(mass, (0.0,) * dim)
+    elif kind in ("disc", "ring", "bar"):
+        body = getattr(Inertia, kind)(mass, *(sizes.number(key) for key in _SHAPE_SIZES[kind]), dim)
+    elif dim == 2:
+        outer.refuse(f"a {kind} is not a planar shape; use disc, ring, bar or box.")
+    else:
+        body = getattr(Inertia, kind)(mass, *(sizes.number(key) for key in _SHAPE_SIZES[kind]))
+    return Inertia(mass, com, body.tensor)
+
+
+TURNS = ("rpy", "axis_angle", "quat_wxyz", "matrix", "angle")
+PLACE = ("origin", *TURNS, "steps")
+UNIT_VECTORS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+def placement(table: TomlTable, dim: int) -> Placement:
+    """origin, then one rotation; or a list of steps."""
+    if "steps" in table:
+        if any(key in table for key in ("origin", *TURNS)):
+            table.refuse("steps give the complete placement; remove origin and rotations.", "steps")
+        return Placement(
+            tuple(_step(t.called(f"{table.where}, steps"), dim) for t in table.tables("steps"))
+        )
+    turns = [key for key in TURNS if key in table]
+    if len(turns) > 1:
+        table.refuse(f"{turns[0]} and {turns[1]} exclude each other; keep one rotation.", turns[1])
+    if turns and (turns[0] == "angle") != (dim == 2) and turns[0] != "matrix":
+        use = "angle" if dim == 2 else ", ".join(TURNS[:-1])
+        table.refuse(f"{turns[0]} does not fit a model with dim = {dim}; use {use}.", turns[0])
+    origin = shift(*table.quantities("origin", dim, default=(0.0,) * dim))
+    return origin.then(_rotation(table, turns[0], dim)) if turns else origin
+
+
+def _rotation(table: TomlTable, key: str, dim: int) -> Placement:
+    if key == "angle":
+        return turn("z", table.quantity(key, "angle"))
+    if key == "rpy":
+        return rpy(*table.vector(key, 3, "angle"))
+    if key == "matrix":
+        return _matrix(table, dim)
+    if key == "quat_wxyz":
+        w, x, y, z = table.vector(key, 4)
+        if abs(math.sqrt(w * w + x * x + y * y + z * z) - 1.0) > 1e-6:
+            length, unit = compared(math.hypot(w, x, y, z), 1.0, digits=6)
+            table.refuse(f"the quaternion has length {length}, expected {unit}.", key)
+        return rotate(
+            _about((x, y, z), math.hypot(x, y, z), 2.0 * math.atan2(math.hypot(x, y, z), w))
+        )
+    inner = table.inner(table.data[key], key).called(f"{table.where}, {key}").only("axis", "angle")
+    axis = inner.data.get("axis")
+    if isinstance(axis, str):
+        return turn(inner.choice("axis", UNIT_VECTORS), inner.quantity("angle", "angle"))
+    direction = inner.vector("axis", 3)
+    length = math.hypot(*direction)
+    if length == 0.0:
+        inner.refuse("the axis is zero; give a direction.", "axis")
+    return rotate(_about(direction, length, inner.number("angle", "angle")))
+
+
+def _about(axis: Iterable[float], length: float, angle: float) -> np.ndarray:
+    """Rotation matrix by an angle (rad) about an axis of that length (Rodrigues)."""
+    if length == 0.0:
+        return np.eye(3)
+    x, y, z = (a / length for a in axis)
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * (K @ K)
+
+
+def _matrix(table: TomlTable, dim: int) -> Placement:
+    try:
+        return rotate(table.matrix("matrix", dim))
+    except ModelError as error:
+        table.refuse(str(error), "matrix")
+
+
+def _step(table: TomlTable, dim: int) -> Shift | AxisRotation | Rotate:
+    """{ shift = [...] }, { turn = "z", angle = ... } or { matrix = [...] }; kept as written."""
+    table.only("shift", "turn", "angle", "matrix")
+    if "shift" in table:
+        return Shift(table.quantities("shift", dim))
+    if "turn" in table:
+        return AxisRotation(
+            table.choice("turn", "z" if dim == 2 else "xyz"), table.quantity("angle", "angle")
+        )
+    _matrix(table, dim)
+    return Rotate(table.matrix("matrix", dim))
+
+
+def direction(table: TomlTable, dim: int) -> tuple[float, ...]:
+    """axis = [0, 0, 1], or a letter: "x", "-z"."""
+    given = table.data.get("axis")
+    if isinstance(given, str):
+        sign, letter = (-1.0, given[1:]) if given.startswith("-") else (1.0, given)
+        if letter not in UNIT_VECTORS or (dim == 2 and letter == "z"):
+            table.refuse(
+                f"axis is {given!r}, expected x, y{'' if dim == 2 else ', z'}, one of them with a "
+                f"minus, or numbers.",
+                "axis",
+            )
+        return tuple(sign * x for x in UNIT_VECTORS[letter][:dim])
+    return table.vector("axis", dim)

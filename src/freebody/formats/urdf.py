@@ -3,22 +3,23 @@ counted and reported.
 
 A joint's frame is the child link's at q = 0; rpy are fixed-axis roll, pitch, yaw; the axis is in
 the joint's frame and (1, 0, 0) by default; damping is in N m s/rad or N s/m, friction in N m or N.
-docs/formats.md states the policy.
-"""
+docs/formats.md states the policy."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from typing import Literal
 
 from freebody.errors import UnknownNameError
-from freebody.formats.urdf_elements import Elements, xacro
-from freebody.formats.urdf_shapes import shapes
-from freebody.formats.xml import Element, parse
+from freebody.formats import read_file
+from freebody.formats.urdf_elements import Element, Elements, parse, xacro
 from freebody.model.description import INFINITE, Drive, Joint, Limits, Link, Mimic, RobotDescription
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
 from freebody.model.placement import Placement, rotate, rpy, shift
+from freebody.model.shapes import Shape
 from freebody.spatial import unit
 
 TYPES = {
@@ -30,6 +31,7 @@ TYPES = {
     "planar": "planar",
 }
 _TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_ROLES: tuple[Literal["collision", "visual"], ...] = ("collision", "visual")
 
 
 def describe(file: str, data: bytes, *, name: str, snap_angles: float) -> RobotDescription:
@@ -87,7 +89,7 @@ class _UrdfReader(Elements):
         inertial = self.one(element, "inertial", where)
         inertia, placement = self.inertial(inertial, where) if inertial else (None, Placement())
         line = (inertial or element).line
-        self.links.append(Link(element.name(), inertia, placement, line, shapes(element)))
+        self.links.append(Link(element.name(), inertia, placement, line, _shapes(element)))
 
     def inertial(self, element: Element, where: str) -> tuple[Inertia, Placement]:
         """Mass properties and the frame they are given in; without a rotation that frame is the
@@ -304,3 +306,64 @@ def _reductions(robot: Element) -> str:
         f"; {len(ratios)} of them give a mechanicalReduction other than 1 (first {first!r}: "
         f"{ratio}), but URDF has no rotor inertia that it would multiply"
     )
+
+
+def _shapes(link: Element) -> tuple[Shape, ...]:
+    """All shapes of a <link> that are whole: sizes finite and above 0, a mesh with the name of its
+    file. What cannot be read as a shape is passed over: nothing of the dynamics depends on it."""
+    return tuple(
+        shape
+        for role in _ROLES
+        for element in link.all(role)
+        for shape in _shapes_in(element, role)
+    )
+
+
+def _shapes_in(element: Element, role: Literal["collision", "visual"]) -> Iterator[Shape]:
+    try:
+        placement = _shape_origin(element)
+        for geometry in element.all("geometry"):
+            for part in geometry.children:
+                yield from _shape(part, placement, role)
+    except (ValueError, KeyError):  # no number, or none at all
+        return
+
+
+def _shape(
+    part: Element, placement: Placement, role: Literal["collision", "visual"]
+) -> Iterator[Shape]:
+    given, line = part.attributes, part.line
+    if part.tag == "box":
+        yield Shape("box", _sizes(given["size"], 3), placement, role, line=line)
+    elif part.tag == "cylinder":
+        size = _sizes(f"{given['radius']} {given['length']}", 2)
+        yield Shape("cylinder", size, placement, role, line=line)
+    elif part.tag == "sphere":
+        yield Shape("sphere", _sizes(given["radius"], 1), placement, role, line=line)
+    elif part.tag == "mesh" and given.get("filename", "").strip():
+        size = tuple(abs(x) for x in _numbers(given.get("scale", "1 1 1"), 3))
+        yield Shape("mesh", size, placement, role, given["filename"].strip(), line)
+
+
+def _shape_origin(element: Element) -> Placement:
+    for origin in element.all("origin"):
+        position = _numbers(origin.attributes.get("xyz", "0 0 0"), 3)
+        angles = _numbers(origin.attributes.get("rpy", "0 0 0"), 3)
+        return shift(*position).then(rpy(*angles))
+    return Placement()
+
+
+def _sizes(text: str, count: int) -> tuple[float, ...]:
+    values = _numbers(text, count)
+    if min(values) <= 0.0:
+        raise ValueError(text)
+    return values
+
+
+def _numbers(text: str, count: int) -> tuple[float, ...]:
+    values = tuple(
+        x for x in map(read_file.number, text.split()) if x is not None and not read_file.fault(x)
+    )
+    if len(values) != count:
+        raise ValueError(text)
+    return values
