@@ -89,7 +89,7 @@ KNOWN = {
         "eval",
     ): "calls that stand in freebody_notes; held to that below",
     ("freebody_notes/steps.py", "eval"): "calls that stand in freebody_notes; held to that below",
-    ("report/html.py", "Markup"): "our own style, and drawings, whose text is escaped",
+    ("report/page.py", "Markup"): "our own style, and drawings, whose text is escaped",
     ("report/tables.py", "Markup"): "text that has just been escaped",
     ("freebody_notes/page.py", "Markup"): "formulas and drawings of the notes' own items",
     ("report/page_tables.py", "Markup"): "cells that were escaped there",

@@ -14,7 +14,7 @@ from freebody.motion.files.measured_motions import recognised
 from freebody.motion.files.read_motion import read_motion
 from freebody.motion.files.smoothing import noise, smooth
 from freebody.motion.motion import Motion
-from freebody.report.measured_noise import filtered
+from freebody.report.studied_motion import filtered
 
 ARM = fb.planar(
     "RR",

@@ -20,8 +20,8 @@ from freebody.cli.plan import Planner
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planners import PLANNERS as PLANNERS_BY_NAME
 from freebody.motion.planning.profiles import PROFILES
-from freebody.report.peak_instants import with_peaks
 from freebody.report.replay import replayed
+from freebody.report.studied_motion import with_peaks
 from support.extras import extra
 
 ARM = fb.load("ur5e")

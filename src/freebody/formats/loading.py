@@ -11,11 +11,10 @@ from freebody.formats import dh_csv, read_file, toml, urdf
 from freebody.formats.masses import estimated, implausible_masses
 from freebody.formats.urdf_elements import xacro
 from freebody.model import planar_arms
-from freebody.model.build import BasePolicy, MimicPolicy, build_model
+from freebody.model.build import BasePolicy, MimicPolicy, Policy, build_model
 from freebody.model.description import RobotDescription
-from freebody.model.description_checks import Policy
 from freebody.model.dh import Convention
-from freebody.model.doubts import read_doubts, settled
+from freebody.model.doubts import Doubt
 from freebody.model.model import Model
 from freebody.model.parameters import real
 
@@ -88,18 +87,28 @@ def _estimated(description: RobotDescription, mass: float) -> RobotDescription:
     return estimated(description, mass)
 
 
-def _weighed(model: Model, description: RobotDescription, estimate: bool, told: bool) -> Model:
+def _weighed(model: Model, description: RobotDescription, estimate: bool, warned: bool) -> Model:
     """The model with doubts on its masses, where they are to be those of a machine."""
     if description.real:
         found = implausible_masses(
             model, {link.name: link.shapes for link in description.links}, estimate
         )
         model = replace(model, notices=(*model.notices, *found)) if found else model
-    model = settled(model)
-    for doubt in read_doubts(model) if told else ():
+    doubts = [x for x in model.notices if isinstance(x, Doubt)]
+    if not all(doubt.about for doubt in doubts) and not model.missing:
+        notices = (_tied(x, model) if isinstance(x, Doubt) else x for x in model.notices)
+        model = replace(model, notices=tuple(notices))
+    for doubt in doubts if warned else ():
         if doubt.of.mend:
             warn(f"warning: {doubt}", MassWarning)
     return model
+
+
+def _tied(doubt: Doubt, model: Model) -> Doubt:
+    """A doubt of the file tied to the numbers of the model that it is about: to all of its sort,
+    where the file names no links."""
+    tied = doubt.of.tied
+    return replace(doubt, about=tied(model)) if tied and not doubt.about else doubt
 
 
 def read(

@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from freebody.errors import ModelError
-from freebody.formats.toml_parameters import parameter_table
-from freebody.formats.toml_table import TomlTable
+from freebody.formats.toml_table import TomlTable, in_units
 from freebody.model.description import (
     INFINITE,
     Drive,
@@ -394,3 +393,17 @@ def direction(table: TomlTable, dim: int) -> tuple[float, ...]:
             )
         return tuple(sign * x for x in UNIT_VECTORS[letter][:dim])
     return table.vector("axis", dim)
+
+
+def parameter_table(top: TomlTable) -> tuple[dict[str, float], dict[str, str]]:
+    """[parameters]: numbers, and formulas by which parameters follow from others, by name."""
+    table = top.table("parameters")
+    if table is None:
+        return {}, {}
+    named = table.called("[parameters]")
+    texts = {
+        key: text
+        for key, text in table.data.items()
+        if isinstance(text, str) and text.strip() and in_units(text, "angle") is None
+    }
+    return {key: named.number(key, "angle") for key in table.data if key not in texts}, texts

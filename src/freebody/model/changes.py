@@ -32,7 +32,6 @@ from freebody.model.parameters import (
 )
 from freebody.model.piece_paths import get, put
 from freebody.model.placement import AxisRotation, Placement, Rotate, Shift, rotate, shift
-from freebody.model.tip import ChosenTip, with_notice
 from freebody.model.tree import Attached
 
 if TYPE_CHECKING:
@@ -236,12 +235,6 @@ def attached(
     if fault:
         raise ModelError(f"with_payload: {name!r}: {fault}.")
     return Attached(name, inertia, placement, load=True, frame=frame)
-
-
-def with_tip(model: Model, tip: ChosenTip) -> Model:
-    """The model with another tip, which its notices tell."""
-    frame = None if tip.frame is None else model.frame(tip.frame).name
-    return replace(model, tip=frame, notices=with_notice(model.notices, tip))
 
 
 def with_frame(

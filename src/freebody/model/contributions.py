@@ -187,16 +187,13 @@ def _coordinate_turn(R: Matrix) -> tuple[tuple[tuple[Entry, ...], ...], tuple[Sc
     """A rotation that maps one coordinate axis to one, otherwise by a cosine and a sine, which are
     its two numbers."""
     n = len(R)
-    exact = [(i, j) for i in range(n) for j in range(n) if is_exactly(R[i][j], 1.0, -1.0)]
-    if len(exact) != n - 2:
+    kept_axis = _kept_axis(R)
+    if kept_axis is None:
         return None
-    i, j = exact[0] if exact else (n, n)
-    if any(
-        not is_exactly(R[r][k], 0.0) for r in range(n) for k in range(n) if (r == i) != (k == j)
-    ):
-        return None
+    i, j = kept_axis
     (a, b), (c, d) = ([R[r][k] for k in range(n) if k != j] for r in range(n) if r != i)
-    turn = 1.0 if not exact else float((-1) ** (i + j)) * R[i][j]  # the determinant of what is left
+    # the determinant of what is left
+    turn = 1.0 if n == 2 else float((-1) ** (i + j)) * R[i][j]
     if not (np.all(np.abs(b + turn * c) <= _SAME) and np.all(np.abs(d - turn * a) <= _SAME)):
         return None
     left: Iterator[Entry] = iter(((0, 1.0), (1, -turn), (1, 1.0), (0, turn)))
@@ -208,6 +205,18 @@ def _coordinate_turn(R: Matrix) -> tuple[tuple[tuple[Entry, ...], ...], tuple[Sc
         for r in range(n)
     )
     return rows, (a, c)
+
+
+def _kept_axis(R: Matrix) -> tuple[int, int] | None:
+    """The row and column of the coordinate axis that a rotation maps to one, in the plane (2, 2),
+    the axis normal to it; None of other rotations."""
+    n = len(R)
+    exact = [(i, j) for i in range(n) for j in range(n) if is_exactly(R[i][j], 1.0, -1.0)]
+    if len(exact) != n - 2:
+        return None
+    i, j = exact[0] if exact else (n, n)
+    others = [R[r][k] for r in range(n) for k in range(n) if (r == i) != (k == j)]
+    return (i, j) if all(is_exactly(x, 0.0) for x in others) else None
 
 
 def inertial(parts: tuple[Attached, ...], dim: int) -> Array:

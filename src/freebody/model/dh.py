@@ -14,9 +14,8 @@ from typing import Any, Literal
 import numpy as np
 
 from freebody.errors import FileError, ModelError, UnknownNameError, shown
-from freebody.model.build import build_model
+from freebody.model.build import Policy, build_model
 from freebody.model.description import Drive, Joint, Limits, Link, Mount, RobotDescription
-from freebody.model.description_checks import Policy
 from freebody.model.families import NamedNumber
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia

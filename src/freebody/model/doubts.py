@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import isfinite
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -25,7 +25,7 @@ from freebody.model.inertia import Inertia, combined
 from freebody.model.placement import Placement
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Attached, parents_first
-from freebody.model.usable_limits import usable_limits
+from freebody.model.usable_limits import UsableLimits, usable_limits
 from freebody.spatial import Vector, add, of_dimension, times
 
 if TYPE_CHECKING:
@@ -225,20 +225,6 @@ def read_doubts(model: Model) -> list[Doubt]:
     return [
         doubt for doubt in read if not doubt.about or any(stands(*entry) for entry in doubt.about)
     ]
-
-
-def settled(model: Model) -> Model:
-    """The model as it was read, its file's doubts tied to the numbers that they are about: all of
-    their sort, where the file tells no links."""
-    if all(x.about for x in model.notices if isinstance(x, Doubt)) or model.missing:
-        return model
-    notices = tuple(
-        replace(x, about=x.of.tied(model))
-        if isinstance(x, Doubt) and not x.about and x.of.tied
-        else x
-        for x in model.notices
-    )
-    return replace(model, notices=notices)
 
 
 def _bare_bodies(model: Model) -> About:
@@ -447,9 +433,33 @@ class _MotorLimits(NamedTuple):
 
 def _placeholders(model: Model, _: Sequence[str]) -> Iterator[Doubt]:
     """The same round numbers on joints that move different masses, or such as no robot has."""
+    motors = _motors(model)
+    alike = [*_alike(motors)]
+    yield from alike
+    said = {name for doubt in alike for name in doubt.joints}
+    mass = abs(model.mass)
+    strong = [d for d in motors if _is_strong(d, mass)] or [*_overloading(motors, mass)]
+    fast = [d for d in motors if isfinite(d.speed) and d.speed * (d.slides or d.reach) > _FASTEST]
+    yield from _beyond_belief("effort", [(x.name, x.most) for x in strong if x.name not in said])
+    yield from _beyond_belief("speed", [(x.name, x.fastest) for x in fast if x.name not in said])
+
+
+def _beyond_belief(what: str, found: Sequence[tuple[str, str]]) -> Iterator[Doubt]:
+    """A doubt on limits that no robot has: names of joints with their limits in words."""
+    if found:
+        names, several = tuple(name for name, _ in found), len(found) > 1
+        text = (
+            f"no such robot has the {what} limit{'s' if several else ''} of "
+            f"{listed(names, _NAMES)}, {'such as ' if several else ''}{found[0][1]}."
+        )
+        yield Doubt(_PLACEHOLDERS, text, joints=names)
+
+
+def _motors(model: Model) -> list[_MotorLimits]:
+    """The limits of all coordinates that a motor of their own moves."""
     given, moved = usable_limits(model).given, _moved(model)
     based = any(VALUES.quantity(part.inertia.mass) for part in model.base_inertias)
-    drives = [
+    return [
         _MotorLimits(
             body.joint.name,
             body.kind.slides,
@@ -461,31 +471,20 @@ def _placeholders(model: Model, _: Sequence[str]) -> Iterator[Doubt]:
         for body, at, moves in zip(model.bodies, model.coordinates, moved, strict=True)
         if body.joint.mimic is None and body.kind.nv == 1 and not body.joint.passive
     ]
-    alike: dict[tuple[str, str], list[_MotorLimits]] = {}
-    for drive in drives:
-        if _is_round(drive.speed) and _is_round(drive.effort):
-            alike.setdefault((drive.most, drive.fastest), []).append(drive)
-    said: set[str] = set()
-    for (most, fastest), group in alike.items():
-        if _different(drive.mass for drive in group) >= _SEVERAL:
-            names = tuple(drive.name for drive in group)
-            said |= {*names}
+
+
+def _alike(motors: Sequence[_MotorLimits]) -> Iterator[Doubt]:
+    """Round limits that several joints share, though they move different masses."""
+    groups: dict[tuple[str, str], list[_MotorLimits]] = {}
+    for motor in motors:
+        if _is_round(motor.speed) and _is_round(motor.effort):
+            groups.setdefault((motor.most, motor.fastest), []).append(motor)
+    for (most, fastest), group in groups.items():
+        if _different(motor.mass for motor in group) >= _SEVERAL:
+            names = tuple(motor.name for motor in group)
             text = (
                 f"the limits of {listed(names, _NAMES)} are placeholders, {most} and {fastest} of "
                 f"each."
-            )
-            yield Doubt(_PLACEHOLDERS, text, joints=names)
-    mass = abs(model.mass)
-    strong = [d for d in drives if _is_strong(d, mass)] or [*_overloading(drives, mass)]
-    fast = [d for d in drives if isfinite(d.speed) and d.speed * (d.slides or d.reach) > _FASTEST]
-    for what, found, words in (("effort", strong, "most"), ("speed", fast, "fastest")):
-        wrong = [drive for drive in found if drive.name not in said]
-        if wrong:
-            names, several = tuple(drive.name for drive in wrong), len(wrong) > 1
-            text = (
-                f"no such robot has the {what} limit{'s' if several else ''} of "
-                f"{listed(names, _NAMES)}, {'such as ' if several else ''}"
-                f"{getattr(wrong[0], words)}."
             )
             yield Doubt(_PLACEHOLDERS, text, joints=names)
 
@@ -554,28 +553,7 @@ def _missing(model: Model, aspects: Sequence[str]) -> Iterator[str]:
     """Limits that the description does not give, and joints of which nothing tells what moves
     them."""
     allowed = usable_limits(model)
-    single = [
-        (body, at.v[0])
-        for body, at in zip(model.bodies, model.coordinates, strict=True)
-        if body.joint.mimic is None and body.kind.nv == 1
-    ]
-    driven = [(body, k) for body, k in single if not body.joint.passive]
-    bounded = np.isfinite(allowed.lower) & np.isfinite(allowed.upper)
-    absent: dict[tuple[str, ...], list[str]] = {}
-    """All that is not given, by the names of joints."""
-    ranged = [(body, k) for body, k in driven if body.kind.ranged]
-    for aspect, what, asked, given in (
-        (EFFORTS, "an effort limit", driven, np.isfinite(allowed.effort)),
-        (SPEEDS, "a speed limit", driven, np.isfinite(allowed.velocity)),
-        (RANGES, "a position range", ranged, bounded),
-    ):
-        if aspect not in aspects:
-            continue
-        names = tuple(body.joint.name for body, k in asked if not given[k])
-        absent.setdefault(names, []).append(what)
-    found = [
-        f"{listed(parts)} of {listed(names, _NAMES)}" for names, parts in absent.items() if names
-    ]
+    found = _absent_limits(model, allowed, aspects)
     if allowed.apart and RANGES in aspects:
         found.append(f"a range that suits {listed(allowed.apart, _NAMES)}")
     several = [b.joint.name for b in model.bodies if b.kind.nv > 1 and not b.joint.passive]
@@ -584,6 +562,29 @@ def _missing(model: Model, aspects: Sequence[str]) -> Iterator[str]:
         found.append(f"what moves {listed(several, _NAMES)}, which {have} own")
     if found:
         yield f"the description lacks {'; '.join(found)}."
+
+
+def _absent_limits(model: Model, allowed: UsableLimits, aspects: Sequence[str]) -> list[str]:
+    """The limits of driven joints that are not given, in words, those of the same joints
+    together."""
+    driven = [
+        (body, at.v[0])
+        for body, at in zip(model.bodies, model.coordinates, strict=True)
+        if body.joint.mimic is None and body.kind.nv == 1 and not body.joint.passive
+    ]
+    ranged = [(body, k) for body, k in driven if body.kind.ranged]
+    bounded = np.isfinite(allowed.lower) & np.isfinite(allowed.upper)
+    absent: dict[tuple[str, ...], list[str]] = {}
+    """All that is not given, by the names of joints."""
+    for aspect, what, joints, given in (
+        (EFFORTS, "an effort limit", driven, np.isfinite(allowed.effort)),
+        (SPEEDS, "a speed limit", driven, np.isfinite(allowed.velocity)),
+        (RANGES, "a position range", ranged, bounded),
+    ):
+        names = tuple(body.joint.name for body, k in joints if not given[k])
+        if names and aspect in aspects:
+            absent.setdefault(names, []).append(what)
+    return [f"{listed(parts)} of {listed(names, _NAMES)}" for names, parts in absent.items()]
 
 
 _PLACEHOLDERS = "placeholder limits"

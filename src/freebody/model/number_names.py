@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING, Literal
 
 from freebody.model.bodies import Body, Frame
 from freebody.model.number_editors import (
+    ANGLES,
     TENSOR,
     Editor,
     Leaves,
     LinkInertiaEditor,
     NewPayloadEditor,
     PieceEntries,
+    PoseEditor,
 )
 from freebody.model.piece_paths import Path, get, is_plain, named_leaves
-from freebody.model.pose_editor import ANGLES, PoseEditor
 from freebody.model.tree import Attached
 from freebody.spatial import AnySpace, of_dimension
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from freebody.errors import ModelError, UnknownNameError, shown
 from freebody.labels import refuse_labelled
-from freebody.model.build import build_model
+from freebody.model.build import Policy, build_model
 from freebody.model.description import (
     MOST_LINKS,
     Drive,
@@ -21,7 +21,6 @@ from freebody.model.description import (
     Mount,
     RobotDescription,
 )
-from freebody.model.description_checks import Policy
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import BY_LETTER

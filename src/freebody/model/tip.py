@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isclose
+from typing import TYPE_CHECKING
 
 from freebody.errors import listed
 from freebody.model.bodies import Body, Frame
@@ -20,6 +21,9 @@ from freebody.model.named_parts import NamedParts
 from freebody.model.parameters import Quantity
 from freebody.model.tree import parents_first
 from freebody.outputs.display import counted
+
+if TYPE_CHECKING:
+    from freebody.model.model import Model
 
 CONVENTIONS = {
     "tcp": "tcp|tool_cent(er|re)_point",
@@ -49,9 +53,11 @@ class ChosenTip:
         return Notice(TIP, self.reason)
 
 
-def with_notice(notices: Iterable[Notice], tip: ChosenTip) -> tuple[Notice, ...]:
-    """Notices in which that of the tip is another."""
-    return (*(notice for notice in notices if notice.kind != TIP), tip.notice)
+def with_tip(model: Model, tip: ChosenTip) -> Model:
+    """The model with another tip, which its notices tell."""
+    frame = None if tip.frame is None else model.frame(tip.frame).name
+    notices = (notice for notice in model.notices if notice.kind != TIP)
+    return replace(model, tip=frame, notices=(*notices, tip.notice))
 
 
 def asked_for(frame: str) -> ChosenTip:

@@ -16,9 +16,9 @@ from freebody.motion.files.waypoint_files import motion_table
 from freebody.outputs.folder import Makers, write_folder
 from freebody.outputs.text import csv_text, encodable
 from freebody.report import variables
-from freebody.report.html import page
 from freebody.report.load_case import load_case
-from freebody.report.results_dataset import facts
+from freebody.report.page import page
+from freebody.report.page_tables import facts
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -11,9 +11,10 @@ import xarray as xr
 from markupsafe import Markup
 
 from freebody.figures.body_loads import BodyLoads, Load
+from freebody.figures.skeleton import mass_and_centre
 from freebody.figures.text import html
 from freebody.model.description import Joint
-from freebody.report.results_dataset import facts
+from freebody.motion.ranges import ranges as allowed_ranges
 from freebody.report.tables import (
     Cell,
     Head,
@@ -24,10 +25,11 @@ from freebody.report.tables import (
     table,
     typeset,
 )
-from freebody.report.variables import VARIABLES
+from freebody.report.variables import VARIABLES, dataset
 
 if TYPE_CHECKING:
     from freebody.report.study import Study
+
 
 _EFFORTS = {"N m": "Peak torque", "N": "Peak force"}
 _POSE = 8  # coordinates of a pose that a table has room for
@@ -283,3 +285,35 @@ def _axes(study: Study, name: str) -> list[str]:
 
 TABLES = (drives, work, ranges, bodies, gravity, reactions, checks)
 """Those of the page, by the names of their functions."""
+
+
+def facts(study: Study) -> xr.Dataset:
+    """Of bodies mass, centre and weight; of coordinates limits (infinite without) and the worst
+    pose, NaN where gravity loads nothing; value and bar of each check."""
+    model = study.model
+    bodies = [model.tree.bodies[at] for at in model.tree.body_of]
+    masses, centres = zip(
+        *(mass_and_centre(body.masses, model.dim) for body in bodies), strict=True
+    )
+    allowed = allowed_ranges(model)
+    worst = {pose.coordinate: pose for pose in study.static}
+    found = [worst.get(name) for name in model.velocity_names]
+    values = {
+        "body_mass": masses,
+        "body_com_local": centres,
+        "body_weight": np.outer(masses, model.gravity),
+        "lower_limit": allowed.lower,
+        "upper_limit": allowed.upper,
+        "velocity_limit": allowed.velocity,
+        "effort_limit": allowed.effort,
+        "worst_gravity_torque": [p.torque if p else np.nan for p in found],
+        "worst_gravity_fraction": [p.fraction if p else np.nan for p in found],
+        "worst_gravity_pose": [p.q if p else np.full(model.nq, np.nan) for p in found],
+        "check_value": [c.value for c in study.checks],
+        "check_bar": [c.bar for c in study.checks],
+        "check_passed": [c.passed for c in study.checks],
+    }
+    axes = ("body", "coordinate", "position", "axis")
+    named = {name: list(study.data[name].values) for name in axes}
+    named["check"] = [c.name for c in study.checks]
+    return dataset(values, named, estimated=", estimated" if model.is_estimated else "")

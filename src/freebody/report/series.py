@@ -1,4 +1,9 @@
-"""The time series of a study: torques with their parts, powers, reactions, energies, the tip."""
+"""The time series of a study: torques with their parts, powers, reactions, energies, the tip.
+
+Reactions are split in the axes of their joint: about (along) it the parent exerts on the child what
+the drive gives, less what friction, spring and rotor take; all else is carried by the bearing, or
+the guide.
+"""
 
 from __future__ import annotations
 
@@ -9,17 +14,19 @@ import numpy as np
 from freebody.algorithms.kinematics import joint_poses, world_poses
 from freebody.arrays import Array
 from freebody.figures.skeleton import mass_and_centre
+from freebody.loops import dynamics as closed
 from freebody.loops.dynamics import drive_torques
+from freebody.model.bodies import Body
 from freebody.model.doubts import DYNAMIC, attribute, doubts_used
 from freebody.model.model import Model
+from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Tree
 from freebody.motion.friction import drive_arrays
 from freebody.motion.motion import Motion
-from freebody.motion.ranges import angular
-from freebody.report import energy, jacobians
-from freebody.report.bearings import bearing_loads
-from freebody.report.variables import dataset
-from freebody.spatial import add, times
+from freebody.motion.ranges import angular, with_drive
+from freebody.report import jacobians
+from freebody.report.variables import LOADS, dataset
+from freebody.spatial import add, of_dimension, times
 from freebody.trees import dynamics, kinematics
 
 if TYPE_CHECKING:
@@ -32,11 +39,11 @@ Values = dict[str, Any]
 def series(model: Model, motion: Motion) -> xr.Dataset:
     """The dataset that `Study.data` describes."""
     found: Values = {}
-    for part in (_motion, torques, _reactions, _bodies, energy.energies):
+    for part in (_motion, torques, _reactions, _bodies, _energies):
         found |= part(model, motion)
     if (tip := model.tip) is not None:
         found |= _tip(model, tip, motion) | jacobians.measures(model, tip, motion.q)
-    found |= energy.powers(model, found, motion)
+    found |= _powers(model, found, motion)
     about = {
         "title": f"Dynamic study of {model.name}",
         "robot": model.name,
@@ -144,3 +151,108 @@ def _tip(model: Model, tip: str, motion: Motion) -> Values:
         "tip_velocity": V[..., :d],
         "tip_angular_velocity": V[..., d:],
     }
+
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
+_MOST_PARTS = 64
+
+
+def _energies(model: Model, motion: Motion) -> dict[str, Any]:
+    """Kinetic and potential energy, and what is left of the energy balance.
+
+    The residual is ∫ (τ - τ_friction) · q̇ dt - (E(t) - E(0)), the integral by Gauss's rule with 6
+    points in each interval of the motion's curve, or in parts of it.
+    """
+    kinetic = dynamics.kinetic_energy(model, motion.q, motion.qd)
+    potential = dynamics.potential_energy(model, motion.q)
+    total = kinetic + potential
+    work = supplied_work(model, motion)
+    return {
+        "kinetic_energy": kinetic,
+        "potential_energy": potential,
+        "supplied_work": work,
+        "energy_residual": work - (total - total[0]),
+    }
+
+
+def supplied_work(model: Model, motion: Motion) -> Array:
+    """∫ (τ - τ_friction) · q̇ dt up to each sample (T,); intervals are halved until the integral no
+    longer changes."""
+    smooth = model.without("friction")  # τ - τ_friction, free of the jumps of sign(q̇)
+    parts, coarse = 1, _integral(smooth, motion, 1)
+    while parts < _MOST_PARTS:
+        parts *= 2
+        fine = _integral(smooth, motion, parts)
+        change, size = np.abs(fine - coarse).max(), np.abs(fine).max()
+        coarse = fine
+        if change <= 1e-12 * size:
+            break
+    return coarse
+
+
+def _integral(model: Model, motion: Motion, parts: int) -> Array:
+    """The work up to each sample, by Gauss's rule in `parts` equal parts between knots."""
+    knots = motion.knots
+    h = np.diff(knots)[:, None] / parts
+    starts = knots[:-1, None] + h * np.arange(parts)
+    q, qd, qdd = motion.at(starts[..., None] + 0.5 * h[..., None] * (1.0 + _NODES))
+    torques = closed.torques if model.loops else dynamics.inverse_dynamics
+    power = np.sum(torques(model, q, qd, qdd) * qd, axis=-1)
+    work = np.concatenate([[0.0], np.cumsum(np.sum(0.5 * h * (power @ _WEIGHTS), axis=-1))])
+    return work[np.searchsorted(knots, motion.t)]
+
+
+def _powers(model: Model, found: dict[str, Any], motion: Motion) -> dict[str, Any]:
+    """Mechanical power of each drive and their sum, and what friction takes, by the torques found;
+    joints without a drive give none."""
+    power = np.where(with_drive(model), found["tau"] * motion.qd, 0.0)
+    friction = np.sum(found["tau_friction"] * motion.qd, axis=-1)
+    return {"power": power, "motor_power": power.sum(axis=-1), "friction_power": friction}
+
+
+def bearing_loads(model: Model, force: Array, moment: Array) -> dict[str, Array]:
+    """Variables (time, joint) from the reactions in the child's axes, (T, joints, dim) and (T,
+    joints, 3 or 1)."""
+    found = {name: np.full(force.shape[:2], np.nan) for name in LOADS}
+    for k, body in enumerate(model.bodies):
+        if body.kind.needs_axis:
+            for name, value in _along_axis(body, force[:, k], moment[:, k]).items():
+                found[name][:, k] = value
+    return found
+
+
+def _along_axis(body: Body, force: Array, moment: Array) -> dict[str, Array]:
+    """Of a joint with an axis, whose drive is what the reactions do along its motion; force (T,
+    dim), moment (T, 3 or 1)."""
+    joint, motion, dim = body.joint, body.kind.motion, force.shape[-1]
+    parts: dict[str, Array] = {}
+    turning, sliding = motion is None or motion.turns, motion is None or motion.slides
+    if len(joint.axis) == dim:
+        axial, parts["radial_force"] = _split(force, joint.axis)
+        if not sliding or (turning and motion is not None):
+            parts["axial_force"] = axial
+    else:
+        parts["radial_force"] = _size(force)
+    if dim == 3:
+        about, parts["tilting_moment"] = _split(moment, joint.axis)
+        if not turning:
+            parts["guide_moment"] = about
+    elif not turning:
+        parts["tilting_moment"] = np.abs(moment[:, 0])
+    if motion is not None:
+        numbers = tuple(map(VALUES.quantity, joint.numbers))
+        ((primitive, axis),) = body.kind.primitives(of_dimension(dim), joint.axis, numbers)
+        ((w, v),) = primitive.columns(of_dimension(dim), axis)
+        parts["drive_load"] = moment @ np.asarray(w) + force @ np.asarray(v)
+    return parts
+
+
+def _split(vectors: Array, axis: tuple[float, ...]) -> tuple[Array, Array]:
+    """Component along the axis, with its sign, and the size of what is across it."""
+    n = np.asarray(axis)
+    along = vectors @ n
+    return along, _size(vectors - along[:, None] * n)
+
+
+def _size(vectors: Array) -> Array:
+    return np.linalg.norm(vectors, axis=-1)

@@ -19,7 +19,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.model.model import Model
 from freebody.motion.motion import Motion
+from freebody.motion.ranges import Ranges, with_drive
 from freebody.report.results import CLOSE
 
 if TYPE_CHECKING:
@@ -71,6 +73,11 @@ def parts(data: xr.Dataset) -> tuple[Array, Array, Array]:
 
 
 _PARTS = ("inertial", "coriolis", "rotors", "viscous", "friction", "gravity", "springs")
+
+
+def effort_limits(model: Model, allowed: Ranges) -> np.ndarray:
+    """Torque limits (nv,) of what is driven."""
+    return np.where(with_drive(model), allowed.effort, np.inf)
 
 
 def at_pace(motion: Motion, factor: float, words: str) -> Motion:
