@@ -13,9 +13,9 @@ from freebody.arrays import Array
 from freebody.figures.body_loads import BodyLoads
 from freebody.figures.drawing import Drawing
 from freebody.figures.free_body import PANEL, TALLEST, diagrams
+from freebody.figures.kinematic import robot_drawing
 from freebody.figures.map_diagram import map_diagram
 from freebody.figures.plots import Plot, plot
-from freebody.figures.robot import robot_drawing
 from freebody.figures.snapshot import snapshot
 from freebody.figures.svg import picture
 from freebody.inverse.closed_form import ClosedFormArm, closed_form_for
