@@ -192,7 +192,7 @@ def __getattr__(name: str) -> Any:
 
 
 def _not_found(name: str, failure: ModuleNotFoundError) -> ImportError:
-    """What to raise where a name's module cannot be imported."""
+    """The error to raise where a name's module cannot be imported."""
     package = _PLACE_OF[name].partition(".")[0]
     if failure.name != package:
         return failure

@@ -40,7 +40,7 @@ Frame = Annotated[
     typer.Option(metavar="FRAME", help="Frame of kinematic quantities. Default: the tip."),
 ]
 Labels = Literal["names", "values", "both"]
-"""What stands beside arrows, angles and lengths."""
+"""Labels beside arrows, angles and lengths."""
 
 
 def number(text: str | float) -> float:
@@ -88,7 +88,7 @@ Parameters = Annotated[
 
 
 def pairs(option: str, texts: list[str] | None, example: str) -> dict[str, str]:
-    """What stands left and right of the = in the values of an option."""
+    """Names and values, left and right of the = in the values of an option."""
     found = {}
     for text in texts or ():
         name, equals, meaning = text.partition("=")
@@ -184,9 +184,9 @@ _READING: dict[str, tuple[Any, Any]] = {
 """Options of how a robot is read, by the argument of `fb.load`, with their defaults; and which of
 its numbers are others."""
 FILE = ("tip", "base", "mimic", "physical", "snap_angles", "convention", "parameters")
-"""Those of most commands."""
+"""Options of most commands."""
 CASE = (*FILE, "payload")
-"""Those of commands that move the robot."""
+"""Options of commands that move the robot."""
 
 
 @dataclass(frozen=True)
@@ -223,11 +223,11 @@ _PAYLOAD = re.compile(
     r"(?P<mass>[^@,=]+)(@(?P<com>[^@=]+?))?(,\s*(?P<shape>box|cylinder|inertia)\s*=(?P<sizes>[^@=]+))?"
 )
 _ENTRIES = (0, 3, 4, 1, 5, 2)
-"""Of xx, yy, zz, xy, xz, yz those of a tensor in stored order."""
+"""Indices among xx, yy, zz, xy, xz, yz of a tensor's entries in stored order."""
 
 
 def _payload(text: str) -> dict[str, Any]:
-    """What --payload means, as arguments of `Model.with_payload`."""
+    """The meaning of --payload, as arguments of `Model.with_payload`."""
     from freebody.formats import read_file
 
     def numbers(part: str | None) -> list[float] | None:

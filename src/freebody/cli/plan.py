@@ -221,7 +221,7 @@ _KEEP = "keep"
 
 @dataclass(frozen=True)
 class TipPathOptions:
-    """What is given of a path, as it was typed; None where it was not."""
+    """The options of a path, as they were typed; None where they were not."""
 
     line: str | None
     arc: str | None

@@ -1,5 +1,5 @@
-"""What the terminal sees: results on stdout, and on stderr red errors, yellow warnings, progress;
-one line each."""
+"""The terminal: results on stdout, and on stderr red errors, yellow warnings, progress; one line
+each."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ class _Stream:
             raise FileError(self._what, None, f"cannot be written: {reason(failure)}.") from None
 
     def _forget(self) -> None:
-        """What is still in the buffer would fail again when the interpreter ends."""
+        """Forget what is still in the buffer, which would fail again when the interpreter ends."""
         with suppress(OSError, ValueError):
             nowhere = os.open(os.devnull, os.O_WRONLY)
             os.dup2(nowhere, self._real.fileno())

@@ -82,9 +82,9 @@ class Turn:
     unit: str = "N m"
     radius: float = 22.0
     facing: float = 90.0
-    """Where the middle of the arc lies, degrees."""
+    """The direction of the arc's middle, degrees."""
     span: float = 240.0
-    """How much of a circle it is, degrees."""
+    """The part of a circle that the arc is, degrees."""
 
 
 @dataclass(frozen=True)
@@ -154,7 +154,7 @@ class Cells:
 
 @dataclass(frozen=True)
 class ColourKey:
-    """What the colours of a map mean."""
+    """The key of a map's colours."""
 
     title: str
     colours: tuple[int, ...]
@@ -183,11 +183,11 @@ class Drawing:
     rulers: list[tuple[float, str, str]] = field(default_factory=list)
     """Scale bars: length in metres of the world, text, role."""
     key: ColourKey | None = None
-    """Of the colours, below the picture."""
+    """The key of the colours, below the picture."""
     scale: float | None = None
     """Pixels a metre; default: what fits."""
     labels: str = "names"
-    """What stands beside the elements, one of `labelling.LABELS`."""
+    """The labels beside the elements, one of `labelling.LABELS`."""
 
     def add(self, *elements: Element) -> None:
         """Draw more."""

@@ -31,7 +31,7 @@ SHOW: dict[int, dict[str, tuple[str, ...]]] = {
         "angles": ("angles",), "vectors": _VECTORS},
     3: {"points": ("points",), "centres": ("centres",), "axes": ("axes",), "vectors": _VECTORS},
 }  # fmt: skip
-"""What may be shown beside the forces, by dimension: parts of `forces.PARTS`."""
+"""Choices of `show`, by dimension: parts of `forces.PARTS` that stand beside the forces."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -39,13 +39,14 @@ class FreeBodyDiagram(Figure):
     """The diagrams of one or of all bodies at one instant; shows itself in a notebook."""
 
     q: tuple[float, ...] = ()
-    """Where it was drawn, rad or m."""
+    """The position at which it was drawn, rad or m."""
     loads: tuple[BodyLoads, ...] = ()
-    """What is drawn on each body; for assumed values where some are missing."""
+    """The loads drawn on each body; for assumed values where some are missing."""
     missing: tuple[str, ...] = ()
     """Parameters of the model that have no value."""
     unheld: tuple[str, ...] = ()
-    """What joints without motor would need to be in this state, in words; () where nothing."""
+    """Efforts that joints without motor would need to be in this state, in words; () where
+    nothing."""
 
     def _title(self) -> str:
         return self.title
@@ -142,7 +143,8 @@ def diagrams(
 def _notes(
     loads: BodyLoads, longer: Sequence[str], labels: str, missing: Sequence[str]
 ) -> list[str]:
-    """What is nothing, what is drawn longer than to scale, and the balance; or what was assumed."""
+    """Notes on what is nothing, what is drawn longer than to scale, and the balance; or on what was
+    assumed."""
     small = [x.name for x in loads.loads if not any(x.force)]
     small += [x.moment_name for x in loads.loads if x.moment_name and not any(x.moment)]
     notes = [f"≈ 0: {', '.join(small)}"] if small else []
@@ -160,8 +162,8 @@ def _notes(
 
 
 def _unheld(seen: Snapshot, unnumbered: bool) -> dict[int, list[str]]:
-    """By body what the joint without motor that carries it would need to be in this state: nothing
-    exerts it. Closed chains are held by their drives. unnumbered: in words alone."""
+    """Efforts, by body, that the joint without motor which carries it would need to be in this
+    state: nothing exerts it. Closed chains are held by their drives. unnumbered: in words alone."""
     model, found = seen.model, dict[int, list[str]]()
     if model.loops or not model.passive:
         return found

@@ -45,7 +45,7 @@ VIEWS: dict[int, dict[str, tuple[Layer, ...]]] = {
         "vectors": (geometry.links, geometry.centres),
     },
 }  # fmt: skip
-"""What may be shown, by dimension, and of what layers it is made."""
+"""Choices of `show`, by dimension, and the layers that each is made of."""
 _DEFAULT = {2: ("geometry", "vectors"), 3: ("frames", "normals")}
 
 

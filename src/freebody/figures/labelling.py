@@ -37,7 +37,7 @@ def labels_of(caller: str, model: Model, labels: str | None) -> str:
 
 
 def chosen_of(caller: str, show: str | Iterable[str], known: Collection[str]) -> tuple[str, ...]:
-    """What `show` names, each once, as one name or several.
+    """The choices that `show` names, each once, as one name or several.
 
     Raises UnknownNameError for one that is not known, FreebodyError for what is no name.
     """
@@ -67,7 +67,7 @@ def quantity(element: Element) -> str:
 
 
 def beside(element: Element, labels: str) -> tuple[str, str]:
-    """What stands beside an element, a formula and plain text after it."""
+    """The label of an element: a formula and plain text after it."""
     name = element.text if isinstance(element, Label) else getattr(element, "label", "")
     value = quantity(element) if name and labels != "names" else ""
     if not value:
@@ -90,12 +90,13 @@ RULE: dict[str, Any] = {
     "above": 13.5, "below": 6, "edge": 3, "apart": [3, 2], "beside": [2, -1], "spacing": 5,
     "sweeps": 6, "leader": 36,
 }  # fmt: skip
-"""What drawings on paper and those that move go by. A place is a turn (degrees) from the direction
-that is wanted and a distance (pixels, with its price) from an anchor; further turns and anchors
-cost more. So do points of lines under the text, which are so many pixels apart, the area that it
-shares with what is nearer than `apart`, and in a drawing that moves another place than before.
-What is off the page (or nearer to its edge than `edge`) or on another text is forbidden: it is
-taken where nothing else is left. A text so far away from its anchor has a line that leads to it."""
+"""The rule of drawings on paper and of those that move. A place is a turn (degrees) from the
+direction that is wanted and a distance (pixels, with its price) from an anchor; further turns and
+anchors cost more. So do points of lines under the text, which are so many pixels apart, the area
+that it shares with what is nearer than `apart`, and in a drawing that moves another place than
+before. What is off the page (or nearer to its edge than `edge`) or on another text is forbidden: it
+is taken where nothing else is left. A text so far away from its anchor has a line that leads to
+it."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +114,7 @@ class Wanted:
 
 @dataclass
 class Crowd:
-    """What is on the page already: points of lines to keep clear of, boxes of text, and the page's
+    """Things on the page already: points of lines to keep clear of, boxes of text, and the page's
     edge."""
 
     width: float
@@ -155,8 +156,8 @@ class Crowd:
         return left, top, right, bottom
 
     def _fixed(self, boxes: Array) -> Array:
-        """What a place costs whatever the other labels do: being off the page, and lines under the
-        text."""
+        """The price of a place whatever the other labels do: being off the page, and lines under
+        the text."""
         left, top, right, bottom = boxes.T
         edge, (wide, high) = RULE["edge"], RULE["beside"]
         outside = np.maximum(0, edge - left) + np.maximum(0, edge - top)
@@ -195,7 +196,8 @@ def overlaps(boxes: Array, other: Box, apart: Sequence[float] = tuple(RULE["apar
 
 
 def leader(anchor: complex, box: Box) -> complex | None:
-    """Where the line from an anchor to a text meets its box; None of a text that stands near."""
+    """The point at which the line from an anchor to a text meets its box; None of a text that
+    stands near."""
     left, top, right, bottom = box
     x, y = min(max(anchor.real, left), right), min(max(anchor.imag, top), bottom)
     return complex(x, y) if abs(complex(x, y) - anchor) > RULE["leader"] else None

@@ -195,7 +195,7 @@ def prism_rings(prism: Prism, view: View) -> tuple[Array, Array]:
 
 
 def prism(near: Sequence[Pixel], outline: Sequence[Pixel], distant: bool) -> str:
-    """Its outline, and the end that is seen."""
+    """The outline of a prism, and the end that is seen."""
     parts = line("side", path(outline, True)) + line("cap", path(near, True))
     return f'<g class="far">{parts}</g>' if distant else parts
 

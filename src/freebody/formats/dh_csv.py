@@ -79,7 +79,7 @@ def _split(file: str, text: str) -> tuple[dict[str, tuple[int, str]], list[tuple
 def _convention(
     file: str, line: int, written: tuple[int, str] | None, given: dh.Convention | None
 ) -> dh.Convention:
-    """What the file or the caller says; never guessed."""
+    """The convention that the file or the caller states; it is never guessed."""
     known = ("standard", "modified")
     if written and written[1] not in known:
         raise FileError(

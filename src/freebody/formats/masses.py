@@ -43,7 +43,7 @@ from freebody.model.shapes import DENSEST, LIGHTEST, Shape
 from freebody.spatial import of_dimension
 
 _WIDE, _SMALL, _FAR = 2.0, 0.01, 3.0
-"""Of a link's size: radius of gyration at most, at least; centre of mass."""
+"""Bounds as multiples of a link's size: radius of gyration at most, at least; centre of mass."""
 _FLOOR = 0.1  # of the robot's reach: the least size of a body, whatever the file shows of it
 # of the moving mass: below which links that are alike, and a body, are passed over
 _COUNTS, _TINY = 0.01, 0.001
@@ -117,8 +117,8 @@ def _missing(model: Model, shapes: Mapping[str, tuple[Shape, ...]]) -> list[str]
 
 # ------------------------------------------------------------ sizes
 def _sizes(model: Model, shapes: Mapping[str, tuple[Shape, ...]]) -> list[float]:
-    """How far each body reaches from its joint (m): to the joints and frames that it carries,
-    around its shapes."""
+    """The reach of each body from its joint (m): to the joints and frames that it carries, around
+    its shapes."""
     space = of_dimension(model.dim)
     reach = [0.0] * len(model.bodies)
 
@@ -173,7 +173,7 @@ def _placeholders(model: Model, own: Sequence[float]) -> Iterator[_DoubtsFound]:
 def _above(
     model: Model, link: _LinkInertia, by_body: Mapping[int, Sequence[_LinkInertia]]
 ) -> list[_LinkInertia]:
-    """Of the group what the link is, or hangs on, from it towards the base; a few suffice."""
+    """The links of a group that a link is, or hangs on, from it towards the base; a few suffice."""
     found: list[_LinkInertia] = []
     i = link.body
     for _ in range(_LOOKED):
@@ -220,8 +220,8 @@ def _implausible(
 
 
 def _whole(body: Body) -> tuple[float, float, float]:
-    """Of all that is fixed together: mass, distance of its centre from the joint, largest radius of
-    gyration; 0 where masses are not positive."""
+    """Of a body, which is all that is fixed together: mass, distance of its centre from the joint,
+    largest radius of gyration; 0 where masses are not positive."""
     parts = [part for part in body.inertias if weighs(part)]
     if not parts or any(VALUES.quantity(part.inertia.mass) <= 0.0 for part in parts):
         return 0.0, 0.0, 0.0
@@ -271,7 +271,8 @@ def _volumes(model: Model, shapes: Mapping[str, tuple[Shape, ...]]) -> list[floa
 
 _LARGEST = 512 * 2**20  # bytes of a mesh
 _MESHES = (".stl", ".obj", ".ply", ".dae")
-"""What is read: formats of shapes alone, no archives and no scenes that name further files."""
+"""Formats that are read: those of shapes alone, no archives and no scenes that name further
+files."""
 
 
 def estimated(description: RobotDescription, mass: float) -> RobotDescription:
@@ -310,7 +311,7 @@ def estimated(description: RobotDescription, mass: float) -> RobotDescription:
 def _estimate_doubts(
     description: RobotDescription, filled: dict[str, Inertia | None], mass: float, density: float
 ) -> Iterator[Doubt]:
-    """What was done, and whether the stated mass can be right."""
+    """Doubts that tell what was estimated, and whether the stated mass can be right."""
     empty = [name for name, inertia in filled.items() if inertia is None]
     without = f"; links without shapes have none: {', '.join(empty)}" if empty else ""
     text = (

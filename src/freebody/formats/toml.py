@@ -239,7 +239,7 @@ class _ParameterTable:
         self.numbers, self.texts = parts.parameter_table(top)
         self.formulas: dict[str, ParameterFormula] = {}
         self.values: dict[str, float | None] = {}
-        """Of all parameters; None of those without value, and of those with formulas."""
+        """Values of all parameters; None of those without value, and of those with formulas."""
         self._keys: dict[str, str] = {}
         self._take(self.own)
         self._take_those_of_all_links()
@@ -268,7 +268,8 @@ class _ParameterTable:
         self.top.refuse(told, "parameters", key)
 
     def _take(self, names: Iterable[str]) -> None:
-        """What the table says of these names, and of those in their formulas."""
+        """Take values and formulas of these names from the table, and of those in their
+        formulas."""
         left = [*names]
         while left:
             name = left.pop()

@@ -193,7 +193,7 @@ def limits(table: TomlTable, angles: bool) -> Limits:
 
 
 def limits_of(table: TomlTable, angles: bool) -> Limits:
-    """The same from its own table."""
+    """Limits from a table of their own; angles: of an angle, not a length."""
     table.only("lower", "upper", "velocity", "effort")
     angle, rate = ("angle", "rate") if angles else ("number", "number")
     return Limits(

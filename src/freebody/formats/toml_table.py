@@ -19,7 +19,7 @@ from freebody.formats import read_file
 from freebody.model.parameters import Parameter, Quantity
 
 KeyPath = tuple[str | int, ...]
-"""Where a value stands in a text, such as ("joint", 2, "axis")."""
+"""The place of a value in a text, such as ("joint", 2, "axis")."""
 
 MOST_TEXT, MOST_VALUES, DEEPEST = 16 * 2**20, 2_000_000, 64
 
@@ -37,7 +37,7 @@ UNITS: dict[str, dict[str, float]] = {
     "angle": {"rad": 1.0, "deg": math.pi / 180},
     "rate": {"rad/s": 1.0, "deg/s": math.pi / 180},
 }
-"""What a number may be measured in when it is written as text, in SI units."""
+"""Units that a number may have when it is written as text, in SI units."""
 _REQUIRED = object()
 _Word = TypeVar("_Word", bound=str)
 
@@ -88,11 +88,11 @@ class TomlTable:
 
     @property
     def line(self) -> int | None:
-        """Its line."""
+        """The line on which the table begins."""
         return line_of(self.lines, self.path)
 
     def called(self, where: str) -> TomlTable:
-        """The same table with another name in errors."""
+        """This table with another name in errors."""
         return TomlTable(self.file, self.lines, self.path, self.data, where)
 
     def refuse(self, problem: str, *at: str | int) -> NoReturn:

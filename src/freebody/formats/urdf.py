@@ -291,7 +291,8 @@ def _other_format(tag: str) -> str:
 
 
 def _reductions(robot: Element) -> str:
-    """What the transmissions, which are ignored, say about gears, which the dynamics would need."""
+    """A remark on the gears of transmissions, which are ignored, though the dynamics would need
+    them."""
     ratios = {
         transmission.name(): reduction.content
         for transmission in robot.all("transmission")

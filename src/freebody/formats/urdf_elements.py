@@ -24,7 +24,7 @@ _CUT_SHORT = [
 ]
 _SHAPES = ("visual", "collision", "material")
 _MOST_KINDS = 100
-"""Of elements and attributes that are not read and yet named one by one."""
+"""Kinds of elements and attributes that are not read and yet named one by one."""
 
 
 @dataclass(slots=True)
@@ -43,7 +43,7 @@ class Element:
         return [child for child in self.children if child.tag == tag]
 
     def name(self) -> str:
-        """Its name attribute, empty where there is none."""
+        """The name attribute, empty where there is none."""
         return self.attributes.get("name", "").strip()
 
 
@@ -107,7 +107,7 @@ def parse(file: str, data: bytes) -> Element:
 
 
 def xacro(name: str, stem: str) -> str:
-    """How to expand a file of that name, with ROS and without."""
+    """Advice on how to expand a file of that name, with ROS and without."""
     return (
         f"expand it first, with `xacro {name} -o {stem}.urdf`; without ROS, `pip install xacro` "
         f"has this command, and each $(find PACKAGE) in the file is to be replaced by that "

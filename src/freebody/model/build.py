@@ -71,7 +71,7 @@ class _Assembly:
         self.description, self.mimic, self.base = description, mimic, base
         self.checks = _DescriptionChecks(description, physical)
         self.carrier: dict[str, tuple[int, Placement]] = {}
-        """Of a link or frame, by name: the index of its body, -1 for the base, and its placement
+        """By the name of a link or frame, the index of its body, -1 for the base, and its placement
         there."""
 
     def model(self, tip: str | None) -> Model:
@@ -326,7 +326,8 @@ class _DescriptionChecks:
         self._doubt("physical", f"link {link.name!r}", link.inertia.fault(), link.line)
 
     def check_drive(self, joint: Joint) -> None:
-        """The same policy on friction that pushes and rotors that no motor has."""
+        """Warn about friction that pushes and rotors that no motor has, or refuse them, as the
+        policy on inertias has it."""
         if self.physical != "ignore":
             self._doubt("drive", f"joint {joint.name!r}", joint.drive.fault(), joint.line)
 

@@ -1,4 +1,4 @@
-"""What each piece of a model contributes to its structure and its numbers; found once, and kept
+"""The contribution of each piece of a model to its structure and its numbers: found once, and kept
 with the piece."""
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def _form(content: Any) -> SharedForm:
 
 
 class PoseContribution(NamedTuple):
-    """What a constant pose contributes, its structure and its numbers (..., k), and the pose
+    """The contribution of a constant pose: its structure, its numbers (..., k), and the pose
     itself."""
 
     form: SharedForm
@@ -76,7 +76,7 @@ class PoseContribution(NamedTuple):
 
 
 class JointContribution(NamedTuple):
-    """What a joint contributes: structure, numbers of its placement and of its kind, and of a
+    """The contribution of a joint: structure, numbers of its placement and of its kind, and of a
     joint of one coordinate those of its drive."""
 
     form: SharedForm
@@ -87,19 +87,19 @@ class JointContribution(NamedTuple):
 
 
 class BodyContribution(NamedTuple):
-    """What a body contributes: its joint, and its mass, first moment and inertia."""
+    """The contribution of a body: its joint, and its mass, first moment and inertia."""
 
     joint: JointContribution
     inertia: Array
 
 
 def body_parts(model: Model) -> list[BodyContribution]:
-    """Of each body in the model's order."""
+    """The contributions of all bodies, in the model's order."""
     return [part_of(body, model.dim) for body in model.bodies]
 
 
 def part_of(body: Body, dim: int) -> BodyContribution:
-    """Of one body; a new payload and one call are to take microseconds."""
+    """The contribution of one body; a new payload and one call are to take microseconds."""
     name = _NAME[dim]
     return body.__dict__.get(name) or kept(body, name, _body_part, body, dim)
 
@@ -112,7 +112,7 @@ def _body_part(body: Body, dim: int) -> BodyContribution:
 
 
 def joint_part(body: Body, dim: int) -> JointContribution:
-    """Of the joint that carries a body."""
+    """The contribution of the joint that carries a body."""
     return kept(body.joint, _NAME[dim], _joint_part, body.joint, body.kind.nv == 1, dim)
 
 
@@ -132,13 +132,13 @@ def _joint_form(kind: str, axis: tuple[float, ...], placed: SharedForm) -> Share
 
 
 def _drive_part(drive: Drive) -> tuple[Array, bool]:
-    """Its numbers, and whether friction, a rotor or a spring acts."""
+    """The numbers of a drive, and whether friction, a rotor or a spring acts."""
     scalars = drive_of(drive, VALUES)
     return as_row(scalars), acting(scalars)
 
 
 def pose_part(placement: Placement, dim: int) -> PoseContribution:
-    """Of a constant pose."""
+    """The contribution of a constant pose."""
     return kept(placement, _NAME[dim], _pose_part, placement, dim)
 
 
@@ -164,7 +164,7 @@ def _pose_form(R: Matrix, zeros: tuple[bool, ...]) -> tuple[SharedForm, tuple[Sc
 
 
 _known_pose_form = lru_cache(maxsize=256)(_pose_form)
-"""The same where entries are numbers: a length changes often, and rotations with it seldom."""
+"""`_pose_form` where entries are numbers: a length changes often, and rotations with it seldom."""
 
 
 def _rotation(R: Matrix) -> tuple[tuple[tuple[Entry, ...], ...], tuple[Scalar, ...]]:
@@ -231,7 +231,7 @@ def inertial(parts: tuple[Attached, ...], dim: int) -> Array:
 
 
 def linear_row(part: Attached, dim: int) -> Array:
-    """The same of one part."""
+    """Mass, first moment and inertia of one part about the body's origin, as in `inertial`."""
     return kept(part, _NAME[dim], _linear_row, of_dimension(dim), part)
 
 
@@ -243,7 +243,8 @@ def _linear_row(space: AnySpace, part: Attached) -> Array:
 def inertial_entries(
     space: AnySpace, inertia: tuple[Scalar, Vector, Scalar], pose: Pose
 ) -> tuple[Scalar, ...]:
-    """The same of (mass, centre, inertia about it) at a pose, as scalars."""
+    """Mass, first moment and inertia about the body's origin, as scalars, given (mass, centre,
+    inertia about it) and the pose."""
     m, h, about = placed_composite(space, inertia, pose)
     if space.dim == 2:
         return m, *h, about
@@ -255,7 +256,7 @@ _NOTHING = {2: np.zeros(4), 3: np.zeros(10)}
 
 
 def gravity_part(model: Model) -> tuple[tuple[bool, ...], Array]:
-    """Which entries of the field are zero, and the others."""
+    """The field of gravity: for each entry whether it is zero, and the others."""
     return kept(model, "_gravity_part", _field, model)
 
 
@@ -267,7 +268,7 @@ def _field(model: Model) -> tuple[tuple[bool, ...], Array]:
 
 
 def rows_of(part: tuple[JointContribution, Array], driven: bool) -> list[Array]:
-    """What a body adds to the numbers, in order."""
+    """The numbers of a body, a row for each piece, in order."""
     joint, inertia = part
     return (
         [joint.placed, inertia, joint.drive]

@@ -1,4 +1,4 @@
-"""What is doubtful about a robot: one table of kinds, and which doubts a model has.
+"""Doubts on a robot: one table of kinds, and the doubts that a model has.
 
 A kind says what it touches and what weight it has: it bars the verdict, or stands beside it. What
 follows from the model's numbers is found anew for each model, so that a changed copy has its own
@@ -35,7 +35,7 @@ MASSES, LOADS, ROTORS, FRICTION = "masses", "loads", "rotors", "friction"
 EFFORTS, SPEEDS, RANGES = "effort limits", "speed limits", "position limits"
 INERTIAL = (MASSES, LOADS)
 DYNAMIC = (*INERTIAL, ROTORS, FRICTION)
-"""What forces and motions under forces depend on."""
+"""All aspects that forces, and motions under forces, depend on."""
 LIMITS = (EFFORTS, SPEEDS, RANGES)
 ALL = (*DYNAMIC, *LIMITS)
 """All that a doubt may be about."""
@@ -44,12 +44,12 @@ NO_MASSES, IMPLAUSIBLE = "no masses", "implausible inertias"
 ESTIMATED, ESTIMATED_LIMITS = "estimated inertias", "estimated limits"
 
 _NAMES = 4
-"""How many joints a sentence names before it counts the others."""
+"""Joints that a sentence names before it counts the others."""
 _MEMBERS = 64
-"""How many members of a family are looked at."""
+"""Members of a family that are looked at."""
 _MEASURED = 0.15
-"""Of its largest principal moment: by how much a body's may break the triangle inequality because
-they are measured, or printed with few digits."""
+"""Share of a body's largest principal moment by which its moments may break the triangle inequality
+because they are measured, or printed with few digits."""
 _SEVERAL = 3
 """Joints with the same limits that tell a placeholder, and the masses that they move."""
 _APART = 1.01
@@ -57,7 +57,7 @@ _APART = 1.01
 _STRONGEST = {"N m": 200.0, "N": 10_000.0}
 """For each kilogram of the whole robot, its drives included: the effort limit of no joint."""
 _ON_THE_GROUND = 10.0
-"""How much more where the motor stands on the ground and is no part of the robot's mass."""
+"""Factor on that limit where the motor stands on the ground and is no part of the robot's mass."""
 _DENSEST = 75.0
 """N m for each kilogram of the whole robot: all motors together that it carries have no more. Arms
 of makers have 15 to 45, legged robots 20 to 30; motors on the ground are not part of its mass."""
@@ -87,7 +87,7 @@ class Doubt(Notice):
 
     @property
     def of(self) -> DoubtKind:
-        """Its kind, which says what it touches and what it weighs."""
+        """The kind of the doubt, which says what it touches and what it weighs."""
         return DOUBT_KINDS[self.kind]
 
     @property
@@ -169,12 +169,12 @@ def doubts_used(model: Model, *aspects: str) -> tuple[Doubt, ...]:
 
 
 def readings(model: Model) -> tuple[Notice, ...]:
-    """How the model's file was read, besides what is doubtful and which frame is the tip."""
+    """Notices on how the model's file was read, besides doubts and the choice of the tip."""
     return tuple(x for x in model.notices if not isinstance(x, Doubt) and x.kind != TIP)
 
 
 def barring(doubts: Iterable[Doubt]) -> tuple[Doubt, ...]:
-    """Those that bar a verdict."""
+    """The doubts that bar a verdict."""
     return tuple(doubt for doubt in doubts if doubt.of.bars)
 
 
@@ -205,7 +205,7 @@ def _found(kind: DoubtKind, model: Model, aspects: Sequence[str]) -> list[Doubt]
 
 
 def read_doubts(model: Model) -> list[Doubt]:
-    """Those that its file told, and that the model's numbers have not refuted since."""
+    """The doubts that the model's file told, and that its numbers have not refuted since."""
     read = [notice for notice in model.notices if isinstance(notice, Doubt)]
     if not read or model.missing or model.family:
         return read
@@ -295,8 +295,8 @@ def _faults(model: Model, wanted: Callable[[float], bool]) -> list[tuple[str, st
 
 
 def _breach(body: Body) -> float:
-    """By how much of its largest principal moment those of a whole body break the triangle
-    inequality; infinite for masses and moments below 0."""
+    """The excess of a body's principal moments over the triangle inequality, as a share of the
+    largest one; infinite for masses and moments below 0."""
     if any(VALUES.quantity(part.inertia.mass) < 0.0 for part in body.inertias):
         return math.inf
     tensor = _whole(body)
@@ -329,7 +329,8 @@ def _turned_about(model: Model) -> list[Array | None]:
         return [None] * len(model.bodies)
     space = of_dimension(3)
     turned: dict[int, tuple[Array, list[Array]]] = {-1: (np.eye(3), [])}
-    """Of each body its orientation where all coordinates are 0, and the axes, seen from there."""
+    """By body, its orientation where all coordinates are 0, and the axes above it, seen from
+    there."""
     axes: list[Array | None] = [None] * len(model.bodies)
     for i in parents_first(model.bodies):
         body = model.bodies[i]
@@ -372,7 +373,8 @@ def _no_drive(model: Model, _: Sequence[str]) -> Iterator[str]:
 
 
 def _no_rotor(model: Model, _: Sequence[str]) -> Iterator[str]:
-    """Of joints whose drive is described otherwise; a textbook's have none."""
+    """Rotor inertias that are missing in joints whose drive is described otherwise; a textbook's
+    have none."""
     told, without = 0, []
     for body in model.bodies:
         limits, drive = body.joint.limits.meant, body.joint.drive
@@ -422,17 +424,18 @@ class _MotorLimits(NamedTuple):
 
     @property
     def most(self) -> str:
-        """Its effort limit, in words."""
+        """The effort limit in words."""
         return f"{self.effort:g} {'N' if self.slides else 'N m'}"
 
     @property
     def fastest(self) -> str:
-        """Its speed limit, in words."""
+        """The speed limit in words."""
         return f"{self.speed:g} {'m' if self.slides else 'rad'}/s"
 
 
 def _placeholders(model: Model, _: Sequence[str]) -> Iterator[Doubt]:
-    """The same round numbers on joints that move different masses, or such as no robot has."""
+    """Limits that are placeholders: equal round numbers on joints that move different masses, or
+    such as no robot has."""
     motors = _motors(model)
     alike = [*_alike(motors)]
     yield from alike
@@ -497,8 +500,8 @@ def _is_strong(drive: _MotorLimits, mass: float) -> bool:
 
 
 def _overloading(drives: Sequence[_MotorLimits], mass: float) -> Iterator[_MotorLimits]:
-    """Of motors that a robot of this mass (kg) carries those that are too strong for it: the
-    strongest, and all that are as strong, until the others are not too strong together."""
+    """Motors too strong for the robot of this mass (kg) that carries them: the strongest, and all
+    that are as strong, until the others are not too strong together."""
     carried = [d for d in drives if d.carried and not d.slides and isfinite(d.effort)]
     total, least = sum(drive.effort for drive in carried), math.inf
     for drive in sorted(carried, key=lambda drive: -drive.effort):
@@ -514,7 +517,7 @@ def _is_round(x: float) -> bool:
 
 
 def _different(masses: Iterable[float]) -> int:
-    """How many there are that are not the same."""
+    """The number of masses that are not the same."""
     count, last = 0, 0.0
     for mass in sorted(masses):
         if mass > _APART * last:
@@ -523,7 +526,7 @@ def _different(masses: Iterable[float]) -> int:
 
 
 def _moved(model: Model) -> list[tuple[float, float]]:
-    """Of each joint the mass that it moves, and how far that reaches from it at most (m)."""
+    """For each joint the mass that it moves, and how far that reaches from it at most (m)."""
     space = of_dimension(model.dim)
 
     def far(placement: Placement, beyond: Vector = ()) -> float:

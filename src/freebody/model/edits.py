@@ -38,7 +38,7 @@ Edits = dict[int, float]
 
 
 def bound(model: Model, values: Mapping[Any, Any]) -> Model:
-    """See `Model.bind`."""
+    """The model with other numbers, see `Model.bind`."""
     if "_layout" in model.__dict__ or _are_plain(model, values):
         found = _edited(model, values)
         return _asked(model, numbers.bind(model, values)) if found is None else found
@@ -46,14 +46,14 @@ def bound(model: Model, values: Mapping[Any, Any]) -> Model:
 
 
 def driven(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
-    """See `Model.with_drive`."""
+    """The model with another drive in a joint, see `Model.with_drive`."""
     named = {f"{joint}.{DRIVE[name]}": x for name, x in given.items()}
     found = _edited(model, named) if type(joint) is str else None
     return _asked(model, changes.with_drive(model, joint, given)) if found is None else found
 
 
 def loaded(model: Model, inertia: Inertia, frame: str | None, name: str) -> Model:
-    """See `Model.with_payload`."""
+    """The model with a load more, see `Model.with_payload`."""
     found = _loaded(model, inertia, frame, name)
     if found is None:
         found = _asked(model, changes.with_payload(model, inertia, frame, name))
@@ -205,7 +205,7 @@ def make_lazy(kind: type) -> None:
 
 
 RowPlan = tuple[list[int], list[tuple[slice, list[RowEntries]]]]
-"""Which positions, and which rows by which parts, are found again."""
+"""The positions, and the rows with their parts, that are found again."""
 
 
 class NumberLayout:
@@ -245,7 +245,7 @@ class NumberLayout:
             if name not in CHANGING
         }
         self.shared["_catalogue"] = names
-        """What edited copies have in common, as their attributes."""
+        """Attributes that all edited copies have in common."""
         self._plans: dict[tuple[int, ...], RowPlan] = {}
         self._loads: dict[tuple[Any, Any], LoadedLayout | None] = {}
 
@@ -345,7 +345,7 @@ class LoadedLayout(NamedTuple):
     moved: dict[int, int]
     """Slots before -> slots in it."""
     slots: tuple[int, ...]
-    """Those of the load: mass, centre, tensor."""
+    """The slots of the load: mass, centre, tensor."""
 
 
 CHANGING = ("bodies", "frames", "base_inertias", "gravity_size")
@@ -354,6 +354,6 @@ _KINDS = (
     *("coordinates", "nq", "nv", "position_names", "velocity_names", "passive", "driven"),
     "family",
 )
-"""What no number changes."""
+"""Facts of a model that no number changes."""
 _MOST, _MOST_LOADS = 64, 16
 """Plans, and layouts with a load more, that a layout keeps."""

@@ -77,7 +77,7 @@ class _TermsReader:
 
     @property
     def kind(self) -> str:
-        """Of the next token; a sign's is the sign."""
+        """The kind of the next token; a sign's is the sign."""
         return self.tokens[self.at][0]
 
     def take(self) -> str:

@@ -24,14 +24,14 @@ T = TypeVar("T")
 
 
 class Geometry:
-    """What models have in common that differ in other numbers than lengths and angles; equal ones
+    """The facts shared by models that differ in other numbers than lengths and angles; equal ones
     are one object."""
 
     __slots__ = ("__weakref__", "facts")
 
     def __init__(self) -> None:
         self.facts: dict[Any, Any] = {}
-        """What follows from it and has been found before; see `geometric_fact`."""
+        """Facts that follow from the geometry and have been found before; see `geometric_fact`."""
 
 
 _known: WeakValueDictionary[Any, Geometry] = WeakValueDictionary()

@@ -74,7 +74,7 @@ def _of_members(
 
 
 def direction_fault(direction: tuple[Any, ...]) -> str | None:
-    """What is wrong with a direction of the field: its length; None if nothing is, or where a
+    """The fault of a direction of the field, its length, in words; None if it has none, or where a
     kernel reads it."""
     if any(isinstance(x, Parameter) for x in direction):
         return None

@@ -19,7 +19,7 @@ _POINTS = 32
 and cosine."""
 
 _STEP = 1e-30
-"""Of the complex step: far below rounding, and nothing is subtracted."""
+"""Size of the complex step: far below rounding, since nothing is subtracted."""
 
 
 def integrated_inertia(

@@ -1,5 +1,4 @@
-"""What a loop holds together: the kinds of joint that close a chain, each as the motions it
-forbids.
+"""Kinds of loops: the joints that close a chain, each as the motions it forbids.
 
 A loop joins frame A and frame B. Every kind is made of three things, and an algorithm knows no
 others:
@@ -45,7 +44,7 @@ class Closure:
         return (space.dim if self.point else 0) + self.distance + len(self.slides) + len(self.turns)
 
     def row_names(self, space: AnySpace) -> tuple[str, ...]:
-        """What each equation's multiplier is: a force, or a moment."""
+        """Names of the multipliers of the equations, each a force or a moment."""
         forces = (
             [f"f{x}" for x in space.axes] if self.point else ["tension"] if self.distance else []
         )
@@ -75,7 +74,7 @@ class LoopKind:
     """The spaces in which it has an axis."""
     needs_distance: bool = False
     elsewhere: str = ""
-    """What it is called in the space in which this name does not exist."""
+    """Name of this kind in the space in which its own name does not exist."""
     pins: bool = False
     """Whether it does no more than hold two points, or lines, together."""
     symbols: tuple[str, str] = ("", "")

@@ -49,13 +49,13 @@ class Model(NamedParts, Tabled, ByValue):
     base_inertias: tuple[Attached, ...] = field(default_factory=tuple)
     loops: tuple[Loop, ...] = ()
     formulas: tuple[ParameterFormula, ...] = ()
-    """Of parameters that follow from others, each behind those that it names."""
+    """Formulas of parameters that follow from others, each behind those that it names."""
     home: tuple[tuple[str, float], ...] = ()
     """(position name, value): where closing the loops starts from; others are neutral."""
     tip: str | None = None
     source: str = ""
     about: str = ""
-    """What it is and what is worth seeing in it."""
+    """The robot in words, and what is worth seeing in it."""
     notices: tuple[Notice, ...] = ()
     loop_tolerance: tuple[float, float] | None = None
     """(m, rad): by how much rounded numbers may keep loops from closing; None: the default, 1 mm or
@@ -135,8 +135,8 @@ class Model(NamedParts, Tabled, ByValue):
 
     @cached_property
     def structure(self) -> Structure:
-        """What remains of the model without its numbers, and what is compiled for it: shared by all
-        like it."""
+        """The structure that remains of the model without its numbers, with what is compiled for
+        it: shared by all like it."""
         try:
             return structure_of(self)
         except ModelError:
@@ -145,13 +145,14 @@ class Model(NamedParts, Tabled, ByValue):
 
     @cached_property
     def numbers(self) -> Array:
-        """Its numbers (k,), as the kernels of its structure take them; of a family (..., k)."""
+        """The model's numbers (k,), as the kernels of its structure take them; of a family (...,
+        k)."""
         return numbers_of(self)
 
     @cached_property
     def geometry(self) -> Geometry:
-        """Its structure and lengths, and what follows from these alone: shared by all models that
-        have the same."""
+        """The model's structure and lengths, with what follows from these alone: shared by all
+        models that have the same."""
         return geometry_of(self)
 
     @cached_property
@@ -166,8 +167,8 @@ class Model(NamedParts, Tabled, ByValue):
 
     @cached_property
     def facts(self) -> dict[str, Any]:
-        """What follows from the model alone and has been found before; see
-        `model.derived_facts.fact`."""
+        """Facts that follow from the model alone and have been found before; see
+        `model.geometry.fact`."""
         return {}
 
     @cached_property
@@ -193,8 +194,8 @@ class Model(NamedParts, Tabled, ByValue):
 
     @property
     def doubts(self) -> tuple[Doubt, ...]:
-        """What is doubtful about the model as it is now: each doubt with its `kind` and `text`;
-        `of` says what it touches, and whether it bars a verdict."""
+        """The doubts on the model as it is now, each with its `kind` and `text`; `of` says what it
+        touches, and whether it bars a verdict."""
         return doubts_on(self, *ALL)
 
     @property

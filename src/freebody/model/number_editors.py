@@ -1,5 +1,5 @@
-"""Where each number of a model stands, and how another is put there: one mechanism for names,
-values and inputs.
+"""Editors of a model's numbers: where each stands, and how another is put there. One mechanism for
+names, values and inputs.
 
 An *editor* knows one piece of the model (a placement, the inertia of a link, a drive): it reads the
 numbers that the piece is made of, by field, and writes some of them. What is written may be a
@@ -36,7 +36,7 @@ _CENTRE = {dim: tuple(f"com.{x}" for x in of_dimension(dim).axes) for dim in TEN
 
 
 class Editor(Protocol):
-    """What reads and writes the numbers of one piece."""
+    """A reader and writer of the numbers of one piece."""
 
     @property
     def first(self) -> bool:
@@ -53,8 +53,8 @@ class Editor(Protocol):
         ...
 
     def alone(self, model: Model, field: str) -> tuple[Path, ...]:
-        """Where the number of a field stands as it is, if to write it is no more than to put
-        another there."""
+        """The paths at which the number of a field stands as it is, if to write it is no more than
+        to put another there."""
         ...
 
     def write(self, model: Model, values: Fields) -> Model:
@@ -211,7 +211,7 @@ class NewPayloadEditor:
 
 
 _FACTORS = frozenset({"mass", "scale"})
-"""What is the same in any axes and about any point."""
+"""Fields that are the same in any axes and about any point."""
 
 
 def _times(x: Quantity, factor: Quantity) -> Quantity:
@@ -250,7 +250,8 @@ class PoseEditor:
 
     @property
     def keeps_places(self) -> bool:
-        """What is fixed to a frame may have other steps in front."""
+        """Whether all numbers stay in place: parts fixed to a frame may have other steps in
+        front."""
         return not self.frame
 
     @staticmethod
@@ -262,7 +263,7 @@ class PoseEditor:
         return not leaves or not any(isinstance(step, Shift) for step in own[1:])
 
     def start(self, model: Model) -> int:
-        """How many steps lead to the outer frame."""
+        """The number of steps that lead to the outer frame."""
         return 0 if self.outer is None else steps_to(model, self.outer)
 
     def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
@@ -345,7 +346,7 @@ class PoseEditor:
 
 
 def steps_to(model: Model, frame: str) -> int:
-    """How many steps lead to a frame of its body."""
+    """The number of steps that lead from a body to a frame of it."""
     return len(model.frame(frame).placement.steps)
 
 

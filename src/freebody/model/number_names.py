@@ -56,7 +56,7 @@ class Catalogue:
     """All rows in order, and those found by name."""
 
     rows: dict[str, ModelNumber]
-    """By a name that only one of them has."""
+    """The numbers by names that only one of them has."""
     several: dict[str, tuple[str, ...]]
     """Names that several things share -> what each is called instead."""
     told: dict[str, str]
@@ -212,7 +212,7 @@ def _drive_table(effort: str, position: str, rotor: str) -> tuple[tuple[str, str
 
 _DRIVE = {True: _drive_table("N m", "rad", "kg m²"), False: _drive_table("N", "m", "kg")}
 DRIVE = {attribute: label for label, attribute, _, _ in _DRIVE[True]}
-"""What follows a joint's name in the names of its drive's numbers."""
+"""Ends of the names of a drive's numbers, behind the joint's name."""
 _LIMITS = {
     True: {"lower": "rad", "upper": "rad", "velocity": "rad/s", "effort": "N m"},
     False: {"lower": "m", "upper": "m", "velocity": "m/s", "effort": "N"},
@@ -261,7 +261,7 @@ def _mass(
 def _frame(
     model: Model, frame: Frame, k: int, space: AnySpace
 ) -> Iterator[tuple[ModelNumber, Path]]:
-    """Of a frame that is mounted, or of a link that is fixed to another."""
+    """The numbers of a frame that is mounted, or of a link that is fixed to another."""
     outer = _outer(model, frame.parent, frame.placement.steps)
     pose = PoseEditor(("frames", k, "placement"), outer, space, frame.name)
     where = "its body" if outer is None else repr(outer)

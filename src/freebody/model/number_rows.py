@@ -33,7 +33,7 @@ where the structure is another."""
 
 
 class RowPart(NamedTuple):
-    """What adds to a row of numbers: the slots that it follows from, how, and what it is."""
+    """A summand of a row of numbers: the slots that it follows from, how, and its value now."""
 
     slots: frozenset[int]
     entries: RowEntries
@@ -48,7 +48,8 @@ class NumberRow(NamedTuple):
 
 
 class ShiftSum(NamedTuple):
-    """Where a placement leads: the sum of its shifts, each in turned axes, where it is not None."""
+    """The position that a placement leads to: the sum of its shifts, each in turned axes, where
+    these are not None."""
 
     slots: frozenset[int]
     terms: tuple[tuple[Matrix | None, TakeSlots], ...]
@@ -68,12 +69,12 @@ class NumberRows:
         self.owner: dict[int, str] = {}
         """The name of the number in a slot, where it has one."""
         self.inertias: dict[int, list[TakeSlots]] = {}
-        """Of a slot, what picks mass and tensor of the inertias that it belongs to."""
+        """By slot, functions that pick mass and tensor of the inertias that it belongs to."""
         self.positive: set[int] = set()
         """Slots whose numbers, where they are not above 0, have to be looked at closely."""
         self.positions: list[ShiftSum] = []
         self.places: list[Vector] = []
-        """Where each position is."""
+        """The points of `positions`."""
         self._index: dict[Any, int] = {}
         self.rows = tuple(self._all_rows())
 
@@ -129,7 +130,7 @@ class NumberRows:
         return self._index[key]
 
     def sum(self, k: int, values: SlotValues) -> Vector:
-        """Where the placements of a position lead, as `Placement.lower` finds it."""
+        """The point that the placements of a position lead to, as `Placement.lower` finds it."""
         zero = p = self.space.zero
         for R, take in self.positions[k].terms:
             by = take(values)
@@ -151,7 +152,7 @@ class NumberRows:
         return NumberRow(at, (RowPart(self.positions[k].slots, entries, now),))
 
     def _own(self, numbers: tuple[Quantity, ...], path: Path, at: slice) -> NumberRow:
-        """What a joint's kind has besides."""
+        """The row of the numbers that a joint's kind has besides, such as a pitch."""
         those = [self._slot((*path, k), x) for k, x in enumerate(numbers)]
 
         def entries(values: SlotValues, _: list[Vector]) -> Any:

@@ -50,7 +50,7 @@ class ModelParameter(ByValue):
     structural: bool = False
     limit: bool = False
     formula: str = ""
-    """What it follows from; patterns leave it out too."""
+    """The formula that it follows from; patterns leave such a number out, too."""
 
 
 class Parameters(Sequence[ModelParameter]):
@@ -76,7 +76,7 @@ class Parameters(Sequence[ModelParameter]):
         return np.stack(np.broadcast_arrays(*columns), axis=-1) if columns else np.zeros(0)
 
     def matching(self, pattern: Name) -> tuple[ModelParameter, ...]:
-        """Those that a name in full, or a pattern of the shell (`*`, `?`, `[ab]`), means; see
+        """The records that a name in full, or a pattern of the shell (`*`, `?`, `[ab]`), means; see
         `fb.kernel`, inputs=."""
         return tuple(
             self._at[name] for name in matching(self._catalogue, self, pattern, self._model)
@@ -250,8 +250,8 @@ def _is_pattern(names: Catalogue, given: Name) -> TypeGuard[str]:
 
 
 def _hint(records: Sequence[ModelParameter], usual: Sequence[str], pattern: str) -> str:
-    """What a pattern that matches none of the usual names may mean: a number that patterns leave
-    out, or names like it."""
+    """A hint at the meaning of a pattern that matches none of the usual names: a number that
+    patterns leave out, or names like it."""
     left_out = [r for r in records if fnmatchcase(r.name, pattern)]
     for record in left_out:
         if record.structural:
@@ -268,7 +268,7 @@ def _hint(records: Sequence[ModelParameter], usual: Sequence[str], pattern: str)
 
 # ---------------------------------------------------------------- other numbers
 def bind(model: Model, values: Mapping[Any, Any]) -> Model:
-    """See `Model.bind`."""
+    """The model with other numbers, see `Model.bind`."""
     texts = {name: value for name, value in values.items() if isinstance(value, str)}
     if texts:
         given, (model, plain) = model, with_formulas(model, texts, values)

@@ -28,7 +28,7 @@ def put(thing: Any, path: Path, piece: Any) -> Any:
 
 
 def put_at(thing: Any, paths: tuple[Path, ...], piece: Any) -> Any:
-    """The same with one piece at several paths, none of which leads through another.
+    """A copy of the thing with one piece at several paths, none of which leads through another.
 
     What was one object at several of these places is one again.
     """
@@ -36,7 +36,7 @@ def put_at(thing: Any, paths: tuple[Path, ...], piece: Any) -> Any:
 
 
 class _Branch:
-    """Where the same piece is put, as a tree."""
+    """Paths at which one piece is put, as a tree."""
 
     __slots__ = ("again", "steps")
 
@@ -100,7 +100,7 @@ def _put(
 
 
 def named_leaves(thing: Any) -> dict[tuple[str, ...], list[Path]]:
-    """Where each symbol, and each entry with a name of its own, stands; in order."""
+    """Paths of each symbol, and of each entry with a name of its own, in order."""
     found: dict[tuple[str, ...], list[Path]] = {}
     _walk(thing, (), found)
     return found

@@ -1,4 +1,4 @@
-"""Which frame of a robot is its tip: what `frame=None` means, everywhere.
+"""The tip of a robot: the frame that `frame=None` means, everywhere.
 
 The first of four rules that says one: (1) the frame that was asked for, or that the robot's
 description names; (2) the only frame that is called as `CONVENTIONS` has it, in their order; (3)
@@ -35,7 +35,7 @@ CONVENTIONS = {
 """Names of the frame that a tool or a load is mounted on or held in: whole words, with any words in
 front, and link or frame behind."""
 _ALIKE = 0.01
-"""Up to which share numbers of two fingers differ: those of files are rounded."""
+"""Share by which numbers of two equal fingers may differ: those of files are rounded."""
 _SHOWN = 8
 """Candidates that are named."""
 

@@ -31,26 +31,26 @@ ASTRAY = "astray"
 """Why a run ended in which a joint left the motion by its whole range."""
 
 _EVALUATIONS = 30_000
-"""Of the open-loop run, which might otherwise follow a tumbling robot for minutes."""
+"""Evaluations of the open-loop run, which might otherwise follow a tumbling robot for minutes."""
 _MOST_EVALUATIONS = 150_000
-"""Of the pieces together."""
+"""Evaluations of all pieces together."""
 _SAME = 1e-9
-"""Of a piece, or of the motion: times as near as that are one."""
+"""Share of a piece, or of the motion: times as near as that are one."""
 _BESIDE = 1e-6
-"""Of a step, or of a stretch between jumps: there a jump at its beginning is over, and one at its
-end is not yet."""
+"""Share of a step, or of a stretch between jumps: there a jump at its beginning is over, and one at
+its end is not yet."""
 
 _PARTS = (1, 3, 9)
 """Into how many steps a stretch is divided, one after the other where the method asks for more."""
 _STEP_ERROR = 1e-12
-"""Of a step, relative to 1 + the state."""
+"""Error of a step, relative to 1 + the state."""
 _MOST_IN_STEPS = 300_000
 """Evaluations, of all lanes together."""
 _AT_ONCE = 4096
 """Steps whose torques are computed together."""
 _NODES = np.append(DOP853.C, 1.0)
 _WEIGHTS = [*(row[:k] for k, row in enumerate(DOP853.A)), DOP853.B]
-"""Of the slopes before each stage; the last leads to the end of the step."""
+"""Weights of the slopes before each stage; the last leads to the end of the step."""
 
 Slope = Callable[[float, Array], Any]
 
@@ -159,7 +159,7 @@ def open_loop(
 
 
 def _in_steps(reference: Reference, allowed: Ranges, parts: int) -> tuple[Array, Array, str]:
-    """What `open_loop` tells, with each smooth stretch of the motion in so many steps. Raises
+    """The results of `open_loop`, with each smooth stretch of the motion in so many steps. Raises
     _TooLong."""
     motion, whole = reference.motion, reference.system
     times = _edges(motion, motion.t[:1], motion.t[-1:], parts)
@@ -198,7 +198,7 @@ def _cuts(jumps: Array, start: Array, length: Array) -> list[float]:
 
 
 def _inside(start: float, end: float) -> tuple[float, float]:
-    """Its ends from within: there a jump is not yet, or is over."""
+    """The ends of a stretch from within: there a jump is not yet, or is over."""
     return start + _BESIDE * (end - start), end - _BESIDE * (end - start)
 
 

@@ -49,7 +49,7 @@ def save(study: Study, directory: Path, report: bool) -> list[Path]:
 
 
 def makers(study: Study, report: bool) -> Makers:
-    """What makes study.nc, motion.csv, torques.csv, reactions.csv, summary.csv,
+    """Functions that make study.nc, motion.csv, torques.csv, reactions.csv, summary.csv,
     reactions_summary.csv, checks.csv, and report.html if asked for."""
     tables: dict[str, Callable[[], _Table]] = {
         "motion.csv": lambda: motion_table(study.model, study.motion),

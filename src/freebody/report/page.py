@@ -127,7 +127,7 @@ def _notices(study: Study) -> dict[str, list[str]]:
 
 
 def _source(study: Study) -> tuple[str, str]:
-    """Where the robot comes from, and the whole path of its file."""
+    """The name of the robot's source, and the whole path of its file."""
     source = study.model.source
     name = Path(source).name
     if Path(source).suffix in SUFFIXES and name != source:

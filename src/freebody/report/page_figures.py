@@ -178,7 +178,7 @@ def reactions(study: Study) -> Iterator[CaptionedDrawing]:
 
 
 def drift(study: Study) -> Iterator[CaptionedDrawing]:
-    """How far the open-loop run is from the reference."""
+    """The distance of the open-loop run from the reference."""
     replay = study.replay
     if replay is None or len(replay.drift_time) < 2:
         return
@@ -245,15 +245,15 @@ def _plot(
 
 
 PLOTS = (kinematics, gravity, lifting, motion, torques, powers, energies, reactions, drift)
-"""Those of the page, by the names of their functions."""
+"""Figures of the page, by the names of their functions."""
 
 
 _CELLS = 41
-"""Of the map, along each side."""
+"""Cells of the map, along each side."""
 _SAMPLES = 400
 """Postures that tell how far the tip comes."""
 _THIN = 1e-6
-"""Of an area that is no more than a line."""
+"""Ratio of the sides of an area that is no more than a line."""
 _LIFTING = "Largest payload at rest (kg)"
 
 

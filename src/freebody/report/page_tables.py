@@ -50,7 +50,7 @@ class Printed:
     at: tuple[tuple[str, str], ...] = ()
     scale: float = 1.0
     unit: str | None = None
-    """Where it is not that of the variable."""
+    """The unit, where it is not that of the variable."""
     tip: str | None = None
 
     def column(self, study: Study, book: xr.Dataset, dim: str, names: Sequence[str]) -> Column:
@@ -75,7 +75,7 @@ class Printed:
 
 
 def _units(study: Study, dim: str, names: Sequence[str], unit: str) -> list[str]:
-    """Of a variable's rows."""
+    """The units of a variable's rows."""
     turning, _, sliding = unit.removesuffix("|1").partition("|")
     if not sliding:
         return [unit if unit != "1" else ""] * len(names)
@@ -86,7 +86,7 @@ def _units(study: Study, dim: str, names: Sequence[str], unit: str) -> list[str]
 
 
 def drives(study: Study) -> ReportTable:
-    """What motors and gears are chosen by."""
+    """The table by which motors and gears are chosen."""
     names = study.model.driven_names
     efforts = _units(study, "coordinate", names, VARIABLES["peak_torque"].unit)
     title = _EFFORTS.get(efforts[0], "") if len(set(efforts)) == 1 else "Peak torque, force"
@@ -104,7 +104,7 @@ def drives(study: Study) -> ReportTable:
 
 
 def work(study: Study) -> ReportTable:
-    """What each drive puts in and takes up."""
+    """The work that each drive puts in and takes up."""
     columns = {
         "Work done": "work_done",
         "Work braked": "work_braked",
@@ -120,7 +120,8 @@ def work(study: Study) -> ReportTable:
 
 
 def ranges(study: Study) -> ReportTable | None:
-    """How far each coordinate goes, and its limits; None where no coordinate has a range."""
+    """The range that each coordinate goes through, and its limits; None where no coordinate has a
+    range."""
     if not np.isfinite(study.summary["lowest"].values).any():
         return None
     columns = {
@@ -174,7 +175,7 @@ def gravity(study: Study) -> ReportTable | None:
 
 
 def reactions(study: Study) -> ReportTable:
-    """What bearings are chosen by."""
+    """The table by which bearings are chosen."""
     names, book = study.model.reaction_names, study.summary
     loads = {
         "Force": "peak_force",
@@ -210,7 +211,8 @@ _COMPONENTS = (
     ("force", "F", "N", "axis", ""),
     ("moment", "M", "N m", "moment_axis", "about the point where the force acts"),
 )
-"""Of a load: what, its letter and unit, the dimension of its components, what is told of them."""
+"""Kinds of loads: name, letter and unit, the dimension of their components, and what is told of
+them."""
 
 
 def loads(study: Study, body: BodyLoads) -> ReportTable:
@@ -230,8 +232,8 @@ def loads(study: Study, body: BodyLoads) -> ReportTable:
 def _component(
     study: Study, body: BodyLoads, load: Load, what: str, axis: dict[str, str], j: int
 ) -> Cell:
-    """Of a reaction on the child as in the data, on the parent its opposite; of a weight, which has
-    no moment."""
+    """A component of a load: of a reaction on the child as in the data, on the parent its opposite;
+    of a weight, which has no moment."""
     value = float(getattr(load, what)[j])
     if load.joint is not None:
         sign = -1.0 if load.role == "counter" else 1.0
@@ -284,12 +286,13 @@ def _axes(study: Study, name: str) -> list[str]:
 
 
 TABLES = (drives, work, ranges, bodies, gravity, reactions, checks)
-"""Those of the page, by the names of their functions."""
+"""Tables of the page, by the names of their functions."""
 
 
 def facts(study: Study) -> xr.Dataset:
-    """Of bodies mass, centre and weight; of coordinates limits (infinite without) and the worst
-    pose, NaN where gravity loads nothing; value and bar of each check."""
+    """The numbers of the page besides time series and summary: of bodies mass, centre and weight;
+    of coordinates limits (infinite without) and the worst pose, NaN where gravity loads nothing;
+    value and bar of each check."""
     model = study.model
     bodies = [model.tree.bodies[at] for at in model.tree.body_of]
     masses, centres = zip(

@@ -25,7 +25,7 @@ from freebody.trees.position_rates import Index
 
 _MOST_PIECES = 400
 _MOST_SAMPLES = 401
-"""Of the motion, within the pieces that are run: each may cost three hundred evaluations."""
+"""Samples of the motion within the pieces that are run: each may cost three hundred evaluations."""
 _MANY_JUMPS = 30
 
 
@@ -75,8 +75,8 @@ def _refuse(model: Model, motion: Motion, edges: Array) -> NoReturn:
 
 
 def _followed(motion: Motion, edges: Array) -> Index:
-    """Which pieces are run: all, or so many of a long log, evenly spread, that they hold
-    `_MOST_SAMPLES` samples.
+    """Indices of the pieces that are run: all, or so many of a long log, evenly spread, that they
+    hold `_MOST_SAMPLES` samples.
 
     Between samples the reference is a polynomial; each sample costs an integrator steps.
     """
@@ -144,7 +144,7 @@ _HALVINGS = 14
 
 
 def scaling(model: Model, allowed: Ranges) -> Array:
-    """What each entry of (q, q̇) is measured in (nq + nv,): the range, and the range per second;
+    """The scale of each entry of (q, q̇), (nq + nv,): the range, and the range per second;
     quaternions 1."""
     position = np.ones(model.nq)
     iq, iv = position_columns(model)

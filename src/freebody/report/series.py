@@ -75,7 +75,7 @@ def coordinates(model: Model, t: Array | None = None) -> dict[str, Any]:
 
 
 def torque_parts(model: Model, motion: Motion) -> xr.Dataset:
-    """Of the dataset that `Study.data` describes: motion and torques with their parts."""
+    """The part of `Study.data` that needs no reactions: motion and torques with their parts."""
     return dataset(_motion(model, motion) | torques(model, motion), coordinates(model, motion.t))
 
 
@@ -222,8 +222,8 @@ def bearing_loads(model: Model, force: Array, moment: Array) -> dict[str, Array]
 
 
 def _along_axis(body: Body, force: Array, moment: Array) -> dict[str, Array]:
-    """Of a joint with an axis, whose drive is what the reactions do along its motion; force (T,
-    dim), moment (T, 3 or 1)."""
+    """The loads of a joint with an axis, whose drive is what the reactions do along its motion;
+    force (T, dim), moment (T, 3 or 1)."""
     joint, motion, dim = body.joint, body.kind.motion, force.shape[-1]
     parts: dict[str, Array] = {}
     turning, sliding = motion is None or motion.turns, motion is None or motion.slides

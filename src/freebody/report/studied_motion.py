@@ -33,7 +33,7 @@ _SLOWEST = 0.05
 """Pace; a default motion that must be slower yet hardly moves, and is studied as it is."""
 _CLEARANCE = 0.95  # of the pace at which a limit is reached
 _COARSE = 1e-9
-"""Of the time between samples: how far apart numbers may be there."""
+"""Share of the time between samples by which neighbouring numbers may be apart there."""
 _TOLD = 1e-4  # of the largest at the samples: what is higher between them is worth a sample
 _EDGE = 1e-4  # of an interval: how far from its ends a jump is not felt
 _TRIED = 3  # intervals for each quantity
@@ -169,7 +169,7 @@ def with_peaks(model: Model, motion: Motion) -> Motion:
 
 @dataclass(frozen=True)
 class _Loads:
-    """What drives and joints bear along a motion, K quantities as sizes."""
+    """The loads of drives and joints along a motion, K quantities as sizes."""
 
     model: Model
     motion: Motion

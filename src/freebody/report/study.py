@@ -63,19 +63,20 @@ class Study(Tabled, ByValue):
     singularity: Singularity | None
     """None without a tip."""
     checks: tuple[Check, ...]
-    """Of freebody on itself: quantities computed in two ways."""
+    """Checks of freebody on itself: quantities computed in two ways."""
     verdict: MotionVerdict
     """Whether the robot can make the motion: feasible, not feasible, or not judged, and why."""
     replay: Replay | None
     replay_skipped: str
     """Why there is no replay; empty if there is one."""
     notices: tuple[str, ...]
-    """What a reader must know: how the file was read, what is doubtful, and all `warnings`."""
+    """Sentences that a reader must know: how the file was read, what is doubtful, and all
+    `warnings`."""
     warnings: tuple[str, ...] = ()
     """About the motion: limits that it leaves, limits that the model does not give, a base that
     nothing drives."""
     seconds: dict[str, float] = field(default_factory=dict)
-    """How long each part took (s)."""
+    """The time that each part took (s)."""
     command: str = ""
     """The command line that makes it again, where one made it."""
     _aside = ("seconds", "command")

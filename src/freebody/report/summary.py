@@ -204,7 +204,7 @@ def worst(model: Model, data: xr.Dataset) -> Worst:
 
 
 def drive_table(model: Model, found: xr.Dataset) -> TextTable:
-    """What each drive must give, from `Study.summary`."""
+    """A table of what each drive must give, from `Study.summary`."""
     rows = []
     for name in model.driven_names:
         of = found.sel(coordinate=name)

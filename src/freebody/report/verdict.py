@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _UNDRIVEN = 1e-2
-"""Of what acts at a passive joint: what differentiating a file's digits leaves there."""
+"""Share of what acts at a passive joint that differentiating a file's digits leaves there."""
 _NAMES = 4  # in a list of joints
 _TIGHT = 1.001  # a pace below it is called "as fast as it goes"
 
@@ -102,7 +102,7 @@ def _rests(use: LimitUse, doubts: Sequence[Doubt]) -> bool:
 
 
 _ASPECTS = {"position": (RANGES,), "speed": (SPEEDS,), "power": (MASSES, ROTORS, EFFORTS, SPEEDS)}
-"""What the use of a limit rests on, where that is not a torque."""
+"""Aspects that the use of a limit rests on, where that is not a torque."""
 
 
 # ------------------------------------------------------------ what is used of each limit
@@ -230,7 +230,7 @@ def _but_for_doubts(uses: Sequence[LimitUse], doubts: Sequence[Doubt]) -> str:
 
 
 def _doubted(doubts: Sequence[Doubt]) -> Iterator[str]:
-    """What bars the verdict: what is wrong with the torques in one sentence, then the rest."""
+    """Sentences on what bars the verdict: what is wrong with the torques in one, then the rest."""
     torques = [x for x in doubts if x.of.mend and {MASSES, ROTORS} & {*x.of.touches}]
     if torques:
         yield f"the torques cannot be trusted: {'; '.join(x.clause for x in torques)}."
@@ -240,7 +240,7 @@ def _doubted(doubts: Sequence[Doubt]) -> Iterator[str]:
 def _paces(
     model: Model, run: Pace, uses: Sequence[LimitUse], undriven: bool, partly: bool
 ) -> list[str]:
-    """How much faster the motion could be run, or how much slower it has to be."""
+    """Sentences on how much faster the motion could be run, or how much slower it has to be."""
     out = any(use.exceeded and use.quantity == "position" for use in uses)
     if run.factor == 0.0:
         return [_held_too_much(model, run)]

@@ -137,7 +137,7 @@ def _rings(drawing: Drawing, seen: Snapshot) -> None:
 
 
 def _rods(drawing: Drawing, seen: Snapshot) -> None:
-    """What joins the two places of a loop that are apart."""
+    """Rods that join the two places of a loop that are apart."""
     for loop in seen.pose.loops:
         if np.linalg.norm(loop.origin - loop.carrier) > SAME:
             drawing.line((loop.carrier, loop.origin), loop.symbol, "rail")
@@ -273,7 +273,7 @@ def _by_depth(elements: Sequence[Element], view: View) -> list[Element]:
 
 
 def depth(element: Element, view: View) -> float:
-    """How near the viewer an element is; joints a little nearer than the links that meet in
+    """The nearness of an element to the viewer; joints a little nearer than the links that meet in
     them."""
     if isinstance(element, Line):
         return view.depth(element.points)
