@@ -23,7 +23,7 @@ from freebody.figures.svg_symbols import MARKS
 from freebody.figures.text import plain
 from freebody.figures.view import best_view
 from freebody.model.joints import KINDS
-from freebody.outputs.numbers import significant
+from freebody.outputs.number_text import significant
 from freebody_textbook.drawings.illustrate import illustrations
 
 Q2, QD2, QDD2 = [0.6, 0.9], [1.0, -0.5], [2.0, 3.0]

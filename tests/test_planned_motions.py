@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 
 import freebody as fb
 from freebody.cli.app import run
-from freebody.cli.plan import Planner
+from freebody.cli.plan import PlannerName
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planners import PLANNERS as PLANNERS_BY_NAME
 from freebody.motion.planning.profiles import PROFILES
@@ -573,7 +573,7 @@ def test_the_command_plans_a_free_body(
 
 
 def test_the_command_knows_all_planners():
-    assert set(get_args(Planner)) == set(PLANNERS_BY_NAME)
+    assert set(get_args(PlannerName)) == set(PLANNERS_BY_NAME)
     assert next(iter(PLANNERS_BY_NAME)) == "spline"
 
 

@@ -8,7 +8,7 @@ from html.parser import HTMLParser
 import pytest
 
 import freebody as fb
-from freebody.outputs.numbers import significant
+from freebody.outputs.number_text import significant
 from freebody.report.tables import PrintedNumber, WordsCell, aligned, typeset
 from support.report_numbers import compare, data_file
 

@@ -26,7 +26,7 @@ _PLACES = {
     "freebody.model.inertia": ("Inertia",),
     "freebody.model.integrated_inertia": ("inertia_from", "integrated_inertia"),
     "freebody.model.parameters": ("Parameter",),
-    "freebody.model.numbers": ("parameters",),
+    "freebody.model.named_numbers": ("parameters",),
     "freebody.model.description": ("Drive", "Limits"),
     "freebody.model.model": ("Model",),
     "freebody.model.planar_arms": ("planar",),

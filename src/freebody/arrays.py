@@ -154,7 +154,7 @@ _MANY = 1000
 
 
 def _counts(value: Any) -> Iterator[float]:
-    """The sizes that an argument may be to blame for, see `too_large`."""
+    """The numbers of entries that an argument stands for, see `too_large`."""
     if isinstance(value, Mapping):
         sizes = [count for entry in value.values() for count in _counts(entry)]
         yield math.prod(sizes) if sizes else 0.0

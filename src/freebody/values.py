@@ -60,7 +60,7 @@ class ByValue:
 
 @cache
 def _names(kind: type) -> tuple[str, ...]:
-    """The names of a dataclass's fields that count in comparisons."""
+    """The names of a dataclass's fields."""
     return tuple(field.name for field in dataclasses.fields(kind))
 
 

@@ -35,11 +35,11 @@ Tip = Annotated[
         "flange, ee… or grasp…, else the end of the longest chain, grippers taken off.",
     ),
 ]
-Frame = Annotated[
+FrameOption = Annotated[
     str | None,
     typer.Option(metavar="FRAME", help="Frame of kinematic quantities. Default: the tip."),
 ]
-Labels = Literal["names", "values", "both"]
+LabelsOption = Literal["names", "values", "both"]
 """Labels beside arrows, angles and lengths."""
 
 
@@ -69,7 +69,7 @@ def values(what: str, text: str) -> list[float]:
     return found
 
 
-Notation = Annotated[
+NotationOption = Annotated[
     str | None,
     typer.Option(
         metavar="NAME or FILE",
@@ -77,7 +77,7 @@ Notation = Annotated[
         "murray-li-sastry, lynch-park, featherstone; or as a TOML file of your own says.",
     ),
 ]
-Parameters = Annotated[
+ParametersOption = Annotated[
     list[str] | None,
     typer.Option(
         "--parameter",

@@ -25,7 +25,7 @@ _ROUNDING = 1e-12
 EXAMPLE = 'Example: freebody plan 2R "0, 0; 1.2, 30 deg; 0.5, -0.4" --acceleration 2'
 
 
-Planner = Literal["spline", "quintic", "trapezoid", "s-curve", "time-optimal"]
+PlannerName = Literal["spline", "quintic", "trapezoid", "s-curve", "time-optimal"]
 
 
 def _limit(what: str) -> Any:
@@ -48,7 +48,7 @@ def plan(
         Path, typer.Option(metavar="FILE", help="File for the motion, for study --motion.")
     ] = Path("motion.csv"),
     by: Annotated[
-        Planner | None,
+        PlannerName | None,
         typer.Option(
             help="spline and time-optimal do not stop at waypoints, the others do; time-optimal "
             "holds the robot's limits of torque too. Default: spline."

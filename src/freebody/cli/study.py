@@ -13,7 +13,7 @@ from freebody.errors import FreebodyError, OutputError
 from freebody.formats.read_file import number
 from freebody.outputs.display import counted
 from freebody.outputs.folder import prepare
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 
 if TYPE_CHECKING:
     from freebody.report.study import Study

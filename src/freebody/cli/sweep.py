@@ -58,7 +58,7 @@ def sweep(
         typer.Option(min=1, metavar="COUNT", help="The states are so many random ones."),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of random states and samples.")] = 0,
-    frame: options.Frame = None,
+    frame: options.FrameOption = None,
     reduce: Annotated[
         str, typer.Option(metavar="NAMES", help="Such as peak, rms, max, mean or p99, by commas.")
     ] = "peak",

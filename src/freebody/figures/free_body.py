@@ -18,7 +18,7 @@ from freebody.figures.layers import forces
 from freebody.figures.snapshot import Snapshot, resting_pose, snapshot, with_values
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
-from freebody.outputs.numbers import significant
+from freebody.outputs.number_text import significant
 from freebody.trees.dynamics import inverse_dynamics
 from freebody.trees.public_calls import Vector, Wrenches
 
@@ -74,18 +74,39 @@ def free_body_diagram(
     show: str | Sequence[str] = (),
     notation: str | PathLike[str] | BookNotation | None = None,
 ) -> FreeBodyDiagram:
-    """Free-body diagram of a body (its name, its joint's or a link's; or its index from 0), or of
-    all: forces to scale.
+    """Free-body diagram of a body, or of all: forces to scale.
 
-    q: (nq,) rad or m, default a clearly visible pose, if possible one in which joints without a
-    motor stay at rest; qd, qdd: (nv,), default at rest; wrenches as for `inverse_dynamics`,
-    acting on the arm. labels: "names", "values" or "both"; default: both, or names
-    where parameters have no value; forces are then drawn for typical values. show:
-    one or several of "points" (O, A, P), "centres" (C_i), "vectors" (s_i, s_ci), in the plane
-    "lengths" (l_i, l_ci) and "angles" (θ_i), in space "axes" (z_i, of slides u_i). notation: whose
-    letters stand in it, as for `check`. Returns a figure with `.svg`, `.save("fbd.svg")`,
-    `.drawing` (the arrows as data) and `.bodies` (the loads and how well they balance). Raises
-    ShapeError, NotFiniteError, UnknownNameError, MissingValueError, FileError.
+    Parameters
+    ----------
+    model
+        Parameters without value get typical ones, for which forces are then drawn.
+    q
+        (nq,) rad or m; default: a clearly visible pose, if possible one in which joints without a
+        motor stay at rest.
+    body
+        The body's name, its joint's or a link's, or its index from 0; default: all.
+    qd, qdd
+        (nv,); default: at rest.
+    wrenches
+        Acting on the arm, as for `inverse_dynamics`.
+    labels
+        "names", "values" or "both"; default: both, or names where parameters have no value.
+    show
+        One or several of "points" (O, A, P), "centres" (C_i), "vectors" (s_i, s_ci), in the plane
+        "lengths" (l_i, l_ci) and "angles" (θ_i), in space "axes" (z_i, of slides u_i).
+    notation
+        Whose letters stand in it, as for `check`.
+
+    Returns
+    -------
+    FreeBodyDiagram
+        A figure with `.svg`, `.save("fbd.svg")`, `.drawing` (the arrows as data) and `.bodies` (the
+        loads and how well they balance).
+
+    Raises
+    ------
+    ShapeError, NotFiniteError, UnknownNameError, MissingValueError, FileError
+
     Source: figures 1.4, 2.3, 3.2, 6.4.
     """
     caller = "free_body_diagram"

@@ -62,14 +62,31 @@ def kinematic_diagram(
     """Drawings of a robot with symbols: geometry and vectors in the plane, joint axes and common
     normals in space.
 
-    q: (nq,) rad or m; qd, qdd: (nv,); default: a state in which the robot is clearly visible.
-    Parameters without value get typical values. show: one or several of "geometry" (θ_i, d_i, l_i,
-    l_ci, C_i), "vectors" (s_i, r), "centres" (r_ci), "velocities" (rates, v_ci), "accelerations" in
-    the plane; "frames" (z_i, of slides u_i, joint variables), "normals" (a_i, d_i), "vectors" (s_i,
-    C_i) in space. labels: "names", "values" or "both". notation: whose letters stand in it,
-    as for `check`. Returns a figure with `.svg`,
-    `.save("arm.svg")` and `.named("s_1")`, the elements as data. Raises ShapeError, NotFiniteError,
-    UnknownNameError, MissingValueError. Source: figures 1.2, 2.1, 3.2, 4.3, 5.3, 6.4, 6.5.
+    Parameters
+    ----------
+    model
+        Parameters without value get typical values.
+    q, qd, qdd
+        (nq,) rad or m, (nv,), (nv,); default: a state in which the robot is clearly visible.
+    show
+        One or several of, in the plane, "geometry" (θ_i, d_i, l_i, l_ci, C_i), "vectors" (s_i, r),
+        "centres" (r_ci), "velocities" (rates, v_ci), "accelerations"; in space "frames" (z_i, of
+        slides u_i, joint variables), "normals" (a_i, d_i), "vectors" (s_i, C_i).
+    labels
+        "names", "values" or "both".
+    notation
+        Whose letters stand in it, as for `check`.
+
+    Returns
+    -------
+    Figure
+        With `.svg`, `.save("arm.svg")` and `.named("s_1")`, the elements as data.
+
+    Raises
+    ------
+    ShapeError, NotFiniteError, UnknownNameError, MissingValueError
+
+    Source: figures 1.2, 2.1, 3.2, 4.3, 5.3, 6.4, 6.5.
     """
     caller, known = "kinematic_diagram", VIEWS[model.dim]
     asked = _DEFAULT[model.dim] if show is None else show

@@ -17,7 +17,7 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, UnknownNameError, shown
 from freebody.figures.drawing import Arc, Arrow, Dimension, Element, Label, Turn, metres
 from freebody.model.model import Model
-from freebody.outputs.numbers import significant
+from freebody.outputs.number_text import significant
 
 LABELS = ("names", "values", "both")
 

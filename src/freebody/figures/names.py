@@ -22,7 +22,7 @@ _ENDINGS = ("", RATE, SECOND)
 
 
 @dataclass(frozen=True)
-class Names:
+class DrawingNames:
     """Names of one model."""
 
     naming: Naming
@@ -58,7 +58,7 @@ class Names:
         return label(replace(name, letter=letter))
 
     def length(self, body: BodyPlace, end: End) -> str:
-        """The length of a way between two points; "" where it has no name."""
+        """The length of the vector that `reach` names; "" where it has no name."""
         child = None if end.child is None else end.child + 1
         return self._length(self.naming.length(child, end.name), self.on("l", body.number))
 

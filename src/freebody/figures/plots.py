@@ -17,7 +17,7 @@ from freebody.figures.colours import SERIES
 from freebody.figures.svg import Picture
 from freebody.figures.svg_symbols import circle, line, path, words
 from freebody.figures.text import width
-from freebody.outputs.numbers import fixed, significant, superscript
+from freebody.outputs.number_text import fixed, significant, superscript
 
 _LEFT, _RIGHT, _TOP, _BOTTOM, _ROW = 52.0, 12.0, 28.0, 30.0, 15.0
 _SEEN = 0.15  # pixels: a curve may leave its samples by no more than this

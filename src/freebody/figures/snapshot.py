@@ -19,7 +19,7 @@ from freebody.expressions.notations.notation import BookNotation, notation_of
 from freebody.expressions.polynomials.symbols import names_by_body
 from freebody.figures.body_loads import BodyLoads, body_loads
 from freebody.figures.drawing import SAME
-from freebody.figures.names import Names
+from freebody.figures.names import DrawingNames
 from freebody.figures.skeleton import BodyPlace, End, Skeleton, extent, skeleton
 from freebody.lazy import cached_property
 from freebody.loops.assembly import assemble
@@ -48,7 +48,7 @@ class Snapshot:
     qd: Array
     qdd: Array
     wrenches: Wrenches
-    names: Names
+    names: DrawingNames
     links: frozenset[int] = frozenset()
     """Bodies that stand for nothing, between joints that replace another; they are not drawn."""
 
@@ -147,7 +147,7 @@ def snapshot(
         )
     letters = lettering_of(style, model, tuple(coordinates))
     naming = Naming(shown, letters=letters)
-    return Snapshot(shown, at, rates, second, wrenches, Names(naming))
+    return Snapshot(shown, at, rates, second, wrenches, DrawingNames(naming))
 
 
 def _seen_well(model: Model) -> Array:

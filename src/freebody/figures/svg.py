@@ -30,7 +30,7 @@ from freebody.figures.drawing import (
 )
 from freebody.figures.labelling import RULE, Box, Crowd, Wanted, leader
 from freebody.figures.view import View
-from freebody.outputs.numbers import significant
+from freebody.outputs.number_text import significant
 from freebody.outputs.text import legal
 
 XMLNS = 'xmlns="http://www.w3.org/2000/svg"'

@@ -10,7 +10,7 @@ import numpy as np
 
 from freebody.arrays import Array
 
-Point = tuple[float, ...]
+WorldPoint = tuple[float, ...]
 """A point of the world, metres."""
 
 
@@ -18,8 +18,8 @@ Point = tuple[float, ...]
 class View:
     """A view of the world: rows to the right and up on the page, and towards the viewer."""
 
-    rows: tuple[Point, Point]
-    towards: Point = ()
+    rows: tuple[WorldPoint, WorldPoint]
+    towards: WorldPoint = ()
 
     def project(self, points: Iterable[Sequence[float]]) -> Array:
         """Page coordinates (k, 2) in metres, y up."""

@@ -22,7 +22,7 @@ from freebody.model.parameter_formulas import (
     refuse_negative,
 )
 from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 
 _TOLD_KINDS = [kind for kind in DOUBT_KINDS.values() if kind.key]
 _GENERAL = (

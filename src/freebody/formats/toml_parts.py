@@ -41,7 +41,7 @@ from freebody.model.placement import (
     shift,
     turn,
 )
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 
 
 def link(table: TomlTable, dim: int) -> Link:

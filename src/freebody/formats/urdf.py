@@ -13,7 +13,7 @@ from typing import Literal
 
 from freebody.errors import UnknownNameError
 from freebody.formats import read_file
-from freebody.formats.urdf_elements import Element, Elements, parse, xacro
+from freebody.formats.urdf_elements import Elements, XmlElement, parse, xacro
 from freebody.model.description import INFINITE, Drive, Joint, Limits, Link, Mimic, RobotDescription
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
@@ -48,7 +48,7 @@ class _UrdfReader(Elements):
         self.links: list[Link] = []
         self.joints: list[Joint] = []
 
-    def description(self, robot: Element, name: str) -> RobotDescription:
+    def description(self, robot: XmlElement, name: str) -> RobotDescription:
         if robot.tag != "robot":
             self.refuse(
                 robot,
@@ -82,7 +82,7 @@ class _UrdfReader(Elements):
         )
 
     # ------------------------------------------------------------ links and joints
-    def link(self, element: Element) -> None:
+    def link(self, element: XmlElement) -> None:
         self.only(element, "name")
         self.sort_out(element, "inertial")
         where = f"link {element.name()!r}"
@@ -91,7 +91,7 @@ class _UrdfReader(Elements):
         line = (inertial or element).line
         self.links.append(Link(element.name(), inertia, placement, line, _shapes(element)))
 
-    def inertial(self, element: Element, where: str) -> tuple[Inertia, Placement]:
+    def inertial(self, element: XmlElement, where: str) -> tuple[Inertia, Placement]:
         """Mass properties and the frame they are given in; without a rotation that frame is the
         link's own."""
         self.only(element)
@@ -113,7 +113,7 @@ class _UrdfReader(Elements):
             return Inertia(kilograms, (0.0, 0.0, 0.0), entries), shift(*xyz).then(turned)
         return Inertia(kilograms, xyz, entries), Placement()
 
-    def joint(self, element: Element) -> None:
+    def joint(self, element: XmlElement) -> None:
         self.only(element, "name", "type")
         where = f"joint {element.name()!r}"
         given = self.text(element, "type", where)
@@ -153,7 +153,7 @@ class _UrdfReader(Elements):
             )
         )
 
-    def end(self, element: Element, tag: str, where: str) -> str:
+    def end(self, element: XmlElement, tag: str, where: str) -> str:
         """The link that <parent> or <child> names."""
         end = self.one(element, tag, where)
         if end is None:
@@ -162,7 +162,7 @@ class _UrdfReader(Elements):
         return self.text(end, "link", where)
 
     def planar(
-        self, element: Element, where: str, parent: str, child: str, placement: Placement
+        self, element: XmlElement, where: str, parent: str, child: str, placement: Placement
     ) -> None:
         """URDF's planar joint moves in the plane normal to its axis; ours in the xy-plane of its
         frame."""
@@ -196,7 +196,7 @@ class _UrdfReader(Elements):
             f"axis.",
         )
 
-    def axis(self, element: Element, where: str) -> tuple[float, float, float]:
+    def axis(self, element: XmlElement, where: str) -> tuple[float, float, float]:
         """The axis as written, (1, 0, 0) where there is none; refuses a zero one."""
         tag = self.one(element, "axis", where)
         if tag is None:
@@ -212,7 +212,7 @@ class _UrdfReader(Elements):
             )
         return axis
 
-    def limits(self, element: Element, kind: str, where: str) -> Limits:
+    def limits(self, element: XmlElement, kind: str, where: str) -> Limits:
         tag = self.one(element, "limit", where)
         if tag is None:
             if KINDS[kind].ranged:
@@ -238,7 +238,7 @@ class _UrdfReader(Elements):
         velocity, effort = (self.most(tag, key, where) for key in ("velocity", "effort"))
         return Limits(lower, upper, velocity, effort)
 
-    def most(self, tag: Element, key: str, where: str) -> float:
+    def most(self, tag: XmlElement, key: str, where: str) -> float:
         """A limit of speed or effort; exporters write 0 for one they do not know, as no joint
         has."""
         value = self.number(tag, key, where, INFINITE, infinite=True)
@@ -247,7 +247,7 @@ class _UrdfReader(Elements):
         self.unknown.setdefault(key, [0, tag.line])[0] += 1
         return INFINITE
 
-    def drive(self, element: Element, where: str) -> Drive:
+    def drive(self, element: XmlElement, where: str) -> Drive:
         tag = self.one(element, "dynamics", where)
         if tag is None:
             return Drive()
@@ -257,7 +257,7 @@ class _UrdfReader(Elements):
             coulomb=self.number(tag, "friction", where, 0.0),
         )
 
-    def mimic(self, element: Element, where: str) -> Mimic | None:
+    def mimic(self, element: XmlElement, where: str) -> Mimic | None:
         tag = self.one(element, "mimic", where)
         if tag is None:
             return None
@@ -268,7 +268,9 @@ class _UrdfReader(Elements):
             self.number(tag, "offset", where, 0.0),
         )
 
-    def origin(self, element: Element, where: str) -> tuple[tuple[float, float, float], Placement]:
+    def origin(
+        self, element: XmlElement, where: str
+    ) -> tuple[tuple[float, float, float], Placement]:
         """Shift (m) and rotation of the <origin> inside."""
         tag = self.one(element, "origin", where)
         if tag is None:
@@ -290,7 +292,7 @@ def _other_format(tag: str) -> str:
     }.get(tag, "")
 
 
-def _reductions(robot: Element) -> str:
+def _reductions(robot: XmlElement) -> str:
     """A remark on the gears of transmissions, which are ignored, though the dynamics would need
     them."""
     ratios = {
@@ -309,7 +311,7 @@ def _reductions(robot: Element) -> str:
     )
 
 
-def _shapes(link: Element) -> tuple[Shape, ...]:
+def _shapes(link: XmlElement) -> tuple[Shape, ...]:
     """All shapes of a <link> that are whole: sizes finite and above 0, a mesh with the name of its
     file. What cannot be read as a shape is passed over: nothing of the dynamics depends on it."""
     return tuple(
@@ -320,7 +322,7 @@ def _shapes(link: Element) -> tuple[Shape, ...]:
     )
 
 
-def _shapes_in(element: Element, role: Literal["collision", "visual"]) -> Iterator[Shape]:
+def _shapes_in(element: XmlElement, role: Literal["collision", "visual"]) -> Iterator[Shape]:
     try:
         placement = _shape_origin(element)
         for geometry in element.all("geometry"):
@@ -331,7 +333,7 @@ def _shapes_in(element: Element, role: Literal["collision", "visual"]) -> Iterat
 
 
 def _shape(
-    part: Element, placement: Placement, role: Literal["collision", "visual"]
+    part: XmlElement, placement: Placement, role: Literal["collision", "visual"]
 ) -> Iterator[Shape]:
     given, line = part.attributes, part.line
     if part.tag == "box":
@@ -346,7 +348,7 @@ def _shape(
         yield Shape("mesh", size, placement, role, given["filename"].strip(), line)
 
 
-def _shape_origin(element: Element) -> Placement:
+def _shape_origin(element: XmlElement) -> Placement:
     for origin in element.all("origin"):
         position = _numbers(origin.attributes.get("xyz", "0 0 0"), 3)
         angles = _numbers(origin.attributes.get("rpy", "0 0 0"), 3)

@@ -28,17 +28,17 @@ _MOST_KINDS = 100
 
 
 @dataclass(slots=True)
-class Element:
+class XmlElement:
     """One element: tag with its prefix as written, attributes, line, elements and text inside."""
 
     tag: str
     attributes: dict[str, str]
     line: int
-    children: list[Element] = field(default_factory=list)
+    children: list[XmlElement] = field(default_factory=list)
     content: str = ""
     """The beginning of the text directly inside, stripped."""
 
-    def all(self, tag: str) -> list[Element]:
+    def all(self, tag: str) -> list[XmlElement]:
         """The elements of that tag directly inside."""
         return [child for child in self.children if child.tag == tag]
 
@@ -47,12 +47,12 @@ class Element:
         return self.attributes.get("name", "").strip()
 
 
-def parse(file: str, data: bytes) -> Element:
+def parse(file: str, data: bytes) -> XmlElement:
     """The root element. Raises FileError with the line where the text is not XML, ends early or
     declares entities."""
     parser = expat.ParserCreate()
-    opened: list[Element] = []
-    roots: list[Element] = []
+    opened: list[XmlElement] = []
+    roots: list[XmlElement] = []
     left, attributes_left = _ELEMENTS, _ATTRIBUTES
 
     def refuse(problem: str) -> NoReturn:
@@ -73,7 +73,7 @@ def parse(file: str, data: bytes) -> Element:
             )
         if len(opened) == _DEEPEST:
             refuse(f"elements are nested more than {_DEEPEST} deep.")
-        element = Element(tag, attributes, parser.CurrentLineNumber)
+        element = XmlElement(tag, attributes, parser.CurrentLineNumber)
         (opened[-1].children if opened else roots).append(element)
         opened.append(element)
 
@@ -129,7 +129,7 @@ class Elements:
         self.changes: list[float] = []
 
     # ------------------------------------------------------------ values
-    def text(self, element: Element, key: str, where: str) -> str:
+    def text(self, element: XmlElement, key: str, where: str) -> str:
         value = element.attributes.get(key, "").strip()
         if not value:
             self.refuse(element, f'{where}: <{element.tag}> has no {key}; add {key}="...".')
@@ -137,7 +137,7 @@ class Elements:
 
     def number(
         self,
-        element: Element,
+        element: XmlElement,
         key: str,
         where: str,
         default: float | None = None,
@@ -148,7 +148,7 @@ class Elements:
             return default
         return self.read(element, key, self.text(element, key, where), where, infinite)
 
-    def vector(self, element: Element, key: str, where: str) -> tuple[float, float, float]:
+    def vector(self, element: XmlElement, key: str, where: str) -> tuple[float, float, float]:
         """Three numbers, zeros where the attribute is absent."""
         words = element.attributes.get(key, "0 0 0").split()
         if len(words) != 3:
@@ -161,7 +161,7 @@ class Elements:
         return x, y, z
 
     def read(
-        self, element: Element, key: str, word: str, where: str, infinite: bool = False
+        self, element: XmlElement, key: str, word: str, where: str, infinite: bool = False
     ) -> float:
         value = read_file.number(word)
         problem = None if value is None else read_file.fault(value, infinite)
@@ -177,13 +177,13 @@ class Elements:
         return value
 
     # ------------------------------------------------------------ what is not used
-    def only(self, element: Element, *known: str, owner: str | None = None) -> None:
+    def only(self, element: XmlElement, *known: str, owner: str | None = None) -> None:
         """Count the attributes that are not read."""
         for key in element.attributes:
             if key not in known and not key.startswith("xmlns"):
                 self.count(f"attribute {key} of {owner or f'<{element.tag}>'}", element.line)
 
-    def sort_out(self, element: Element, *known: str, owner: str | None = None) -> None:
+    def sort_out(self, element: XmlElement, *known: str, owner: str | None = None) -> None:
         """Count the elements inside that are not read."""
         for child in element.children:
             if child.tag in _SHAPES:
@@ -194,7 +194,7 @@ class Elements:
     def count(self, what: str, line: int) -> None:
         self.ignored.setdefault(what, [0, line])[0] += 1
 
-    def one(self, element: Element, tag: str, where: str) -> Element | None:
+    def one(self, element: XmlElement, tag: str, where: str) -> XmlElement | None:
         """The only element of that tag inside, or None."""
         found = element.all(tag)
         if len(found) > 1:
@@ -240,10 +240,10 @@ class Elements:
             )
         return notices
 
-    def notice(self, kind: str, element: Element, text: str) -> None:
+    def notice(self, kind: str, element: XmlElement, text: str) -> None:
         self.notices.append(Notice(kind, text, self.file, element.line))
 
-    def refuse(self, element: Element, problem: str) -> NoReturn:
+    def refuse(self, element: XmlElement, problem: str) -> NoReturn:
         raise FileError(self.file, element.line, problem)
 
 

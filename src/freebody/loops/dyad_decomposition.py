@@ -26,7 +26,7 @@ from freebody.loops.dyads import (
     is_turning,
 )
 from freebody.model.model import Model
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.trees.triangle_solutions import side_of
 
 

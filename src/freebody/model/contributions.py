@@ -28,21 +28,21 @@ if TYPE_CHECKING:
 # by how much rounding may part the two cosines, and sines, of a turn about a coordinate axis
 _SAME = 1e-15
 
-Entry = float | tuple[int, float]
+PatternEntry = float | tuple[int, float]
 """An exact entry, or which number stands there and its sign."""
 
 
 @dataclass(frozen=True)
-class Pattern:
+class PosePattern:
     """A pose without its numbers."""
 
-    R: tuple[tuple[Entry, ...], ...]
-    p: tuple[Entry, ...]
+    R: tuple[tuple[PatternEntry, ...], ...]
+    p: tuple[PatternEntry, ...]
 
     def filled(self, scalars: Sequence[Scalar]) -> Pose:
         """(R, p) with its numbers put in."""
 
-        def entry(x: Entry) -> Scalar:
+        def entry(x: PatternEntry) -> Scalar:
             if not isinstance(x, tuple):
                 return x
             return scalars[x[0]] if x[1] > 0.0 else -scalars[x[0]]
@@ -160,21 +160,21 @@ def _pose_form(R: Matrix, zeros: tuple[bool, ...]) -> tuple[SharedForm, tuple[Sc
     rows, turning = _rotation(R)
     place = count(len(turning))
     shift = tuple([0.0 if zero else (next(place), 1.0) for zero in zeros])
-    return _form(Pattern(rows, shift)), turning
+    return _form(PosePattern(rows, shift)), turning
 
 
 _known_pose_form = lru_cache(maxsize=256)(_pose_form)
 """`_pose_form` where entries are numbers: a length changes often, and rotations with it seldom."""
 
 
-def _rotation(R: Matrix) -> tuple[tuple[tuple[Entry, ...], ...], tuple[Scalar, ...]]:
+def _rotation(R: Matrix) -> tuple[tuple[tuple[PatternEntry, ...], ...], tuple[Scalar, ...]]:
     """A rotation without its numbers, and these."""
     found = _coordinate_turn(R)
     if found is not None:
         return found
     numbers: list[Scalar] = []
 
-    def entry(x: Scalar) -> Entry:
+    def entry(x: Scalar) -> PatternEntry:
         if is_exactly(x, 0.0, 1.0, -1.0):
             return float(x) + 0.0
         numbers.append(x)
@@ -183,7 +183,9 @@ def _rotation(R: Matrix) -> tuple[tuple[tuple[Entry, ...], ...], tuple[Scalar, .
     return tuple(tuple(map(entry, row)) for row in R), tuple(numbers)
 
 
-def _coordinate_turn(R: Matrix) -> tuple[tuple[tuple[Entry, ...], ...], tuple[Scalar, ...]] | None:
+def _coordinate_turn(
+    R: Matrix,
+) -> tuple[tuple[tuple[PatternEntry, ...], ...], tuple[Scalar, ...]] | None:
     """A rotation that maps one coordinate axis to one, otherwise by a cosine and a sine, which are
     its two numbers."""
     n = len(R)
@@ -196,7 +198,7 @@ def _coordinate_turn(R: Matrix) -> tuple[tuple[tuple[Entry, ...], ...], tuple[Sc
     turn = 1.0 if n == 2 else float((-1) ** (i + j)) * R[i][j]
     if not (np.all(np.abs(b + turn * c) <= _SAME) and np.all(np.abs(d - turn * a) <= _SAME)):
         return None
-    left: Iterator[Entry] = iter(((0, 1.0), (1, -turn), (1, 1.0), (0, turn)))
+    left: Iterator[PatternEntry] = iter(((0, 1.0), (1, -turn), (1, 1.0), (0, turn)))
     rows = tuple(
         tuple(
             R[r][k] if (r, k) == (i, j) else 0.0 if r == i or k == j else next(left)

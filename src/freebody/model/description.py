@@ -17,7 +17,7 @@ from freebody.model.parameter_formulas import ParameterFormula
 from freebody.model.parameters import Parameter, Quantity, finite, quantity, real
 from freebody.model.placement import Placement
 from freebody.model.shapes import Shape
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 
 INFINITE = float("inf")
 MOST_LINKS = 50_000

@@ -41,11 +41,28 @@ def dh(
 ) -> Model:
     """A serial arm from rows of a DH table.
 
-    Row keys: joint ("R" by default, or "P"), theta, d (constants; the joint variable's one is its
-    offset), a, alpha (m, rad), m (kg), com (3) and I (6: ixx, ixy, ixz, iyy, iyz, izz, or 3×3;
-    about the com), both in DH frame i of the convention, rotor (kg m²) and gear, friction (viscous,
-    or (viscous, coulomb)), limits (lower, upper) or Limits, passive (True: the joint has no drive),
-    name. A name instead of a number is a parameter. Raises ModelError naming the row.
+    Parameters
+    ----------
+    rows
+        A mapping for each joint, with the keys joint ("R" by default, or "P"), theta, d (constants;
+        the joint variable's one is its offset), a, alpha (m, rad), m (kg), com (3) and I (6: ixx,
+        ixy, ixz, iyy, iyz, izz, or 3×3; about the com), both in DH frame i of the convention, rotor
+        (kg m²) and gear, friction (viscous, or (viscous, coulomb)), limits (lower, upper) or
+        Limits, passive (True: the joint has no drive), name. A name instead of a number is a
+        parameter.
+    convention
+        "standard" or "modified".
+    gravity
+        Its size along -z (m/s²), a name, or a vector in world axes.
+    name
+        The model's name.
+    physical
+        "warn" about, "refuse" or "ignore" numbers that no rigid body or motor has.
+
+    Raises
+    ------
+    ModelError
+        What is wrong with a row, which is named.
     """
     return build_model(
         describe(rows, convention=convention, gravity=gravity, name=name), physical=physical

@@ -19,15 +19,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.model import changes, numbers
+from freebody.model import changes, named_numbers
 from freebody.model.families import copied, fields_of
 from freebody.model.inertia import Inertia, is_surely_physical
+from freebody.model.named_numbers import known
 from freebody.model.number_editors import NewPayloadEditor
 from freebody.model.number_names import DRIVE
 from freebody.model.number_rows import NumberRows, RowEntries, RowPart, SlotValues
-from freebody.model.numbers import known
 from freebody.model.parameters import LARGEST
-from freebody.model.piece_paths import Path, put
+from freebody.model.piece_paths import PiecePath, put
 from freebody.model.tree import Attached
 
 if TYPE_CHECKING:
@@ -41,8 +41,8 @@ def bound(model: Model, values: Mapping[Any, Any]) -> Model:
     """The model with other numbers, see `Model.bind`."""
     if "_layout" in model.__dict__ or _are_plain(model, values):
         found = _edited(model, values)
-        return _asked(model, numbers.bind(model, values)) if found is None else found
-    return numbers.bind(model, values)
+        return _asked(model, named_numbers.bind(model, values)) if found is None else found
+    return named_numbers.bind(model, values)
 
 
 def driven(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
@@ -163,7 +163,7 @@ def _asked(model: Model, copy: Model) -> Model:
 
 def _are_plain(model: Model, names: Iterable[Any]) -> bool:
     """Whether numbers of these names may have slots, as angles and limits do not."""
-    known = numbers.known(model)
+    known = named_numbers.known(model)
     rows = [known.rows.get(str(known.told.get(name, name))) for name in names]
     return all(
         row is not None
@@ -190,7 +190,7 @@ class LazyPiece:
         layout: NumberLayout = own["_layout"]
         values = {layout.rows.owner[slot]: x for slot, x in own["_edits"].items()}
         # of two threads that look at the same moment, both take the pieces of the first
-        whole = own.setdefault("_whole", numbers.written(layout.origin, values))
+        whole = own.setdefault("_whole", named_numbers.written(layout.origin, values))
         for field in CHANGING:
             own.setdefault(field, getattr(whole, field))
         own.pop("_whole", None)
@@ -249,7 +249,7 @@ class NumberLayout:
         self._plans: dict[tuple[int, ...], RowPlan] = {}
         self._loads: dict[tuple[Any, Any], LoadedLayout | None] = {}
 
-    def _leads(self, path: Path) -> bool:
+    def _leads(self, path: PiecePath) -> bool:
         """Whether all that follows from the number at a path is known; frames of a tree are none of
         its numbers."""
         return path in self.rows.at or (path[0] == "frames" and path[-2] == "by")

@@ -13,7 +13,7 @@ import numpy as np
 from freebody.arrays import Array, too_large
 from freebody.errors import FreebodyError, ModelError, shown
 from freebody.labels import refuse_masked
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.values import ByValue
 
 

@@ -14,7 +14,7 @@ from freebody.labels import refuse_labelled
 from freebody.model.families import Members, is_nested, members, of_member
 from freebody.model.parameters import LARGEST, Parameter, Quantity, finite, quantity
 from freebody.model.quantity_reader import VALUES
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.spatial import unit
 
 

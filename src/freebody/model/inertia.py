@@ -24,7 +24,7 @@ from freebody.model.parameters import (
 )
 from freebody.model.placement import rotation_matrix
 from freebody.model.quantity_reader import VALUES, QuantityReader
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.spatial import Vector
 
 # of the largest eigenvalue: how negative a pseudo-inertia may be before it is called not physical

@@ -20,7 +20,7 @@ from freebody.errors import ModelError
 from freebody.model.families import Members, NamedNumber, changed
 from freebody.model.inertia import Inertia
 from freebody.model.parameters import LARGEST, Parameter, ParameterProduct, Quantity, each_parameter
-from freebody.model.piece_paths import Fields, Path, get, is_plain, named_leaves, put, put_at
+from freebody.model.piece_paths import Fields, PiecePath, get, is_plain, named_leaves, put, put_at
 from freebody.model.placement import AxisRotation, Placement, Rotate, Shift, shift, turn
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Attached
@@ -52,7 +52,7 @@ class Editor(Protocol):
         """Field -> number, symbol, or members: of all fields, or at least of those wanted."""
         ...
 
-    def alone(self, model: Model, field: str) -> tuple[Path, ...]:
+    def alone(self, model: Model, field: str) -> tuple[PiecePath, ...]:
         """The paths at which the number of a field stands as it is, if to write it is no more than
         to put another there."""
         ...
@@ -66,14 +66,14 @@ class Editor(Protocol):
 class Leaves:
     """A symbol, or an entry with a name of its own, wherever it stands."""
 
-    paths: tuple[Path, ...]
+    paths: tuple[PiecePath, ...]
     first = True
     keeps_places = True
 
     def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
         return {"": get(model, self.paths[0])}
 
-    def alone(self, model: Model, field: str) -> tuple[Path, ...]:
+    def alone(self, model: Model, field: str) -> tuple[PiecePath, ...]:
         return self.paths
 
     def write(self, model: Model, values: Fields) -> Model:
@@ -93,7 +93,7 @@ class Leaves:
 class PieceEntries:
     """Numbers that are each an attribute of a piece, or an entry of a tuple: field -> which."""
 
-    path: Path
+    path: PiecePath
     steps: Mapping[str, str | int]
     first = False
     keeps_places = True
@@ -102,7 +102,7 @@ class PieceEntries:
         piece = get(model, self.path)
         return {field: get(piece, (step,)) for field, step in self.steps.items()}
 
-    def alone(self, model: Model, field: str) -> tuple[Path, ...]:
+    def alone(self, model: Model, field: str) -> tuple[PiecePath, ...]:
         return ((*self.path, self.steps[field]),)
 
     def write(self, model: Model, values: Fields) -> Model:
@@ -120,7 +120,7 @@ class LinkInertiaEditor:
     in the frame in which they are given.
     """
 
-    path: Path
+    path: PiecePath
     frame: str | None
     space: AnySpace
     first = False
@@ -132,7 +132,7 @@ class LinkInertiaEditor:
             return {"mass": part.inertia.mass, "scale": 1.0}
         return self._fields(self._told(model, part).inertia) | {"scale": 1.0}
 
-    def alone(self, model: Model, field: str) -> tuple[Path, ...]:
+    def alone(self, model: Model, field: str) -> tuple[PiecePath, ...]:
         part, dim = get(model, self.path), self.space.dim
         if field == "mass":
             return ((*self.path, "inertia", "mass"),)
@@ -198,7 +198,7 @@ class NewPayloadEditor:
     def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
         return dict.fromkeys(("mass", *_CENTRE[self.space.dim], *_TENSOR[self.space.dim]), 0.0)
 
-    def alone(self, model: Model, field: str) -> tuple[Path, ...]:
+    def alone(self, model: Model, field: str) -> tuple[PiecePath, ...]:
         return ()
 
     def write(self, model: Model, values: Fields) -> Model:
@@ -242,7 +242,7 @@ class PoseEditor:
     frame: its name, where it is a frame's: all that is fixed to that frame moves with it.
     """
 
-    path: Path
+    path: PiecePath
     outer: str | None
     space: AnySpace
     frame: str = ""
@@ -270,7 +270,7 @@ class PoseEditor:
         by, turns = self._split(get(model, self.path).steps[self.start(model) :])
         return self._fields(by, turns)
 
-    def alone(self, model: Model, field: str) -> tuple[Path, ...]:
+    def alone(self, model: Model, field: str) -> tuple[PiecePath, ...]:
         start = self.start(model)
         first, *rest = get(model, self.path).steps[start:] or (None,)
         if (
@@ -350,7 +350,7 @@ def steps_to(model: Model, frame: str) -> int:
     return len(model.frame(frame).placement.steps)
 
 
-def _riders(model: Model, name: str) -> list[Path]:
+def _riders(model: Model, name: str) -> list[PiecePath]:
     """Paths of the placements that begin with that of a frame: of frames, inertias, loads and
     joints fixed to it."""
     on: dict[str, list[str]] = {}
@@ -361,7 +361,7 @@ def _riders(model: Model, name: str) -> list[Path]:
         below = on.get(waiting.pop(), [])
         reached.update(below)
         waiting += below
-    paths: list[Path] = [
+    paths: list[PiecePath] = [
         ("frames", k, "placement")
         for k, f in enumerate(model.frames)
         if f.name in reached and f.name != name

@@ -18,7 +18,7 @@ from freebody.model.number_editors import (
     PieceEntries,
     PoseEditor,
 )
-from freebody.model.piece_paths import Path, get, is_plain, named_leaves
+from freebody.model.piece_paths import PiecePath, get, is_plain, named_leaves
 from freebody.model.tree import Attached
 from freebody.spatial import AnySpace, of_dimension
 
@@ -88,7 +88,7 @@ def catalogue(model: Model) -> Catalogue:
     return _by_name(rows, told)
 
 
-def _leaf(own: tuple[str, ...], paths: list[Path], row: ModelNumber | None) -> ModelNumber:
+def _leaf(own: tuple[str, ...], paths: list[PiecePath], row: ModelNumber | None) -> ModelNumber:
     """A symbol, or an entry of a DH table; unit and meaning are those of the first place that it
     stands in."""
     editor = Leaves(tuple(paths))
@@ -123,7 +123,7 @@ def _by_name(rows: list[ModelNumber], told: dict[str, str]) -> Catalogue:
 
 
 # ---------------------------------------------------------------- all places, in order
-def _places(model: Model, space: AnySpace) -> Iterator[tuple[ModelNumber, Path]]:
+def _places(model: Model, space: AnySpace) -> Iterator[tuple[ModelNumber, PiecePath]]:
     """Each number's row, and the path at which it stands as it is."""
     size = "size of the gravity field"
     yield _entry((), "gravity_size", ("gravity",), "model", "m/s²", size)
@@ -151,9 +151,9 @@ def _places(model: Model, space: AnySpace) -> Iterator[tuple[ModelNumber, Path]]
 
 
 def _entry(
-    path: Path, step: str | int, name: tuple[str, ...], owner: str, unit: str, what: str,
+    path: PiecePath, step: str | int, name: tuple[str, ...], owner: str, unit: str, what: str,
     sort: Sort = "other",
-) -> tuple[ModelNumber, Path]:  # fmt: skip
+) -> tuple[ModelNumber, PiecePath]:  # fmt: skip
     """The row of a number that is an attribute or an entry of the piece at a path."""
     field = name[-1]
     editor = PieceEntries(path, {field: step})
@@ -174,8 +174,8 @@ def _outer(model: Model, name: str, steps: tuple[object, ...]) -> str | None:
 
 
 def _joint(
-    model: Model, body: Body, path: Path, space: AnySpace
-) -> Iterator[tuple[ModelNumber, Path]]:
+    model: Model, body: Body, path: PiecePath, space: AnySpace
+) -> Iterator[tuple[ModelNumber, PiecePath]]:
     joint = body.joint
     if joint.parent:
         outer = _outer(model, joint.parent, joint.placement.steps)
@@ -221,8 +221,8 @@ _LIMITS = {
 
 
 def _part(
-    model: Model, part: Attached, path: Path, space: AnySpace
-) -> Iterator[tuple[ModelNumber, Path]]:
+    model: Model, part: Attached, path: PiecePath, space: AnySpace
+) -> Iterator[tuple[ModelNumber, PiecePath]]:
     steps = part.placement.steps
     owner = "load" if part.load else "link"
     editor = LinkInertiaEditor(path, None if part.load else _outer(model, part.link, steps), space)
@@ -235,11 +235,11 @@ def _mass(
     name: str,
     owner: str,
     editor: Editor,
-    path: Path,
+    path: PiecePath,
     space: AnySpace,
     what: str,
     scales: bool = False,
-) -> Iterator[tuple[ModelNumber, Path]]:
+) -> Iterator[tuple[ModelNumber, PiecePath]]:
     """mass, com, inertia; `scale` only of what is there, and whose numbers have no names of their
     own."""
     fields = [("mass", "kg", ("mass",), f"mass of {what}")]
@@ -260,7 +260,7 @@ def _mass(
 
 def _frame(
     model: Model, frame: Frame, k: int, space: AnySpace
-) -> Iterator[tuple[ModelNumber, Path]]:
+) -> Iterator[tuple[ModelNumber, PiecePath]]:
     """The numbers of a frame that is mounted, or of a link that is fixed to another."""
     outer = _outer(model, frame.parent, frame.placement.steps)
     pose = PoseEditor(("frames", k, "placement"), outer, space, frame.name)
@@ -270,7 +270,7 @@ def _frame(
 
 def _pose(
     model: Model, name: str, owner: str, pose: PoseEditor, what: str
-) -> Iterator[tuple[ModelNumber, Path]]:
+) -> Iterator[tuple[ModelNumber, PiecePath]]:
     start = pose.start(model)
     if not PoseEditor.tells(get(model, pose.path).steps[start:]):
         return

@@ -19,7 +19,7 @@ from freebody.model.families import Members, members
 from freebody.model.formula_text import FormulaTextError, Powers, polynomial, renamed
 from freebody.model.parameters import LARGEST, Parameter, Quantity, each_parameter, finite
 from freebody.model.piece_paths import get, named_leaves, put_at
-from freebody.outputs.numbers import shortest
+from freebody.outputs.number_text import shortest
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from freebody.model.model import Model
 from freebody.motion.peaks import Peaks, peaks_of
 from freebody.motion.piecewise import PiecewisePolynomial, hermite
 from freebody.outputs.display import Tabled, TextTable, counted
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.trees.position_rates import (
     CoordinateLayout,
     continuous,

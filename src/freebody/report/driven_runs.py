@@ -52,7 +52,7 @@ _NODES = np.append(DOP853.C, 1.0)
 _WEIGHTS = [*(row[:k] for k, row in enumerate(DOP853.A)), DOP853.B]
 """Weights of the slopes before each stage; the last leads to the end of the step."""
 
-Slope = Callable[[float, Array], Any]
+_Slope = Callable[[float, Array], Any]
 
 
 def land(
@@ -60,7 +60,7 @@ def land(
 ) -> Array:
     """(pieces,) distance from the reference at each piece's end over the joint range; all run side
     by side; infinite where the run was broken off."""
-    reference = Reference(whole, motion)
+    reference = MotionReference(whole, motion)
     for parts in _PARTS if method == "DOP853" else ():
         try:
             *_, y = _steps(reference, _edges(motion, start, end, parts))
@@ -113,7 +113,7 @@ def open_loop(
 
     It ends where a joint has gone astray by its whole range, or when its evaluations are spent.
     """
-    reference, model = Reference(whole, motion), whole.model
+    reference, model = MotionReference(whole, motion), whole.model
     for parts in _PARTS if method == "DOP853" else ():
         try:
             return _in_steps(reference, allowed, parts)
@@ -158,7 +158,7 @@ def open_loop(
     return t, np.abs(difference(model, motion.at(t)[0], q)), ended
 
 
-def _in_steps(reference: Reference, allowed: Ranges, parts: int) -> tuple[Array, Array, str]:
+def _in_steps(reference: MotionReference, allowed: Ranges, parts: int) -> tuple[Array, Array, str]:
     """The results of `open_loop`, with each smooth stretch of the motion in so many steps. Raises
     _TooLong."""
     motion, whole = reference.motion, reference.system
@@ -176,7 +176,7 @@ def _in_steps(reference: Reference, allowed: Ranges, parts: int) -> tuple[Array,
 
 
 def _run(
-    rate: Slope, slope: Slope, stretch: tuple[float, float], y: Array, method: str,
+    rate: _Slope, slope: _Slope, stretch: tuple[float, float], y: Array, method: str,
     among_jumps: bool, **more: Any,
 ) -> Any:  # fmt: skip
     """A stretch by one of the integrators of `TOLERANCE`; among jumps it is tried in one step."""
@@ -232,7 +232,7 @@ class _TooLong(Exception):
 
 
 @dataclass(frozen=True)
-class Reference:
+class MotionReference:
     """The torque that the motion needs at any time, and the system under it."""
 
     system: System
@@ -267,7 +267,7 @@ def _edges(motion: Motion, start: Array, end: Array, parts: int) -> Array:
     return np.stack([np.pad(x, (0, count - len(x)), mode="edge") for x in lanes], axis=-1)
 
 
-def _steps(reference: Reference, times: Array) -> Iterator[Array]:
+def _steps(reference: MotionReference, times: Array) -> Iterator[Array]:
     """The states (lanes, n) at times (k + 1, lanes) behind the first, at which they are on the
     motion, as they are reached. Raises _TooLong."""
     system, y = reference.system, reference.state(times[0])

@@ -23,7 +23,7 @@ from freebody.loops.mobility import mobility
 from freebody.model.doubts import readings
 from freebody.motion.ranges import ranges
 from freebody.outputs import files
-from freebody.outputs.numbers import significant
+from freebody.outputs.number_text import significant
 from freebody.outputs.page import SHEETS, math_style, policy
 from freebody.outputs.text import legal
 from freebody.report import page_figures as figures

@@ -25,7 +25,7 @@ from freebody.model.doubts import EFFORTS, MASSES, doubts_on
 from freebody.model.model import Model
 from freebody.motion.ranges import ranges
 from freebody.motion.ranges import ranges as allowed
-from freebody.outputs.numbers import significant
+from freebody.outputs.number_text import significant
 from freebody.reach.payload_map import payload_map
 from freebody.report.tables import shortened
 from freebody.report.variables import PARTS

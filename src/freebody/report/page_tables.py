@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 _EFFORTS = {"N m": "Peak torque", "N": "Peak force"}
 _POSE = 8  # coordinates of a pose that a table has room for
 
-Column = tuple[Head, Sequence[Cell]]
+TableColumn = tuple[Head, Sequence[Cell]]
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Printed:
     """The unit, where it is not that of the variable."""
     tip: str | None = None
 
-    def column(self, study: Study, book: xr.Dataset, dim: str, names: Sequence[str]) -> Column:
+    def column(self, study: Study, book: xr.Dataset, dim: str, names: Sequence[str]) -> TableColumn:
         """Head and cells for the rows `names`."""
         of = VARIABLES[self.variable]
         values = book[self.variable].sel(dict(self.at)).sel({dim: list(names)}).values
@@ -199,7 +199,7 @@ def checks(study: Study) -> ReportTable:
     names, book = [c.name for c in study.checks], facts(study)
     said = {True: WordsCell("passed", css="ok"), False: WordsCell("failed", css="bad")}
     results = [said[check.passed] for check in study.checks]
-    columns: list[Column] = [(Head("Result", number=False), results)]
+    columns: list[TableColumn] = [(Head("Result", number=False), results)]
     for title, variable in (("Value", "check_value"), ("Allowed", "check_bar")):
         head, cells = Printed(title, variable).column(study, book, "check", names)
         columns.append((head, [alone(x, 2) for x in cells if isinstance(x, PrintedNumber)]))
@@ -249,7 +249,7 @@ def _kind(joint: Joint) -> str:
     return joint.kind if joint.mimic is None else f"{joint.kind}, follows {joint.mimic.joint}"
 
 
-def _words(title: str, texts: Iterable[str], css: str = "") -> Column:
+def _words(title: str, texts: Iterable[str], css: str = "") -> TableColumn:
     return Head(title, number=False), [WordsCell(text, css=css) for text in texts]
 
 
@@ -270,7 +270,7 @@ def _by_coordinate(
 
 
 def _listed(
-    caption: str, title: str, names: Iterable[str], columns: Sequence[Column],
+    caption: str, title: str, names: Iterable[str], columns: Sequence[TableColumn],
     numbers: Iterable[int] | None = None,
 ) -> ReportTable:  # fmt: skip
     """Named rows with numbers, by default from 1."""

@@ -18,7 +18,7 @@ from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges
 from freebody.motion.simulation.first_order_system import System, decay_rate, suited_method, system
-from freebody.report.driven_runs import ASTRAY, Reference, land, open_loop
+from freebody.report.driven_runs import ASTRAY, MotionReference, land, open_loop
 from freebody.report.results import Replay
 from freebody.trees.dynamics import mass_matrix
 from freebody.trees.position_rates import Index
@@ -177,7 +177,7 @@ def transitions(whole: System, motion: Motion, scale: Array) -> tuple[Array, Arr
 
 def _steps(whole: System, motion: Motion, scale: Array, start: Array, end: Array) -> Array:
     """exp(A (end - start)), A at the middle (k, n, n), in units of `scale`."""
-    reference, middle = Reference(whole, motion), 0.5 * (start + end)
+    reference, middle = MotionReference(whole, motion), 0.5 * (start + end)
     A = whole.jacobian(middle, reference.state(middle), reference.torque(middle))
     with np.errstate(over="ignore", invalid="ignore"):
         return exponentials(A * (scale / scale[:, None]) * (end - start)[:, None, None])

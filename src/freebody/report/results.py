@@ -9,12 +9,12 @@ from typing import Literal
 from freebody.arrays import Array
 from freebody.model.doubts import Doubt
 from freebody.outputs.display import Tabled, TextTable, Titled, counted
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 
 CLOSE = 1e-9
 """Share of a limit: what is beyond it by less is on it, and so within."""
 
-Outcome = Literal["feasible", "not feasible", "not judged"]
+VerdictOutcome = Literal["feasible", "not feasible", "not judged"]
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class MotionVerdict(Tabled):
     """Whether the robot can make the motion, as far as its description tells; the first line of a
     study."""
 
-    outcome: Outcome
+    outcome: VerdictOutcome
     reason: str
     """Why, in a sentence or a few."""
     uses: tuple[LimitUse, ...]

@@ -139,14 +139,28 @@ def study(
 ) -> Study:
     """The dynamic study of a robot along a motion.
 
-    model: with all values. motion: a Motion, a CSV file (see `read_motion`) or a table by names
-    (see `Motion.of`: a dict, a DataFrame, a Dataset); default a smooth one within the joint limits,
-    slowed as far as the limits of speed and torque require. tip: frame; default the model's own,
-    without which the study leaves out what is of a tip. smooth: True, or a cutoff (Hz), for a
-    measured motion (see `smoothed`); noise that spoils the torques is reported in any case, with
-    the torques with and without it. progress: called with a text and the fraction done. Raises
-    FreebodyError for a robot without movable joints, MissingValueError for one with open
-    parameters.
+    Parameters
+    ----------
+    model
+        With all values.
+    motion
+        A Motion, a CSV file (see `read_motion`) or a table by names (see `Motion.of`: a dict, a
+        DataFrame, a Dataset); default: a smooth one within the joint limits, slowed as far as the
+        limits of speed and torque require.
+    tip
+        Frame; default: the model's own, without which the study leaves out what is of a tip.
+    smooth
+        True, or a cutoff (Hz), for a measured motion (see `smoothed`). Noise that spoils the
+        torques is reported in any case, with the torques with and without it.
+    progress
+        Called with a text and the fraction done.
+
+    Raises
+    ------
+    FreebodyError
+        A robot without movable joints.
+    MissingValueError
+        A robot with open parameters.
     """
     if model.nv == 0:
         raise FreebodyError(

@@ -13,7 +13,7 @@ from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, angular, position_columns, ranges, with_drive
 from freebody.outputs.display import TextTable
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.report.results import LimitUse, StaticPose, Worst, percent
 from freebody.report.series import coordinates
 from freebody.report.variables import LOADS, dataset

@@ -28,7 +28,7 @@ from freebody.model.doubts import (
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges, with_drive
-from freebody.report.results import CLOSE, LimitUse, MotionVerdict, Outcome, percent
+from freebody.report.results import CLOSE, LimitUse, MotionVerdict, VerdictOutcome, percent
 from freebody.report.time_scaling import Pace, effort_limits, pace, parts
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ class _WeighedDoubts:
         self.partly = any(doubt.of.absent for doubt in self.unknown)
         """Whether some limits are not given."""
 
-    def outcome(self, failed: bool) -> Outcome:
+    def outcome(self, failed: bool) -> VerdictOutcome:
         """The outcome, given whether something that can be judged fails."""
         if failed:
             return "not feasible"
@@ -194,7 +194,7 @@ def _acting(model: Model, data: xr.Dataset) -> np.ndarray:
 
 # ------------------------------------------------------------ in words
 def _reasons(
-    outcome: Outcome,
+    outcome: VerdictOutcome,
     uses: Sequence[LimitUse],
     over: Sequence[LimitUse],
     undriven: Sequence[str],

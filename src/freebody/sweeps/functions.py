@@ -19,7 +19,7 @@ from freebody.kernels.lookup import kernel
 from freebody.kernels.options import chosen_option
 from freebody.model.doubts import ALL
 from freebody.model.model import Model
-from freebody.model.numbers import found, known
+from freebody.model.named_numbers import found, known
 from freebody.targets import Kernel
 from freebody.trees.public_calls import finite_vector
 

@@ -17,7 +17,7 @@ from freebody.motion.files.contradictions import GivenRates
 from freebody.motion.files.smoothing import best_cutoff, noise, smooth
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.ranges import Flags, angular
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.trees.position_rates import continuous, state_of
 
 REST = 1e-6

@@ -19,7 +19,7 @@ from freebody.motion.files.measured_motions import along_rates, rested
 from freebody.motion.motion import FEWEST, Motion, derivatives, motion_of
 from freebody.motion.piecewise import hermite
 from freebody.motion.ranges import Flags, angular, position_columns
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.trees.position_rates import layout, state_of
 
 _UNIT = 1e-3  # how far a quaternion of a file, printed with few digits, may be off unit length

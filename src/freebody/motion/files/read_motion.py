@@ -23,7 +23,7 @@ from freebody.motion.files.motion_columns import (
     without_jumps,
 )
 from freebody.motion.motion import FEWEST, Motion
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 
 
 def read_motion(model: Model, path: str | os.PathLike[str]) -> Motion:

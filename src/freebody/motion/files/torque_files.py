@@ -12,7 +12,7 @@ from freebody.errors import FileError, UnknownNameError
 from freebody.model.model import Model
 from freebody.motion.files.csv_columns import quoted, read_columns
 from freebody.motion.ranges import angular
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 
 
 def read_torques(model: Model, path: str | os.PathLike[str]) -> tuple[Array, Array]:

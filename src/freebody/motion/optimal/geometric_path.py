@@ -20,7 +20,7 @@ from freebody.motion.planning.driven_waypoints import driven_waypoints
 from freebody.motion.planning.planning_limits import SLACK, PlanningLimits, checked_waypoints
 from freebody.motion.planning.through_loops import through_loops
 from freebody.motion.ranges import position_columns
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.trees.position_rates import layout
 
 _SAME = 1e-9  # of the length of a path: positions nearer to each other are one

@@ -30,7 +30,7 @@ from freebody.motion.optimal.unreachable import refuse_unreachable, without_moti
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planning.planned import sample_times
 from freebody.motion.planning.planning_limits import Limit, PlanningLimits, planning_limits
-from freebody.outputs.numbers import rounded_up
+from freebody.outputs.number_text import rounded_up
 from freebody.trees.public_calls import Wrenches, wrenches_by_frame
 
 Path = ArrayLike | Motion | PPoly

@@ -14,7 +14,7 @@ from freebody.motion.optimal.path_limits import PathProblem, unlimited
 from freebody.motion.optimal.robot_limits import RobotLimits
 from freebody.motion.optimal.speed_profile import SpeedProfile
 from freebody.motion.ranges import Flags, angular
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 
 _BINDING = 1e-6
 _FAST = 0.25  # of `unlimited`

@@ -20,7 +20,7 @@ from freebody.motion.planning.planning_limits import (
     planning_limits,
 )
 from freebody.motion.planning.profiles import LIMITS, PROFILES
-from freebody.outputs.numbers import compared, rounded_up
+from freebody.outputs.number_text import compared, rounded_up
 from freebody.trees.public_calls import Vector
 
 

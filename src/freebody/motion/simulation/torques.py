@@ -18,7 +18,7 @@ from freebody.labels import is_labelled, row_times
 from freebody.model.model import Model
 from freebody.motion.simulation.compiled_torque import CompiledTorque, compiled_torque
 from freebody.motion.simulation.first_order_system import Drive, row_at
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.targets import Kernel
 from freebody.trees.passive_joints import all_driven, refuse_passive
 from freebody.trees.public_calls import vector
