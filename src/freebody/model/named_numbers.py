@@ -226,7 +226,7 @@ def matching(
     names: Catalogue, records: Sequence[ModelParameter], pattern: Name, model: Model
 ) -> list[str]:
     """Names that one name in full or one pattern means, in the model's order."""
-    if not _is_pattern(names, pattern):
+    if not _is_pattern(pattern, names):
         return [found(names, pattern, model)]
     usual = [r.name for r in records if not (r.structural or r.limit or r.formula)]
     meant = {name for name in usual if fnmatchcase(name, pattern)}
@@ -240,7 +240,7 @@ def matching(
     return [name for name in usual if name in meant]
 
 
-def _is_pattern(names: Catalogue, given: Name) -> TypeGuard[str]:
+def _is_pattern(given: Name, names: Catalogue) -> TypeGuard[str]:
     """Whether a text is a pattern of the shell, and not a name that holds such characters."""
     if not isinstance(given, str) or given in names.rows:
         return False
