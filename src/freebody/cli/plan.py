@@ -177,7 +177,7 @@ def _cleared(position: float) -> float:
 
 
 def _print(model: Model, motion: Motion, path: Path, again: str, of_tip: bool) -> None:
-    from freebody.model.doubts import told
+    from freebody.model.doubts import in_one_line
     from freebody.motion.planning.planning_limits import planning_limits
     from freebody.report.load_case import in_a_line
 
@@ -185,7 +185,7 @@ def _print(model: Model, motion: Motion, path: Path, again: str, of_tip: bool) -
     for text in motion.notices:
         terminal.warn(text)
     if motion.doubts:
-        terminal.warn(told(motion.doubts))
+        terminal.warn(in_one_line(motion.doubts))
     out.print(f"{model.name}: {motion.source}, {motion.duration:.4g} s.", markup=False)
     out.print(f"{model.tip_reason} " * of_tip + in_a_line(model), markup=False)
     rows = []

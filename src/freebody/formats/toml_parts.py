@@ -43,34 +43,50 @@ from freebody.model.placement import (
 )
 from freebody.outputs.number_text import compared
 
+DRIVE = ("friction", "rotor", "spring")
+_OWN = tuple(number.name for kind in KINDS.values() for number in kind.numbers)
+_MASS = ("mass", "com", "inertia", "shape")
+_SHAPE_SIZES: dict[str, tuple[str, ...]] = {
+    "point": (),
+    "disc": ("radius",),
+    "ring": ("radius",),
+    "bar": ("length",),
+    "box": ("size",),
+    "cylinder": ("radius", "length"),
+    "sphere": ("radius",),
+}
+_TURNS = ("rpy", "axis_angle", "quat_wxyz", "matrix", "angle")
+_PLACE = ("origin", *_TURNS, "steps")
+_UNIT_VECTORS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
 
 def link(table: TomlTable, dim: int) -> Link:
-    """[[link]]"""
-    table = table.called(f"link {table.text('name')!r}").only("name", *MASS, "inertia_frame")
+    """The link that a table [[link]] describes."""
+    table = table.called(f"link {table.text('name')!r}").only("name", *_MASS, "inertia_frame")
     inner = table.table("inertia_frame")
     frame = (
-        placement(inner.called(f"{table.where}, inertia_frame").only(*PLACE), dim)
+        _placement(inner.called(f"{table.where}, inertia_frame").only(*_PLACE), dim)
         if inner
         else Placement()
     )
-    body = inertia(table, dim) if any(key in table for key in MASS) else None
+    body = _inertia(table, dim) if any(key in table for key in _MASS) else None
     return Link(table.text("name"), body, frame, table.line)
 
 
 def mount(table: TomlTable, dim: int, parents: Collection[str]) -> Mount:
-    """[[frame]]"""
-    table = table.called(f"frame {table.text('name')!r}").only("name", "parent", *PLACE)
-    return Mount(table.text("name"), table.choice("parent", parents), placement(table, dim))
+    """The frame that a table [[frame]] mounts on a link or frame."""
+    table = table.called(f"frame {table.text('name')!r}").only("name", "parent", *_PLACE)
+    return Mount(table.text("name"), table.choice("parent", parents), _placement(table, dim))
 
 
 def payload(table: TomlTable, dim: int, frames: Collection[str]) -> Payload:
-    """[[payload]]"""
-    table = table.called(f"payload {table.text('name')!r}").only("name", "frame", *MASS)
-    return Payload(table.text("name"), table.choice("frame", frames), inertia(table, dim))
+    """The load that a table [[payload]] fixes to a frame."""
+    table = table.called(f"payload {table.text('name')!r}").only("name", "frame", *_MASS)
+    return Payload(table.text("name"), table.choice("frame", frames), _inertia(table, dim))
 
 
 def loop(table: TomlTable, dim: int) -> Loop:
-    """[[loop]]"""
+    """The loop that a table [[loop]] closes."""
     table = table.called(f"loop {table.text('name')!r}").only(
         "name", "kind", "frames", "axis", "distance"
     )
@@ -82,14 +98,14 @@ def loop(table: TomlTable, dim: int) -> Loop:
         table.text("name"),
         kind.name,
         (ends[0], ends[1]),
-        direction(table, dim) if "axis" in table else (),
+        _direction(table, dim) if "axis" in table else (),
         table.quantity("distance") if "distance" in table else None,
         table.line,
     )
 
 
 def loop_tolerance(top: TomlTable) -> tuple[float, float] | None:
-    """loop_tolerance = [metres, radians]"""
+    """The tolerance in loop_tolerance = [metres, radians]; None where nothing is said."""
     key = "loop_tolerance"
     if key not in top:
         return None
@@ -105,7 +121,7 @@ def loop_tolerance(top: TomlTable) -> tuple[float, float] | None:
 
 
 def home(top: TomlTable) -> tuple[tuple[str, float], ...]:
-    """[home]: positions by name."""
+    """Positions by name, from [home]."""
     inner = top.table("home")
     if inner is None:
         return ()
@@ -114,8 +130,8 @@ def home(top: TomlTable) -> tuple[tuple[str, float], ...]:
 
 
 def gravity(top: TomlTable, dim: int) -> tuple[Quantity, tuple[float, ...]]:
-    """A size, a name, a vector, or { size, direction }; 9.81 m/s² downwards, called g, where the
-    file says nothing."""
+    """Gravity from a size, a name, a vector, or { size, direction }; 9.81 m/s² downwards,
+    called g, where the file says nothing."""
     down = (0.0,) * (dim - 1) + (-1.0,)
     given: Any = top.data.get("gravity")
     if isinstance(given, list):
@@ -133,15 +149,11 @@ def gravity(top: TomlTable, dim: int) -> tuple[Quantity, tuple[float, ...]]:
     return (size if isinstance(size, Parameter) else Parameter("g", size)), down
 
 
-DRIVE = ("friction", "rotor", "spring")
-_OWN = tuple(number.name for kind in KINDS.values() for number in kind.numbers)
-
-
 def joint(table: TomlTable, dim: int) -> Joint:
-    """[[joint]]"""
+    """The joint that a table [[joint]] describes."""
     table = table.called(f"joint {table.text('name')!r}")
     table.only(
-        *("name", "kind", "parent", "child", *PLACE, "axis", *_OWN),
+        *("name", "kind", "parent", "child", *_PLACE, "axis", *_OWN),
         *("limits", *DRIVE, "mimic", "passive"),
     )
     kind = table.choice("kind", KINDS)
@@ -168,7 +180,7 @@ def joint(table: TomlTable, dim: int) -> Joint:
         kind,
         table.text("parent"),
         table.text("child"),
-        placement(table, dim),
+        _placement(table, dim),
         _axis(table, kind, dim) if KINDS[kind].needs_axis else (),
         limits(table, angles=not KINDS[kind].slides),
         drive(table),
@@ -180,14 +192,14 @@ def joint(table: TomlTable, dim: int) -> Joint:
 
 
 def _axis(table: TomlTable, kind: str, dim: int) -> tuple[float, ...]:
-    """A vector, or "x", "-z"; in the plane a revolute joint's is 1 (counterclockwise) or -1."""
+    """A joint's axis: a vector, or "x", "-z"; in the plane 1 (counterclockwise) or -1."""
     if KINDS[kind].axis_size(dim) == 1:
         return (table.number("axis", default=1.0),)
-    return direction(table, dim)
+    return _direction(table, dim)
 
 
 def limits(table: TomlTable, angles: bool) -> Limits:
-    """limits = { lower, upper, velocity, effort }; angles: of an angle, not a length."""
+    """Limits from { lower, upper, velocity, effort }; angles: of an angle, not a length."""
     inner = table.table("limits")
     return limits_of(inner.called(f"{table.where}, limits"), angles) if inner else Limits()
 
@@ -205,7 +217,7 @@ def limits_of(table: TomlTable, angles: bool) -> Limits:
 
 
 def drive(table: TomlTable) -> Drive:
-    """friction, rotor and spring."""
+    """The drive that friction, rotor and spring describe."""
 
     def part(key: str, *known: str) -> TomlTable | None:
         inner = table.table(key)
@@ -235,20 +247,8 @@ def _mimic(table: TomlTable) -> Mimic | None:
     )
 
 
-MASS = ("mass", "com", "inertia", "shape")
-_SHAPE_SIZES: dict[str, tuple[str, ...]] = {
-    "point": (),
-    "disc": ("radius",),
-    "ring": ("radius",),
-    "bar": ("length",),
-    "box": ("size",),
-    "cylinder": ("radius", "length"),
-    "sphere": ("radius",),
-}
-
-
-def inertia(table: TomlTable, dim: int) -> Inertia:
-    """mass, com, and inertia or shape."""
+def _inertia(table: TomlTable, dim: int) -> Inertia:
+    """An inertia from mass, com, and inertia or shape."""
     mass = table.quantity("mass")
     com = table.quantities("com", dim, default=(0.0,) * dim)
     if "shape" in table and "inertia" in table:
@@ -273,7 +273,7 @@ def _tensor(table: TomlTable, dim: int) -> tuple[Quantity, ...]:
 
 
 def _shaped(table: TomlTable, dim: int, mass: Quantity, com: tuple[Quantity, ...]) -> Inertia:
-    """shape = { bar = { length = 0.4 } }"""
+    """An inertia from shape = { bar = { length = 0.4 } } or another shape."""
     outer = table.inner(table.data["shape"], "shape").only(*_SHAPE_SIZES)
     if len(outer.data) != 1:
         outer.refuse(
@@ -289,37 +289,39 @@ def _shaped(table: TomlTable, dim: int, mass: Quantity, com: tuple[Quantity, ...
         table.refuse(
             "a shape needs a mass in numbers; give inertia = ... as a name instead.", "mass"
         )
-    if kind == "box":
-        body = Inertia.box(mass, sizes.vector("size", dim))
-    elif kind == "point":
-        body = Inertia.point(mass, (0.0,) * dim)
-    elif kind in ("disc", "ring", "bar"):
-        body = getattr(Inertia, kind)(mass, *(sizes.number(key) for key in _SHAPE_SIZES[kind]), dim)
-    elif dim == 2:
-        outer.refuse(f"a {kind} is not a planar shape; use disc, ring, bar or box.")
-    else:
-        body = getattr(Inertia, kind)(mass, *(sizes.number(key) for key in _SHAPE_SIZES[kind]))
+    match kind:
+        case "point":
+            body = Inertia.point(mass, (0.0,) * dim)
+        case "disc":
+            body = Inertia.disc(mass, sizes.number("radius"), dim)
+        case "ring":
+            body = Inertia.ring(mass, sizes.number("radius"), dim)
+        case "bar":
+            body = Inertia.bar(mass, sizes.number("length"), dim)
+        case "box":
+            body = Inertia.box(mass, sizes.vector("size", dim))
+        case _ if dim == 2:
+            outer.refuse(f"a {kind} is not a planar shape; use disc, ring, bar or box.")
+        case "cylinder":
+            body = Inertia.cylinder(mass, sizes.number("radius"), sizes.number("length"))
+        case _:
+            body = Inertia.sphere(mass, sizes.number("radius"))
     return Inertia(mass, com, body.tensor)
 
 
-TURNS = ("rpy", "axis_angle", "quat_wxyz", "matrix", "angle")
-PLACE = ("origin", *TURNS, "steps")
-UNIT_VECTORS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-
-
-def placement(table: TomlTable, dim: int) -> Placement:
-    """origin, then one rotation; or a list of steps."""
+def _placement(table: TomlTable, dim: int) -> Placement:
+    """A placement from origin, then one rotation; or from a list of steps."""
     if "steps" in table:
-        if any(key in table for key in ("origin", *TURNS)):
+        if any(key in table for key in ("origin", *_TURNS)):
             table.refuse("steps give the complete placement; remove origin and rotations.", "steps")
         return Placement(
             tuple(_step(t.called(f"{table.where}, steps"), dim) for t in table.tables("steps"))
         )
-    turns = [key for key in TURNS if key in table]
+    turns = [key for key in _TURNS if key in table]
     if len(turns) > 1:
         table.refuse(f"{turns[0]} and {turns[1]} exclude each other; keep one rotation.", turns[1])
     if turns and (turns[0] == "angle") != (dim == 2) and turns[0] != "matrix":
-        use = "angle" if dim == 2 else ", ".join(TURNS[:-1])
+        use = "angle" if dim == 2 else ", ".join(_TURNS[:-1])
         table.refuse(f"{turns[0]} does not fit a model with dim = {dim}; use {use}.", turns[0])
     origin = shift(*table.quantities("origin", dim, default=(0.0,) * dim))
     return origin.then(_rotation(table, turns[0], dim)) if turns else origin
@@ -343,7 +345,7 @@ def _rotation(table: TomlTable, key: str, dim: int) -> Placement:
     inner = table.inner(table.data[key], key).called(f"{table.where}, {key}").only("axis", "angle")
     axis = inner.data.get("axis")
     if isinstance(axis, str):
-        return turn(inner.choice("axis", UNIT_VECTORS), inner.quantity("angle", "angle"))
+        return turn(inner.choice("axis", _UNIT_VECTORS), inner.quantity("angle", "angle"))
     direction = inner.vector("axis", 3)
     length = math.hypot(*direction)
     if length == 0.0:
@@ -368,7 +370,7 @@ def _matrix(table: TomlTable, dim: int) -> Placement:
 
 
 def _step(table: TomlTable, dim: int) -> Shift | AxisRotation | Rotate:
-    """{ shift = [...] }, { turn = "z", angle = ... } or { matrix = [...] }; kept as written."""
+    """A step from { shift = [...] }, { turn = "z", angle = ... } or { matrix = [...] }."""
     table.only("shift", "turn", "angle", "matrix")
     if "shift" in table:
         return Shift(table.quantities("shift", dim))
@@ -380,18 +382,18 @@ def _step(table: TomlTable, dim: int) -> Shift | AxisRotation | Rotate:
     return Rotate(table.matrix("matrix", dim))
 
 
-def direction(table: TomlTable, dim: int) -> tuple[float, ...]:
-    """axis = [0, 0, 1], or a letter: "x", "-z"."""
+def _direction(table: TomlTable, dim: int) -> tuple[float, ...]:
+    """A direction from axis = [0, 0, 1], or a letter: "x", "-z"."""
     given = table.data.get("axis")
     if isinstance(given, str):
         sign, letter = (-1.0, given[1:]) if given.startswith("-") else (1.0, given)
-        if letter not in UNIT_VECTORS or (dim == 2 and letter == "z"):
+        if letter not in _UNIT_VECTORS or (dim == 2 and letter == "z"):
             table.refuse(
                 f"axis is {given!r}, expected x, y{'' if dim == 2 else ', z'}, one of them with a "
                 f"minus, or numbers.",
                 "axis",
             )
-        return tuple(sign * x for x in UNIT_VECTORS[letter][:dim])
+        return tuple(sign * x for x in _UNIT_VECTORS[letter][:dim])
     return table.vector("axis", dim)
 
 

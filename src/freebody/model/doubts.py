@@ -4,7 +4,7 @@ A kind says what it touches and what weight it has: it bars the verdict, or stan
 follows from the model's numbers is found anew for each model, so that a changed copy has its own
 doubts; what only its file could tell (placeholders, estimates) is a `Doubt` among `Model.notices`,
 and stands for as long as the model has the numbers that it is about. A result asks for the doubts
-on what it depends on (`doubts_on`) and says them in one line (`told`).
+on what it depends on (`doubts_on`) and says them in one line (`in_one_line`).
 """
 
 from __future__ import annotations
@@ -124,7 +124,7 @@ def doubts_on(model: Model, *aspects: str) -> tuple[Doubt, ...]:
 
     Of a family those of each kind that its first member with such doubts has; of one with very many
     members, `_MEMBERS` of them from the first to the last are looked at. Of a model with parameters
-    without value what its file told.
+    without value what its file tells.
     """
     key = f"doubts on {', '.join(aspects)}"
     if key not in model.facts:
@@ -132,7 +132,7 @@ def doubts_on(model: Model, *aspects: str) -> tuple[Doubt, ...]:
     return model.facts[key]
 
 
-def told(doubts: Iterable[Doubt]) -> str:
+def in_one_line(doubts: Iterable[Doubt]) -> str:
     """Doubts in one line: what bars a verdict after "Not judged:", then what stands beside it; ""
     for none."""
     every = list(doubts)
@@ -143,7 +143,7 @@ def told(doubts: Iterable[Doubt]) -> str:
 
 def attribute(doubts: Iterable[Doubt]) -> dict[str, str]:
     """Doubts as an attribute of a dataset or an entry of a manifest, which those without lack."""
-    line = told(doubts)
+    line = in_one_line(doubts)
     return {"doubts": line} if line else {}
 
 
@@ -205,7 +205,7 @@ def _found(kind: DoubtKind, model: Model, aspects: Sequence[str]) -> list[Doubt]
 
 
 def read_doubts(model: Model) -> list[Doubt]:
-    """The doubts that the model's file told, and that its numbers have not refuted since."""
+    """The doubts that the model's file tells, and that its numbers have not refuted since."""
     read = [notice for notice in model.notices if isinstance(notice, Doubt)]
     if not read or model.missing or model.family:
         return read
@@ -375,17 +375,17 @@ def _no_drive(model: Model, _: Sequence[str]) -> Iterator[str]:
 def _no_rotor(model: Model, _: Sequence[str]) -> Iterator[str]:
     """Rotor inertias that are missing in joints whose drive is described otherwise; a textbook's
     have none."""
-    told, without = 0, []
+    described_joints, without = 0, []
     for body in model.bodies:
         limits, drive = body.joint.limits.meant, body.joint.drive
         described = isfinite(limits.effort) or isfinite(limits.velocity)
         if body.joint.passive or body.joint.mimic or body.kind.nv != 1 or not described:
             continue
-        told += 1
+        described_joints += 1
         if VALUES.quantity(drive.rotor) == 0.0:
             without.append(body.joint.name)
     if without:
-        of = "" if len(without) == told else f" of {listed(without, _NAMES)}"
+        of = "" if len(without) == described_joints else f" of {listed(without, _NAMES)}"
         yield f"rotor inertia{of} is not given; its torque is left out."
 
 

@@ -67,7 +67,7 @@ def _edited(model: Model, values: Mapping[Any, Any]) -> Model | None:
         return None
     edits: Edits = model.__dict__.get("_edits", _NO_EDITS)
     changed: list[int] = []
-    if len(values) > 1 and not layout.told.isdisjoint(values):  # which may be given twice
+    if len(values) > 1 and not layout.aliases.isdisjoint(values):  # which may be given twice
         return None
     for name, value in values.items():
         if type(value) is not float:
@@ -164,7 +164,7 @@ def _asked(model: Model, copy: Model) -> Model:
 def _are_plain(model: Model, names: Iterable[Any]) -> bool:
     """Whether numbers of these names may have slots, as angles and limits do not."""
     known = named_numbers.known(model)
-    rows = [known.rows.get(str(known.told.get(name, name))) for name in names]
+    rows = [known.rows.get(str(known.aliases.get(name, name))) for name in names]
     return all(
         row is not None
         and row.sort not in ("direction", "limit")
@@ -229,9 +229,9 @@ class NumberLayout:
         """The slots of the numbers that can be changed, by name and by the place where a symbol
         stands."""
         self.slots |= {
-            told: self.slots[name] for told, name in names.told.items() if name in self.slots
+            alias: self.slots[name] for alias, name in names.aliases.items() if name in self.slots
         }
-        self.told = names.told.keys()
+        self.aliases = names.aliases.keys()
         """Names that some of them have besides."""
         self.absent = {
             name: row.editor

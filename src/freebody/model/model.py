@@ -29,7 +29,7 @@ from freebody.model.parameter_formulas import ParameterFormula
 from freebody.model.parameters import Quantity, each_parameter
 from freebody.model.quantity_reader import VALUES
 from freebody.model.structure import Structure, numbers_of, structure_of
-from freebody.model.tip import asked_for, with_tip
+from freebody.model.tip import requested_tip, with_tip
 from freebody.model.tree import Attached, Tree, lower
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.values import ByValue
@@ -300,7 +300,7 @@ class Model(NamedParts, Tabled, ByValue):
             changes["loop_tolerance"] = checked_tolerance(loop_tolerance, "Model.replace")
         result = dataclasses.replace(self, **changes)
         if tip is not None:
-            result = with_tip(result, asked_for(tip))
+            result = with_tip(result, requested_tip(tip))
         if gravity is not None:
             result = changed.with_symbols_known(result, result.gravity_size)
         return one_family(result, self, *changes.values())
@@ -421,7 +421,7 @@ class Model(NamedParts, Tabled, ByValue):
     ) -> Model:
         """The model with a frame more, as `with_frame`, which is the tip; `inertia` rides in it."""
         model = changed.with_frame(self, name, position, rotation, frame, "with_tool")
-        model = with_tip(model, asked_for(name))
+        model = with_tip(model, requested_tip(name))
         return model if inertia is None else model.with_payload(inertia, frame=name, name=name)
 
     def with_loop(

@@ -200,8 +200,8 @@ def found(names: Catalogue, given: Name, model: Model) -> str:
     if isinstance(name, str):
         if name in names.rows:
             return name
-        if name in names.told:
-            return names.told[name]
+        if name in names.aliases:
+            return names.aliases[name]
         if name in names.several:
             longer = listed(map(repr, names.several[name]))
             raise ModelError(
@@ -230,7 +230,9 @@ def matching(
         return [found(names, pattern, model)]
     usual = [r.name for r in records if not (r.structural or r.limit or r.formula)]
     meant = {name for name in usual if fnmatchcase(name, pattern)}
-    meant |= {name for told, name in names.told.items() if fnmatchcase(told, pattern)} & set(usual)
+    meant |= {name for alias, name in names.aliases.items() if fnmatchcase(alias, pattern)} & set(
+        usual
+    )
     if not meant:
         _require_tip(model, pattern)
         raise ModelError(
@@ -244,7 +246,7 @@ def _is_pattern(given: Name, names: Catalogue) -> TypeGuard[str]:
     """Whether a text is a pattern of the shell, and not a name that holds such characters."""
     if not isinstance(given, str) or given in names.rows:
         return False
-    if given in names.told or given in names.several:
+    if given in names.aliases or given in names.several:
         return False
     return not {*given}.isdisjoint("*?[")
 

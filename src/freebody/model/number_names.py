@@ -59,7 +59,7 @@ class Catalogue:
     """The numbers by names that only one of them has."""
     several: dict[str, tuple[str, ...]]
     """Names that several things share -> what each is called instead."""
-    told: dict[str, str]
+    aliases: dict[str, str]
     """Names of places that a symbol, or an entry of a DH table, stands in -> its name."""
 
 
@@ -69,7 +69,7 @@ def catalogue(model: Model) -> Catalogue:
     leaves = named_leaves(model)
     at = {path: name for name, paths in leaves.items() for path in paths}
     held: dict[tuple[str, ...], ModelNumber] = {}
-    told: dict[str, str] = {}
+    aliases: dict[str, str] = {}
     rows: list[ModelNumber] = []
     for row, path in _places(model, space):
         own = at.get(path)
@@ -80,12 +80,12 @@ def catalogue(model: Model) -> Catalogue:
             held[own] = _leaf(own, leaves[own], row)
             rows.append(held[own])
         if len(leaves[own]) == 1:
-            told[row.name] = held[own].name
+            aliases[row.name] = held[own].name
     for own, paths in leaves.items():  # in placements of several steps, where no place has a name
         if own not in held:
             held[own] = _leaf(own, paths, None)
             rows.append(held[own])
-    return _by_name(rows, told)
+    return _by_name(rows, aliases)
 
 
 def _leaf(own: tuple[str, ...], paths: list[PiecePath], row: ModelNumber | None) -> ModelNumber:
@@ -100,7 +100,7 @@ def _leaf(own: tuple[str, ...], paths: list[PiecePath], row: ModelNumber | None)
     return ModelNumber(own, "symbol", editor, "", unit, what, "symbol")
 
 
-def _by_name(rows: list[ModelNumber], told: dict[str, str]) -> Catalogue:
+def _by_name(rows: list[ModelNumber], aliases: dict[str, str]) -> Catalogue:
     """Rows whose names are taken twice say what they belong to, and are counted where that does not
     do."""
     sharing: dict[str, list[ModelNumber]] = {}
@@ -118,7 +118,9 @@ def _by_name(rows: list[ModelNumber], told: dict[str, str]) -> Catalogue:
                 name = f"{longer} ({count})"
             several.setdefault(row.name, []).append(name)
         found[name] = row
-    kept = {alias: name for alias, name in told.items() if alias not in sharing and name in found}
+    kept = {
+        alias: name for alias, name in aliases.items() if alias not in sharing and name in found
+    }
     return Catalogue(found, {name: tuple(names) for name, names in several.items()}, kept)
 
 

@@ -60,7 +60,7 @@ def with_tip(model: Model, tip: ChosenTip) -> Model:
     return replace(model, tip=frame, notices=(*notices, tip.notice))
 
 
-def asked_for(frame: str) -> ChosenTip:
+def requested_tip(frame: str) -> ChosenTip:
     """The tip that a caller names."""
     return ChosenTip(frame, f"The tip is {frame!r}, as asked.")
 

@@ -20,7 +20,7 @@ from freebody.arrays import (
 from freebody.errors import FreebodyError, KindError
 from freebody.lazy import cached_property
 from freebody.locks import imported
-from freebody.model.doubts import Doubt, named, told
+from freebody.model.doubts import Doubt, in_one_line, named
 from freebody.model.model import Model
 from freebody.motion.peaks import Peaks, peaks_of
 from freebody.motion.piecewise import PiecewisePolynomial, hermite
@@ -112,7 +112,7 @@ class Motion(Tabled, ByValue):
         )
 
     def _table(self) -> TextTable:
-        found, notes = self.peaks, (*filter(None, [told(self.doubts)]), *self.notices)
+        found, notes = self.peaks, (*filter(None, [in_one_line(self.doubts)]), *self.notices)
         rows = [
             (f"q[{k}]", f"{low:.4g} … {high:.4g}")
             for k, (low, high) in enumerate(
