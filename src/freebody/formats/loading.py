@@ -118,21 +118,25 @@ def _weighed(model: Model, description: RobotDescription, estimate: bool, warned
             model, {link.name: link.shapes for link in description.links}, estimate
         )
         model = replace(model, notices=(*model.notices, *found)) if found else model
-    doubts = [x for x in model.notices if isinstance(x, Doubt)]
-    if not all(doubt.about for doubt in doubts) and not model.missing:
-        notices = (_tied(x, model) if isinstance(x, Doubt) else x for x in model.notices)
-        model = replace(model, notices=tuple(notices))
-    for doubt in doubts if warned else ():
-        if doubt.of.mend:
+    model = settled(model)
+    for doubt in model.notices if warned else ():
+        if isinstance(doubt, Doubt) and doubt.of.mend:
             warn(f"warning: {doubt}", MassWarning)
     return model
 
 
-def _tied(doubt: Doubt, model: Model) -> Doubt:
-    """A doubt of the file tied to the numbers of the model that it is about: to all of its sort,
-    where the file names no links."""
-    tied = doubt.of.tied
-    return replace(doubt, about=tied(model)) if tied and not doubt.about else doubt
+def settled(model: Model) -> Model:
+    """The model as it was read, its file's doubts tied to the numbers that they are about: to all
+    of their sort, where the file names no links."""
+    if model.missing:
+        return model
+    notices = tuple(
+        replace(x, about=x.of.tied(model))
+        if isinstance(x, Doubt) and not x.about and x.of.tied
+        else x
+        for x in model.notices
+    )
+    return replace(model, notices=notices) if notices != model.notices else model
 
 
 def read(
