@@ -285,7 +285,7 @@ def _shaped(table: TomlTable, dim: int, mass: Quantity, com: tuple[Quantity, ...
         .called(f"{table.where}, {kind}")
         .only(*_SHAPE_SIZES[kind])
     )
-    if isinstance(mass, Parameter):
+    if not isinstance(mass, float):
         table.refuse(
             "a shape needs a mass in numbers; give inertia = ... as a name instead.", "mass"
         )
