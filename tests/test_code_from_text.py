@@ -77,7 +77,7 @@ KNOWN = {
     ("targets/llvm/fastcall.py", "pythonapi"): "constant names of CPython's functions",
     ("targets/llvm/gufunc.py", "pythonapi"): "constant names of CPython's functions",
     (
-        "formats/estimated_inertias.py",
+        "formats/masses.py",
         "trimesh",
     ): "bytes of four formats of shapes, only where estimate_inertia asks for it",
     ("targets/llvm/gufunc.py", "PYFUNCTYPE"): "functions of NumPy's table",
@@ -88,7 +88,7 @@ KNOWN = {
         "eval",
     ): "calls that stand in freebody_notes; held to that below",
     ("freebody_notes/steps.py", "eval"): "calls that stand in freebody_notes; held to that below",
-    ("report/html.py", "Markup"): "our own style, and drawings, whose text is escaped",
+    ("report/page.py", "Markup"): "our own style, and drawings, whose text is escaped",
     ("report/tables.py", "Markup"): "text that has just been escaped",
     ("freebody_notes/page.py", "Markup"): "formulas and drawings of the notes' own items",
     ("report/page_tables.py", "Markup"): "cells that were escaped there",

@@ -14,7 +14,7 @@ from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.figures import svg, text
 from freebody.figures.drawing import Arc, Arrow, Dimension, Label, Line, Mark, Prism, Turn
 from freebody.figures.figure import Figure
-from freebody.figures.label_placement import overlaps
+from freebody.figures.labelling import overlaps
 from freebody.figures.layers.geometry import common_normal
 from freebody.figures.snapshot import clear_pose, with_values
 from freebody.model.joints import KINDS

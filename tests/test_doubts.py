@@ -14,6 +14,7 @@ import pytest
 
 import freebody as fb
 from freebody.cli.app import run
+from freebody.formats.loading import settled
 from freebody.kernels.formulas import FORMULAS
 from freebody.model.doubts import (
     ALL,
@@ -27,7 +28,6 @@ from freebody.model.doubts import (
     ROTORS,
     SPEEDS,
     Doubt,
-    settled,
 )
 from freebody.model.inertia import Inertia
 from freebody.motion.motion import Motion, motion_of

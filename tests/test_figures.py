@@ -13,17 +13,17 @@ import freebody as fb
 from freebody.cli.app import run
 from freebody.errors import FreebodyError, MissingValueError, ShapeError, UnknownNameError
 from freebody.figures.drawing import Arc, Arrow, Dimension, Line, Mark, Prism, Turn
-from freebody.figures.label_placement import Crowd, Wanted, overlaps
+from freebody.figures.kinematic import robot_drawing
+from freebody.figures.labelling import Crowd, Wanted, overlaps
 from freebody.figures.layers import forces
 from freebody.figures.plots import Plot, plot, thin, ticks
-from freebody.figures.robot import robot_drawing
 from freebody.figures.snapshot import snapshot, with_values
 from freebody.figures.svg import picture
 from freebody.figures.svg_symbols import MARKS
 from freebody.figures.text import plain
 from freebody.figures.view import best_view
 from freebody.model.joints import KINDS
-from freebody.outputs.numbers import significant
+from freebody.outputs.number_text import significant
 from freebody_textbook.drawings.illustrate import illustrations
 
 Q2, QD2, QDD2 = [0.6, 0.9], [1.0, -0.5], [2.0, 3.0]

@@ -109,7 +109,7 @@ assert status == 0, status
             "freebody.kernels.own_functions",
             "create_module",
         ),  # not among the modules yet
-        ("fb.math", "freebody.math", "create_module"),
+        ("fb.math.sin", "freebody.scalar_math", "create_module"),
         ("fb.compile", "freebody.targets.threads", "exec_module"),
         ("import freebody.kernels.own_functions", "freebody.targets.threads", "exec_module"),
         ("import freebody_notes.run", "freebody_notes.item", "exec_module"),

@@ -13,7 +13,7 @@ import pytest
 import freebody as fb
 from freebody.formats import dh_csv, toml
 from freebody.formats.saving import as_toml
-from freebody.formats.toml_lines import line_of, lines
+from freebody.formats.toml_table import line_of, lines
 from freebody.model.build import build_model
 from freebody.model.description import Limits, Mimic
 from freebody.model.joints import KINDS, JointKind

@@ -12,7 +12,7 @@ import freebody as fb
 from freebody.cli.app import run
 from freebody.cli.options import values as positions
 from freebody.formats import read_file
-from freebody.formats.number_text import number
+from freebody.formats.read_file import number
 from freebody.kernels.formulas import FORMULAS, Formula
 from freebody.kernels.formulas.record import Output
 from freebody.motion.files.csv_files import read_motion

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 import freebody as fb
-from freebody.report import html, lifting
+from freebody.report import page, page_figures
 
 
 def test_two_links_by_hand(monkeypatch):
@@ -18,7 +18,7 @@ def test_two_links_by_hand(monkeypatch):
     q = study.motion.q
     phi = q.sum(axis=1)
     by_hand = (40.0 - 1.5 * 9.81 * 0.2 * np.abs(np.cos(phi))) / (9.81 * 0.4 * np.abs(np.cos(phi)))
-    mass = lifting.along(study)
+    mass = page_figures.lifting_along(study)
     assert mass is not None
     assert np.allclose(mass, by_hand, rtol=1e-9)
     seen: dict[str, np.ndarray] = {}
@@ -27,8 +27,8 @@ def test_two_links_by_hand(monkeypatch):
         seen.update(points=points, best=best)
         return fb.map_diagram(model, points, best, *more, **named)
 
-    monkeypatch.setattr(lifting, "map_diagram", drawn)
-    found = lifting.over_plane(study)
+    monkeypatch.setattr(page_figures, "map_diagram", drawn)
+    found = page_figures.lifting_over_plane(study)
     assert found is not None
     assert found[1] == "in any orientation"
     radius = np.linalg.norm(seen["points"], axis=-1)
@@ -37,15 +37,16 @@ def test_two_links_by_hand(monkeypatch):
     ways = fb.inverse_kinematics(arm, seen["points"][i, j]).q.sum(axis=1)
     masses = (40.0 / np.abs(np.cos(ways)) - 1.5 * 9.81 * 0.2) / (9.81 * 0.4)
     assert np.isclose(seen["best"][i, j], masses.max(), rtol=1e-9)
-    page = html.page(study)
-    assert "Payload at rest" in page
-    assert f"At least {by_hand.min():.3g} kg" in page
-    assert "Blank points" in page
-    monkeypatch.setattr(lifting, "over_plane", lambda study: None)  # no closed form: no map
-    assert "Blank points" not in html.page(study)
+    text = page.page(study)
+    assert "Payload at rest" in text
+    assert f"At least {by_hand.min():.3g} kg" in text
+    assert "Blank points" in text
+    # no closed form: no map
+    monkeypatch.setattr(page_figures, "lifting_over_plane", lambda study: None)
+    assert "Blank points" not in page.page(study)
 
 
 def test_nothing_without_limits():
     study = fb.study(fb.load("2R"))
-    assert lifting.along(study) is None
-    assert "Payload at rest" not in html.page(study)
+    assert page_figures.lifting_along(study) is None
+    assert "Payload at rest" not in page.page(study)

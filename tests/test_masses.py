@@ -14,7 +14,7 @@ import pytest
 import freebody as fb
 from freebody.cli.app import run
 from freebody.errors import FileError, FreebodyError
-from freebody.formats.estimated_inertias import located
+from freebody.formats.masses import located
 from freebody.model.inertia import Inertia
 from freebody.motion.motion import motion_of
 from support.extras import extra

@@ -13,7 +13,7 @@ from freebody.errors import FreebodyError
 from freebody.motion.files.csv_files import read_motion
 from freebody.motion.files.measured_motions import noise, recognised, smooth
 from freebody.motion.motion import Motion
-from freebody.report.measured_noise import filtered
+from freebody.report.studied_motion import filtered
 
 ARM = fb.planar(
     "RR",

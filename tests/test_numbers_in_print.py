@@ -13,7 +13,7 @@ import pytest
 
 import freebody as fb
 from freebody.motion.motion import vector_of_times
-from freebody.outputs.numbers import compared, fixed, rounded_up, shortest, significant
+from freebody.outputs.number_text import compared, fixed, rounded_up, shortest, significant
 from freebody.report.results import LimitUse
 from support.sources import SOURCES, place
 

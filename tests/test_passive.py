@@ -10,7 +10,7 @@ import pytest
 import freebody as fb
 from freebody.errors import FileError, ModelError, PassiveJointError
 from freebody.motion.simulation.results import SimulationStopped
-from freebody.report.html import page
+from freebody.report.page import page
 from freebody.report.page_tables import drives, work
 from freebody.report.series import series
 from freebody.report.summary import summary

@@ -16,12 +16,12 @@ from scipy.spatial.transform import Rotation
 
 import freebody as fb
 from freebody.cli.app import run
-from freebody.cli.plan import Planner
+from freebody.cli.plan import PlannerName
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planners import PLANNERS as PLANNERS_BY_NAME
 from freebody.motion.planning.point_to_point import PROFILES
-from freebody.report.peak_instants import with_peaks
 from freebody.report.replay import replayed
+from freebody.report.studied_motion import with_peaks
 from support.extras import extra
 
 ARM = fb.load("ur5e")
@@ -573,7 +573,7 @@ def test_the_command_plans_a_free_body(
 
 
 def test_the_command_knows_all_planners():
-    assert set(get_args(Planner)) == set(PLANNERS_BY_NAME)
+    assert set(get_args(PlannerName)) == set(PLANNERS_BY_NAME)
     assert next(iter(PLANNERS_BY_NAME)) == "spline"
 
 

@@ -8,7 +8,7 @@ from html.parser import HTMLParser
 import pytest
 
 import freebody as fb
-from freebody.outputs.numbers import significant
+from freebody.outputs.number_text import significant
 from freebody.report.tables import PrintedNumber, WordsCell, aligned, typeset
 from support.report_numbers import compare, data_file
 
@@ -75,7 +75,7 @@ def test_every_number_is_the_data_files(study, tmp_path):
 def test_failed_check_stands_out(study):
     bad = dataclasses.replace(study.checks[0], passed=False, value=1.0)
     page = dataclasses.replace(study, checks=(bad, *study.checks[1:]))
-    from freebody.report.html import page as written
+    from freebody.report.page import page as written
 
     text = written(page)
     assert f'class="badge bad" href="#checks">1 of {len(study.checks)} self-checks failed' in text

@@ -18,7 +18,7 @@ from freebody.motion.motion import motion_of
 from freebody.report import replay as replays
 from freebody.report.checks import checks
 from freebody.report.driven_runs import land
-from freebody.report.error_growth import BOUND, amplification, exponentials, pieces
+from freebody.report.replay import BOUND, amplification, exponentials, pieces
 from freebody.scalars.time_derivatives import Jet, parts
 from freebody.spatial import space
 

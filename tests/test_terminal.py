@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from freebody.cli.app import run
-from freebody.cli.spelling import spelled
+from freebody.cli.terminal import spelled
 
 COMMANDS = [
     ["derive", "2R"],

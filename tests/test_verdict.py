@@ -13,7 +13,7 @@ import pytest
 import freebody as fb
 from freebody.cli.app import run
 from freebody.motion.motion import Motion, motion_of
-from freebody.report.bearings import bearing_loads
+from freebody.report.series import bearing_loads
 from freebody.report.summary import parted
 from freebody.report.time_scaling import at_pace, pace
 

@@ -18,7 +18,7 @@ def stub() -> str:
         'what type checkers read of it."""',
         "",
     ]
-    lines += [f"from . import {name} as {name}" for name in fb._MODULES]
+    lines += ["from . import math as math"]
     for place, names in sorted(fb._PLACES.items()):
         for name in sorted(names):
             line = f"from {place} import {name} as {name}"

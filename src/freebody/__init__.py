@@ -6,6 +6,8 @@ This module is a table of contents: each name is imported from its place when it
 
 from __future__ import annotations
 
+import sys
+from types import ModuleType
 from typing import Any
 
 from freebody.locks import imported
@@ -24,7 +26,7 @@ _PLACES = {
     "freebody.model.inertia": ("Inertia",),
     "freebody.model.integrated_inertia": ("inertia_from", "integrated_inertia"),
     "freebody.model.parameters": ("Parameter",),
-    "freebody.model.numbers": ("parameters",),
+    "freebody.model.named_numbers": ("parameters",),
     "freebody.model.description": ("Drive", "Limits"),
     "freebody.model.model": ("Model",),
     "freebody.model.planar_arms": ("planar",),
@@ -154,13 +156,35 @@ _QUICK = tuple(
 too much, or warnings would point at it."""
 
 _PLACE_OF = {name: place for place, names in _PLACES.items() for name in names}
-_MODULES = ("math",)
-__all__ = [*_PLACE_OF, *_MODULES, "__version__"]
+__all__ = [*_PLACE_OF, "math", "__version__"]
+
+
+class _Math(ModuleType):
+    """The module `freebody.math`, filled from `scalar_math.py` when one of its names is first used.
+
+    That file has another name because a math.py would hide the standard library's from a Python
+    that is started in its folder.
+    """
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__") and name != "__all__":  # what tools ask of every module
+            raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
+        functions = imported("freebody.scalar_math")
+        own = ("__name__", "__spec__", "__loader__", "__package__")
+        vars(self).update({key: x for key, x in vars(functions).items() if key not in own})
+        if name not in vars(self):
+            raise AttributeError(f"module {self.__name__!r} has no attribute {name!r}")
+        return vars(self)[name]
+
+    def __dir__(self) -> list[str]:
+        return sorted(imported("freebody.scalar_math").__all__)
+
+
+math = sys.modules["freebody.math"] = _Math("freebody.math")
+math.__spec__ = type(__spec__)("freebody.math", None)
 
 
 def __getattr__(name: str) -> Any:
-    if name in _MODULES:
-        return imported(f"freebody.{name}")
     if name not in _PLACE_OF:
         raise AttributeError(f"module 'freebody' has no attribute {name!r}")
     try:
@@ -176,7 +200,7 @@ def __getattr__(name: str) -> Any:
 
 
 def _not_found(name: str, failure: ModuleNotFoundError) -> ImportError:
-    """What to raise where a name's module cannot be imported."""
+    """The error to raise where a name's module cannot be imported."""
     package = _PLACE_OF[name].partition(".")[0]
     if failure.name != package:
         return failure

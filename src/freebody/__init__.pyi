@@ -38,7 +38,7 @@ from freebody.model.inertia import Inertia as Inertia
 from freebody.model.integrated_inertia import inertia_from as inertia_from
 from freebody.model.integrated_inertia import integrated_inertia as integrated_inertia
 from freebody.model.model import Model as Model
-from freebody.model.numbers import parameters as parameters
+from freebody.model.named_numbers import parameters as parameters
 from freebody.model.parameters import Parameter as Parameter
 from freebody.model.planar_arms import planar as planar
 from freebody.motion.default_motion import default_motion as default_motion

@@ -103,7 +103,7 @@ def at_sample(index: Sequence[int]) -> str:
 
 
 def too_large(function: str, given: Mapping[str, Any], problem: Exception) -> Exception:
-    """What to raise where NumPy says that an array does not fit into memory: an error that names
+    """The error to raise where NumPy says that an array does not fit into memory: one that names
     the argument that its size comes from. Any other error is returned as it is.
 
     given: the arguments by name. The one is named that counts as many things as the array has
@@ -147,14 +147,14 @@ def too_large(function: str, given: Mapping[str, Any], problem: Exception) -> Ex
 
 
 _BEYOND_ADDRESSES = ("Maximum allowed", "array is too big")
-"""How NumPy begins what it says of sizes that no address space has."""
+"""Beginnings of NumPy's messages on sizes that no address space has."""
 
 _MANY = 1000
-"""What counts less is not to blame for an array that does not fit into memory."""
+"""Size below which an argument is not to blame for an array that does not fit into memory."""
 
 
 def _counts(value: Any) -> Iterator[float]:
-    """What an argument may count, see `too_large`."""
+    """The numbers of entries that an argument stands for, see `too_large`."""
     if isinstance(value, Mapping):
         sizes = [count for entry in value.values() for count in _counts(entry)]
         yield math.prod(sizes) if sizes else 0.0

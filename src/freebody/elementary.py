@@ -20,7 +20,7 @@ FUNCTIONS: dict[str, Callable[..., Scalar]] = {}
 """Every function of this module by its name, which is that of the operation in a program."""
 
 NUMERIC: dict[str, Callable[..., Any]] = {}
-"""The same for floats and NumPy arrays alone, without asking what comes."""
+"""Every function for floats and NumPy arrays alone, which does not look at its operands."""
 
 
 _One = Callable[[Scalar], Scalar]

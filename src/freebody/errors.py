@@ -38,7 +38,7 @@ _DIGITS = re.compile(r"[0-9]+")
 
 
 def _apart(a: str, b: str) -> tuple[float, int]:
-    """How unlike two names are: in letters, and in their numbers."""
+    """The distance of two names: in letters, and in their numbers."""
     numbers = zip(*([int(x) for x in _DIGITS.findall(name)] for name in (a, b)), strict=False)
     return -difflib.SequenceMatcher(None, a, b).ratio(), sum(abs(x - y) for x, y in numbers)
 

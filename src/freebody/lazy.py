@@ -18,13 +18,13 @@ class Keeps:
 
 
 def by_field(instance: Any) -> dict[str, Any]:
-    """What the fields of a dataclass hold, by their names."""
+    """The values of a dataclass's fields, by their names."""
     return {field.name: getattr(instance, field.name) for field in dataclasses.fields(instance)}
 
 
 def kept(instance: object, name: str, find: Callable[..., T], *arguments: Any) -> T:
-    """What `find(*arguments)` says of a frozen instance (of `Keeps`, or one that pickles its fields
-    alone), kept there by name."""
+    """The value of `find(*arguments)` for a frozen instance (of `Keeps`, or one that pickles its
+    fields alone), kept there by name."""
     values = instance.__dict__
     if name not in values:
         return values.setdefault(name, find(*arguments))

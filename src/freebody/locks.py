@@ -21,18 +21,18 @@ import threading
 from types import ModuleType
 
 KERNELS = threading.RLock()
-"""Of the kernels of this process; held while a target is imported and builds one."""
+"""The lock of the kernels of this process; held while a target is imported and builds one."""
 
 COMPILER = threading.RLock()
-"""Of a compiler's library, which one thread uses at a time."""
+"""The lock of a compiler's library, which one thread uses at a time."""
 
 IMPORTS = threading.RLock()
-"""Of modules of public names; nothing that a module does while it is imported takes the locks
-above."""
+"""The lock of the imports of public names; nothing that a module does while it is imported takes
+the locks above."""
 
 
 _OURS = ("freebody.", "freebody_textbook.", "freebody_notes.")
-"""What names of this distribution's modules begin with."""
+"""Beginnings of the names of this distribution's modules."""
 
 
 def imported(module: str) -> ModuleType:

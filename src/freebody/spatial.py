@@ -204,7 +204,7 @@ class Space:
         return ((dot(a, Ia), xy, xz), (xy, dot(b, Ib), yz), (xz, yz, dot(c, Ic)))
 
     def steiner(self, m: Scalar, h: Vector, p: Vector) -> Matrix:
-        """What an inertia about an origin gains when that origin (mass m, first moment h about it)
+        """The gain of an inertia about an origin when that origin (mass m, first moment h about it)
         lies at p (1.19)."""
         # the inertia of first moments a, b is (a·b) 1 - a bᵀ, made symmetric
         (x, y, z), (hx, hy, hz) = p, h
@@ -280,7 +280,7 @@ class Plane:
         return ((dot(h, v),),)
 
     def turned_inertia(self, R: Matrix, inertia: Scalar) -> Scalar:
-        """The same number in any axes."""
+        """The inertia in turned axes, which in the plane is the same number."""
         return inertia
 
     def steiner(self, m: Scalar, h: Vector, p: Vector) -> Scalar:

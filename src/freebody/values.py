@@ -60,12 +60,12 @@ class ByValue:
 
 @cache
 def _names(kind: type) -> tuple[str, ...]:
-    """Of a dataclass's fields."""
+    """The names of a dataclass's fields."""
     return tuple(field.name for field in dataclasses.fields(kind))
 
 
 def key(value: Any) -> Any:
-    """What stands for a value in comparisons: hashable, equal where all numbers in it are; NaN
+    """The stand-in for a value in comparisons: hashable, equal where all numbers in it are; NaN
     equals NaN."""
     if isinstance(value, np.ndarray):
         plain = value + 0.0 if value.dtype.kind == "f" else value  # -0.0 is 0.0

@@ -43,11 +43,17 @@ def _command(function: Callable[..., None], example: str, **more: Any) -> None:
     app.command(epilog=example, help=terminal.paragraphs(function.__doc__), **more)(function)
 
 
-COMMANDS = (study, plan, simulate, sweep, show, fbd, export, models)
-"""Modules, each with a function of its name and an EXAMPLE."""
-for _module in COMMANDS:
-    _own = vars(_module)
-    _command(_own[_module.__name__.rpartition(".")[2]], _module.EXAMPLE)
+for _function, _example in (
+    (study.study, study.EXAMPLE),
+    (plan.plan, plan.EXAMPLE),
+    (simulate.simulate, simulate.EXAMPLE),
+    (sweep.sweep, sweep.EXAMPLE),
+    (show.show, show.EXAMPLE),
+    (fbd.fbd, fbd.EXAMPLE),
+    (export.export, export.EXAMPLE),
+    (models.models, models.EXAMPLE),
+):
+    _command(_function, _example)
 
 
 def _add(name: str, module: str) -> None:

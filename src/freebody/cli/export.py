@@ -78,7 +78,7 @@ def export(
     out: _Out = None,
     name: _Name = None,
     dtype: _NumberType = "float64",
-    frame: options.Frame = None,
+    frame: options.FrameOption = None,
     reference: _Reference = "world",
     wrench: _Wrenches = None,
     inputs: _Inputs = None,

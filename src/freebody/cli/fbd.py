@@ -47,12 +47,12 @@ def fbd(
         ),
     ] = None,
     labels: Annotated[
-        options.Labels | None,
+        options.LabelsOption | None,
         typer.Option(
             help="Labels beside the arrows. Default: both; names where parameters have no value."
         ),
     ] = None,
-    notation: options.Notation = None,
+    notation: options.NotationOption = None,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE.svg", help="The drawing. Default: ROBOT-fbd.svg.")
     ] = None,
@@ -110,6 +110,6 @@ def _table(figure: FreeBodyDiagram) -> TextTable:
 
 
 def _components(values: Array) -> str:
-    from freebody.outputs.numbers import significant
+    from freebody.outputs.number_text import significant
 
     return "  ".join(significant(float(x), 4) for x in values)

@@ -35,32 +35,32 @@ Tip = Annotated[
         "flange, ee… or grasp…, else the end of the longest chain, grippers taken off.",
     ),
 ]
-Frame = Annotated[
+FrameOption = Annotated[
     str | None,
     typer.Option(metavar="FRAME", help="Frame of kinematic quantities. Default: the tip."),
 ]
-Labels = Literal["names", "values", "both"]
-"""What stands beside arrows, angles and lengths."""
+LabelsOption = Literal["names", "values", "both"]
+"""Labels beside arrows, angles and lengths."""
 
 
 def number(text: str | float) -> float:
     """An option's number; the parser's own would also take 1_0 and digits of other scripts."""
-    from freebody.formats import number_text
+    from freebody.formats import read_file
 
-    value = number_text.number(text) if isinstance(text, str) else text
-    if value is None or number_text.fault(value):
+    value = read_file.number(text) if isinstance(text, str) else text
+    if value is None or read_file.fault(value):
         raise typer.BadParameter(f"{shown(text)} is not a number that can be used.")
     return value
 
 
 def values(what: str, text: str) -> list[float]:
     """Numbers apart by commas or blanks; a number with "deg" is an angle in degrees."""
-    from freebody.formats import number_text
+    from freebody.formats import read_file
 
     found = []
     for piece in re.sub(r" ?(deg|°)", r"deg", " ".join(text.split())).replace(",", " ").split():
-        value = number_text.number(piece.removesuffix("deg"))
-        if value is None or number_text.fault(value):
+        value = read_file.number(piece.removesuffix("deg"))
+        if value is None or read_file.fault(value):
             raise FreebodyError(
                 f"{what} {shown(text)}: {shown(piece)} is not a number that can be used; "
                 f'write for example {what} "0.5, 30 deg".'
@@ -69,7 +69,7 @@ def values(what: str, text: str) -> list[float]:
     return found
 
 
-Notation = Annotated[
+NotationOption = Annotated[
     str | None,
     typer.Option(
         metavar="NAME or FILE",
@@ -77,7 +77,7 @@ Notation = Annotated[
         "murray-li-sastry, lynch-park, featherstone; or as a TOML file of your own says.",
     ),
 ]
-Parameters = Annotated[
+ParametersOption = Annotated[
     list[str] | None,
     typer.Option(
         "--parameter",
@@ -88,7 +88,7 @@ Parameters = Annotated[
 
 
 def pairs(option: str, texts: list[str] | None, example: str) -> dict[str, str]:
-    """What stands left and right of the = in the values of an option."""
+    """Names and values, left and right of the = in the values of an option."""
     found = {}
     for text in texts or ():
         name, equals, meaning = text.partition("=")
@@ -184,9 +184,9 @@ _READING: dict[str, tuple[Any, Any]] = {
 """Options of how a robot is read, by the argument of `fb.load`, with their defaults; and which of
 its numbers are others."""
 FILE = ("tip", "base", "mimic", "physical", "snap_angles", "convention", "parameters")
-"""Those of most commands."""
+"""Options of most commands."""
 CASE = (*FILE, "payload")
-"""Those of commands that move the robot."""
+"""Options of commands that move the robot."""
 
 
 @dataclass(frozen=True)
@@ -223,18 +223,18 @@ _PAYLOAD = re.compile(
     r"(?P<mass>[^@,=]+)(@(?P<com>[^@=]+?))?(,\s*(?P<shape>box|cylinder|inertia)\s*=(?P<sizes>[^@=]+))?"
 )
 _ENTRIES = (0, 3, 4, 1, 5, 2)
-"""Of xx, yy, zz, xy, xz, yz those of a tensor in stored order."""
+"""Indices among xx, yy, zz, xy, xz, yz of a tensor's entries in stored order."""
 
 
 def _payload(text: str) -> dict[str, Any]:
-    """What --payload means, as arguments of `Model.with_payload`."""
-    from freebody.formats import number_text
+    """The meaning of --payload, as arguments of `Model.with_payload`."""
+    from freebody.formats import read_file
 
     def numbers(part: str | None) -> list[float] | None:
         if part is None:
             return None
-        found = [number_text.number(piece.strip()) for piece in part.split(",")]
-        usable = [x for x in found if x is not None and not number_text.fault(x)]
+        found = [read_file.number(piece.strip()) for piece in part.split(",")]
+        usable = [x for x in found if x is not None and not read_file.fault(x)]
         return usable if len(usable) == len(found) else []
 
     match = _PAYLOAD.fullmatch(text.strip())

@@ -1,20 +1,23 @@
-"""`freebody plan`."""
+"""`freebody plan`: motions through waypoints, or along a path of the tip (--line, --arc)."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from freebody.cli import options, terminal
-from freebody.cli.tip_path import TipPathOptions
 from freebody.errors import FreebodyError, MissingArgumentError, listed
-from freebody.outputs.display import TextTable
+from freebody.outputs.display import TextTable, counted
 
 if TYPE_CHECKING:
+    from freebody.arrays import Array
     from freebody.model.model import Model
     from freebody.motion.motion import Motion
+
 
 _ROUNDING = 1e-12
 """rad, m: what is left of 0 in a polynomial of positions."""
@@ -22,7 +25,7 @@ _ROUNDING = 1e-12
 EXAMPLE = 'Example: freebody plan 2R "0, 0; 1.2, 30 deg; 0.5, -0.4" --acceleration 2'
 
 
-Planner = Literal["spline", "quintic", "trapezoid", "s-curve", "time-optimal"]
+PlannerName = Literal["spline", "quintic", "trapezoid", "s-curve", "time-optimal"]
 
 
 def _limit(what: str) -> Any:
@@ -45,7 +48,7 @@ def plan(
         Path, typer.Option(metavar="FILE", help="File for the motion, for study --motion.")
     ] = Path("motion.csv"),
     by: Annotated[
-        Planner | None,
+        PlannerName | None,
         typer.Option(
             help="spline and time-optimal do not stop at waypoints, the others do; time-optimal "
             "holds the robot's limits of torque too. Default: spline."
@@ -174,7 +177,7 @@ def _cleared(position: float) -> float:
 
 
 def _print(model: Model, motion: Motion, path: Path, again: str, of_tip: bool) -> None:
-    from freebody.model.doubts import told
+    from freebody.model.doubts import in_one_line
     from freebody.motion.planning.planning_limits import planning_limits
     from freebody.report.load_case import in_a_line
 
@@ -182,7 +185,7 @@ def _print(model: Model, motion: Motion, path: Path, again: str, of_tip: bool) -
     for text in motion.notices:
         terminal.warn(text)
     if motion.doubts:
-        terminal.warn(told(motion.doubts))
+        terminal.warn(in_one_line(motion.doubts))
     out.print(f"{model.name}: {motion.source}, {motion.duration:.4g} s.", markup=False)
     out.print(f"{model.tip_reason} " * of_tip + in_a_line(model), markup=False)
     rows = []
@@ -211,3 +214,133 @@ def _print(model: Model, motion: Motion, path: Path, again: str, of_tip: bool) -
     terminal.table(TextTable(head, rows))
     out.print(f"written: {path}", markup=False, soft_wrap=True)
     out.print(f"again:   {again}", markup=False, soft_wrap=True)
+
+
+_KEEP = "keep"
+
+
+@dataclass(frozen=True)
+class TipPathOptions:
+    """The options of a path, as they were typed; None where they were not."""
+
+    line: str | None
+    arc: str | None
+    pose: str | None
+    task: str | None
+    radius: float | None
+    speed: float | None
+    duration: float | None
+
+    @property
+    def given(self) -> bool:
+        """Whether a path of the tip is asked for; refuses options that belong to one otherwise."""
+        if self.line is not None and self.arc is not None:
+            raise FreebodyError("--line and --arc are two paths; plan them one after the other.")
+        if self.line is not None or self.arc is not None:
+            return True
+        for name in ("pose", "task", "radius", "speed", "duration"):
+            if getattr(self, name) is not None:
+                raise FreebodyError(f"--{name} belongs to a path of the tip: --line or --arc.")
+        return False
+
+    def motion(self, model: Model, q0: Any, **limits: float | None) -> Motion:
+        """The motion from q0; limits: of the joints, and a step."""
+        from freebody.motion.planning import tip_motions
+
+        self._refuse_idle_pose(model)
+        every: dict[str, Any] = {
+            **limits,
+            "task": self._task,
+            "speed": self.speed,
+            "duration": self.duration,
+        }
+        if self.arc is not None:
+            via, *ends = self._points(model, "--arc", self.arc, "a point to pass, ; and the target")
+            if len(ends) != 1 or self.radius is not None:
+                raise FreebodyError(
+                    "--arc takes two points, the one to pass and the target, with ; between them, "
+                    "and no --radius."
+                )
+            return tip_motions.arc(model, q0, via, self._targets(model, ends)[0], **every)
+        points = self._points(model, "--line", self.line or "", "a target, or several with ;")
+        targets = self._targets(model, points)
+        if len(points) == 1 and self.radius is None:
+            return tip_motions.line(model, q0, targets[0], **every)
+        if self.radius is None or len(points) == 1:
+            raise FreebodyError(
+                f"--line has {counted(len(points), 'target')}; several need --radius, metres from "
+                f"a corner at which its rounding begins, and one has no corner."
+            )
+        return tip_motions.blend(model, q0, targets, self.radius, **every)
+
+    def _refuse_idle_pose(self, model: Model) -> None:
+        """Refuse an orientation of which the task counts nothing."""
+        from freebody.inverse.problem.task import rows_of
+        from freebody.motion.planning.tip_motions import REACHABLE
+
+        if self.pose is None or self._task in (None, REACHABLE):
+            return
+        angular = rows_of("--task", model, "orientation")
+        if not {*angular} & {*rows_of("--task", model, self._task)}:
+            raise FreebodyError(
+                f"--pose gives an orientation, and --task {self.task} counts none: leave one of "
+                f"them out, or ask for --task pose or reachable."
+            )
+
+    @property
+    def _task(self) -> str | Sequence[str] | None:
+        if self.task is None:
+            return "pose" if self.pose == _KEEP else None
+        rows = self.task.replace(",", " ").split()
+        return rows if len(rows) > 1 else self.task
+
+    def _points(self, model: Model, option: str, text: str, what: str) -> list[list[float]]:
+        """Points in m, semicolons between them."""
+        rows = [row for row in text.split(";") if row.strip()]
+        axes = "x, y, z" if model.dim == 3 else "x, y"
+        found = [options.values(option, row) for row in rows]
+        for row, point in zip(rows, found, strict=True):
+            if len(point) != model.dim or "deg" in row or "°" in row:
+                raise FreebodyError(
+                    f"{option} {row.strip()!r}: a point of {model.name!r} is {axes} in metres, "
+                    f"world axes; --pose gives the orientation."
+                )
+        if not found:
+            raise FreebodyError(f"{option} is empty: give {what}, {axes} in metres.")
+        return found
+
+    def _targets(self, model: Model, points: list[list[float]]) -> list[Any]:
+        """Points, or poses where an orientation is given: of all of them, or of each."""
+        if self.pose is None or self.pose == _KEEP:
+            return points
+        turns = [_rotation(model, row) for row in self.pose.split(";") if row.strip()]
+        if len(turns) not in (1, len(points)):
+            raise FreebodyError(
+                f"--pose has {counted(len(turns), 'orientation')} for "
+                f"{counted(len(points), 'target')}; give one for all, or one each."
+            )
+        turns = turns * len(points) if len(turns) == 1 else turns
+        return [_pose(R, point) for R, point in zip(turns, points, strict=True)]
+
+
+def _rotation(model: Model, text: str) -> Array:
+    import numpy as np
+    from scipy.spatial.transform import Rotation
+
+    angles = options.values("--pose", text)
+    if len(angles) != (3 if model.dim == 3 else 1):
+        wanted = "roll, pitch, yaw (as in URDF)" if model.dim == 3 else "one angle"
+        raise FreebodyError(
+            f"--pose {text.strip()!r}: the orientation of a target is {wanted}, rad or deg; or "
+            f"{_KEEP}, that of the start."
+        )
+    R = Rotation.from_euler("xyz", angles if model.dim == 3 else [0.0, 0.0, *angles]).as_matrix()
+    return np.asarray(R[: model.dim, : model.dim])
+
+
+def _pose(R: Array, point: list[float]) -> Array:
+    import numpy as np
+
+    T = np.eye(len(point) + 1)
+    T[:-1, :-1], T[:-1, -1] = R, point
+    return T

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from rich.tree import Tree
 
     from freebody.model.model import Model
+
 
 EXAMPLE = "Example: freebody show ur5e"
 
@@ -42,9 +44,7 @@ def show(
     model = robot.load()
     out = terminal.out()
     if graph is not None:
-        from freebody.cli.graph import programs
-
-        for text in programs(model, graph):
+        for text in _programs(model, graph):
             out.print(text, markup=False, soft_wrap=True)
         return
     out.print(Text(_heading(model)))
@@ -139,3 +139,19 @@ def _mobility(model: Model) -> str:
         return str(mobility(model, assemble(model)))
     except LoopError as problem:
         return f"not closed: {problem}"
+
+
+def _programs(model: Model, quantity: str) -> Iterator[str]:
+    """A heading and the listing for each stage of a quantity's program."""
+    from freebody.any_chain.kernel_options import chosen_option
+    from freebody.kernels.tracing import program
+    from freebody.program.passes import PASSES
+
+    names, option = chosen_option(model, quantity, function="freebody show --graph")
+    stage = program(model, names, option)
+    yield f"# traced: {stage}"
+    yield stage.listing()
+    for name, apply in PASSES.items():
+        stage = apply(stage)
+        yield f"\n# after {name!r}: {stage}"
+        yield stage.listing()

@@ -10,10 +10,10 @@ import typer
 
 from freebody.cli import options, terminal
 from freebody.errors import FreebodyError, OutputError
-from freebody.formats.number_text import number
+from freebody.formats.read_file import number
 from freebody.outputs.display import counted
 from freebody.outputs.folder import prepare
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 
 if TYPE_CHECKING:
     from freebody.report.study import Study
@@ -24,7 +24,7 @@ _STYLES = {
     ("not judged", True): "bold yellow",
     ("not judged", False): "bold red",
 }
-"""By outcome, and whether there is nothing to mend."""
+"""Styles by outcome, and whether there is nothing to mend."""
 
 EXAMPLE = "Example: freebody study ur5e --out study-ur5e"
 
@@ -84,7 +84,7 @@ def study(
 
 
 def _cutoff(smooth: str | None) -> bool | float:
-    """What --smooth means."""
+    """The meaning of --smooth."""
     if smooth is None or smooth == "auto":
         return smooth is not None
     cutoff = number(smooth)
@@ -96,7 +96,7 @@ def _cutoff(smooth: str | None) -> bool | float:
 
 
 def _saved(found: Study, directory: Path) -> FreebodyError | None:
-    """What kept files from being written; it is said after what was found."""
+    """The error that kept files from being written; it is said after what was found."""
     try:
         found.save(directory, report=True)
     except FreebodyError as failure:

@@ -58,7 +58,7 @@ def sweep(
         typer.Option(min=1, metavar="COUNT", help="The states are so many random ones."),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Of random states and samples.")] = 0,
-    frame: options.Frame = None,
+    frame: options.FrameOption = None,
     reduce: Annotated[
         str, typer.Option(metavar="NAMES", help="Such as peak, rms, max, mean or p99, by commas.")
     ] = "peak",
@@ -152,11 +152,11 @@ def _free(name: str, axes: dict[str, Any]) -> str:
 
 def _range(text: str) -> tuple[str, float, float, int | None]:
     """Name, ends and count of a range, None for none."""
-    from freebody.formats import number_text
+    from freebody.formats import read_file
 
     name, equals, rest = text.rpartition("=")
     pieces = [x.strip() for x in rest.split(":")]
-    low, high = (number_text.number(x) for x in (*pieces, "", "")[:2])
+    low, high = (read_file.number(x) for x in (*pieces, "", "")[:2])
     count = pieces[2] if len(pieces) == 3 else "1"
     if (
         not (equals and name.strip() and low is not None and high is not None)

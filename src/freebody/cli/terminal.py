@@ -1,11 +1,13 @@
-"""What the terminal sees: results on stdout, and on stderr red errors, yellow warnings, progress;
-one line each."""
+"""The terminal: results on stdout, and on stderr red errors, yellow warnings, progress; one line
+each."""
 
 from __future__ import annotations
 
 import io
 import os
+import re
 import sys
+import unicodedata
 import warnings
 from collections.abc import Callable, Container, Iterator
 from contextlib import contextmanager, suppress
@@ -13,7 +15,6 @@ from functools import cache
 from inspect import cleandoc
 from typing import TYPE_CHECKING, Any, TextIO, cast
 
-from freebody.cli.spelling import spelled
 from freebody.errors import FileError, FreebodyWarning
 from freebody.outputs.display import TextTable, columns_of
 from freebody.outputs.files import reason
@@ -22,9 +23,28 @@ from freebody.outputs.text import legal
 if TYPE_CHECKING:
     from rich.console import Console
 
+
 _WIDE = 140
 """Columns where output goes to a file or a pipe."""
 _MOST_WARNINGS = 40
+
+_PLAIN = {
+    "−": "-", "–": "-", "—": "-", "·": "*", "⋅": "*", "•": "*", "×": "x", "…": "...", "‘": "'",
+    "’": "'", "“": '"', "”": '"', "′": "'", "→": "->", "←": "<-", "↔": "<->", "⇒": "=>", "⇔": "<=>",
+    "≈": "~", "≠": "!=", "≤": "<=", "≥": ">=", "±": "+-", "√": "sqrt ", "∞": "inf", "∂": "d",
+    "∫": "int ", "°": " deg", "∈": "in", "∥": "||", "λ": "lambda", "Λ": "Lambda", "⊥": "_|_",
+    "✓": "ok", "⎡": "[", "⎢": "[", "⎣": "[", "⎤": "]", "⎥": "]", "⎦": "]",
+}  # fmt: skip
+_DOTS = {"\u0307": "_d", "\u0308": "_dd"}
+"""Rates, as names are typed: theta1_d."""
+_SUB = "".join(
+    c for c in map(chr, range(0x1D62, 0x209D)) if unicodedata.decomposition(c).startswith("<sub>")
+)
+_SUPER = "²³¹" + "".join(
+    c for c in map(chr, range(0x1D2C, 0x2080)) if unicodedata.decomposition(c).startswith("<super>")
+)
+_RATE = re.compile(f"([{''.join(_DOTS)}])([a-z]*[{_SUB}]*)")
+_POWER = re.compile(f"[{_SUPER}]+")
 
 
 def paragraphs(document: str | None) -> str:
@@ -101,7 +121,7 @@ class _Stream:
             raise FileError(self._what, None, f"cannot be written: {reason(failure)}.") from None
 
     def _forget(self) -> None:
-        """What is still in the buffer would fail again when the interpreter ends."""
+        """Forget what is still in the buffer, which would fail again when the interpreter ends."""
         with suppress(OSError, ValueError):
             nowhere = os.open(os.devnull, os.O_WRONLY)
             os.dup2(nowhere, self._real.fileno())
@@ -179,3 +199,43 @@ def progress(text: str) -> Iterator[Callable[[str, float], None]]:
     with Progress(*columns, console=err(), transient=True, disable=not err().is_terminal) as bar:
         task = bar.add_task(text, total=1.0)
         yield lambda doing, done: bar.update(task, description=doing, completed=done)
+
+
+def spelled(text: str, encoding: str) -> str:
+    """The text, with theta1 for θ₁ where the encoding lacks letters, as ASCII formulas have it.
+
+    Windows redirects in an encoding of its own, and `PYTHONIOENCODING=ascii` is set in many a
+    pipeline.
+    """
+    if _fits(text, encoding):
+        return text
+    text = _RATE.sub(lambda m: m[0] if _fits(m[0], encoding) else m[2] + _DOTS[m[1]], text)
+    text = _POWER.sub(lambda m: m[0] if _fits(m[0], encoding) else "^" + _bare(m[0]), text)
+    return "".join(c if _fits(c, encoding) else _letter(c) for c in text)
+
+
+def _fits(text: str, encoding: str) -> bool:
+    try:
+        text.encode(encoding)
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def _letter(c: str) -> str:
+    """One character in ASCII; one that has no such spelling by its number."""
+    if c in _PLAIN:
+        return _PLAIN[c]
+    name = unicodedata.name(c, "")
+    if name.startswith("BOX DRAWINGS"):
+        return "-" if name.endswith(" HORIZONTAL") else "|" if name.endswith(" VERTICAL") else "+"
+    greek = re.fullmatch(r"GREEK (SMALL|CAPITAL) LETTER (\w+)", name)
+    if greek:
+        return greek[2].lower() if greek[1] == "SMALL" else greek[2].capitalize()
+    return _bare(c) or c.encode("ascii", "backslashreplace").decode()
+
+
+def _bare(text: str) -> str:
+    """Digits and letters without their place or accents: 2 for ₂, e for é, 1/2 for ½."""
+    parts = unicodedata.normalize("NFKD", text).replace("\u2044", "/").replace("−", "-")
+    return parts.encode("ascii", "ignore").decode()

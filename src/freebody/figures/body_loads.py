@@ -26,8 +26,8 @@ from freebody.model.model import Model
 from freebody.trees.public_calls import Wrenches, wrenches_by_frame
 
 NOISE = 1e-9
-"""Of the largest force or moment on the mechanism: components below are rounding, and 0 in all
-drawings and tables."""
+"""Share of the largest force or moment on the mechanism: components below are rounding, and 0 in
+all drawings and tables."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Load:
     """Index among `model.reaction_names` of what it is a reaction of; None for weights and external
     wrenches."""
     kind: JointKind | None = None
-    """Of the joint that it is a reaction of."""
+    """The kind of the joint that it is a reaction of."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class BodyLoads:
     body: BodyPlace
     loads: tuple[Load, ...]
     mass_name: str
-    """What the body's mass is called."""
+    """The name of the body's mass."""
     inertial_force: Array
     """m a_c (dim,)."""
     inertial_moment: Array
@@ -130,7 +130,7 @@ def _named(names: Naming, load: Load) -> Load:
 def _residuals(
     body: BodyPlace, loads: Sequence[Load], force: Array, turning: Array
 ) -> tuple[float, float]:
-    """What is left of force and moment when the body's motion is taken off."""
+    """The rest of force and moment when the body's motion is taken off."""
     force = sum((load.force for load in loads), -force)
     arms = ((load, load.place - body.com) for load in loads)
     turning = sum((load.moment + moment(arm, load.force) for load, arm in arms), -turning)

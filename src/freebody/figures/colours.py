@@ -6,7 +6,8 @@ SERIES = 8
 """Number of distinct colours for curves."""
 
 _MAP = ["440154", "46327e", "365c8d", "277f8e", "1fa187", "4ac16d", "a0da39", "fde725"]
-"""Of maps, from low to high, on light and dark paper: viridis, whose lightness grows evenly."""
+"""Colours of maps, from low to high, on light and dark paper: viridis, whose lightness grows
+evenly."""
 MAP = len(_MAP)
 """Number of distinct colours of a map."""
 

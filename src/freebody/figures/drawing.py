@@ -18,8 +18,8 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import UnknownNameError
 from freebody.figures.text import bold, canonical
-from freebody.figures.view import Point, View
-from freebody.outputs.numbers import significant
+from freebody.figures.view import View, WorldPoint
+from freebody.outputs.number_text import significant
 
 SAME = 1e-6
 """Metres: places nearer than this are one."""
@@ -29,7 +29,7 @@ SAME = 1e-6
 class Line:
     """A polyline, or a polygon where closed."""
 
-    points: tuple[Point, ...]
+    points: tuple[WorldPoint, ...]
     name: str
     role: str
     closed: bool = False
@@ -43,8 +43,8 @@ class Line:
 class Arrow:
     """A vector `value` (in `unit`) drawn from `start` to `end`; a moment in space has two heads."""
 
-    start: Point
-    end: Point
+    start: WorldPoint
+    end: WorldPoint
     name: str
     role: str
     label: str = ""
@@ -62,8 +62,8 @@ class Dimension:
     """A length between two places, drawn `aside` pixels to the left of the line from the one to the
     other."""
 
-    start: Point
-    end: Point
+    start: WorldPoint
+    end: WorldPoint
     name: str
     role: str = "dimension"
     label: str = ""
@@ -74,7 +74,7 @@ class Dimension:
 class Turn:
     """A moment in the plane, `value` positive counter-clockwise: an arc with a head around `at`."""
 
-    at: Point
+    at: WorldPoint
     value: float
     name: str
     role: str
@@ -82,16 +82,16 @@ class Turn:
     unit: str = "N m"
     radius: float = 22.0
     facing: float = 90.0
-    """Where the middle of the arc lies, degrees."""
+    """The direction of the arc's middle, degrees."""
     span: float = 240.0
-    """How much of a circle it is, degrees."""
+    """The part of a circle that the arc is, degrees."""
 
 
 @dataclass(frozen=True)
 class Arc:
     """An angle in the plane: from direction `start` over `sweep` (rad), radius in metres."""
 
-    at: Point
+    at: WorldPoint
     radius: float
     start: float
     sweep: float
@@ -105,11 +105,11 @@ class Mark:
     """A symbol of `size` pixels: joint, com, ground, rail, slider, dot or sphere; `direction` turns
     it."""
 
-    at: Point
+    at: WorldPoint
     kind: str
     name: str
     role: str
-    direction: Point | None = None
+    direction: WorldPoint | None = None
     size: float = 7.0
 
 
@@ -117,8 +117,8 @@ class Mark:
 class Prism:
     """A short solid along `axis`, in metres: a cylinder, or a box with 4 sides."""
 
-    at: Point
-    axis: Point
+    at: WorldPoint
+    axis: WorldPoint
     radius: float
     half: float
     name: str
@@ -131,11 +131,11 @@ class Prism:
 class Label:
     """A formula near a place; the writer looks for room around it, in `direction` first."""
 
-    at: Point
+    at: WorldPoint
     text: str
     name: str
     role: str = "label"
-    direction: Point | None = None
+    direction: WorldPoint | None = None
 
 
 @dataclass(frozen=True)
@@ -143,9 +143,9 @@ class Cells:
     """Coloured cells of a plane: that in row i and column j is the parallelogram of `across` and
     `up` at corner + j across + i up."""
 
-    corner: Point
-    across: Point
-    up: Point
+    corner: WorldPoint
+    across: WorldPoint
+    up: WorldPoint
     colours: tuple[tuple[int, ...], ...]
     """Numbers of the map's colours, row by row; -1: nothing."""
     name: str
@@ -154,7 +154,7 @@ class Cells:
 
 @dataclass(frozen=True)
 class ColourKey:
-    """What the colours of a map mean."""
+    """The key of a map's colours."""
 
     title: str
     colours: tuple[int, ...]
@@ -183,11 +183,11 @@ class Drawing:
     rulers: list[tuple[float, str, str]] = field(default_factory=list)
     """Scale bars: length in metres of the world, text, role."""
     key: ColourKey | None = None
-    """Of the colours, below the picture."""
+    """The key of the colours, below the picture."""
     scale: float | None = None
     """Pixels a metre; default: what fits."""
     labels: str = "names"
-    """What stands beside the elements, one of `labelling.LABELS`."""
+    """The labels beside the elements, one of `labelling.LABELS`."""
 
     def add(self, *elements: Element) -> None:
         """Draw more."""
@@ -261,7 +261,7 @@ def named(drawings: Sequence[Drawing], name: str, title: str) -> Element:
     raise UnknownNameError("element", name, repr(title), sorted({e.name for e in elements}))
 
 
-def places(element: Element) -> tuple[Point, ...]:
+def places(element: Element) -> tuple[WorldPoint, ...]:
     """World points that an element spans."""
     match element:
         case Line():
@@ -298,6 +298,6 @@ def round_down(value: float) -> float:
     return max(k * power for k in (1, 2, 5) if k * power <= value * (1 + 1e-12))
 
 
-def point(values: Iterable[float]) -> Point:
+def point(values: Iterable[float]) -> WorldPoint:
     """A place as plain floats."""
     return tuple(float(x) for x in values)

@@ -57,7 +57,7 @@ def _without_forces(found: Ellipsoids) -> str:
 def _ellipsoid(
     drawing: Drawing, at: Array, axes: Array, reach: float, what: tuple[str, str, str]
 ) -> None:
-    """Its outline and its half-axes, the longest `reach` metres long."""
+    """Draw an ellipsoid: its outline and its half-axes, the longest `reach` metres long."""
     name, role, unit = what
     longest = float(np.linalg.norm(axes, axis=-1).max())
     drawn_axes = axes * (reach / longest)

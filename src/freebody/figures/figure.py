@@ -26,10 +26,10 @@ class Figure(Titled):
     drawings: tuple[Drawing, ...]
     columns: int = 2
     width: float = WIDE
-    """Of one drawing, pixels."""
+    """Width of one drawing, pixels."""
     tallest: float = TALL
     caller: str = "a figure"
-    """What made it, for errors."""
+    """The function that made the figure, for errors."""
     level: float = 1.0
     """In a row, drawings stand on a common lower edge (1), where captions are, or an upper one
     (0)."""

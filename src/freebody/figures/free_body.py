@@ -19,7 +19,7 @@ from freebody.figures.layers import forces
 from freebody.figures.snapshot import Snapshot, resting_pose, snapshot, with_values
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
-from freebody.outputs.numbers import significant
+from freebody.outputs.number_text import significant
 from freebody.trees.public_calls import Vector, Wrenches
 
 PANEL, TALLEST = 430.0, 400.0
@@ -31,7 +31,7 @@ SHOW: dict[int, dict[str, tuple[str, ...]]] = {
         "angles": ("angles",), "vectors": _VECTORS},
     3: {"points": ("points",), "centres": ("centres",), "axes": ("axes",), "vectors": _VECTORS},
 }  # fmt: skip
-"""What may be shown beside the forces, by dimension: parts of `forces.PARTS`."""
+"""Choices of `show`, by dimension: parts of `forces.PARTS` that stand beside the forces."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -39,13 +39,14 @@ class FreeBodyDiagram(Figure):
     """The diagrams of one or of all bodies at one instant; shows itself in a notebook."""
 
     q: tuple[float, ...] = ()
-    """Where it was drawn, rad or m."""
+    """The position at which it was drawn, rad or m."""
     loads: tuple[BodyLoads, ...] = ()
-    """What is drawn on each body; for assumed values where some are missing."""
+    """The loads drawn on each body; for assumed values where some are missing."""
     missing: tuple[str, ...] = ()
     """Parameters of the model that have no value."""
     unheld: tuple[str, ...] = ()
-    """What joints without motor would need to be in this state, in words; () where nothing."""
+    """Efforts that joints without motor would need to be in this state, in words; () where
+    nothing."""
 
     def _title(self) -> str:
         return self.title
@@ -73,18 +74,39 @@ def free_body_diagram(
     show: str | Sequence[str] = (),
     notation: str | PathLike[str] | BookNotation | None = None,
 ) -> FreeBodyDiagram:
-    """Free-body diagram of a body (its name, its joint's or a link's; or its index from 0), or of
-    all: forces to scale.
+    """Free-body diagram of a body, or of all: forces to scale.
 
-    q: (nq,) rad or m, default a clearly visible pose, if possible one in which joints without a
-    motor stay at rest; qd, qdd: (nv,), default at rest; wrenches as for `inverse_dynamics`,
-    acting on the arm. labels: "names", "values" or "both"; default: both, or names
-    where parameters have no value; forces are then drawn for typical values. show:
-    one or several of "points" (O, A, P), "centres" (C_i), "vectors" (s_i, s_ci), in the plane
-    "lengths" (l_i, l_ci) and "angles" (θ_i), in space "axes" (z_i, of slides u_i). notation: whose
-    letters stand in it, as for `check`. Returns a figure with `.svg`, `.save("fbd.svg")`,
-    `.drawing` (the arrows as data) and `.bodies` (the loads and how well they balance). Raises
-    ShapeError, NotFiniteError, UnknownNameError, MissingValueError, FileError.
+    Parameters
+    ----------
+    model
+        Parameters without value get typical ones, for which forces are then drawn.
+    q
+        (nq,) rad or m; default: a clearly visible pose, if possible one in which joints without a
+        motor stay at rest.
+    body
+        The body's name, its joint's or a link's, or its index from 0; default: all.
+    qd, qdd
+        (nv,); default: at rest.
+    wrenches
+        Acting on the arm, as for `inverse_dynamics`.
+    labels
+        "names", "values" or "both"; default: both, or names where parameters have no value.
+    show
+        One or several of "points" (O, A, P), "centres" (C_i), "vectors" (s_i, s_ci), in the plane
+        "lengths" (l_i, l_ci) and "angles" (θ_i), in space "axes" (z_i, of slides u_i).
+    notation
+        Whose letters stand in it, as for `check`.
+
+    Returns
+    -------
+    FreeBodyDiagram
+        A figure with `.svg`, `.save("fbd.svg")`, `.drawing` (the arrows as data) and `.bodies` (the
+        loads and how well they balance).
+
+    Raises
+    ------
+    ShapeError, NotFiniteError, UnknownNameError, MissingValueError, FileError
+
     Source: figures 1.4, 2.3, 3.2, 6.4.
     """
     caller = "free_body_diagram"
@@ -142,7 +164,8 @@ def diagrams(
 def _notes(
     loads: BodyLoads, longer: Sequence[str], labels: str, missing: Sequence[str]
 ) -> list[str]:
-    """What is nothing, what is drawn longer than to scale, and the balance; or what was assumed."""
+    """Notes on what is nothing, what is drawn longer than to scale, and the balance; or on what was
+    assumed."""
     small = [x.name for x in loads.loads if not any(x.force)]
     small += [x.moment_name for x in loads.loads if x.moment_name and not any(x.moment)]
     notes = [f"≈ 0: {', '.join(small)}"] if small else []
@@ -160,8 +183,8 @@ def _notes(
 
 
 def _unheld(seen: Snapshot, unnumbered: bool) -> dict[int, list[str]]:
-    """By body what the joint without motor that carries it would need to be in this state: nothing
-    exerts it. Closed chains are held by their drives. unnumbered: in words alone."""
+    """Efforts, by body, that the joint without motor which carries it would need to be in this
+    state: nothing exerts it. Closed chains are held by their drives. unnumbered: in words alone."""
     model, found = seen.model, dict[int, list[str]]()
     if model.loops or not model.passive:
         return found

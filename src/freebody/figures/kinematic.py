@@ -1,5 +1,5 @@
-"""`kinematic_diagram`: a robot with the names of its geometry, its vectors, its velocities or its
-accelerations."""
+"""A robot drawn in one pose: with the names of its geometry, its vectors, its velocities or its
+accelerations (`kinematic_diagram`), or with its numbers, fainter poses and the way of its tip."""
 
 from __future__ import annotations
 
@@ -7,13 +7,19 @@ from collections.abc import Sequence
 from functools import partial
 from os import PathLike
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from freebody.errors import FreebodyError
 from freebody.expressions.notations.notation import BookNotation
+from freebody.figures.drawing import Drawing
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.labelling import chosen_of, labels_of
-from freebody.figures.layers import geometry, motion
+from freebody.figures.layers import geometry, motion, structure
 from freebody.figures.layers.structure import Layer, drawn
-from freebody.figures.snapshot import snapshot
+from freebody.figures.skeleton import extent, skeleton
+from freebody.figures.snapshot import Snapshot, snapshot
+from freebody.figures.view import FLAT, best_view
 from freebody.model.model import Model
 from freebody.trees.public_calls import Vector
 
@@ -39,7 +45,7 @@ VIEWS: dict[int, dict[str, tuple[Layer, ...]]] = {
         "vectors": (geometry.links, geometry.centres),
     },
 }  # fmt: skip
-"""What may be shown, by dimension, and of what layers it is made."""
+"""Choices of `show`, by dimension, and the layers that each is made of."""
 _DEFAULT = {2: ("geometry", "vectors"), 3: ("frames", "normals")}
 
 
@@ -56,14 +62,31 @@ def kinematic_diagram(
     """Drawings of a robot with symbols: geometry and vectors in the plane, joint axes and common
     normals in space.
 
-    q: (nq,) rad or m; qd, qdd: (nv,); default: a state in which the robot is clearly visible.
-    Parameters without value get typical values. show: one or several of "geometry" (θ_i, d_i, l_i,
-    l_ci, C_i), "vectors" (s_i, r), "centres" (r_ci), "velocities" (rates, v_ci), "accelerations" in
-    the plane; "frames" (z_i, of slides u_i, joint variables), "normals" (a_i, d_i), "vectors" (s_i,
-    C_i) in space. labels: "names", "values" or "both". notation: whose letters stand in it,
-    as for `check`. Returns a figure with `.svg`,
-    `.save("arm.svg")` and `.named("s_1")`, the elements as data. Raises ShapeError, NotFiniteError,
-    UnknownNameError, MissingValueError. Source: figures 1.2, 2.1, 3.2, 4.3, 5.3, 6.4, 6.5.
+    Parameters
+    ----------
+    model
+        Parameters without value get typical values.
+    q, qd, qdd
+        (nq,) rad or m, (nv,), (nv,); default: a state in which the robot is clearly visible.
+    show
+        One or several of, in the plane, "geometry" (θ_i, d_i, l_i, l_ci, C_i), "vectors" (s_i, r),
+        "centres" (r_ci), "velocities" (rates, v_ci), "accelerations"; in space "frames" (z_i, of
+        slides u_i, joint variables), "normals" (a_i, d_i), "vectors" (s_i, C_i).
+    labels
+        "names", "values" or "both".
+    notation
+        Whose letters stand in it, as for `check`.
+
+    Returns
+    -------
+    Figure
+        With `.svg`, `.save("arm.svg")` and `.named("s_1")`, the elements as data.
+
+    Raises
+    ------
+    ShapeError, NotFiniteError, UnknownNameError, MissingValueError
+
+    Source: figures 1.2, 2.1, 3.2, 4.3, 5.3, 6.4, 6.5.
     """
     caller, known = "kinematic_diagram", VIEWS[model.dim]
     asked = _DEFAULT[model.dim] if show is None else show
@@ -83,3 +106,47 @@ def kinematic_diagram(
         drawing.labels = how
     to_one_scale(drawings, WIDE, TALL)
     return Figure(f"Kinematic diagram of {model.name}", drawings, 2, WIDE, TALL, caller)
+
+
+_NUMBERED = (geometry.angles, geometry.slides, geometry.centres, geometry.lengths)
+_CROWDED = 12  # bodies; the joints of more are not numbered
+
+
+def robot_drawing(
+    model: Model, q: ArrayLike, ghosts: Sequence[ArrayLike] = (), path: ArrayLike | None = None
+) -> Drawing:
+    """The robot at q (nq,), with fainter poses `ghosts` and the tip's `path` (k, dim) in world
+    metres."""
+    still = np.zeros(model.nv)
+    seen = snapshot(model, q, still, still)
+    poses = [seen.pose, *(skeleton(model, ghost) for ghost in ghosts)]
+    track = None if path is None else np.asarray(path, dtype=float)
+    view = FLAT
+    if model.dim == 3:
+        view = best_view([ends for pose in poses for ends in structure.sticks(pose)])
+    drawing = Drawing(view, f"{model.name}: the robot at one position", labels="both")
+    if model.dim == 3:
+        structure.floor(drawing, seen, poses)
+    for pose in poses[1:]:
+        for ends in structure.sticks(pose):
+            drawing.line(ends, "ghost", "ghost")
+    if track is not None:
+        drawing.line(track, "tip path", "tippath")
+        drawing.mark(track[0], "dot", "path start", "tipdot", 3.0)
+    structure.structure(drawing, seen)
+    for layer in _NUMBERED if model.dim == 2 else (_numbered,):
+        layer(drawing, seen)
+    about = extent(poses, track) / 5
+    drawing.ruler(about, about, "m", "length")
+    return drawing
+
+
+def _numbered(drawing: Drawing, seen: Snapshot) -> None:
+    """The frame of the tip, and the numbers of the joints."""
+    pose = seen.pose
+    if pose.tip is not None and pose.tip_rotation is not None:
+        axes, size = [f"tip {name}" for name in "xyz"], 0.1 * seen.size
+        structure.triad(drawing, pose.tip, pose.tip_rotation, size, axes, label="")
+    if len(pose.bodies) <= _CROWDED:
+        for body in pose.bodies:
+            drawing.write(body.origin, str(body.number), (0.0, 0.0, -1.0))

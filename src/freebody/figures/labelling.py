@@ -1,16 +1,23 @@
-"""What stands beside the elements of a drawing: their names, their values, or both."""
+"""Labels of drawings: what stands beside an element (its name, its value, or both), and where.
+
+Each label tries places around its anchors and takes the one with least overlap.
+"""
 
 from __future__ import annotations
 
+import cmath
 import math
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
+from freebody.arrays import Array
 from freebody.errors import FreebodyError, UnknownNameError, shown
 from freebody.figures.drawing import Arc, Arrow, Dimension, Element, Label, Turn, metres
 from freebody.model.model import Model
-from freebody.outputs.numbers import significant
+from freebody.outputs.number_text import significant
 
 LABELS = ("names", "values", "both")
 
@@ -30,7 +37,7 @@ def labels_of(caller: str, model: Model, labels: str | None) -> str:
 
 
 def chosen_of(caller: str, show: str | Iterable[str], known: Collection[str]) -> tuple[str, ...]:
-    """What `show` names, each once, as one name or several.
+    """The choices that `show` names, each once, as one name or several.
 
     Raises UnknownNameError for one that is not known, FreebodyError for what is no name.
     """
@@ -60,7 +67,7 @@ def quantity(element: Element) -> str:
 
 
 def beside(element: Element, labels: str) -> tuple[str, str]:
-    """What stands beside an element, a formula and plain text after it."""
+    """The label of an element: a formula and plain text after it."""
     name = element.text if isinstance(element, Label) else getattr(element, "label", "")
     value = quantity(element) if name and labels != "names" else ""
     if not value:
@@ -69,3 +76,128 @@ def beside(element: Element, labels: str) -> tuple[str, str]:
         return "", value
     magnitude = isinstance(element, Arrow) and len(element.value) > 1
     return name, f"\u2002{value}" if magnitude else f" = {value}"
+
+
+Box = tuple[float, float, float, float]
+"""Left, top, right, bottom in pixels."""
+
+RULE: dict[str, Any] = {
+    "turns": [0, 25, -25, 50, -50, 80, -80, 110, -110, 145, -145, 180],
+    "distances": [
+        [6, 0], [11, 1.5], [18, 4], [28, 9], [42, 18], [60, 32], [84, 55], [115, 85], [160, 130],
+    ],
+    "turn": 1, "anchor": 6, "line": 10, "near": 0.6, "forbidden": 1000, "outside": 30, "stay": 8,
+    "above": 13.5, "below": 6, "edge": 3, "apart": [3, 2], "beside": [2, -1], "spacing": 5,
+    "sweeps": 6, "leader": 36,
+}  # fmt: skip
+"""The rule of drawings on paper and of those that move. A place is a turn (degrees) from the
+direction that is wanted and a distance (pixels, with its price) from an anchor; further turns and
+anchors cost more. So do points of lines under the text, which are so many pixels apart, the area
+that it shares with what is nearer than `apart`, and in a drawing that moves another place than
+before. What is off the page (or nearer to its edge than `edge`) or on another text is forbidden: it
+is taken where nothing else is left. A text so far away from its anchor has a line that leads to
+it."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A label that looks for a place: a formula and plain text after it."""
+
+    text: str
+    css: str
+    anchors: Sequence[tuple[complex, complex]]
+    """Places on the page, the best first, each with the direction in which it would like to go."""
+    width: float
+    """Pixels."""
+    after: str = ""
+
+
+@dataclass
+class Crowd:
+    """Things on the page already: points of lines to keep clear of, boxes of text, and the page's
+    edge."""
+
+    width: float
+    height: float
+    points: list[complex] = field(default_factory=list)
+    boxes: list[Box] = field(default_factory=list)
+
+    def keep_clear(self, a: complex, b: complex, half_width: float = 0.0) -> None:
+        """Points along a segment, or along both edges of a bar."""
+        length = abs(b - a)
+        n = max(int(length / RULE["spacing"]), 1)
+        across = 1j * (b - a) / length * half_width if length else 0.0
+        for side in (-across, across) if half_width else (0.0,):
+            self.points += [a + (b - a) * k / n + side for k in range(n + 1)]
+
+    def settle(self, wanted: Sequence[Wanted]) -> list[Box]:
+        """Boxes for all: one after the other, then each once more among the others, until none
+        moves."""
+        choices = [_candidates(w) for w in wanted]
+        choices = [(boxes, prices + self._fixed(boxes)) for boxes, prices in choices]
+        first = len(self.boxes)
+        for boxes, prices in choices:
+            self.boxes.append(self._cheapest(boxes, prices))
+        for _ in range(RULE["sweeps"]):
+            before = self.boxes[first:]
+            for k, (boxes, prices) in enumerate(choices, first):
+                self.boxes.pop(k)
+                self.boxes.insert(k, self._cheapest(boxes, prices))
+            if self.boxes[first:] == before:
+                break
+        return self.boxes[first:]
+
+    def _cheapest(self, boxes: Array, prices: Array) -> Box:
+        total = prices.copy()
+        for other in self.boxes:
+            total += RULE["near"] * overlaps(boxes, other)
+            total += RULE["forbidden"] * (overlaps(boxes, other, (0.0, 0.0)) > 0.0)
+        left, top, right, bottom = boxes[int(np.argmin(total))].tolist()
+        return left, top, right, bottom
+
+    def _fixed(self, boxes: Array) -> Array:
+        """The price of a place whatever the other labels do: being off the page, and lines under
+        the text."""
+        left, top, right, bottom = boxes.T
+        edge, (wide, high) = RULE["edge"], RULE["beside"]
+        outside = np.maximum(0, edge - left) + np.maximum(0, edge - top)
+        outside += np.maximum(0, right - self.width + edge)
+        outside += np.maximum(0, bottom - self.height + edge)
+        x, y = np.array([(p.real, p.imag) for p in self.points]).reshape(-1, 2).T
+        hit = (left[:, None] - wide < x) & (x < right[:, None] + wide)
+        hit &= (top[:, None] - high < y) & (y < bottom[:, None] + high)
+        forbidden = RULE["forbidden"] * (outside > 0) + RULE["outside"] * outside
+        return forbidden + RULE["line"] * hit.sum(axis=1)
+
+
+def _candidates(wanted: Wanted) -> tuple[Array, Array]:
+    """Boxes around the anchors (k, 4), and how far each is from what is wanted."""
+    half = complex(wanted.width + 2, RULE["above"] + RULE["below"]) / 2
+    boxes, prices = [], []
+    for rank, (anchor, way) in enumerate(wanted.anchors):
+        for k, turn in enumerate(RULE["turns"]):
+            u = cmath.rect(1.0, cmath.phase(way) + math.radians(turn))
+            for distance, price in RULE["distances"]:
+                # the box touches the circle of that distance around the anchor
+                beyond = complex(half.real * u.real * abs(u.real), half.imag * u.imag * abs(u.imag))
+                centre = anchor + u * distance + beyond
+                low, high = centre - half, centre + half
+                boxes.append((low.real, low.imag, high.real, high.imag))
+                prices.append(RULE["anchor"] * rank + RULE["turn"] * k + price)
+    return np.array(boxes), np.array(prices)
+
+
+def overlaps(boxes: Array, other: Box, apart: Sequence[float] = tuple(RULE["apart"])) -> Array:
+    """Area that each box shares with another, with a margin beside it and above."""
+    left, top, right, bottom = boxes.T
+    wide = np.minimum(right, other[2]) - np.maximum(left, other[0]) + apart[0]
+    high = np.minimum(bottom, other[3]) - np.maximum(top, other[1]) + apart[1]
+    return np.maximum(wide, 0.0) * np.maximum(high, 0.0)
+
+
+def leader(anchor: complex, box: Box) -> complex | None:
+    """The point at which the line from an anchor to a text meets its box; None of a text that
+    stands near."""
+    left, top, right, bottom = box
+    x, y = min(max(anchor.real, left), right), min(max(anchor.imag, top), bottom)
+    return complex(x, y) if abs(complex(x, y) - anchor) > RULE["leader"] else None

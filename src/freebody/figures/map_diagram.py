@@ -15,7 +15,7 @@ from freebody.figures.plots import tick, ticks
 from freebody.figures.snapshot import snapshot
 from freebody.figures.view import FLAT, View, best_view
 from freebody.model.model import Model
-from freebody.outputs.numbers import shortest
+from freebody.outputs.number_text import shortest
 from freebody.trees.public_calls import Vector
 
 _EVEN = 1e-6  # of a cell: so even are the steps of a grid
@@ -32,12 +32,26 @@ def map_diagram(
 ) -> Figure:
     """A slice of the workspace coloured by what a map has there, and the robot in it.
 
-    points: (m, n, dim), m, world axes: an even grid in a plane, the middles of the cells. values:
-    (m, n), such as `fb.workspace(...).ways` or the mass of `fb.payload_map`; NaN is left blank.
-    Up to eight different whole numbers have a colour each, others one for each round interval. q:
-    (nq,), where the robot stands; default: so that it is clearly visible. title: above the key,
-    with the unit. Returns a figure with `.svg` and `.save("map.svg")`. Raises FreebodyError,
-    ShapeError, NotFiniteError.
+    Parameters
+    ----------
+    points
+        (m, n, dim), m, world axes: an even grid in a plane, the middles of the cells.
+    values
+        (m, n), such as `fb.workspace(...).ways` or the mass of `fb.payload_map`; NaN is left blank.
+        Up to eight different whole numbers have a colour each, others one for each round interval.
+    q
+        (nq,), where the robot stands; default: so that it is clearly visible.
+    title
+        Above the key, with the unit.
+
+    Returns
+    -------
+    Figure
+        With `.svg` and `.save("map.svg")`.
+
+    Raises
+    ------
+    FreebodyError, ShapeError, NotFiniteError
     """
     caller, d = "map_diagram", model.dim
     grid, shown = as_floats(caller, "points", points), as_floats(caller, "values", values)

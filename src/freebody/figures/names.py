@@ -1,5 +1,5 @@
-"""What things are called in a drawing: as `Naming` calls them in the equations. Joints are the
-points O, A, B, …, the tip is P."""
+"""Names in a drawing: as `Naming` has them in the equations. Joints are the points O, A, B, …, the
+tip is P."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _ENDINGS = ("", RATE, SECOND)
 
 
 @dataclass(frozen=True)
-class Names:
+class DrawingNames:
     """Names of one model."""
 
     naming: Naming
@@ -40,11 +40,11 @@ class Names:
         return label(self.naming.letters(sym(name + _ENDINGS[order]))) if name else ""
 
     def mass(self, n: int) -> str:
-        """Of body n."""
+        """The mass of body n."""
         return label(self.naming.mass(n))
 
     def inertia(self, n: int) -> str:
-        """Of body n, about its centre of mass."""
+        """The inertia of body n, about its centre of mass."""
         return label(self.naming.inertia(n))
 
     def axis(self, body: BodyPlace) -> str:
@@ -58,7 +58,7 @@ class Names:
         return label(replace(name, letter=letter))
 
     def length(self, body: BodyPlace, end: End) -> str:
-        """The same way's length; "" where it has no name."""
+        """The length of the vector that `reach` names; "" where it has no name."""
         child = None if end.child is None else end.child + 1
         return self._length(self.naming.length(child, end.name), self.on("l", body.number))
 

@@ -17,7 +17,7 @@ from freebody.figures.colours import SERIES
 from freebody.figures.svg import Picture
 from freebody.figures.svg_symbols import circle, line, path, words
 from freebody.figures.text import width
-from freebody.outputs.numbers import fixed, significant, superscript
+from freebody.outputs.number_text import fixed, significant, superscript
 
 _LEFT, _RIGHT, _TOP, _BOTTOM, _ROW = 52.0, 12.0, 28.0, 30.0, 15.0
 _SEEN = 0.15  # pixels: a curve may leave its samples by no more than this
@@ -25,7 +25,7 @@ _SEEN = 0.15  # pixels: a curve may leave its samples by no more than this
 
 @dataclass(frozen=True)
 class Plot:
-    """What to draw: curves (k,) over t (k,) by name, each of them in `unit`."""
+    """A plot to be drawn: curves (k,) over t (k,) by name, each of them in `unit`."""
 
     title: str
     t: Array
@@ -41,7 +41,7 @@ class Plot:
     size: tuple[float, float] = (340.0, 210.0)
     log: bool = False
     across: str = "t in s"
-    """What the horizontal axis is."""
+    """The title of the horizontal axis."""
 
 
 def plot(what: Plot) -> Picture:
@@ -200,7 +200,7 @@ def _raised(level: float) -> str:
 
 
 def tick(value: float, all_values: Sequence[float]) -> str:
-    """As many decimals as the step needs."""
+    """The number at a tick, with as many decimals as the step needs."""
     step = all_values[1] - all_values[0] if len(all_values) > 1 else 1.0
     size = max(abs(v) for v in all_values) if all_values else 1.0
     if abs(value) < 1e-9 * max(size, step):

@@ -1,5 +1,4 @@
-"""Where everything of a robot is at one position q: joints, centres of mass, ends, in world
-axes."""
+"""A robot at one position q: places of its joints, centres of mass, ends, in world axes."""
 
 from __future__ import annotations
 
@@ -35,24 +34,25 @@ class DrawnJoint:
     """A joint in the world, or what closes a loop: places (dim,)."""
 
     index: int
-    """Of the body that it carries; of a loop, of the one with its second frame; -1: the base."""
+    """Index of the body that it carries; of a loop, of the one with its second frame; -1: the
+    base."""
     name: str
     kind: JointKind
-    """Of a loop, the kind whose symbol it has."""
+    """Kind of the joint; of a loop, the kind whose symbol it has."""
     parent: int
-    """Of the body that carries it; of a loop, of the one with its first frame."""
+    """Index of the body that carries it; of a loop, of the one with its first frame."""
     origin: Array
-    """Its origin on the child."""
+    """Origin of the joint on the child."""
     rotation: Array
     carrier: Array
-    """Where it sits on the parent: the origin before a slide; of a rod, its other end."""
+    """Place of the joint on the parent: the origin before a slide; of a rod, its other end."""
     carrier_rotation: Array
     axis: Array | None
     """World direction of a joint with an axis; None for others and for turns in the plane."""
 
     @property
     def symbol(self) -> str:
-        """What its symbol is called."""
+        """The name of its symbol."""
         return self.name
 
 
@@ -85,7 +85,7 @@ class BodyPlace(DrawnJoint):
 
 @dataclass(frozen=True)
 class LoopPlace(DrawnJoint):
-    """Where a loop closes."""
+    """The place at which a loop closes."""
 
     rod: bool
     """Whether it keeps its places a distance apart."""

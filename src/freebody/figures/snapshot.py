@@ -20,7 +20,7 @@ from freebody.expressions.notations.notation import BookNotation, notation_of
 from freebody.expressions.polynomials.symbols import names_by_body
 from freebody.figures.body_loads import BodyLoads, body_loads
 from freebody.figures.drawing import SAME
-from freebody.figures.names import Names
+from freebody.figures.names import DrawingNames
 from freebody.figures.skeleton import BodyPlace, End, Skeleton, extent, skeleton
 from freebody.lazy import cached_property
 from freebody.loops.assembly import assemble
@@ -49,7 +49,7 @@ class Snapshot:
     qd: Array
     qdd: Array
     wrenches: Wrenches
-    names: Names
+    names: DrawingNames
     links: frozenset[int] = frozenset()
     """Bodies that stand for nothing, between joints that replace another; they are not drawn."""
 
@@ -64,7 +64,7 @@ class Snapshot:
 
     @cached_property
     def pose(self) -> Skeleton:
-        """Where all parts are."""
+        """The places of all parts."""
         return skeleton(self.model, self.q)
 
     @cached_property
@@ -78,13 +78,13 @@ class Snapshot:
         return body_loads(self.names.naming, self.pose, self.q, self.qd, self.qdd, self.wrenches)
 
     def end(self, body: BodyPlace) -> Array | None:
-        """Where a body ends: at the joint of its first child (after a slide), else at the tip; or
+        """The end of a body: the joint of its first child (after a slide), else at the tip; or
         nowhere."""
         return next((place for _, place in self.reaches(body)), None)
 
     def reaches(self, body: BodyPlace) -> list[tuple[End, Array]]:
-        """Where the vectors s from a body's joint lead: to its children (after a slide), and to the
-        tip it carries; to its first leaf where it has neither."""
+        """The ends of the vectors s from a body's joint: its children (after a slide), and the tip
+        it carries; to its first leaf where it has neither."""
         found = [
             (end, self.pose.bodies[end.child].origin) for end in body.ends if end.child is not None
         ]
@@ -148,7 +148,7 @@ def snapshot(
         )
     letters = lettering_of(style, model, tuple(coordinates))
     naming = Naming(shown, letters=letters)
-    return Snapshot(shown, at, rates, second, wrenches, Names(naming))
+    return Snapshot(shown, at, rates, second, wrenches, DrawingNames(naming))
 
 
 def _seen_well(model: Model) -> Array:
@@ -245,7 +245,7 @@ def clear_pose(model: Model) -> Array:
 
 
 def _slide(model: Model) -> float:
-    """How far slides are drawn out, metres: about as long as the links are."""
+    """The length by which slides are drawn out, metres: about as long as the links are."""
     size = extent([skeleton(model, neutral(model))])
     turns = sum(not body.kind.slides for body in model.bodies)
     return 0.7 if size == 1.0 and not turns else 0.55 * size / max(turns, 1)

@@ -12,7 +12,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.figures import colours, labelling, svg_cells, svg_symbols, text
+from freebody.figures import colours, labelling, svg_symbols, text
 from freebody.figures.drawing import (
     SAME,
     Arc,
@@ -28,9 +28,9 @@ from freebody.figures.drawing import (
     Turn,
     places,
 )
-from freebody.figures.label_placement import RULE, Box, Crowd, Wanted, leader
+from freebody.figures.labelling import RULE, Box, Crowd, Wanted, leader
 from freebody.figures.view import View
-from freebody.outputs.numbers import significant
+from freebody.outputs.number_text import significant
 from freebody.outputs.text import legal
 
 XMLNS = 'xmlns="http://www.w3.org/2000/svg"'
@@ -126,8 +126,8 @@ def picture(drawing: Drawing, width: float = 560.0, tallest: float = 460.0) -> P
     height += _NOTE * len(drawing.notes) + (8 if drawing.notes else 0)
     if drawing.key:
         middle = complex(width / 2, height + 14)
-        page.body += svg_cells.key(drawing.key, middle, width - 2 * _MARGIN)
-        height += svg_cells.KEY
+        page.body += svg_symbols.key(drawing.key, middle, width - 2 * _MARGIN)
+        height += svg_symbols.KEY
     return Picture("".join(page.body), width, height, drawing.title)
 
 
@@ -259,7 +259,7 @@ def _prism(page: Page, e: Prism) -> None:
 
 
 def _cells(page: Page, e: Cells) -> None:
-    page.body += svg_cells.cells(e, page.at)
+    page.body += svg_symbols.cells(e, page.at)
 
 
 def _text(page: Page, e: Label) -> None:

@@ -128,7 +128,7 @@ def _joined(pieces: Iterable[Run]) -> Iterator[Run]:
 
 
 def _shift(level: int) -> float:
-    """How far a level stands below the line, in heights of a letter."""
+    """The depth of a level below the line, in heights of a letter."""
     return -0.38 * level if level > 0 else -0.24 * level
 
 

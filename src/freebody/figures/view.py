@@ -10,16 +10,16 @@ import numpy as np
 
 from freebody.arrays import Array
 
-Point = tuple[float, ...]
-"""Of the world, metres."""
+WorldPoint = tuple[float, ...]
+"""A point of the world, metres."""
 
 
 @dataclass(frozen=True)
 class View:
-    """How the world is seen: rows to the right and up on the page, and towards the viewer."""
+    """A view of the world: rows to the right and up on the page, and towards the viewer."""
 
-    rows: tuple[Point, Point]
-    towards: Point = ()
+    rows: tuple[WorldPoint, WorldPoint]
+    towards: WorldPoint = ()
 
     def project(self, points: Iterable[Sequence[float]]) -> Array:
         """Page coordinates (k, 2) in metres, y up."""
@@ -31,13 +31,13 @@ class View:
         return complex(x, -y)
 
     def depth(self, points: Iterable[Sequence[float]]) -> float:
-        """How near the viewer the middle of some points is, metres."""
+        """The nearness to the viewer of the middle of some points, metres."""
         if not self.towards:
             return 0.0
         return float(np.mean(np.asarray(list(points), dtype=float) @ np.asarray(self.towards)))
 
     def shown(self, a: Array, b: Array) -> float:
-        """What part of its length is seen of a segment; 1 where nothing is foreshortened."""
+        """The share of a segment's length that is seen; 1 where nothing is foreshortened."""
         length = float(np.linalg.norm(b - a))
         return float(np.linalg.norm(np.asarray(self.rows) @ (b - a)) / length) if length else 1.0
 

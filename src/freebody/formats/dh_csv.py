@@ -11,7 +11,7 @@ import re
 from typing import Any, NoReturn
 
 from freebody.errors import FileError, UnknownNameError, shown
-from freebody.formats import number_text, read_file
+from freebody.formats import read_file
 from freebody.formats.toml_table import in_units, is_name
 from freebody.model import dh
 from freebody.model.description import INFINITE, MOST_LINKS, Limits, RobotDescription
@@ -28,6 +28,36 @@ def describe(
     file: str, text: str, *, name: str, convention: dh.Convention | None
 ) -> RobotDescription:
     """The description in a DH table. Raises FileError with the line."""
+    remarks, lines = _split(file, text)
+    if not lines:
+        example = ", ".join(COLUMNS[:6])
+        raise FileError(
+            file, None, f"there is no table; the first line names the columns, such as {example}."
+        )
+    if len(lines) > MOST_LINKS:
+        raise FileError(file, None, f"the table has more than {MOST_LINKS} rows, one per joint.")
+    header = _Header(file, *lines[0])
+    chosen = _convention(file, lines[0][0], remarks.get("convention"), convention)
+    rows = [_DhRow(header, i, number, line).as_dh() for i, (number, line) in enumerate(lines[1:])]
+    if not rows:
+        raise FileError(file, lines[0][0], "the table has a header but no rows; add one per joint.")
+    number, given = remarks.get("gravity", (None, "9.81"))
+    gravity = in_units(given, "number")
+    if gravity is None or read_file.fault(gravity):
+        raise FileError(file, number, f"gravity is {shown(given)}, expected a number in m/s².")
+    return dh.describe(
+        rows,
+        convention=chosen,
+        gravity=gravity,
+        name=remarks["name"][1] if "name" in remarks else name,
+        source=remarks["source"][1] if "source" in remarks else "",
+        file=file,
+        lines=[number for number, _ in lines[1:]],
+    )
+
+
+def _split(file: str, text: str) -> tuple[dict[str, tuple[int, str]], list[tuple[int, str]]]:
+    """The remarks by name, and the lines of the table, each with its number."""
     remarks: dict[str, tuple[int, str]] = {}
     lines: list[tuple[int, str]] = []
     for number, line in enumerate(read_file.lines(text), 1):
@@ -43,37 +73,13 @@ def describe(
                 remarks[remark[1]] = number, remark[2].strip()
         elif line.strip(" ,;\t"):
             lines.append((number, line))
-    if not lines:
-        example = ", ".join(COLUMNS[:6])
-        raise FileError(
-            file, None, f"there is no table; the first line names the columns, such as {example}."
-        )
-    if len(lines) > MOST_LINKS:
-        raise FileError(file, None, f"the table has more than {MOST_LINKS} rows, one per joint.")
-    header = _Header(file, *lines[0])
-    chosen = _convention(file, lines[0][0], remarks.get("convention"), convention)
-    rows = [_DhRow(header, i, number, line).as_dh() for i, (number, line) in enumerate(lines[1:])]
-    if not rows:
-        raise FileError(file, lines[0][0], "the table has a header but no rows; add one per joint.")
-    number, given = remarks.get("gravity", (None, "9.81"))
-    gravity = in_units(given, "number")
-    if gravity is None or number_text.fault(gravity):
-        raise FileError(file, number, f"gravity is {shown(given)}, expected a number in m/s².")
-    return dh.describe(
-        rows,
-        convention=chosen,
-        gravity=gravity,
-        name=remarks["name"][1] if "name" in remarks else name,
-        source=remarks["source"][1] if "source" in remarks else "",
-        file=file,
-        lines=[number for number, _ in lines[1:]],
-    )
+    return remarks, lines
 
 
 def _convention(
     file: str, line: int, written: tuple[int, str] | None, given: dh.Convention | None
 ) -> dh.Convention:
-    """What the file or the caller says; never guessed."""
+    """The convention that the file or the caller states; it is never guessed."""
     known = ("standard", "modified")
     if written and written[1] not in known:
         raise FileError(
@@ -153,7 +159,7 @@ class _DhRow:
         if column not in self.cells:
             return default
         value = in_units(self.cells[column], self.unit(column))
-        if value is None or number_text.fault(value, infinite=True):
+        if value is None or read_file.fault(value, infinite=True):
             self.refuse(
                 f"{column} is {shown(self.cells[column])}, expected a number{self.hint(column)}."
             )
@@ -168,7 +174,7 @@ class _DhRow:
             self.refuse(
                 f"{column} is {shown(cell)}, expected a number or a name{self.hint(column)}."
             )
-        problem = number_text.fault(value)
+        problem = read_file.fault(value)
         if problem:
             self.refuse(f"{column} is {value:g}, {problem}.")
         return value

@@ -8,15 +8,13 @@ from pathlib import Path
 
 from freebody.errors import FileError, FreebodyError, MassWarning, UnknownNameError, shown, warn
 from freebody.formats import dh_csv, read_file, toml, urdf
-from freebody.formats.estimated_inertias import estimated
-from freebody.formats.implausible_masses import implausible_masses
+from freebody.formats.masses import estimated, implausible_masses
 from freebody.formats.urdf_elements import xacro
 from freebody.model import planar_arms
-from freebody.model.build import BasePolicy, MimicPolicy, build_model
+from freebody.model.build import BasePolicy, MimicPolicy, Policy, build_model
 from freebody.model.description import RobotDescription
-from freebody.model.description_checks import Policy
 from freebody.model.dh import Convention
-from freebody.model.doubts import read_doubts, settled
+from freebody.model.doubts import Doubt
 from freebody.model.model import Model
 from freebody.model.parameters import real
 
@@ -46,29 +44,53 @@ def load(
     `models()`).
 
     Letters R and P that are not a bundled model's name are a planar arm: load("RRP") is
-    planar("RRP").
+    planar("RRP"). A file is a regular one of at most 32 MB (TOML: 16) and 50 000 links, and no
+    number in it but a limit is beyond 1e60.
 
-    A file is a regular one of at most 32 MB (TOML: 16) and 50 000 links, and no number in it but a
-    limit is beyond 1e60.
+    Parameters
+    ----------
+    source
+        Path of a file, or the name of a bundled model.
+    tip
+        The frame that `frame=None` means; default: the file's, else the only one that is called
+        tcp, tool0, flange, ee… or grasp…, in this order, else the end of the longest chain of
+        joints, grippers taken off, where only one is so long; `tip_reason` says which.
+    base
+        "fixed" or "free" (a free joint carries the root link); default: the file's, else fixed.
+    mimic
+        "follow", or "free" to make mimic joints independent.
+    physical
+        "warn" about, "refuse" or "ignore" an inertia that no rigid body has, and friction, rotors
+        and gears that no motor has; the numbers are never changed.
+    snap_angles
+        URDF angles (rad) this close to a multiple of π/2 are read as that multiple; 0 reads them as
+        written.
+    convention
+        "standard" or "modified", for a DH table that does not state it.
+    estimate_inertia
+        The robot's whole mass (kg): all inertias of a URDF are replaced by estimates from the
+        shapes in the file, filled evenly at one density; meshes need the extra freebody[mesh].
+        Marked as estimated wherever shown.
+    loop_tolerance
+        (m, rad) by which rounded numbers may keep loops from closing, see `Model.with_loop`;
+        default: the file's, else 1 mm or a thousandth of the loop's size, the smaller, and 1 mrad.
 
-    tip: the frame that `frame=None` means; default: the file's, else the only one that is called
-    tcp, tool0, flange, ee… or grasp…, in this order, else the end of the longest chain of joints,
-    grippers taken off, where only one is so long; `tip_reason` says which.
-    base: "fixed" or "free" (a free joint carries the root link); default: the file's, else fixed.
-    mimic: "follow", or "free" to make mimic joints independent.
-    physical: "warn" about, "refuse" or "ignore" an inertia that no rigid body has, and friction,
-    rotors and gears that no motor has; the numbers are never changed. snap_angles: URDF angles
-    (rad) this close to a multiple of π/2 are read as that multiple; 0 reads them as written.
-    convention: "standard" or "modified", for a DH table that does not state it.
-    estimate_inertia: the robot's whole mass (kg): all inertias of a URDF are replaced by estimates
-    from the shapes in the file, filled evenly at one density; meshes need the extra freebody[mesh].
-    Marked as estimated wherever shown. loop_tolerance: (m, rad) by which rounded numbers may keep
-    loops from closing, see `Model.with_loop`; default: the file's, else 1 mm or a thousandth of the
-    loop's size, the smaller, and 1 mrad.
+    Returns
+    -------
+    Model
+        Its `notices` list what was snapped, ignored or doubtful.
 
-    Masses of a URDF that are missing, placeholders or implausible are warned about (MassWarning).
-    These, and what was snapped, ignored or doubtful, are listed in `model.notices`. Raises
-    FileError with file and line, or FreebodyError.
+    Raises
+    ------
+    FileError
+        What cannot be read, with file and line.
+    FreebodyError
+        A name that is not known, or an option that does not fit.
+
+    Warns
+    -----
+    MassWarning
+        Masses of a URDF that are missing, placeholders or implausible.
     """
     description = read(source, snap_angles=snap_angles, convention=convention)
     if estimate_inertia is not None:
@@ -89,7 +111,7 @@ def _estimated(description: RobotDescription, mass: float) -> RobotDescription:
     return estimated(description, mass)
 
 
-def _weighed(model: Model, description: RobotDescription, estimate: bool, told: bool) -> Model:
+def _weighed(model: Model, description: RobotDescription, estimate: bool, warned: bool) -> Model:
     """The model with doubts on its masses, where they are to be those of a machine."""
     if description.real:
         found = implausible_masses(
@@ -97,10 +119,24 @@ def _weighed(model: Model, description: RobotDescription, estimate: bool, told: 
         )
         model = replace(model, notices=(*model.notices, *found)) if found else model
     model = settled(model)
-    for doubt in read_doubts(model) if told else ():
-        if doubt.of.mend:
+    for doubt in model.notices if warned else ():
+        if isinstance(doubt, Doubt) and doubt.of.mend:
             warn(f"warning: {doubt}", MassWarning)
     return model
+
+
+def settled(model: Model) -> Model:
+    """The model as it was read, its file's doubts tied to the numbers that they are about: to all
+    of their sort, where the file names no links."""
+    if model.missing:
+        return model
+    notices = tuple(
+        replace(x, about=x.of.tied(model))
+        if isinstance(x, Doubt) and not x.about and x.of.tied
+        else x
+        for x in model.notices
+    )
+    return replace(model, notices=notices) if notices != model.notices else model
 
 
 def read(

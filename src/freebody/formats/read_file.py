@@ -1,17 +1,24 @@
-"""The one reader of files from outside: bytes of a regular file, never more than asked for. And the
-bundled data."""
+"""The one reader of what comes from outside: bytes of regular files, never more than asked for,
+their lines and cells, and numbers in text; and the bundled data.
+
+Python's own `float` also takes 1_0, digits of other scripts and blanks around; here a number is
+what C would print.
+"""
 
 from __future__ import annotations
 
 import csv
+import math
 import os
+import re
 import stat
 from importlib import resources
 from pathlib import Path
 
 from freebody.errors import FileError, likely, shown
+from freebody.model.parameters import LARGEST
 
-LARGEST = 32 * 2**20
+LARGEST_FILE = 32 * 2**20
 """Bytes of a robot description; the longest known has less than one megabyte."""
 _KINDS = {
     stat.S_IFIFO: "a pipe",
@@ -19,10 +26,15 @@ _KINDS = {
     stat.S_IFBLK: "a device",
     stat.S_IFSOCK: "a socket",
 }
+DECIMAL = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
+"""A decimal number, as a regular expression for ASCII text. No two parts of it can share digits:
+100 000 digits that are no number would else be divided in as many ways, each tried to its end."""
+NOT_FINITE = "not a finite number"
+_NUMBER = re.compile(rf"{DECIMAL}|[+-]?inf(?:inity)?|nan", re.ASCII | re.IGNORECASE)
 
 
 def read(
-    path: str | os.PathLike[str], most: int = LARGEST, what: str = "a robot description"
+    path: str | os.PathLike[str], most: int = LARGEST_FILE, what: str = "a robot description"
 ) -> bytes:
     """The bytes of a text file: as `contents`, and binary ones refused."""
     data = contents(path, most, what)
@@ -81,6 +93,39 @@ def cells(file: str | Path, line: int, text: str, delimiter: str = ",") -> list[
     return [cell.strip() for cell in row]
 
 
+def number(text: str) -> float | None:
+    """The number that a text is, perhaps infinite or NaN; None for any other text."""
+    return float(text) if _NUMBER.fullmatch(text) else None
+
+
+def fault(value: float, infinite: bool = False) -> str | None:
+    """The reason why a number cannot be used, or None. infinite: for bounds, which may be as large
+    as they like."""
+    if math.isnan(value) or (math.isinf(value) and not infinite):
+        return NOT_FINITE
+    if abs(value) > LARGEST and not infinite:
+        return f"beyond {LARGEST:g}, more than any quantity of a robot"
+    return None
+
+
+def bundled_names() -> list[str]:
+    """Names of the models that come with freebody, sorted without regard to case."""
+    folder = resources.files("freebody").joinpath("robots")
+    names = [
+        entry.name.removesuffix(".toml")
+        for entry in folder.iterdir()
+        if entry.name.endswith(".toml")
+    ]
+    return sorted(names, key=str.lower)
+
+
+def bundled_text(name: str) -> str:
+    """The TOML text of a bundled model."""
+    return (
+        resources.files("freebody").joinpath("robots", f"{name}.toml").read_text(encoding="utf-8")
+    )
+
+
 def _regular(path: Path, mode: int) -> None:
     """Refuse what is no file of its own size."""
     if stat.S_ISDIR(mode):
@@ -106,24 +151,6 @@ def _bytes(path: Path, most: int) -> bytes:
     with open(os.open(path, flags), "rb") as file:
         _regular(path, os.fstat(file.fileno()).st_mode)
         return file.read(most) or b""
-
-
-def bundled_names() -> list[str]:
-    """Names of the models that come with freebody, sorted without regard to case."""
-    folder = resources.files("freebody").joinpath("robots")
-    names = [
-        entry.name.removesuffix(".toml")
-        for entry in folder.iterdir()
-        if entry.name.endswith(".toml")
-    ]
-    return sorted(names, key=str.lower)
-
-
-def bundled_text(name: str) -> str:
-    """The TOML text of a bundled model."""
-    return (
-        resources.files("freebody").joinpath("robots", f"{name}.toml").read_text(encoding="utf-8")
-    )
 
 
 def _size(most: int) -> str:

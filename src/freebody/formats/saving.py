@@ -227,7 +227,7 @@ def _mass(inertia: Inertia) -> dict[str, str]:
 
 # ---------------------------------------------------------------- placements
 def _behind(outer: Placement, whole: Placement) -> Placement:
-    """What follows `outer` in a placement that starts with it."""
+    """The steps behind `outer` in a placement that starts with it."""
     return Placement(whole.steps[len(outer.steps) :])
 
 

@@ -1,23 +1,30 @@
-"""freebody's own format in TOML: a robot as a person would write it down. docs/formats.md is its
-reference."""
+"""freebody's own format in TOML: a robot as a person would write it down, with the values and
+formulas of its parameters. docs/formats.md is its reference."""
 
 from __future__ import annotations
 
-import re
-import tomllib
+from collections import defaultdict
+from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any, Literal, NoReturn
 
-from freebody.errors import FileError, ModelError
+from freebody.errors import ModelError, UnknownNameError, listed, shown
 from freebody.formats import toml_parts as parts
-from freebody.formats.toml_joint import DRIVE, drive, joint, limits_of
-from freebody.formats.toml_lines import bounded, lines
-from freebody.formats.toml_parameters import with_values
-from freebody.formats.toml_table import TomlTable
+from freebody.formats.toml_table import TomlTable, table_of
 from freebody.model import dh, planar_arms
-from freebody.model.description import Link, RobotDescription
+from freebody.model.description import Link, Mount, RobotDescription
 from freebody.model.doubts import DOUBT_KINDS, Doubt
+from freebody.model.parameter_formulas import (
+    ParameterFormula,
+    ParameterFormulaError,
+    formulas_of,
+    of_link,
+    refuse_negative,
+)
+from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
+from freebody.outputs.number_text import compared
 
+_TOLD_KINDS = [kind for kind in DOUBT_KINDS.values() if kind.key]
 _GENERAL = (
     "name",
     "dim",
@@ -32,10 +39,21 @@ _GENERAL = (
     "loop",
     "loop_tolerance",
     "home",
-    *(kind.key for kind in DOUBT_KINDS.values() if kind.key),
+    *(kind.key for kind in _TOLD_KINDS),
 )
 _TREE = ("link", "joint")
 _BASES: tuple[Literal["fixed", "free"], ...] = ("fixed", "free")
+
+_DH_NUMBERS = {
+    "theta": "angle",
+    "d": "number",
+    "a": "number",
+    "alpha": "angle",
+    "rotor": "number",
+    "gear": "number",
+    "m": "number",
+}
+_DH_ROW = ("joint", "name", "joint_name", *_DH_NUMBERS, "com", "I", "friction", "limits", "passive")
 
 
 def describe(file: str, text: str, *, name: str) -> RobotDescription:
@@ -52,18 +70,12 @@ def describe(file: str, text: str, *, name: str) -> RobotDescription:
         described = _FORMS[forms[0] if forms else "tree"](top)
     except ModelError as error:
         top.refuse(str(error), *forms)
-    frames = list(described.mounts)
-    # a dict for its order: an error lists the names in the order of the file
-    names = dict.fromkeys(part.name for part in (*described.links, *frames))
-    for table in top.tables("frame"):
-        frames.append(parts.mount(table, described.dim, names))
-        if frames[-1].name in names:
-            table.refuse(f"frame {frames[-1].name!r}: the name is taken; rename it.", "name")
-        names[frames[-1].name] = None
+    mounts = _mounts(top, described)
+    names = [part.name for part in (*described.links, *mounts)]
     extra = replace(
         described,
         name=top.text("name", name),
-        mounts=tuple(frames),
+        mounts=mounts,
         loops=tuple(parts.loop(t, described.dim) for t in top.tables("loop")),
         payloads=tuple(parts.payload(t, described.dim, names) for t in top.tables("payload")),
         base=top.choice("base", _BASES, "fixed"),
@@ -73,33 +85,24 @@ def describe(file: str, text: str, *, name: str) -> RobotDescription:
         source=top.text("source", ""),
         about=top.text("about", ""),
         notices=tuple(
-            Doubt(kind.name, text, file)
-            for kind in DOUBT_KINDS.values()
-            if kind.key
-            for text in _texts(top, kind.key)
+            Doubt(kind.name, text, file) for kind in _TOLD_KINDS for text in _texts(top, kind.key)
         ),
         file=file,
     )
-    return with_values(top, extra)
+    return _with_values(top, extra)
 
 
-def table_of(file: str, text: str) -> TomlTable:
-    """The parsed text, with its lines."""
-    bounded(file, text)
-    try:
-        data, found = tomllib.loads(text), lines(text)
-    except tomllib.TOMLDecodeError as error:
-        where = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)", str(error))
-        message = str(error)[: where.start()] if where else str(error)
-        line = int(where[1]) if where and where[1] else text.count("\n") + 1
-        raise FileError(
-            file, line, f"this is not valid TOML: {message[0].lower()}{message[1:]}."
-        ) from None
-    except ValueError:  # Python's own limit, against time that grows with the square of the digits
-        long = re.search(r"[0-9_]{4000,}", text)
-        line = text.count("\n", 0, long.start()) + 1 if long else None
-        raise FileError(file, line, "a number has more than 4300 digits.") from None
-    return TomlTable(file, found, (), data)
+def _mounts(top: TomlTable, described: RobotDescription) -> tuple[Mount, ...]:
+    """The frames that the form of the arm brings along, then those of the file."""
+    found = list(described.mounts)
+    # a dict for its order: an error lists the names in the order of the file
+    names = dict.fromkeys(part.name for part in (*described.links, *found))
+    for table in top.tables("frame"):
+        found.append(parts.mount(table, described.dim, names))
+        if found[-1].name in names:
+            table.refuse(f"frame {found[-1].name!r}: the name is taken; rename it.", "name")
+        names[found[-1].name] = None
+    return tuple(found)
 
 
 def _tree(top: TomlTable) -> RobotDescription:
@@ -110,7 +113,7 @@ def _tree(top: TomlTable) -> RobotDescription:
     links = tuple(parts.link(t, dim) for t in top.tables("link"))
     if not links:
         top.refuse("there are no links; write a [[link]] for each body, the base included.")
-    joints = tuple(joint(t, dim) for t in top.tables("joint"))
+    joints = tuple(parts.joint(t, dim) for t in top.tables("joint"))
     return RobotDescription("", dim, links, joints, parts.gravity(top, dim))
 
 
@@ -125,9 +128,10 @@ def _planar(top: TomlTable) -> RobotDescription:
         key: inner.quantities(key, len(word), default=None) for key in ("l", "lc", "m", "I")
     }
     limits = [
-        limits_of(t, angles=word[i : i + 1] == "R") for i, t in enumerate(inner.tables("limits"))
+        parts.limits_of(t, angles=word[i : i + 1] == "R")
+        for i, t in enumerate(inner.tables("limits"))
     ]
-    drives = [drive(t.only(*DRIVE)) for t in inner.tables("drives")]
+    drives = [parts.drive(t.only(*parts.DRIVE)) for t in inner.tables("drives")]
     described = planar_arms.describe(
         word,
         **given,
@@ -155,7 +159,7 @@ def _dh(top: TomlTable) -> RobotDescription:
     inner = top.inner(top.data["dh"], "dh").called("[dh]").only("convention", "rows")
     convention: Any = inner.choice("convention", ("standard", "modified"))
     tables = inner.tables("rows")
-    rows = [parts.dh_row(t.called(f"dh row {i + 1}")) for i, t in enumerate(tables)]
+    rows = [_dh_row(t.called(f"dh row {i + 1}")) for i, t in enumerate(tables)]
     described = dh.describe(
         [{key: value for key, value in row.items() if key != "joint_name"} for row in rows],
         convention=convention,
@@ -166,8 +170,164 @@ def _dh(top: TomlTable) -> RobotDescription:
     return replace(described, gravity=parts.gravity(top, 3))
 
 
+def _dh_row(table: TomlTable) -> dict[str, Any]:
+    """One row of a DH table, as `fb.dh` takes it, and joint_name."""
+    table.only(*_DH_ROW)
+    row: dict[str, Any] = {
+        key: table.quantity(key, kind) for key, kind in _DH_NUMBERS.items() if key in table
+    }
+    row["joint"] = table.choice("joint", "RP", "R")
+    for key in ("name", "joint_name"):
+        if key in table:
+            row[key] = table.text(key)
+    if "com" in table:
+        row["com"] = table.quantities("com", 3)
+    if "I" in table:
+        full = isinstance(table.data["I"], list) and len(table.data["I"]) == 3
+        row["I"] = table.matrix("I", 3) if full else table.quantities("I", 6)
+    if "friction" in table:
+        friction = table.inner(table.data["friction"], "friction").only("viscous", "coulomb")
+        row["friction"] = (
+            friction.quantity("viscous", default=0.0),
+            friction.quantity("coulomb", default=0.0),
+        )
+    if "limits" in table:
+        row["limits"] = parts.limits(table, angles=row["joint"] == "R")
+    row["passive"] = table.flag("passive")
+    return row
+
+
 _FORMS = {"tree": _tree, "planar": _planar, "dh": _dh}
 
 
 def _on_line(link: Link, line: int | None) -> Link:
     return replace(link, line=line)
+
+
+def _with_values(top: TomlTable, described: RobotDescription) -> RobotDescription:
+    """Values and formulas from [parameters] given to the names; every one must be used, and no name
+    may have two values."""
+    table = _ParameterTable(top, described)
+    known = {name: Parameter(name, value) for name, value in table.values.items()}
+    formulas = []
+    for formula in table.in_order():
+        given = tuple(known[name] for name in formula.names)
+        formulas.append(replace(formula, arguments=given))
+        try:
+            known[formula.name] = formulas[-1].quantity()
+        except ModelError as error:
+            table.refuse(formula.name, str(error))
+
+    def valued(parameter: Parameter) -> Quantity:
+        return known[parameter.name]
+
+    found = replace(with_parameters(described, valued), formulas=tuple(formulas))
+    try:
+        refuse_negative(found, {name: x.value for name, x in known.items()})
+    except ParameterFormulaError as error:
+        table.refuse(error.name, error.problem)
+    return found
+
+
+class _ParameterTable:
+    """The table, each name in it as that of parameters of the robot, of all links together, or of
+    a number that formulas alone use."""
+
+    def __init__(self, top: TomlTable, described: RobotDescription):
+        self.top = top
+        self.own = dict.fromkeys(p.name for p in each_parameter(described))
+        self.numbers, self.texts = parts.parameter_table(top)
+        self.formulas: dict[str, ParameterFormula] = {}
+        self.values: dict[str, float | None] = {}
+        """Values of all parameters; None of those without value, and of those with formulas."""
+        self._keys: dict[str, str] = {}
+        self._take(self.own)
+        self._take_those_of_all_links()
+        for parameter in each_parameter(described):
+            self._add_value(parameter)
+        unused = {*self.numbers, *self.texts} - set(self._keys.values())
+        for name in (x for x in (*self.numbers, *self.texts) if x in unused):
+            given = [x for x in self.own if _stem(x) == name]
+            problem = UnknownNameError("parameter", name, "the model", sorted(self.own))
+            told = f"[parameters]: {name} is that of no link, as {listed(given)} have their own."
+            top.refuse(told if given else str(problem), "parameters", name)
+
+    def in_order(self) -> tuple[ParameterFormula, ...]:
+        """The formulas, each behind those that it names."""
+        try:
+            return formulas_of(self.formulas, dict(sorted(self.values.items())))
+        except ParameterFormulaError as error:
+            self.refuse(error.name, error.problem)
+
+    def refuse(self, name: str, problem: str) -> NoReturn:
+        """Refuse the formula of a parameter."""
+        self._refuse(name, self.formulas[name].text, problem, self._keys[name])
+
+    def _refuse(self, name: str, text: str, problem: str, key: str) -> NoReturn:
+        told = f"[parameters]: {name} = {shown(text)}: {problem.rstrip('.')}."
+        self.top.refuse(told, "parameters", key)
+
+    def _take(self, names: Iterable[str]) -> None:
+        """Take values and formulas of these names from the table, and of those in their
+        formulas."""
+        left = [*names]
+        while left:
+            name = left.pop()
+            if name in self._keys:
+                continue
+            if name in self.numbers:
+                self._keys[name], self.values[name] = name, self.numbers[name]
+            elif name in self.texts:
+                left += self._take_formula(name, name, self.texts[name])
+
+    def _take_formula(self, name: str, key: str, text: str) -> tuple[str, ...]:
+        """The names in it."""
+        formula = self._read(name, text, key)
+        self._keys[name] = key
+        if formula.names:
+            self.formulas[name], self.values[name] = formula, None
+        else:
+            self.values[name] = formula.quantity().value
+        return formula.names
+
+    def _read(self, name: str, text: str, key: str = "") -> ParameterFormula:
+        try:
+            return ParameterFormula.of(name, text)
+        except ParameterFormulaError as error:
+            self._refuse(name, text, error.problem, key or name)
+
+    def _take_those_of_all_links(self) -> None:
+        """lc = "l/2" and m = 2, for the links whose own the table does not give."""
+        families: dict[str, list[str]] = defaultdict(list)
+        for name in self.own:
+            if name not in self._keys:
+                families[_stem(name)].append(name)
+        for key, names in families.items():
+            if key in self._keys or key not in (self.numbers | self.texts):
+                continue
+            if key in self.numbers:
+                self._keys |= dict.fromkeys(names, key)
+                self.values |= dict.fromkeys(names, self.numbers[key])
+                continue
+            formula = self._read(key, self.texts[key])
+            for name in names:
+                text = of_link(name.removeprefix(key), formula.text, formula.names, self.own)
+                self._take(self._take_formula(name, key, text))
+
+    def _add_value(self, parameter: Parameter) -> None:
+        name, own = parameter.name, parameter.value
+        if own is not None and name in self.formulas:
+            self.refuse(name, f"it has the value {own:g} elsewhere in the file; keep one")
+        value = self.values.get(name)
+        if value is None:
+            self.values[name] = own
+        if own is None or value is None or own == value:
+            return
+        at = ("parameters", self._keys[name]) if name in self._keys else ()
+        one, other = compared(value, own, digits=6)
+        self.top.refuse(f"{name!r} has two values, {one} and {other}; keep one.", *at)
+
+
+def _stem(name: str) -> str:
+    """lc of lc1."""
+    return name.rstrip("0123456789")

@@ -1,53 +1,92 @@
-"""The tables of a robot in TOML: links, frames, payloads, loops, gravity, and the rows of a DH
-table."""
+"""The parts of a robot in TOML: links with their masses, joints with limits and drives, placements,
+frames, payloads, loops, gravity and home positions.
+
+Each function reads one table, as docs/formats.md describes it.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from typing import Any
 
+import numpy as np
+
 from freebody.errors import ModelError
-from freebody.formats.toml_inertia import MASS, inertia
-from freebody.formats.toml_joint import limits
-from freebody.formats.toml_parameters import parameter_table
-from freebody.formats.toml_placement import PLACE, direction, placement
-from freebody.formats.toml_table import TomlTable
-from freebody.model.description import Link, Loop, Mount, Payload
+from freebody.formats.toml_table import TomlTable, in_units
+from freebody.model.description import (
+    INFINITE,
+    Drive,
+    Joint,
+    Limits,
+    Link,
+    Loop,
+    Mimic,
+    Mount,
+    Payload,
+)
 from freebody.model.gravity import gravity_of
+from freebody.model.inertia import Inertia
+from freebody.model.joints import KINDS
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.loops import checked_tolerance
 from freebody.model.parameters import Parameter, Quantity
-from freebody.model.placement import Placement
+from freebody.model.placement import (
+    AxisRotation,
+    Placement,
+    Rotate,
+    Shift,
+    rotate,
+    rpy,
+    shift,
+    turn,
+)
+from freebody.outputs.number_text import compared
+
+DRIVE = ("friction", "rotor", "spring")
+_OWN = tuple(number.name for kind in KINDS.values() for number in kind.numbers)
+_MASS = ("mass", "com", "inertia", "shape")
+_SHAPE_SIZES: dict[str, tuple[str, ...]] = {
+    "point": (),
+    "disc": ("radius",),
+    "ring": ("radius",),
+    "bar": ("length",),
+    "box": ("size",),
+    "cylinder": ("radius", "length"),
+    "sphere": ("radius",),
+}
+_TURNS = ("rpy", "axis_angle", "quat_wxyz", "matrix", "angle")
+_PLACE = ("origin", *_TURNS, "steps")
+_UNIT_VECTORS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
 def link(table: TomlTable, dim: int) -> Link:
-    """[[link]]"""
-    table = table.called(f"link {table.text('name')!r}").only("name", *MASS, "inertia_frame")
+    """The link that a table [[link]] describes."""
+    table = table.called(f"link {table.text('name')!r}").only("name", *_MASS, "inertia_frame")
     inner = table.table("inertia_frame")
     frame = (
-        placement(inner.called(f"{table.where}, inertia_frame").only(*PLACE), dim)
+        _placement(inner.called(f"{table.where}, inertia_frame").only(*_PLACE), dim)
         if inner
         else Placement()
     )
-    body = inertia(table, dim) if any(key in table for key in MASS) else None
+    body = _inertia(table, dim) if any(key in table for key in _MASS) else None
     return Link(table.text("name"), body, frame, table.line)
 
 
 def mount(table: TomlTable, dim: int, parents: Collection[str]) -> Mount:
-    """[[frame]]"""
-    table = table.called(f"frame {table.text('name')!r}").only("name", "parent", *PLACE)
-    return Mount(table.text("name"), table.choice("parent", parents), placement(table, dim))
+    """The frame that a table [[frame]] mounts on a link or frame."""
+    table = table.called(f"frame {table.text('name')!r}").only("name", "parent", *_PLACE)
+    return Mount(table.text("name"), table.choice("parent", parents), _placement(table, dim))
 
 
 def payload(table: TomlTable, dim: int, frames: Collection[str]) -> Payload:
-    """[[payload]]"""
-    table = table.called(f"payload {table.text('name')!r}").only("name", "frame", *MASS)
-    return Payload(table.text("name"), table.choice("frame", frames), inertia(table, dim))
+    """The load that a table [[payload]] fixes to a frame."""
+    table = table.called(f"payload {table.text('name')!r}").only("name", "frame", *_MASS)
+    return Payload(table.text("name"), table.choice("frame", frames), _inertia(table, dim))
 
 
 def loop(table: TomlTable, dim: int) -> Loop:
-    """[[loop]]"""
+    """The loop that a table [[loop]] closes."""
     table = table.called(f"loop {table.text('name')!r}").only(
         "name", "kind", "frames", "axis", "distance"
     )
@@ -59,14 +98,14 @@ def loop(table: TomlTable, dim: int) -> Loop:
         table.text("name"),
         kind.name,
         (ends[0], ends[1]),
-        direction(table, dim) if "axis" in table else (),
+        _direction(table, dim) if "axis" in table else (),
         table.quantity("distance") if "distance" in table else None,
         table.line,
     )
 
 
 def loop_tolerance(top: TomlTable) -> tuple[float, float] | None:
-    """loop_tolerance = [metres, radians]"""
+    """The tolerance in loop_tolerance = [metres, radians]; None where nothing is said."""
     key = "loop_tolerance"
     if key not in top:
         return None
@@ -82,7 +121,7 @@ def loop_tolerance(top: TomlTable) -> tuple[float, float] | None:
 
 
 def home(top: TomlTable) -> tuple[tuple[str, float], ...]:
-    """[home]: positions by name."""
+    """Positions by name, from [home]."""
     inner = top.table("home")
     if inner is None:
         return ()
@@ -91,8 +130,8 @@ def home(top: TomlTable) -> tuple[tuple[str, float], ...]:
 
 
 def gravity(top: TomlTable, dim: int) -> tuple[Quantity, tuple[float, ...]]:
-    """A size, a name, a vector, or { size, direction }; 9.81 m/s² downwards, called g, where the
-    file says nothing."""
+    """Gravity from a size, a name, a vector, or { size, direction }; 9.81 m/s² downwards,
+    called g, where the file says nothing."""
     down = (0.0,) * (dim - 1) + (-1.0,)
     given: Any = top.data.get("gravity")
     if isinstance(given, list):
@@ -110,40 +149,263 @@ def gravity(top: TomlTable, dim: int) -> tuple[Quantity, tuple[float, ...]]:
     return (size if isinstance(size, Parameter) else Parameter("g", size)), down
 
 
-_DH_NUMBERS = {
-    "theta": "angle",
-    "d": "number",
-    "a": "number",
-    "alpha": "angle",
-    "rotor": "number",
-    "gear": "number",
-    "m": "number",
-}
-_DH_ROW = ("joint", "name", "joint_name", *_DH_NUMBERS, "com", "I", "friction", "limits", "passive")
-
-
-def dh_row(table: TomlTable) -> dict[str, Any]:
-    """One row of a DH table, as `fb.dh` takes it, and joint_name."""
-    table.only(*_DH_ROW)
-    row: dict[str, Any] = {
-        key: table.quantity(key, kind) for key, kind in _DH_NUMBERS.items() if key in table
+def joint(table: TomlTable, dim: int) -> Joint:
+    """The joint that a table [[joint]] describes."""
+    table = table.called(f"joint {table.text('name')!r}")
+    table.only(
+        *("name", "kind", "parent", "child", *_PLACE, "axis", *_OWN),
+        *("limits", *DRIVE, "mimic", "passive"),
+    )
+    kind = table.choice("kind", KINDS)
+    one = KINDS[kind].nv == 1
+    own = [number.name for number in KINDS[kind].numbers]
+    taken = {
+        "axis": KINDS[kind].needs_axis,
+        "limits": one,
+        **dict.fromkeys(DRIVE, one),
+        **{name: name in own for name in _OWN},
+        "mimic": one,
     }
-    row["joint"] = table.choice("joint", "RP", "R")
-    for key in ("name", "joint_name"):
-        if key in table:
-            row[key] = table.text(key)
-    if "com" in table:
-        row["com"] = table.quantities("com", 3)
-    if "I" in table:
-        full = isinstance(table.data["I"], list) and len(table.data["I"]) == 3
-        row["I"] = table.matrix("I", 3) if full else table.quantities("I", 6)
-    if "friction" in table:
-        friction = table.inner(table.data["friction"], "friction").only("viscous", "coulomb")
-        row["friction"] = (
-            friction.quantity("viscous", default=0.0),
-            friction.quantity("coulomb", default=0.0),
+    if unused := [key for key, has_it in taken.items() if key in table and not has_it]:
+        table.refuse(f"a {kind} joint has no {unused[0]}; remove it.", unused[0])
+    if table.flag("passive") and (KINDS[kind].nv == 0 or "mimic" in table):
+        reason = (
+            "has nothing to drive"
+            if KINDS[kind].nv == 0
+            else "follows another, which may be passive"
         )
-    if "limits" in table:
-        row["limits"] = limits(table, angles=row["joint"] == "R")
-    row["passive"] = table.flag("passive")
-    return row
+        table.refuse(f"passive: the joint {reason}; remove it.", "passive")
+    return Joint(
+        table.text("name"),
+        kind,
+        table.text("parent"),
+        table.text("child"),
+        _placement(table, dim),
+        _axis(table, kind, dim) if KINDS[kind].needs_axis else (),
+        limits(table, angles=not KINDS[kind].slides),
+        drive(table),
+        _mimic(table),
+        table.line,
+        table.flag("passive"),
+        tuple(map(table.quantity, own)),
+    )
+
+
+def _axis(table: TomlTable, kind: str, dim: int) -> tuple[float, ...]:
+    """A joint's axis: a vector, or "x", "-z"; in the plane 1 (counterclockwise) or -1."""
+    if KINDS[kind].axis_size(dim) == 1:
+        return (table.number("axis", default=1.0),)
+    return _direction(table, dim)
+
+
+def limits(table: TomlTable, angles: bool) -> Limits:
+    """Limits from { lower, upper, velocity, effort }; angles: of an angle, not a length."""
+    inner = table.table("limits")
+    return limits_of(inner.called(f"{table.where}, limits"), angles) if inner else Limits()
+
+
+def limits_of(table: TomlTable, angles: bool) -> Limits:
+    """Limits from a table of their own; angles: of an angle, not a length."""
+    table.only("lower", "upper", "velocity", "effort")
+    angle, rate = ("angle", "rate") if angles else ("number", "number")
+    return Limits(
+        table.number("lower", angle, -INFINITE, infinite=True),
+        table.number("upper", angle, INFINITE, infinite=True),
+        table.number("velocity", rate, INFINITE, infinite=True),
+        table.number("effort", "number", INFINITE, infinite=True),
+    )
+
+
+def drive(table: TomlTable) -> Drive:
+    """The drive that friction, rotor and spring describe."""
+
+    def part(key: str, *known: str) -> TomlTable | None:
+        inner = table.table(key)
+        return inner.called(f"{table.where}, {key}").only(*known) if inner else None
+
+    friction, rotor = part("friction", "viscous", "coulomb"), part("rotor", "inertia", "gear")
+    spring = part("spring", "stiffness", "rest")
+    return Drive(
+        viscous=friction.quantity("viscous", default=0.0) if friction else 0.0,
+        coulomb=friction.quantity("coulomb", default=0.0) if friction else 0.0,
+        rotor=rotor.quantity("inertia") if rotor else 0.0,
+        gear=rotor.quantity("gear", default=1.0) if rotor else 1.0,
+        stiffness=spring.quantity("stiffness") if spring else 0.0,
+        rest=spring.quantity("rest", "angle", 0.0) if spring else 0.0,
+    )
+
+
+def _mimic(table: TomlTable) -> Mimic | None:
+    inner = table.table("mimic")
+    if inner is None:
+        return None
+    inner = inner.called(f"{table.where}, mimic").only("joint", "ratio", "offset")
+    return Mimic(
+        inner.text("joint"),
+        inner.number("ratio", default=1.0),
+        inner.number("offset", "angle", 0.0),
+    )
+
+
+def _inertia(table: TomlTable, dim: int) -> Inertia:
+    """An inertia from mass, com, and inertia or shape."""
+    mass = table.quantity("mass")
+    com = table.quantities("com", dim, default=(0.0,) * dim)
+    if "shape" in table and "inertia" in table:
+        table.refuse("shape and inertia exclude each other; keep one.", "shape")
+    try:
+        if "shape" in table:
+            return _shaped(table, dim, mass, com)
+        return Inertia(mass, com, _tensor(table, dim))
+    except ModelError as error:
+        table.refuse(str(error), "inertia" if "inertia" in table else "mass")
+
+
+def _tensor(table: TomlTable, dim: int) -> tuple[Quantity, ...]:
+    """One number in the plane; six in space, or a symmetric 3×3 matrix of numbers."""
+    if dim == 2:
+        return (table.quantity("inertia", default=0.0),)
+    rows = table.data.get("inertia")
+    if isinstance(rows, list) and rows and all(isinstance(row, list) for row in rows):
+        full = np.array(table.matrix("inertia", 3))
+        return Inertia.of(0.0, (0.0,) * 3, full).tensor
+    return table.quantities("inertia", 6, default=(0.0,) * 6)
+
+
+def _shaped(table: TomlTable, dim: int, mass: Quantity, com: tuple[Quantity, ...]) -> Inertia:
+    """An inertia from shape = { bar = { length = 0.4 } } or another shape."""
+    outer = table.inner(table.data["shape"], "shape").only(*_SHAPE_SIZES)
+    if len(outer.data) != 1:
+        outer.refuse(
+            f"shape names {len(outer.data)} shapes, expected one of {', '.join(_SHAPE_SIZES)}."
+        )
+    (kind,) = outer.data
+    sizes = (
+        outer.inner(outer.data[kind], kind)
+        .called(f"{table.where}, {kind}")
+        .only(*_SHAPE_SIZES[kind])
+    )
+    if not isinstance(mass, float):
+        table.refuse(
+            "a shape needs a mass in numbers; give inertia = ... as a name instead.", "mass"
+        )
+    match kind:
+        case "point":
+            body = Inertia.point(mass, (0.0,) * dim)
+        case "disc":
+            body = Inertia.disc(mass, sizes.number("radius"), dim)
+        case "ring":
+            body = Inertia.ring(mass, sizes.number("radius"), dim)
+        case "bar":
+            body = Inertia.bar(mass, sizes.number("length"), dim)
+        case "box":
+            body = Inertia.box(mass, sizes.vector("size", dim))
+        case _ if dim == 2:
+            outer.refuse(f"a {kind} is not a planar shape; use disc, ring, bar or box.")
+        case "cylinder":
+            body = Inertia.cylinder(mass, sizes.number("radius"), sizes.number("length"))
+        case _:
+            body = Inertia.sphere(mass, sizes.number("radius"))
+    return Inertia(mass, com, body.tensor)
+
+
+def _placement(table: TomlTable, dim: int) -> Placement:
+    """A placement from origin, then one rotation; or from a list of steps."""
+    if "steps" in table:
+        if any(key in table for key in ("origin", *_TURNS)):
+            table.refuse("steps give the complete placement; remove origin and rotations.", "steps")
+        return Placement(
+            tuple(_step(t.called(f"{table.where}, steps"), dim) for t in table.tables("steps"))
+        )
+    turns = [key for key in _TURNS if key in table]
+    if len(turns) > 1:
+        table.refuse(f"{turns[0]} and {turns[1]} exclude each other; keep one rotation.", turns[1])
+    if turns and (turns[0] == "angle") != (dim == 2) and turns[0] != "matrix":
+        use = "angle" if dim == 2 else ", ".join(_TURNS[:-1])
+        table.refuse(f"{turns[0]} does not fit a model with dim = {dim}; use {use}.", turns[0])
+    origin = shift(*table.quantities("origin", dim, default=(0.0,) * dim))
+    return origin.then(_rotation(table, turns[0], dim)) if turns else origin
+
+
+def _rotation(table: TomlTable, key: str, dim: int) -> Placement:
+    if key == "angle":
+        return turn("z", table.quantity(key, "angle"))
+    if key == "rpy":
+        return rpy(*table.vector(key, 3, "angle"))
+    if key == "matrix":
+        return _matrix(table, dim)
+    if key == "quat_wxyz":
+        w, x, y, z = table.vector(key, 4)
+        if abs(math.sqrt(w * w + x * x + y * y + z * z) - 1.0) > 1e-6:
+            length, unit = compared(math.hypot(w, x, y, z), 1.0, digits=6)
+            table.refuse(f"the quaternion has length {length}, expected {unit}.", key)
+        return rotate(
+            _about((x, y, z), math.hypot(x, y, z), 2.0 * math.atan2(math.hypot(x, y, z), w))
+        )
+    inner = table.inner(table.data[key], key).called(f"{table.where}, {key}").only("axis", "angle")
+    axis = inner.data.get("axis")
+    if isinstance(axis, str):
+        return turn(inner.choice("axis", _UNIT_VECTORS), inner.quantity("angle", "angle"))
+    direction = inner.vector("axis", 3)
+    length = math.hypot(*direction)
+    if length == 0.0:
+        inner.refuse("the axis is zero; give a direction.", "axis")
+    return rotate(_about(direction, length, inner.number("angle", "angle")))
+
+
+def _about(axis: Iterable[float], length: float, angle: float) -> np.ndarray:
+    """Rotation matrix by an angle (rad) about an axis of that length (Rodrigues)."""
+    if length == 0.0:
+        return np.eye(3)
+    x, y, z = (a / length for a in axis)
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * (K @ K)
+
+
+def _matrix(table: TomlTable, dim: int) -> Placement:
+    try:
+        return rotate(table.matrix("matrix", dim))
+    except ModelError as error:
+        table.refuse(str(error), "matrix")
+
+
+def _step(table: TomlTable, dim: int) -> Shift | AxisRotation | Rotate:
+    """A step from { shift = [...] }, { turn = "z", angle = ... } or { matrix = [...] }."""
+    table.only("shift", "turn", "angle", "matrix")
+    if "shift" in table:
+        return Shift(table.quantities("shift", dim))
+    if "turn" in table:
+        return AxisRotation(
+            table.choice("turn", "z" if dim == 2 else "xyz"), table.quantity("angle", "angle")
+        )
+    _matrix(table, dim)
+    return Rotate(table.matrix("matrix", dim))
+
+
+def _direction(table: TomlTable, dim: int) -> tuple[float, ...]:
+    """A direction from axis = [0, 0, 1], or a letter: "x", "-z"."""
+    given = table.data.get("axis")
+    if isinstance(given, str):
+        sign, letter = (-1.0, given[1:]) if given.startswith("-") else (1.0, given)
+        if letter not in _UNIT_VECTORS or (dim == 2 and letter == "z"):
+            table.refuse(
+                f"axis is {given!r}, expected x, y{'' if dim == 2 else ', z'}, one of them with a "
+                f"minus, or numbers.",
+                "axis",
+            )
+        return tuple(sign * x for x in _UNIT_VECTORS[letter][:dim])
+    return table.vector("axis", dim)
+
+
+def parameter_table(top: TomlTable) -> tuple[dict[str, float], dict[str, str]]:
+    """[parameters]: numbers, and formulas by which parameters follow from others, by name."""
+    table = top.table("parameters")
+    if table is None:
+        return {}, {}
+    named = table.called("[parameters]")
+    texts = {
+        key: text
+        for key, text in table.data.items()
+        if isinstance(text, str) and text.strip() and in_units(text, "angle") is None
+    }
+    return {key: named.number(key, "angle") for key in table.data if key not in texts}, texts

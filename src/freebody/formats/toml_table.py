@@ -1,28 +1,64 @@
-"""A checked view of a table in a TOML file: every value is asked for by kind, every refusal names
-file and line."""
+"""A TOML text as checked tables: every value is read by kind, every refusal names file and line.
+
+The standard library's parser does not tell on which line a key stands, so a scanner walks over the
+text, which is valid TOML by then (parse it first).
+"""
 
 from __future__ import annotations
 
 import math
 import re
+import tomllib
+from bisect import bisect_left
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, NoReturn, TypeVar
 
 from freebody.errors import FileError, UnknownNameError, shown
-from freebody.formats import number_text
-from freebody.formats.toml_lines import Path, line_of
+from freebody.formats import read_file
 from freebody.model.parameters import Parameter, Quantity
 
-_TEXT_NUMBER = re.compile(rf"({number_text.DECIMAL})(?:\s*([a-z/]+))?", re.ASCII)
+KeyPath = tuple[str | int, ...]
+"""The place of a value in a text, such as ("joint", 2, "axis")."""
+
+MOST_TEXT, MOST_VALUES, DEEPEST = 16 * 2**20, 2_000_000, 64
+
+_BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
+_INLINE_BLANK = re.compile(r"[ \t]*")
+_BARE = re.compile(r"[A-Za-z0-9_-]+")
+_STRING = re.compile(
+    r'"""(?:\\.|[^\\])*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:\\.|[^"\\])*"|\'[^\']*\'', re.DOTALL
+)
+_MARK = re.compile(rf"{_STRING.pattern}|#[^\n]*|[.,=\n\[\]{{}}]", re.DOTALL)
+_SCALAR = re.compile(r"[^,\]}#\r\n]+")
+_TEXT_NUMBER = re.compile(rf"({read_file.DECIMAL})(?:\s*([a-z/]+))?", re.ASCII)
 UNITS: dict[str, dict[str, float]] = {
     "number": {},
     "angle": {"rad": 1.0, "deg": math.pi / 180},
     "rate": {"rad/s": 1.0, "deg/s": math.pi / 180},
 }
-"""What a number may be measured in when it is written as text, in SI units."""
+"""Units that a number may have when it is written as text, in SI units."""
 _REQUIRED = object()
 _Word = TypeVar("_Word", bound=str)
+
+
+def table_of(file: str, text: str) -> TomlTable:
+    """The parsed text, with its lines. Raises FileError with the line where it is not TOML."""
+    _bounded(file, text)
+    try:
+        data, found = tomllib.loads(text), lines(text)
+    except tomllib.TOMLDecodeError as error:
+        where = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)", str(error))
+        message = str(error)[: where.start()] if where else str(error)
+        line = int(where[1]) if where and where[1] else text.count("\n") + 1
+        raise FileError(
+            file, line, f"this is not valid TOML: {message[0].lower()}{message[1:]}."
+        ) from None
+    except ValueError:  # Python's own limit, against time that grows with the square of the digits
+        long = re.search(r"[0-9_]{4000,}", text)
+        line = text.count("\n", 0, long.start()) + 1 if long else None
+        raise FileError(file, line, "a number has more than 4300 digits.") from None
+    return TomlTable(file, found, (), data)
 
 
 def in_units(text: str, kind: str) -> float | None:
@@ -45,18 +81,18 @@ class TomlTable:
     """A table, where it stands, and what to call it in errors."""
 
     file: str
-    lines: Mapping[Path, int]
-    path: Path
+    lines: Mapping[KeyPath, int]
+    path: KeyPath
     data: Mapping[str, Any]
     where: str = ""
 
     @property
     def line(self) -> int | None:
-        """Its line."""
+        """The line on which the table begins."""
         return line_of(self.lines, self.path)
 
     def called(self, where: str) -> TomlTable:
-        """The same table with another name in errors."""
+        """This table with another name in errors."""
         return TomlTable(self.file, self.lines, self.path, self.data, where)
 
     def refuse(self, problem: str, *at: str | int) -> NoReturn:
@@ -190,7 +226,7 @@ class TomlTable:
             )
         return value
 
-    def read_number(self, value: Any, kind: str, at: Path, infinite: bool = False) -> float:
+    def read_number(self, value: Any, kind: str, at: KeyPath, infinite: bool = False) -> float:
         """The number that a TOML value stands for."""
         units = " or ".join(f'"30 {unit}"' for unit in UNITS[kind] if unit.startswith("deg"))
         expected = f"a number{f', or text such as {units}' if units else ''}"
@@ -205,12 +241,12 @@ class TomlTable:
                 number = math.inf
         else:
             self.refuse(f"{_label(at)} is {_kind(value)}, expected {expected}.", *at)
-        problem = number_text.fault(number, infinite)
+        problem = read_file.fault(number, infinite)
         if problem:
             self.refuse(f"{_label(at)} is {number:g}, {problem}.", *at)
         return number
 
-    def read_quantity(self, value: Any, kind: str, at: Path) -> Quantity:
+    def read_quantity(self, value: Any, kind: str, at: KeyPath) -> Quantity:
         """The quantity that a TOML value stands for."""
         if isinstance(value, dict):
             inner = self.inner(value, *at).only("name", "value")
@@ -235,7 +271,7 @@ class TomlTable:
         return Parameter(name, value)
 
 
-def _label(at: Path) -> str:
+def _label(at: KeyPath) -> str:
     """inertia[2] for ("inertia", 2)."""
     return "".join(
         f"[{part}]" if isinstance(part, int) else f".{part}" for part in at
@@ -252,3 +288,143 @@ def _kind(value: object) -> str:
         float: "a number",
     }
     return names.get(type(value), f"a {type(value).__name__}")
+
+
+def _bounded(file: str, text: str) -> None:
+    """Refuse what takes the parser too long, or too deep: too many values, keys of many parts,
+    nested brackets."""
+    if len(text) > MOST_TEXT:
+        raise FileError(file, None, f"the text has more than {MOST_TEXT >> 20} million characters.")
+    depth = dots = values = 0
+    for match in _MARK.finditer(text):
+        mark = match[0]
+        if mark == ".":
+            dots += 1
+        elif mark in "[{":
+            depth, dots = depth + 1, 0
+        elif mark in "]}":
+            depth, dots = max(0, depth - 1), 0
+        elif len(mark) == 1:  # an end of line, a comma, an equals sign
+            values, dots = values + 1, 0
+        too = (
+            f"brackets are nested more than {DEEPEST} deep"
+            if depth > DEEPEST
+            else f"a key has more than {DEEPEST} parts"
+            if dots > DEEPEST
+            else f"there are more than {MOST_VALUES} lines and values"
+            if values > MOST_VALUES
+            else ""
+        )
+        if too:
+            raise FileError(file, text.count("\n", 0, match.start()) + 1, f"{too}.")
+
+
+def lines(text: str) -> dict[KeyPath, int]:
+    """Line (from 1) of every table, key and array entry, by its path such as ("joint", 2,
+    "axis")."""
+    return _Scanner(text).found
+
+
+def line_of(found: Mapping[KeyPath, int], path: KeyPath) -> int | None:
+    """The line of a path, or of the nearest thing around it."""
+    while path and path not in found:
+        path = path[:-1]
+    return found.get(path)
+
+
+class _Scanner:
+    def __init__(self, text: str):
+        self.text, self.at = text, 0
+        self.ends = [match.start() for match in re.finditer("\n", text)]
+        self.found: dict[KeyPath, int] = {}
+        self.sizes: dict[KeyPath, int] = {}  # of arrays of tables
+        self.table: KeyPath = ()
+        self.skip(_BLANK)
+        while self.at < len(text):
+            if text[self.at] == "[":
+                self.header()
+            else:
+                self.entry(self.table)
+            self.skip(_BLANK)
+
+    def skip(self, pattern: re.Pattern[str]) -> str:
+        match = pattern.match(self.text, self.at)
+        assert match, f"no {pattern.pattern} at {self.at}"  # the text was parsed before
+        self.at = match.end()
+        return match[0]
+
+    def note(self, path: KeyPath, start: int) -> None:
+        self.found.setdefault(path, bisect_left(self.ends, start) + 1)
+
+    def key(self) -> list[str]:
+        """A dotted key."""
+        parts: list[str] = []
+        while True:
+            self.skip(_INLINE_BLANK)
+            parts.append(
+                self.skip(_STRING)[1:-1] if self.text[self.at] in "\"'" else self.skip(_BARE)
+            )
+            self.skip(_INLINE_BLANK)
+            if self.text[self.at] != ".":
+                return parts
+            self.at += 1
+
+    def header(self) -> None:
+        """[table] or [[array of tables]]; parts of the name that are arrays mean their last
+        entry."""
+        start = self.at
+        twice = self.text.startswith("[[", start)
+        self.at += 2 if twice else 1
+        *outer, last = self.key()
+        self.at += 2 if twice else 1
+        path: KeyPath = ()
+        for part in outer:
+            path = self.entered((*path, part))
+        path = (*path, last)
+        self.note(path, start)
+        if twice:
+            self.sizes[path] = self.sizes.get(path, 0) + 1
+            path = self.entered(path)
+        self.table = path
+        self.note(path, start)
+
+    def entered(self, path: KeyPath) -> KeyPath:
+        return (*path, self.sizes[path] - 1) if path in self.sizes else path
+
+    def entry(self, table: KeyPath) -> None:
+        """key = value."""
+        start = self.at
+        path = (*table, *self.key())
+        self.note(path, start)
+        self.at += 1  # the equals sign
+        self.skip(_INLINE_BLANK)
+        self.value(path)
+
+    def value(self, path: KeyPath) -> None:
+        first = self.text[self.at]
+        if first in "\"'":
+            self.skip(_STRING)
+        elif first == "[":
+            self.items("]", path)
+        elif first == "{":
+            self.items("}", path)
+        else:
+            self.skip(_SCALAR)
+
+    def items(self, end: str, path: KeyPath) -> None:
+        """Entries of an array, or of an inline table, up to its bracket."""
+        self.at += 1
+        index = 0
+        self.skip(_BLANK)
+        while self.text[self.at] != end:
+            if end == "]":
+                self.note((*path, index), self.at)
+                self.value((*path, index))
+            else:
+                self.entry(path)
+            index += 1
+            self.skip(_BLANK)
+            if self.text[self.at] == ",":
+                self.at += 1
+                self.skip(_BLANK)
+        self.at += 1

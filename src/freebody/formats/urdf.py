@@ -3,22 +3,23 @@ counted and reported.
 
 A joint's frame is the child link's at q = 0; rpy are fixed-axis roll, pitch, yaw; the axis is in
 the joint's frame and (1, 0, 0) by default; damping is in N m s/rad or N s/m, friction in N m or N.
-docs/formats.md states the policy.
-"""
+docs/formats.md states the policy."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from typing import Literal
 
 from freebody.errors import UnknownNameError
-from freebody.formats.urdf_elements import Elements, xacro
-from freebody.formats.urdf_shapes import shapes
-from freebody.formats.xml import Element, parse
+from freebody.formats import read_file
+from freebody.formats.urdf_elements import Elements, XmlElement, parse, xacro
 from freebody.model.description import INFINITE, Drive, Joint, Limits, Link, Mimic, RobotDescription
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
 from freebody.model.placement import Placement, rotate, rpy, shift
+from freebody.model.shapes import Shape
 from freebody.spatial import unit
 
 TYPES = {
@@ -30,6 +31,7 @@ TYPES = {
     "planar": "planar",
 }
 _TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_ROLES: tuple[Literal["collision", "visual"], ...] = ("collision", "visual")
 
 
 def describe(file: str, data: bytes, *, name: str, snap_angles: float) -> RobotDescription:
@@ -46,7 +48,7 @@ class _UrdfReader(Elements):
         self.links: list[Link] = []
         self.joints: list[Joint] = []
 
-    def description(self, robot: Element, name: str) -> RobotDescription:
+    def description(self, robot: XmlElement, name: str) -> RobotDescription:
         if robot.tag != "robot":
             self.refuse(
                 robot,
@@ -80,16 +82,16 @@ class _UrdfReader(Elements):
         )
 
     # ------------------------------------------------------------ links and joints
-    def link(self, element: Element) -> None:
+    def link(self, element: XmlElement) -> None:
         self.only(element, "name")
         self.sort_out(element, "inertial")
         where = f"link {element.name()!r}"
         inertial = self.one(element, "inertial", where)
         inertia, placement = self.inertial(inertial, where) if inertial else (None, Placement())
         line = (inertial or element).line
-        self.links.append(Link(element.name(), inertia, placement, line, shapes(element)))
+        self.links.append(Link(element.name(), inertia, placement, line, _shapes(element)))
 
-    def inertial(self, element: Element, where: str) -> tuple[Inertia, Placement]:
+    def inertial(self, element: XmlElement, where: str) -> tuple[Inertia, Placement]:
         """Mass properties and the frame they are given in; without a rotation that frame is the
         link's own."""
         self.only(element)
@@ -111,7 +113,7 @@ class _UrdfReader(Elements):
             return Inertia(kilograms, (0.0, 0.0, 0.0), entries), shift(*xyz).then(turned)
         return Inertia(kilograms, xyz, entries), Placement()
 
-    def joint(self, element: Element) -> None:
+    def joint(self, element: XmlElement) -> None:
         self.only(element, "name", "type")
         where = f"joint {element.name()!r}"
         given = self.text(element, "type", where)
@@ -151,7 +153,7 @@ class _UrdfReader(Elements):
             )
         )
 
-    def end(self, element: Element, tag: str, where: str) -> str:
+    def end(self, element: XmlElement, tag: str, where: str) -> str:
         """The link that <parent> or <child> names."""
         end = self.one(element, tag, where)
         if end is None:
@@ -160,7 +162,7 @@ class _UrdfReader(Elements):
         return self.text(end, "link", where)
 
     def planar(
-        self, element: Element, where: str, parent: str, child: str, placement: Placement
+        self, element: XmlElement, where: str, parent: str, child: str, placement: Placement
     ) -> None:
         """URDF's planar joint moves in the plane normal to its axis; ours in the xy-plane of its
         frame."""
@@ -194,7 +196,7 @@ class _UrdfReader(Elements):
             f"axis.",
         )
 
-    def axis(self, element: Element, where: str) -> tuple[float, float, float]:
+    def axis(self, element: XmlElement, where: str) -> tuple[float, float, float]:
         """The axis as written, (1, 0, 0) where there is none; refuses a zero one."""
         tag = self.one(element, "axis", where)
         if tag is None:
@@ -210,7 +212,7 @@ class _UrdfReader(Elements):
             )
         return axis
 
-    def limits(self, element: Element, kind: str, where: str) -> Limits:
+    def limits(self, element: XmlElement, kind: str, where: str) -> Limits:
         tag = self.one(element, "limit", where)
         if tag is None:
             if KINDS[kind].ranged:
@@ -236,7 +238,7 @@ class _UrdfReader(Elements):
         velocity, effort = (self.most(tag, key, where) for key in ("velocity", "effort"))
         return Limits(lower, upper, velocity, effort)
 
-    def most(self, tag: Element, key: str, where: str) -> float:
+    def most(self, tag: XmlElement, key: str, where: str) -> float:
         """A limit of speed or effort; exporters write 0 for one they do not know, as no joint
         has."""
         value = self.number(tag, key, where, INFINITE, infinite=True)
@@ -245,7 +247,7 @@ class _UrdfReader(Elements):
         self.unknown.setdefault(key, [0, tag.line])[0] += 1
         return INFINITE
 
-    def drive(self, element: Element, where: str) -> Drive:
+    def drive(self, element: XmlElement, where: str) -> Drive:
         tag = self.one(element, "dynamics", where)
         if tag is None:
             return Drive()
@@ -255,7 +257,7 @@ class _UrdfReader(Elements):
             coulomb=self.number(tag, "friction", where, 0.0),
         )
 
-    def mimic(self, element: Element, where: str) -> Mimic | None:
+    def mimic(self, element: XmlElement, where: str) -> Mimic | None:
         tag = self.one(element, "mimic", where)
         if tag is None:
             return None
@@ -266,7 +268,9 @@ class _UrdfReader(Elements):
             self.number(tag, "offset", where, 0.0),
         )
 
-    def origin(self, element: Element, where: str) -> tuple[tuple[float, float, float], Placement]:
+    def origin(
+        self, element: XmlElement, where: str
+    ) -> tuple[tuple[float, float, float], Placement]:
         """Shift (m) and rotation of the <origin> inside."""
         tag = self.one(element, "origin", where)
         if tag is None:
@@ -288,8 +292,9 @@ def _other_format(tag: str) -> str:
     }.get(tag, "")
 
 
-def _reductions(robot: Element) -> str:
-    """What the transmissions, which are ignored, say about gears, which the dynamics would need."""
+def _reductions(robot: XmlElement) -> str:
+    """A remark on the gears of transmissions, which are ignored, though the dynamics would need
+    them."""
     ratios = {
         transmission.name(): reduction.content
         for transmission in robot.all("transmission")
@@ -304,3 +309,64 @@ def _reductions(robot: Element) -> str:
         f"; {len(ratios)} of them give a mechanicalReduction other than 1 (first {first!r}: "
         f"{ratio}), but URDF has no rotor inertia that it would multiply"
     )
+
+
+def _shapes(link: XmlElement) -> tuple[Shape, ...]:
+    """All shapes of a <link> that are whole: sizes finite and above 0, a mesh with the name of its
+    file. What cannot be read as a shape is passed over: nothing of the dynamics depends on it."""
+    return tuple(
+        shape
+        for role in _ROLES
+        for element in link.all(role)
+        for shape in _shapes_in(element, role)
+    )
+
+
+def _shapes_in(element: XmlElement, role: Literal["collision", "visual"]) -> Iterator[Shape]:
+    try:
+        placement = _shape_origin(element)
+        for geometry in element.all("geometry"):
+            for part in geometry.children:
+                yield from _shape(part, placement, role)
+    except (ValueError, KeyError):  # no number, or none at all
+        return
+
+
+def _shape(
+    part: XmlElement, placement: Placement, role: Literal["collision", "visual"]
+) -> Iterator[Shape]:
+    given, line = part.attributes, part.line
+    if part.tag == "box":
+        yield Shape("box", _sizes(given["size"], 3), placement, role, line=line)
+    elif part.tag == "cylinder":
+        size = _sizes(f"{given['radius']} {given['length']}", 2)
+        yield Shape("cylinder", size, placement, role, line=line)
+    elif part.tag == "sphere":
+        yield Shape("sphere", _sizes(given["radius"], 1), placement, role, line=line)
+    elif part.tag == "mesh" and given.get("filename", "").strip():
+        size = tuple(abs(x) for x in _numbers(given.get("scale", "1 1 1"), 3))
+        yield Shape("mesh", size, placement, role, given["filename"].strip(), line)
+
+
+def _shape_origin(element: XmlElement) -> Placement:
+    for origin in element.all("origin"):
+        position = _numbers(origin.attributes.get("xyz", "0 0 0"), 3)
+        angles = _numbers(origin.attributes.get("rpy", "0 0 0"), 3)
+        return shift(*position).then(rpy(*angles))
+    return Placement()
+
+
+def _sizes(text: str, count: int) -> tuple[float, ...]:
+    values = _numbers(text, count)
+    if min(values) <= 0.0:
+        raise ValueError(text)
+    return values
+
+
+def _numbers(text: str, count: int) -> tuple[float, ...]:
+    values = tuple(
+        x for x in map(read_file.number, text.split()) if x is not None and not read_file.fault(x)
+    )
+    if len(values) != count:
+        raise ValueError(text)
+    return values

@@ -1,24 +1,113 @@
-"""Reading URDF elements one by one: numbers, texts, and the account of everything that is not
-read."""
+"""URDF's elements one by one: XML that knows its lines, checked numbers and texts, and the account
+of everything that is not read.
+
+Nothing outside the file is read, and entities are refused.
+"""
 
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import dataclass, field
 from itertools import islice
 from typing import NoReturn
+from xml.parsers import expat
 
 from freebody.errors import FileError, shown
-from freebody.formats import number_text
-from freebody.formats.xml import Element
+from freebody.formats import read_file
 from freebody.model.description import Notice
 
+_ELEMENTS, _ATTRIBUTES, _DEEPEST = 500_000, 2_000_000, 200
+_TEXT = 80  # characters kept of an element's text
+_CUT_SHORT = [
+    expat.errors.codes[message]
+    for message in (expat.errors.XML_ERROR_NO_ELEMENTS, expat.errors.XML_ERROR_UNCLOSED_TOKEN)
+]
 _SHAPES = ("visual", "collision", "material")
 _MOST_KINDS = 100
-"""Of elements and attributes that are not read and yet named one by one."""
+"""Kinds of elements and attributes that are not read and yet named one by one."""
+
+
+@dataclass(slots=True)
+class XmlElement:
+    """One element: tag with its prefix as written, attributes, line, elements and text inside."""
+
+    tag: str
+    attributes: dict[str, str]
+    line: int
+    children: list[XmlElement] = field(default_factory=list)
+    content: str = ""
+    """The beginning of the text directly inside, stripped."""
+
+    def all(self, tag: str) -> list[XmlElement]:
+        """The elements of that tag directly inside."""
+        return [child for child in self.children if child.tag == tag]
+
+    def name(self) -> str:
+        """The name attribute, empty where there is none."""
+        return self.attributes.get("name", "").strip()
+
+
+def parse(file: str, data: bytes) -> XmlElement:
+    """The root element. Raises FileError with the line where the text is not XML, ends early or
+    declares entities."""
+    parser = expat.ParserCreate()
+    opened: list[XmlElement] = []
+    roots: list[XmlElement] = []
+    left, attributes_left = _ELEMENTS, _ATTRIBUTES
+
+    def refuse(problem: str) -> NoReturn:
+        raise FileError(file, parser.CurrentLineNumber, problem)
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal left, attributes_left
+        left, attributes_left = left - 1, attributes_left - len(attributes)
+        if not left:
+            refuse(
+                f"the file has more than {_ELEMENTS} elements; a robot description has a few "
+                f"thousand."
+            )
+        if attributes_left < 0:
+            refuse(
+                f"the file has more than {_ATTRIBUTES} attributes; a robot description has a few "
+                f"thousand."
+            )
+        if len(opened) == _DEEPEST:
+            refuse(f"elements are nested more than {_DEEPEST} deep.")
+        element = XmlElement(tag, attributes, parser.CurrentLineNumber)
+        (opened[-1].children if opened else roots).append(element)
+        opened.append(element)
+
+    def text(data: str) -> None:
+        if opened and len(opened[-1].content) < _TEXT:
+            opened[-1].content += data.strip()[:_TEXT]
+
+    def doctype(*_: object) -> NoReturn:
+        # expanding entities can fill the memory (the "billion laughs") or read other files
+        refuse("the file has a <!DOCTYPE>, which can declare entities and is refused; remove it.")
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = lambda tag: opened.pop()
+    parser.CharacterDataHandler = text
+    parser.StartDoctypeDeclHandler = doctype
+    try:
+        parser.Parse(data, True)
+    except expat.ExpatError as error:
+        cut = error.code in _CUT_SHORT and opened
+        problem = (
+            f"the file ends inside <{opened[-1].tag}>, opened on line {opened[-1].line}; it seems "
+            f"to be truncated."
+            if cut
+            else f"this is not well-formed XML: {expat.ErrorString(error.code)} at column "
+            f"{error.offset + 1}."
+        )
+        raise FileError(file, error.lineno, problem) from None
+    except (ValueError, LookupError) as error:  # an encoding that Python does not know
+        raise FileError(file, None, f"the XML cannot be decoded: {error}.") from None
+    return roots[0]
 
 
 def xacro(name: str, stem: str) -> str:
-    """How to expand a file of that name, with ROS and without."""
+    """Advice on how to expand a file of that name, with ROS and without."""
     return (
         f"expand it first, with `xacro {name} -o {stem}.urdf`; without ROS, `pip install xacro` "
         f"has this command, and each $(find PACKAGE) in the file is to be replaced by that "
@@ -40,7 +129,7 @@ class Elements:
         self.changes: list[float] = []
 
     # ------------------------------------------------------------ values
-    def text(self, element: Element, key: str, where: str) -> str:
+    def text(self, element: XmlElement, key: str, where: str) -> str:
         value = element.attributes.get(key, "").strip()
         if not value:
             self.refuse(element, f'{where}: <{element.tag}> has no {key}; add {key}="...".')
@@ -48,7 +137,7 @@ class Elements:
 
     def number(
         self,
-        element: Element,
+        element: XmlElement,
         key: str,
         where: str,
         default: float | None = None,
@@ -59,7 +148,7 @@ class Elements:
             return default
         return self.read(element, key, self.text(element, key, where), where, infinite)
 
-    def vector(self, element: Element, key: str, where: str) -> tuple[float, float, float]:
+    def vector(self, element: XmlElement, key: str, where: str) -> tuple[float, float, float]:
         """Three numbers, zeros where the attribute is absent."""
         words = element.attributes.get(key, "0 0 0").split()
         if len(words) != 3:
@@ -72,11 +161,11 @@ class Elements:
         return x, y, z
 
     def read(
-        self, element: Element, key: str, word: str, where: str, infinite: bool = False
+        self, element: XmlElement, key: str, word: str, where: str, infinite: bool = False
     ) -> float:
-        value = number_text.number(word)
-        problem = None if value is None else number_text.fault(value, infinite)
-        if value is None or problem == number_text.NOT_FINITE:
+        value = read_file.number(word)
+        problem = None if value is None else read_file.fault(value, infinite)
+        if value is None or problem == read_file.NOT_FINITE:
             hint = f"; it is a xacro expression: {xacro('FILE', 'out')}" if "${" in word else ""
             kind = "number" if infinite else "finite number"
             self.refuse(
@@ -88,13 +177,13 @@ class Elements:
         return value
 
     # ------------------------------------------------------------ what is not used
-    def only(self, element: Element, *known: str, owner: str | None = None) -> None:
+    def only(self, element: XmlElement, *known: str, owner: str | None = None) -> None:
         """Count the attributes that are not read."""
         for key in element.attributes:
             if key not in known and not key.startswith("xmlns"):
                 self.count(f"attribute {key} of {owner or f'<{element.tag}>'}", element.line)
 
-    def sort_out(self, element: Element, *known: str, owner: str | None = None) -> None:
+    def sort_out(self, element: XmlElement, *known: str, owner: str | None = None) -> None:
         """Count the elements inside that are not read."""
         for child in element.children:
             if child.tag in _SHAPES:
@@ -105,7 +194,7 @@ class Elements:
     def count(self, what: str, line: int) -> None:
         self.ignored.setdefault(what, [0, line])[0] += 1
 
-    def one(self, element: Element, tag: str, where: str) -> Element | None:
+    def one(self, element: XmlElement, tag: str, where: str) -> XmlElement | None:
         """The only element of that tag inside, or None."""
         found = element.all(tag)
         if len(found) > 1:
@@ -151,10 +240,10 @@ class Elements:
             )
         return notices
 
-    def notice(self, kind: str, element: Element, text: str) -> None:
+    def notice(self, kind: str, element: XmlElement, text: str) -> None:
         self.notices.append(Notice(kind, text, self.file, element.line))
 
-    def refuse(self, element: Element, problem: str) -> NoReturn:
+    def refuse(self, element: XmlElement, problem: str) -> NoReturn:
         raise FileError(self.file, element.line, problem)
 
 

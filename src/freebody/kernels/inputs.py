@@ -15,7 +15,7 @@ from freebody.errors import FreebodyError, MissingValueError, ModelError
 from freebody.lazy import cached_property
 from freebody.model.families import of_member
 from freebody.model.model import Model
-from freebody.model.numbers import Name, Parameters, found, known, written
+from freebody.model.named_numbers import Name, Parameters, found, known, written
 from freebody.model.parameter_formulas import FollowingParameter
 from freebody.model.parameters import Parameter, Quantity, each_parameter
 from freebody.model.quantity_reader import QuantityReader, exact_sin_cos

@@ -12,7 +12,7 @@ from freebody.kernels.formulas import FORMULAS, Option
 from freebody.kernels.inputs import InputKernel, input_kernel, inputs_of
 from freebody.kernels.tracing import program
 from freebody.model.model import Model
-from freebody.model.numbers import Name
+from freebody.model.named_numbers import Name
 from freebody.program import Argument, Program
 from freebody.targets import Kernel, compile_program
 

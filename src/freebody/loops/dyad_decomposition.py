@@ -27,7 +27,7 @@ from freebody.loops.dyads import (
 )
 from freebody.loops.dyads.geometry import side_of
 from freebody.model.model import Model
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 
 
 @dataclass(frozen=True, eq=False)

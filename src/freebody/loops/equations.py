@@ -44,7 +44,7 @@ from freebody.loops.scaled_equations import (
 )
 from freebody.model.geometry import first_member
 from freebody.model.model import Model
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 
 
 def require_loops(model: Model, function: str) -> None:

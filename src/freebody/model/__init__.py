@@ -1,1 +1,2 @@
-"""What a robot is: parameters, joints, inertias and the frozen `Model` made of them."""
+"""The room of the robot itself: parameters, joints, inertias and the frozen `Model` made of
+them."""

@@ -1,29 +1,44 @@
-"""From links and joints to a `Model`: what is fixed together becomes one body."""
+"""From links and joints to a `Model`: the description is checked, and what is fixed together
+becomes one body.
+
+Refusals name the link or joint, the file's line where there is one, and the remedy.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import replace
-from typing import Literal, NoReturn
+from typing import Literal, NoReturn, Protocol, TypeVar
 
-from freebody.errors import ModelError, UnknownNameError
+import numpy as np
+
+from freebody.errors import FileError, ModelError, PhysicalWarning, UnknownNameError, warn
 from freebody.model import changes
 from freebody.model.bodies import Body, Frame
-from freebody.model.description import MOST_LINKS, Joint, Loop, RobotDescription
-from freebody.model.description_checks import DescriptionChecks, Policy
+from freebody.model.description import (
+    MOST_LINKS,
+    Drive,
+    Joint,
+    Link,
+    Loop,
+    Mimic,
+    Notice,
+    RobotDescription,
+)
 from freebody.model.joints import KINDS
 from freebody.model.loops import checked_loop
-from freebody.model.mimic_chains import leaders
 from freebody.model.model import Model
-from freebody.model.parameters import one_value_each
+from freebody.model.parameters import Quantity, one_value_each, quantity
 from freebody.model.placement import Placement
-from freebody.model.tip import chosen
+from freebody.model.tip import chosen, with_tip
 from freebody.model.tree import Attached
-from freebody.spatial import of_dimension
+from freebody.spatial import of_dimension, unit
 
 _MOST_STEPS = 1000
 MimicPolicy = Literal["follow", "free"]
 BasePolicy = Literal["fixed", "free"]
+Policy = Literal["warn", "refuse", "ignore"]
+_Part = TypeVar("_Part", Link, Joint)
 
 
 def build_model(
@@ -54,9 +69,9 @@ class _Assembly:
         self, description: RobotDescription, physical: Policy, mimic: MimicPolicy, base: BasePolicy
     ):
         self.description, self.mimic, self.base = description, mimic, base
-        self.checks = DescriptionChecks(description, physical)
+        self.checks = _DescriptionChecks(description, physical)
         self.carrier: dict[str, tuple[int, Placement]] = {}
-        """Of a link or frame, by name: the index of its body, -1 for the base, and its placement
+        """By the name of a link or frame, the index of its body, -1 for the base, and its placement
         there."""
 
     def model(self, tip: str | None) -> Model:
@@ -117,7 +132,7 @@ class _Assembly:
         first."""
         d = self.description
         frames = self.frames(joints)
-        followers = leaders(joints, self.checks.refuse) if self.mimic == "follow" else {}
+        followers = _leaders(joints, self.checks.refuse) if self.mimic == "follow" else {}
         movable = [joint for joint in joints if KINDS[joint.kind].nv]
         parts = self.parts(len(movable))
         bodies = []
@@ -148,7 +163,7 @@ class _Assembly:
                 self._unknown("position", name, "home", model.position_names)
         if tip is not None:
             return model.replace(tip=tip)
-        return changes.with_tip(model, chosen(model, d.tip, joints))
+        return with_tip(model, chosen(model, d.tip, joints))
 
     def parts(self, bodies: int) -> list[list[Attached]]:
         """The inertias of links and payloads that each body carries; the last are the base's."""
@@ -205,3 +220,220 @@ class _Assembly:
 
     def _unknown(self, what: str, name: str, where: str, known: Collection[str]) -> NoReturn:
         self.checks.refuse(str(UnknownNameError(what, name, where, known)))
+
+
+class _DescriptionChecks:
+    """The links of a description by name, its checks, and the notices that they add."""
+
+    def __init__(self, description: RobotDescription, physical: Policy):
+        self.description, self.physical = description, physical
+        self.notices = list(description.notices)
+        self.links = self.unique("link", description.links)
+        self.unique("joint", description.joints)
+
+    def refuse(self, problem: str, line: int | None = None) -> NoReturn:
+        """Raise with the file and line where there is one."""
+        if self.description.file:
+            raise FileError(self.description.file, line, problem)
+        raise ModelError(f"{self.description.name!r}: {problem}")
+
+    def unique(self, what: str, parts: Sequence[_Part]) -> dict[str, _Part]:
+        """The parts by name; refuses one without and two of the same."""
+        named: dict[str, _Part] = {}
+        for part in parts:
+            if not part.name:
+                self.refuse(f"a {what} has no name; give it one.", part.line)
+            if part.name in named:
+                self.refuse(f"two {what}s are called {part.name!r}; rename one.", part.line)
+            named[part.name] = part
+        return named
+
+    def joint(self, joint: Joint) -> Joint:
+        """The joint with a unit axis; refuses unknown kinds, links, axes, limits."""
+        where = f"joint {joint.name!r}"
+        if joint.kind not in KINDS:
+            self.refuse(str(UnknownNameError("joint kind", joint.kind, where, KINDS)), joint.line)
+        kind = KINDS[joint.kind]
+        dim = self.description.dim
+        if dim not in kind.dimensions:
+            self.refuse(
+                f"{where}: a {kind.name} joint needs a model in space, this one is planar.",
+                joint.line,
+            )
+        for role, name in (("parent", joint.parent), ("child", joint.child)):
+            if name not in self.links:
+                self.refuse(
+                    f"{where}: {UnknownNameError(f'{role} link', name, 'the file', self.links)}",
+                    joint.line,
+                )
+        if joint.parent == joint.child:
+            self.refuse(
+                f"{where}: link {joint.child!r} cannot be its own parent; name another parent.",
+                joint.line,
+            )
+        if kind.nv != 1 and joint.drive != Drive():
+            self.refuse(
+                f"{where}: friction, rotors and springs belong to joints of one coordinate, not a "
+                f"{kind.name} one; remove them.",
+                joint.line,
+            )
+        if problem := joint.limits.fault():
+            self.refuse(f"{where}: {problem}.", joint.line)
+        axis = self._unit_axis(joint, where) if kind.needs_axis else ()
+        return replace(joint, axis=axis, numbers=self._own_numbers(joint, where))
+
+    def _unit_axis(self, joint: Joint, where: str) -> tuple[float, ...]:
+        """The joint's axis, of unit length: for a planar revolute joint (±1,)."""
+        expected = KINDS[joint.kind].axis_size(self.description.dim)
+        axis = np.array(joint.axis, dtype=float)
+        if axis.shape != (expected,) or not np.isfinite(axis).all() or not axis.any():
+            self.refuse(
+                f"{where}: axis {joint.axis} must be {expected} finite numbers, not all zero.",
+                joint.line,
+            )
+        return unit(axis)
+
+    def _own_numbers(self, joint: Joint, where: str) -> tuple[Quantity, ...]:
+        """The numbers of the joint's kind, such as a pitch; refuses too few, too many, and what is
+        none."""
+        own = KINDS[joint.kind].numbers
+        if len(joint.numbers) != len(own):
+            named = ", ".join(f"{number.name} ({number.unit})" for number in own) or "none"
+            self.refuse(
+                f"{where}: numbers has {len(joint.numbers)} entries; those of a {joint.kind} joint "
+                f"are: {named}.",
+                joint.line,
+            )
+        try:
+            return tuple(
+                quantity(x, f"{where}: {number.name}")
+                for x, number in zip(joint.numbers, own, strict=True)
+            )
+        except ModelError as error:
+            self.refuse(str(error), joint.line)
+
+    def check_inertia(self, link: Link) -> None:
+        """The policy on inertias that no rigid body has: the numbers are used as given, or
+        refused."""
+        if link.inertia is None or self.physical == "ignore":
+            return
+        if link.inertia.dim != self.description.dim:
+            self.refuse(
+                f"link {link.name!r}: its inertia is {link.inertia.dim}D, the model "
+                f"{self.description.dim}D.",
+                link.line,
+            )
+        self._doubt("physical", f"link {link.name!r}", link.inertia.fault(), link.line)
+
+    def check_drive(self, joint: Joint) -> None:
+        """Warn about friction that pushes and rotors that no motor has, or refuse them, as the
+        policy on inertias has it."""
+        if self.physical != "ignore":
+            self._doubt("drive", f"joint {joint.name!r}", joint.drive.fault(), joint.line)
+
+    def _doubt(self, kind: str, what: str, fault: str | None, line: int | None) -> None:
+        """Warn about what no robot has, or refuse it."""
+        if fault is None:
+            return
+        problem = f"{what}: {fault}"
+        if self.physical == "refuse":
+            self.refuse(f"{problem}. Correct it, or accept it with physical='warn'.", line)
+        notice = Notice(kind, f"warning: {problem}.", self.description.file, line)
+        self.notices.append(notice)
+        warn(str(notice), PhysicalWarning)
+
+    def parent_joints(self, joints: list[Joint]) -> dict[str, Joint]:
+        """For each link the joint above it; a link has at most one."""
+        above: dict[str, Joint] = {}
+        for joint in joints:
+            other = above.setdefault(joint.child, joint)
+            if other is not joint:
+                self.refuse(
+                    f"link {joint.child!r} hangs on two joints, {other.name!r} and {joint.name!r}; "
+                    "a tree allows one: write the other as a loop between two frames, or remove "
+                    "it.",
+                    joint.line,
+                )
+        return above
+
+    def root(self, above: dict[str, Joint]) -> str:
+        """The one link without a joint above it; every other link must lead to it."""
+        roots = [link.name for link in self.description.links if link.name not in above]
+        rooted: set[str] = set()
+        for link in self.description.links:
+            path: dict[str, None] = {}  # in the order walked
+            name = link.name
+            while name in above and name not in rooted:
+                if name in path:
+                    walked = list(path)
+                    cycle = " -> ".join(_shortened([*walked[walked.index(name) :], name]))
+                    self.refuse(
+                        f"the links form a cycle, {cycle} (child -> parent); a tree has none: "
+                        "write one joint as a loop between two frames, or remove it.",
+                        above[name].line,
+                    )
+                path[name] = None
+                name = above[name].parent
+            rooted.update(path)
+        if len(roots) > 1:
+            self.refuse(
+                f"links {', '.join(map(repr, roots[:6]))} have no parent joint; only one link can "
+                f"be the base: connect the others to it by joints.",
+                self.links[roots[1]].line,
+            )
+        return roots[0]
+
+
+def _shortened(names: list[str], most: int = 12) -> list[str]:
+    """The names, those in the middle left out where there are many."""
+    return names if len(names) <= most else [*names[: most - 2], "…", names[-1]]
+
+
+class _Refuse(Protocol):
+    """Raises with what is wrong and the line of the file."""
+
+    def __call__(self, problem: str, line: int | None = None) -> NoReturn: ...
+
+
+def _leaders(joints: list[Joint], refuse: _Refuse) -> dict[str, Mimic]:
+    """Mimics resolved to an independent leader: ratios multiply along a chain of mimics."""
+    named = {joint.name: joint for joint in joints}
+    resolved: dict[str, Mimic] = {}
+    for joint in joints:
+        # followers on the way to what is known, in the order walked
+        path: dict[str, Joint] = {}
+        leader = joint
+        while leader.mimic is not None and leader.name not in resolved:
+            path[leader.name] = leader
+            name = leader.mimic.joint
+            if name not in named:
+                problem = UnknownNameError("joint", name, f"the mimic of {leader.name!r}", named)
+                refuse(f"{problem} Correct it, or load with mimic='free'.", leader.line)
+            if name in path:
+                refuse(
+                    f"joint {joint.name!r}: its mimic relations form a cycle; remove one.",
+                    joint.line,
+                )
+            leader = named[name]
+        for follower in reversed(path.values()):
+            resolved[follower.name] = _follower(follower, leader, resolved.get(leader.name), refuse)
+            leader = follower
+    return resolved
+
+
+def _follower(joint: Joint, above: Joint, of: Mimic | None, refuse: _Refuse) -> Mimic:
+    """The mimic of an independent joint that a joint is: it follows `above`, which may be a
+    follower itself."""
+    given = joint.mimic
+    assert given is not None
+    if KINDS[above.kind].nv != 1 or KINDS[joint.kind].nv != 1:
+        refuse(
+            f"joint {joint.name!r}: only joints of one coordinate can mimic or be mimicked.",
+            joint.line,
+        )
+    if of is None:
+        return Mimic(above.name, given.ratio, given.offset)
+    try:
+        return Mimic(of.joint, given.ratio * of.ratio, given.offset + given.ratio * of.offset)
+    except ModelError as error:
+        refuse(f"joint {joint.name!r}: {error}", joint.line)

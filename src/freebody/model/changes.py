@@ -32,7 +32,6 @@ from freebody.model.parameters import (
 )
 from freebody.model.piece_paths import get, put
 from freebody.model.placement import AxisRotation, Placement, Rotate, Shift, rotate, shift
-from freebody.model.tip import ChosenTip, with_notice
 from freebody.model.tree import Attached
 
 if TYPE_CHECKING:
@@ -46,7 +45,7 @@ _DRIVES = {
 
 
 def without(model: Model, features: Sequence[str]) -> Model:
-    """See `Model.without`."""
+    """The model without some features, see `Model.without`."""
     off: dict[str, float] = {}
     for feature in features:
         if feature != "loops" and feature not in _DRIVES:
@@ -79,7 +78,7 @@ def actuated(model: Model, names: Sequence[str]) -> tuple[Body, ...]:
 
 
 def load(mass: Any, com: Any, box: Any, cylinder: Any, inertia: Any, dim: int) -> Inertia:
-    """What the arguments of `Model.with_payload` mean."""
+    """The inertia that the arguments of `Model.with_payload` describe."""
     if isinstance(inertia, Inertia):
         if mass is not None:
             raise ModelError(
@@ -163,7 +162,7 @@ def _entries(com: Any, dim: int) -> tuple[Quantity, ...]:
 
 
 def with_drive(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
-    """See `Model.with_drive`."""
+    """The model with another drive in a joint, see `Model.with_drive`."""
     free = [body.joint.name for body in model.bodies if body.kind.nv == 1]
     if joint not in free:
         raise UnknownNameError("one-coordinate joint", joint, f"{model.name!r}", free)
@@ -194,7 +193,7 @@ def with_symbols_known(changed: Model, *new: Any) -> Model:
 
 
 def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -> Model:
-    """See `Model.with_payload`."""
+    """The model with a rigid load in a frame, see `Model.with_payload`."""
     at = model.frame(frame)
     added = attached(inertia, at.placement, name, at.name, model.dim, model.name)
     path = ("base_inertias",) if at.body < 0 else ("bodies", at.body, "inertias")
@@ -238,12 +237,6 @@ def attached(
     return Attached(name, inertia, placement, load=True, frame=frame)
 
 
-def with_tip(model: Model, tip: ChosenTip) -> Model:
-    """The model with another tip, which its notices tell."""
-    frame = None if tip.frame is None else model.frame(tip.frame).name
-    return replace(model, tip=frame, notices=with_notice(model.notices, tip))
-
-
 def with_frame(
     model: Model,
     name: str,
@@ -252,7 +245,7 @@ def with_frame(
     frame: str | None,
     function: str,
 ) -> Model:
-    """See `Model.with_frame`; errors name the function."""
+    """The model with one frame more, see `Model.with_frame`; errors name the function."""
     at = model.frame(frame)
     if name in model.frame_names:
         raise ModelError(
@@ -278,7 +271,7 @@ def with_frame(
 
 
 def with_loop(model: Model, loop: Loop) -> Model:
-    """See `Model.with_loop`."""
+    """The model with one loop more, see `Model.with_loop`."""
     body_of = {frame.name: frame.body for frame in model.frames}
     taken = (*model.joint_names, *(other.name for other in model.loops))
     loops = (*model.loops, checked_loop(loop, model.dim, body_of, taken))

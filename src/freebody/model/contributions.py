@@ -1,4 +1,4 @@
-"""What each piece of a model contributes to its structure and its numbers; found once, and kept
+"""The contribution of each piece of a model to its structure and its numbers: found once, and kept
 with the piece."""
 
 from __future__ import annotations
@@ -28,21 +28,21 @@ if TYPE_CHECKING:
 # by how much rounding may part the two cosines, and sines, of a turn about a coordinate axis
 _SAME = 1e-15
 
-Entry = float | tuple[int, float]
+PatternEntry = float | tuple[int, float]
 """An exact entry, or which number stands there and its sign."""
 
 
 @dataclass(frozen=True)
-class Pattern:
+class PosePattern:
     """A pose without its numbers."""
 
-    R: tuple[tuple[Entry, ...], ...]
-    p: tuple[Entry, ...]
+    R: tuple[tuple[PatternEntry, ...], ...]
+    p: tuple[PatternEntry, ...]
 
     def filled(self, scalars: Sequence[Scalar]) -> Pose:
         """(R, p) with its numbers put in."""
 
-        def entry(x: Entry) -> Scalar:
+        def entry(x: PatternEntry) -> Scalar:
             if not isinstance(x, tuple):
                 return x
             return scalars[x[0]] if x[1] > 0.0 else -scalars[x[0]]
@@ -67,7 +67,7 @@ def _form(content: Any) -> SharedForm:
 
 
 class PoseContribution(NamedTuple):
-    """What a constant pose contributes, its structure and its numbers (..., k), and the pose
+    """The contribution of a constant pose: its structure, its numbers (..., k), and the pose
     itself."""
 
     form: SharedForm
@@ -76,7 +76,7 @@ class PoseContribution(NamedTuple):
 
 
 class JointContribution(NamedTuple):
-    """What a joint contributes: structure, numbers of its placement and of its kind, and of a
+    """The contribution of a joint: structure, numbers of its placement and of its kind, and of a
     joint of one coordinate those of its drive."""
 
     form: SharedForm
@@ -87,19 +87,19 @@ class JointContribution(NamedTuple):
 
 
 class BodyContribution(NamedTuple):
-    """What a body contributes: its joint, and its mass, first moment and inertia."""
+    """The contribution of a body: its joint, and its mass, first moment and inertia."""
 
     joint: JointContribution
     inertia: Array
 
 
 def body_parts(model: Model) -> list[BodyContribution]:
-    """Of each body in the model's order."""
+    """The contributions of all bodies, in the model's order."""
     return [part_of(body, model.dim) for body in model.bodies]
 
 
 def part_of(body: Body, dim: int) -> BodyContribution:
-    """Of one body; a new payload and one call are to take microseconds."""
+    """The contribution of one body; a new payload and one call are to take microseconds."""
     name = _NAME[dim]
     return body.__dict__.get(name) or kept(body, name, _body_part, body, dim)
 
@@ -112,7 +112,7 @@ def _body_part(body: Body, dim: int) -> BodyContribution:
 
 
 def joint_part(body: Body, dim: int) -> JointContribution:
-    """Of the joint that carries a body."""
+    """The contribution of the joint that carries a body."""
     return kept(body.joint, _NAME[dim], _joint_part, body.joint, body.kind.nv == 1, dim)
 
 
@@ -132,13 +132,13 @@ def _joint_form(kind: str, axis: tuple[float, ...], placed: SharedForm) -> Share
 
 
 def _drive_part(drive: Drive) -> tuple[Array, bool]:
-    """Its numbers, and whether friction, a rotor or a spring acts."""
+    """The numbers of a drive, and whether friction, a rotor or a spring acts."""
     scalars = drive_of(drive, VALUES)
     return as_row(scalars), acting(scalars)
 
 
 def pose_part(placement: Placement, dim: int) -> PoseContribution:
-    """Of a constant pose."""
+    """The contribution of a constant pose."""
     return kept(placement, _NAME[dim], _pose_part, placement, dim)
 
 
@@ -160,21 +160,21 @@ def _pose_form(R: Matrix, zeros: tuple[bool, ...]) -> tuple[SharedForm, tuple[Sc
     rows, turning = _rotation(R)
     place = count(len(turning))
     shift = tuple([0.0 if zero else (next(place), 1.0) for zero in zeros])
-    return _form(Pattern(rows, shift)), turning
+    return _form(PosePattern(rows, shift)), turning
 
 
 _known_pose_form = lru_cache(maxsize=256)(_pose_form)
-"""The same where entries are numbers: a length changes often, and rotations with it seldom."""
+"""`_pose_form` where entries are numbers: a length changes often, and rotations with it seldom."""
 
 
-def _rotation(R: Matrix) -> tuple[tuple[tuple[Entry, ...], ...], tuple[Scalar, ...]]:
+def _rotation(R: Matrix) -> tuple[tuple[tuple[PatternEntry, ...], ...], tuple[Scalar, ...]]:
     """A rotation without its numbers, and these."""
     found = _coordinate_turn(R)
     if found is not None:
         return found
     numbers: list[Scalar] = []
 
-    def entry(x: Scalar) -> Entry:
+    def entry(x: Scalar) -> PatternEntry:
         if is_exactly(x, 0.0, 1.0, -1.0):
             return float(x) + 0.0
         numbers.append(x)
@@ -183,23 +183,22 @@ def _rotation(R: Matrix) -> tuple[tuple[tuple[Entry, ...], ...], tuple[Scalar, .
     return tuple(tuple(map(entry, row)) for row in R), tuple(numbers)
 
 
-def _coordinate_turn(R: Matrix) -> tuple[tuple[tuple[Entry, ...], ...], tuple[Scalar, ...]] | None:
+def _coordinate_turn(
+    R: Matrix,
+) -> tuple[tuple[tuple[PatternEntry, ...], ...], tuple[Scalar, ...]] | None:
     """A rotation that maps one coordinate axis to one, otherwise by a cosine and a sine, which are
     its two numbers."""
     n = len(R)
-    exact = [(i, j) for i in range(n) for j in range(n) if is_exactly(R[i][j], 1.0, -1.0)]
-    if len(exact) != n - 2:
+    kept_axis = _kept_axis(R)
+    if kept_axis is None:
         return None
-    i, j = exact[0] if exact else (n, n)
-    if any(
-        not is_exactly(R[r][k], 0.0) for r in range(n) for k in range(n) if (r == i) != (k == j)
-    ):
-        return None
+    i, j = kept_axis
     (a, b), (c, d) = ([R[r][k] for k in range(n) if k != j] for r in range(n) if r != i)
-    turn = 1.0 if not exact else float((-1) ** (i + j)) * R[i][j]  # the determinant of what is left
+    # the determinant of what is left
+    turn = 1.0 if n == 2 else float((-1) ** (i + j)) * R[i][j]
     if not (np.all(np.abs(b + turn * c) <= _SAME) and np.all(np.abs(d - turn * a) <= _SAME)):
         return None
-    left: Iterator[Entry] = iter(((0, 1.0), (1, -turn), (1, 1.0), (0, turn)))
+    left: Iterator[PatternEntry] = iter(((0, 1.0), (1, -turn), (1, 1.0), (0, turn)))
     rows = tuple(
         tuple(
             R[r][k] if (r, k) == (i, j) else 0.0 if r == i or k == j else next(left)
@@ -208,6 +207,18 @@ def _coordinate_turn(R: Matrix) -> tuple[tuple[tuple[Entry, ...], ...], tuple[Sc
         for r in range(n)
     )
     return rows, (a, c)
+
+
+def _kept_axis(R: Matrix) -> tuple[int, int] | None:
+    """The row and column of the coordinate axis that a rotation maps to one, in the plane (2, 2),
+    the axis normal to it; None of other rotations."""
+    n = len(R)
+    exact = [(i, j) for i in range(n) for j in range(n) if is_exactly(R[i][j], 1.0, -1.0)]
+    if len(exact) != n - 2:
+        return None
+    i, j = exact[0] if exact else (n, n)
+    others = [R[r][k] for r in range(n) for k in range(n) if (r == i) != (k == j)]
+    return (i, j) if all(is_exactly(x, 0.0) for x in others) else None
 
 
 def inertial(parts: tuple[Attached, ...], dim: int) -> Array:
@@ -222,7 +233,7 @@ def inertial(parts: tuple[Attached, ...], dim: int) -> Array:
 
 
 def linear_row(part: Attached, dim: int) -> Array:
-    """The same of one part."""
+    """Mass, first moment and inertia of one part about the body's origin, as in `inertial`."""
     return kept(part, _NAME[dim], _linear_row, of_dimension(dim), part)
 
 
@@ -234,7 +245,8 @@ def _linear_row(space: AnySpace, part: Attached) -> Array:
 def inertial_entries(
     space: AnySpace, inertia: tuple[Scalar, Vector, Scalar], pose: Pose
 ) -> tuple[Scalar, ...]:
-    """The same of (mass, centre, inertia about it) at a pose, as scalars."""
+    """Mass, first moment and inertia about the body's origin, as scalars, given (mass, centre,
+    inertia about it) and the pose."""
     m, h, about = placed_composite(space, inertia, pose)
     if space.dim == 2:
         return m, *h, about
@@ -246,7 +258,7 @@ _NOTHING = {2: np.zeros(4), 3: np.zeros(10)}
 
 
 def gravity_part(model: Model) -> tuple[tuple[bool, ...], Array]:
-    """Which entries of the field are zero, and the others."""
+    """The field of gravity: for each entry whether it is zero, and the others."""
     return kept(model, "_gravity_part", _field, model)
 
 
@@ -258,7 +270,7 @@ def _field(model: Model) -> tuple[tuple[bool, ...], Array]:
 
 
 def rows_of(part: tuple[JointContribution, Array], driven: bool) -> list[Array]:
-    """What a body adds to the numbers, in order."""
+    """The numbers of a body, a row for each piece, in order."""
     joint, inertia = part
     return (
         [joint.placed, inertia, joint.drive]

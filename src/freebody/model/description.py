@@ -17,11 +17,11 @@ from freebody.model.parameter_formulas import ParameterFormula
 from freebody.model.parameters import Parameter, Quantity, finite, quantity, real
 from freebody.model.placement import Placement
 from freebody.model.shapes import Shape
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 
 INFINITE = float("inf")
 MOST_LINKS = 50_000
-"""Of one robot; more are a mistake, or meant to fill the memory."""
+"""The most links of one robot; more are a mistake, or meant to fill the memory."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Drive(Keeps):
-    """What acts along a joint of one coordinate besides the motor.
+    """Forces along a joint of one coordinate besides the motor's.
 
     Friction: viscous d q̇ + coulomb sign(q̇). Rotor: inertia J seen through a gear as J gear².
     Spring: stiffness (q - rest).
@@ -178,7 +178,7 @@ class Joint(Keeps):
     """Nothing drives it: it is moved by the others, and no torque acts there but friction and a
     spring."""
     numbers: tuple[Quantity, ...] = ()
-    """What its kind has besides an axis (`JointKind.numbers`): of a helical joint the pitch,
+    """The numbers of its kind besides an axis (`JointKind.numbers`): of a helical joint the pitch,
     m/rad."""
 
 
@@ -275,7 +275,7 @@ class RobotDescription:
     """(position name, value): where closing the loops starts from; others are neutral."""
     source: str = ""
     about: str = ""
-    """What it is and what is worth seeing in it."""
+    """The robot in words, and what is worth seeing in it."""
     notices: tuple[Notice, ...] = field(default=())
     file: str | None = None
     real: bool = False

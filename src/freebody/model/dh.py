@@ -14,9 +14,8 @@ from typing import Any, Literal
 import numpy as np
 
 from freebody.errors import FileError, ModelError, UnknownNameError, shown
-from freebody.model.build import build_model
+from freebody.model.build import Policy, build_model
 from freebody.model.description import Drive, Joint, Limits, Link, Mount, RobotDescription
-from freebody.model.description_checks import Policy
 from freebody.model.families import NamedNumber
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
@@ -42,11 +41,28 @@ def dh(
 ) -> Model:
     """A serial arm from rows of a DH table.
 
-    Row keys: joint ("R" by default, or "P"), theta, d (constants; the joint variable's one is its
-    offset), a, alpha (m, rad), m (kg), com (3) and I (6: ixx, ixy, ixz, iyy, iyz, izz, or 3×3;
-    about the com), both in DH frame i of the convention, rotor (kg m²) and gear, friction (viscous,
-    or (viscous, coulomb)), limits (lower, upper) or Limits, passive (True: the joint has no drive),
-    name. A name instead of a number is a parameter. Raises ModelError naming the row.
+    Parameters
+    ----------
+    rows
+        A mapping for each joint, with the keys joint ("R" by default, or "P"), theta, d (constants;
+        the joint variable's one is its offset), a, alpha (m, rad), m (kg), com (3) and I (6: ixx,
+        ixy, ixz, iyy, iyz, izz, or 3×3; about the com), both in DH frame i of the convention, rotor
+        (kg m²) and gear, friction (viscous, or (viscous, coulomb)), limits (lower, upper) or
+        Limits, passive (True: the joint has no drive), name. A name instead of a number is a
+        parameter.
+    convention
+        "standard" or "modified".
+    gravity
+        Its size along -z (m/s²), a name, or a vector in world axes.
+    name
+        The model's name.
+    physical
+        "warn" about, "refuse" or "ignore" numbers that no rigid body or motor has.
+
+    Raises
+    ------
+    ModelError
+        What is wrong with a row, which is named.
     """
     return build_model(
         describe(rows, convention=convention, gravity=gravity, name=name), physical=physical

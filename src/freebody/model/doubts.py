@@ -1,17 +1,17 @@
-"""What is doubtful about a robot: one table of kinds, and which doubts a model has.
+"""Doubts on a robot: one table of kinds, and the doubts that a model has.
 
 A kind says what it touches and what weight it has: it bars the verdict, or stands beside it. What
 follows from the model's numbers is found anew for each model, so that a changed copy has its own
 doubts; what only its file could tell (placeholders, estimates) is a `Doubt` among `Model.notices`,
 and stands for as long as the model has the numbers that it is about. A result asks for the doubts
-on what it depends on (`doubts_on`) and says them in one line (`told`).
+on what it depends on (`doubts_on`) and says them in one line (`in_one_line`).
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import isfinite
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -25,7 +25,7 @@ from freebody.model.inertia import Inertia, combined
 from freebody.model.placement import Placement
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Attached, parents_first
-from freebody.model.usable_limits import usable_limits
+from freebody.model.usable_limits import UsableLimits, usable_limits
 from freebody.spatial import Vector, add, of_dimension, times
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ MASSES, LOADS, ROTORS, FRICTION = "masses", "loads", "rotors", "friction"
 EFFORTS, SPEEDS, RANGES = "effort limits", "speed limits", "position limits"
 INERTIAL = (MASSES, LOADS)
 DYNAMIC = (*INERTIAL, ROTORS, FRICTION)
-"""What forces and motions under forces depend on."""
+"""All aspects that forces, and motions under forces, depend on."""
 LIMITS = (EFFORTS, SPEEDS, RANGES)
 ALL = (*DYNAMIC, *LIMITS)
 """All that a doubt may be about."""
@@ -44,12 +44,12 @@ NO_MASSES, IMPLAUSIBLE = "no masses", "implausible inertias"
 ESTIMATED, ESTIMATED_LIMITS = "estimated inertias", "estimated limits"
 
 _NAMES = 4
-"""How many joints a sentence names before it counts the others."""
+"""Joints that a sentence names before it counts the others."""
 _MEMBERS = 64
-"""How many members of a family are looked at."""
+"""Members of a family that are looked at."""
 _MEASURED = 0.15
-"""Of its largest principal moment: by how much a body's may break the triangle inequality because
-they are measured, or printed with few digits."""
+"""Share of a body's largest principal moment by which its moments may break the triangle inequality
+because they are measured, or printed with few digits."""
 _SEVERAL = 3
 """Joints with the same limits that tell a placeholder, and the masses that they move."""
 _APART = 1.01
@@ -57,7 +57,7 @@ _APART = 1.01
 _STRONGEST = {"N m": 200.0, "N": 10_000.0}
 """For each kilogram of the whole robot, its drives included: the effort limit of no joint."""
 _ON_THE_GROUND = 10.0
-"""How much more where the motor stands on the ground and is no part of the robot's mass."""
+"""Factor on that limit where the motor stands on the ground and is no part of the robot's mass."""
 _DENSEST = 75.0
 """N m for each kilogram of the whole robot: all motors together that it carries have no more. Arms
 of makers have 15 to 45, legged robots 20 to 30; motors on the ground are not part of its mass."""
@@ -87,7 +87,7 @@ class Doubt(Notice):
 
     @property
     def of(self) -> DoubtKind:
-        """Its kind, which says what it touches and what it weighs."""
+        """The kind of the doubt, which says what it touches and what it weighs."""
         return DOUBT_KINDS[self.kind]
 
     @property
@@ -124,7 +124,7 @@ def doubts_on(model: Model, *aspects: str) -> tuple[Doubt, ...]:
 
     Of a family those of each kind that its first member with such doubts has; of one with very many
     members, `_MEMBERS` of them from the first to the last are looked at. Of a model with parameters
-    without value what its file told.
+    without value what its file tells.
     """
     key = f"doubts on {', '.join(aspects)}"
     if key not in model.facts:
@@ -132,7 +132,7 @@ def doubts_on(model: Model, *aspects: str) -> tuple[Doubt, ...]:
     return model.facts[key]
 
 
-def told(doubts: Iterable[Doubt]) -> str:
+def in_one_line(doubts: Iterable[Doubt]) -> str:
     """Doubts in one line: what bars a verdict after "Not judged:", then what stands beside it; ""
     for none."""
     every = list(doubts)
@@ -143,7 +143,7 @@ def told(doubts: Iterable[Doubt]) -> str:
 
 def attribute(doubts: Iterable[Doubt]) -> dict[str, str]:
     """Doubts as an attribute of a dataset or an entry of a manifest, which those without lack."""
-    line = told(doubts)
+    line = in_one_line(doubts)
     return {"doubts": line} if line else {}
 
 
@@ -169,12 +169,12 @@ def doubts_used(model: Model, *aspects: str) -> tuple[Doubt, ...]:
 
 
 def readings(model: Model) -> tuple[Notice, ...]:
-    """How the model's file was read, besides what is doubtful and which frame is the tip."""
+    """Notices on how the model's file was read, besides doubts and the choice of the tip."""
     return tuple(x for x in model.notices if not isinstance(x, Doubt) and x.kind != TIP)
 
 
 def barring(doubts: Iterable[Doubt]) -> tuple[Doubt, ...]:
-    """Those that bar a verdict."""
+    """The doubts that bar a verdict."""
     return tuple(doubt for doubt in doubts if doubt.of.bars)
 
 
@@ -205,7 +205,7 @@ def _found(kind: DoubtKind, model: Model, aspects: Sequence[str]) -> list[Doubt]
 
 
 def read_doubts(model: Model) -> list[Doubt]:
-    """Those that its file told, and that the model's numbers have not refuted since."""
+    """The doubts that the model's file tells, and that its numbers have not refuted since."""
     read = [notice for notice in model.notices if isinstance(notice, Doubt)]
     if not read or model.missing or model.family:
         return read
@@ -225,20 +225,6 @@ def read_doubts(model: Model) -> list[Doubt]:
     return [
         doubt for doubt in read if not doubt.about or any(stands(*entry) for entry in doubt.about)
     ]
-
-
-def settled(model: Model) -> Model:
-    """The model as it was read, its file's doubts tied to the numbers that they are about: all of
-    their sort, where the file tells no links."""
-    if all(x.about for x in model.notices if isinstance(x, Doubt)) or model.missing:
-        return model
-    notices = tuple(
-        replace(x, about=x.of.tied(model))
-        if isinstance(x, Doubt) and not x.about and x.of.tied
-        else x
-        for x in model.notices
-    )
-    return replace(model, notices=notices)
 
 
 def _bare_bodies(model: Model) -> About:
@@ -309,8 +295,8 @@ def _faults(model: Model, wanted: Callable[[float], bool]) -> list[tuple[str, st
 
 
 def _breach(body: Body) -> float:
-    """By how much of its largest principal moment those of a whole body break the triangle
-    inequality; infinite for masses and moments below 0."""
+    """The excess of a body's principal moments over the triangle inequality, as a share of the
+    largest one; infinite for masses and moments below 0."""
     if any(VALUES.quantity(part.inertia.mass) < 0.0 for part in body.inertias):
         return math.inf
     tensor = _whole(body)
@@ -343,7 +329,8 @@ def _turned_about(model: Model) -> list[Array | None]:
         return [None] * len(model.bodies)
     space = of_dimension(3)
     turned: dict[int, tuple[Array, list[Array]]] = {-1: (np.eye(3), [])}
-    """Of each body its orientation where all coordinates are 0, and the axes, seen from there."""
+    """By body, its orientation where all coordinates are 0, and the axes above it, seen from
+    there."""
     axes: list[Array | None] = [None] * len(model.bodies)
     for i in parents_first(model.bodies):
         body = model.bodies[i]
@@ -386,18 +373,19 @@ def _no_drive(model: Model, _: Sequence[str]) -> Iterator[str]:
 
 
 def _no_rotor(model: Model, _: Sequence[str]) -> Iterator[str]:
-    """Of joints whose drive is described otherwise; a textbook's have none."""
-    told, without = 0, []
+    """Rotor inertias that are missing in joints whose drive is described otherwise; a textbook's
+    have none."""
+    described_joints, without = 0, []
     for body in model.bodies:
         limits, drive = body.joint.limits.meant, body.joint.drive
         described = isfinite(limits.effort) or isfinite(limits.velocity)
         if body.joint.passive or body.joint.mimic or body.kind.nv != 1 or not described:
             continue
-        told += 1
+        described_joints += 1
         if VALUES.quantity(drive.rotor) == 0.0:
             without.append(body.joint.name)
     if without:
-        of = "" if len(without) == told else f" of {listed(without, _NAMES)}"
+        of = "" if len(without) == described_joints else f" of {listed(without, _NAMES)}"
         yield f"rotor inertia{of} is not given; its torque is left out."
 
 
@@ -436,20 +424,45 @@ class _MotorLimits(NamedTuple):
 
     @property
     def most(self) -> str:
-        """Its effort limit, in words."""
+        """The effort limit in words."""
         return f"{self.effort:g} {'N' if self.slides else 'N m'}"
 
     @property
     def fastest(self) -> str:
-        """Its speed limit, in words."""
+        """The speed limit in words."""
         return f"{self.speed:g} {'m' if self.slides else 'rad'}/s"
 
 
 def _placeholders(model: Model, _: Sequence[str]) -> Iterator[Doubt]:
-    """The same round numbers on joints that move different masses, or such as no robot has."""
+    """Limits that are placeholders: equal round numbers on joints that move different masses, or
+    such as no robot has."""
+    motors = _motors(model)
+    alike = [*_alike(motors)]
+    yield from alike
+    said = {name for doubt in alike for name in doubt.joints}
+    mass = abs(model.mass)
+    strong = [d for d in motors if _is_strong(d, mass)] or [*_overloading(motors, mass)]
+    fast = [d for d in motors if isfinite(d.speed) and d.speed * (d.slides or d.reach) > _FASTEST]
+    yield from _beyond_belief("effort", [(x.name, x.most) for x in strong if x.name not in said])
+    yield from _beyond_belief("speed", [(x.name, x.fastest) for x in fast if x.name not in said])
+
+
+def _beyond_belief(what: str, found: Sequence[tuple[str, str]]) -> Iterator[Doubt]:
+    """A doubt on limits that no robot has: names of joints with their limits in words."""
+    if found:
+        names, several = tuple(name for name, _ in found), len(found) > 1
+        text = (
+            f"no such robot has the {what} limit{'s' if several else ''} of "
+            f"{listed(names, _NAMES)}, {'such as ' if several else ''}{found[0][1]}."
+        )
+        yield Doubt(_PLACEHOLDERS, text, joints=names)
+
+
+def _motors(model: Model) -> list[_MotorLimits]:
+    """The limits of all coordinates that a motor of their own moves."""
     given, moved = usable_limits(model).given, _moved(model)
     based = any(VALUES.quantity(part.inertia.mass) for part in model.base_inertias)
-    drives = [
+    return [
         _MotorLimits(
             body.joint.name,
             body.kind.slides,
@@ -461,31 +474,20 @@ def _placeholders(model: Model, _: Sequence[str]) -> Iterator[Doubt]:
         for body, at, moves in zip(model.bodies, model.coordinates, moved, strict=True)
         if body.joint.mimic is None and body.kind.nv == 1 and not body.joint.passive
     ]
-    alike: dict[tuple[str, str], list[_MotorLimits]] = {}
-    for drive in drives:
-        if _is_round(drive.speed) and _is_round(drive.effort):
-            alike.setdefault((drive.most, drive.fastest), []).append(drive)
-    said: set[str] = set()
-    for (most, fastest), group in alike.items():
-        if _different(drive.mass for drive in group) >= _SEVERAL:
-            names = tuple(drive.name for drive in group)
-            said |= {*names}
+
+
+def _alike(motors: Sequence[_MotorLimits]) -> Iterator[Doubt]:
+    """Round limits that several joints share, though they move different masses."""
+    groups: dict[tuple[str, str], list[_MotorLimits]] = {}
+    for motor in motors:
+        if _is_round(motor.speed) and _is_round(motor.effort):
+            groups.setdefault((motor.most, motor.fastest), []).append(motor)
+    for (most, fastest), group in groups.items():
+        if _different(motor.mass for motor in group) >= _SEVERAL:
+            names = tuple(motor.name for motor in group)
             text = (
                 f"the limits of {listed(names, _NAMES)} are placeholders, {most} and {fastest} of "
                 f"each."
-            )
-            yield Doubt(_PLACEHOLDERS, text, joints=names)
-    mass = abs(model.mass)
-    strong = [d for d in drives if _is_strong(d, mass)] or [*_overloading(drives, mass)]
-    fast = [d for d in drives if isfinite(d.speed) and d.speed * (d.slides or d.reach) > _FASTEST]
-    for what, found, words in (("effort", strong, "most"), ("speed", fast, "fastest")):
-        wrong = [drive for drive in found if drive.name not in said]
-        if wrong:
-            names, several = tuple(drive.name for drive in wrong), len(wrong) > 1
-            text = (
-                f"no such robot has the {what} limit{'s' if several else ''} of "
-                f"{listed(names, _NAMES)}, {'such as ' if several else ''}"
-                f"{getattr(wrong[0], words)}."
             )
             yield Doubt(_PLACEHOLDERS, text, joints=names)
 
@@ -498,8 +500,8 @@ def _is_strong(drive: _MotorLimits, mass: float) -> bool:
 
 
 def _overloading(drives: Sequence[_MotorLimits], mass: float) -> Iterator[_MotorLimits]:
-    """Of motors that a robot of this mass (kg) carries those that are too strong for it: the
-    strongest, and all that are as strong, until the others are not too strong together."""
+    """Motors too strong for the robot of this mass (kg) that carries them: the strongest, and all
+    that are as strong, until the others are not too strong together."""
     carried = [d for d in drives if d.carried and not d.slides and isfinite(d.effort)]
     total, least = sum(drive.effort for drive in carried), math.inf
     for drive in sorted(carried, key=lambda drive: -drive.effort):
@@ -515,7 +517,7 @@ def _is_round(x: float) -> bool:
 
 
 def _different(masses: Iterable[float]) -> int:
-    """How many there are that are not the same."""
+    """The number of masses that are not the same."""
     count, last = 0, 0.0
     for mass in sorted(masses):
         if mass > _APART * last:
@@ -524,7 +526,7 @@ def _different(masses: Iterable[float]) -> int:
 
 
 def _moved(model: Model) -> list[tuple[float, float]]:
-    """Of each joint the mass that it moves, and how far that reaches from it at most (m)."""
+    """For each joint the mass that it moves, and how far that reaches from it at most (m)."""
     space = of_dimension(model.dim)
 
     def far(placement: Placement, beyond: Vector = ()) -> float:
@@ -554,28 +556,7 @@ def _missing(model: Model, aspects: Sequence[str]) -> Iterator[str]:
     """Limits that the description does not give, and joints of which nothing tells what moves
     them."""
     allowed = usable_limits(model)
-    single = [
-        (body, at.v[0])
-        for body, at in zip(model.bodies, model.coordinates, strict=True)
-        if body.joint.mimic is None and body.kind.nv == 1
-    ]
-    driven = [(body, k) for body, k in single if not body.joint.passive]
-    bounded = np.isfinite(allowed.lower) & np.isfinite(allowed.upper)
-    absent: dict[tuple[str, ...], list[str]] = {}
-    """All that is not given, by the names of joints."""
-    ranged = [(body, k) for body, k in driven if body.kind.ranged]
-    for aspect, what, asked, given in (
-        (EFFORTS, "an effort limit", driven, np.isfinite(allowed.effort)),
-        (SPEEDS, "a speed limit", driven, np.isfinite(allowed.velocity)),
-        (RANGES, "a position range", ranged, bounded),
-    ):
-        if aspect not in aspects:
-            continue
-        names = tuple(body.joint.name for body, k in asked if not given[k])
-        absent.setdefault(names, []).append(what)
-    found = [
-        f"{listed(parts)} of {listed(names, _NAMES)}" for names, parts in absent.items() if names
-    ]
+    found = _absent_limits(model, allowed, aspects)
     if allowed.apart and RANGES in aspects:
         found.append(f"a range that suits {listed(allowed.apart, _NAMES)}")
     several = [b.joint.name for b in model.bodies if b.kind.nv > 1 and not b.joint.passive]
@@ -584,6 +565,29 @@ def _missing(model: Model, aspects: Sequence[str]) -> Iterator[str]:
         found.append(f"what moves {listed(several, _NAMES)}, which {have} own")
     if found:
         yield f"the description lacks {'; '.join(found)}."
+
+
+def _absent_limits(model: Model, allowed: UsableLimits, aspects: Sequence[str]) -> list[str]:
+    """The limits of driven joints that are not given, in words, those of the same joints
+    together."""
+    driven = [
+        (body, at.v[0])
+        for body, at in zip(model.bodies, model.coordinates, strict=True)
+        if body.joint.mimic is None and body.kind.nv == 1 and not body.joint.passive
+    ]
+    ranged = [(body, k) for body, k in driven if body.kind.ranged]
+    bounded = np.isfinite(allowed.lower) & np.isfinite(allowed.upper)
+    absent: dict[tuple[str, ...], list[str]] = {}
+    """All that is not given, by the names of joints."""
+    for aspect, what, joints, given in (
+        (EFFORTS, "an effort limit", driven, np.isfinite(allowed.effort)),
+        (SPEEDS, "a speed limit", driven, np.isfinite(allowed.velocity)),
+        (RANGES, "a position range", ranged, bounded),
+    ):
+        names = tuple(body.joint.name for body, k in joints if not given[k])
+        if names and aspect in aspects:
+            absent.setdefault(names, []).append(what)
+    return [f"{listed(parts)} of {listed(names, _NAMES)}" for names, parts in absent.items()]
 
 
 _PLACEHOLDERS = "placeholder limits"

@@ -5,44 +5,55 @@ An edited copy is a `NumberLayout` and its *edits*, {slot: number}; an edit of a
 of the same layout, so that a row of changes keeps no row of models. Whatever is no plain change
 (arrays of a family, angles, what has to be looked at closely or refused) is not done here: None
 says so, and the general way answers.
+
+A *slot* is a number that stands as it is at one place or several. From slots follow the numbers of
+the model's structure, by the same arithmetic as in `contributions`, so to the last bit as in a
+model made anew; of these only what a changed slot leads to is found again.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from operator import add as plus
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.model import changes, numbers
+from freebody.model import changes, named_numbers
+from freebody.model.families import copied, fields_of
 from freebody.model.inertia import Inertia, is_surely_physical
-from freebody.model.layout import CHANGING, NumberLayout
+from freebody.model.named_numbers import known
+from freebody.model.number_editors import NewPayloadEditor
 from freebody.model.number_names import DRIVE
-from freebody.model.number_rows import SlotValues
+from freebody.model.number_rows import NumberRows, RowEntries, RowPart, SlotValues
 from freebody.model.parameters import LARGEST
+from freebody.model.piece_paths import PiecePath, put
+from freebody.model.tree import Attached
 
 if TYPE_CHECKING:
     from freebody.model.model import Model
+
 
 Edits = dict[int, float]
 
 
 def bound(model: Model, values: Mapping[Any, Any]) -> Model:
-    """See `Model.bind`."""
+    """The model with other numbers, see `Model.bind`."""
     if "_layout" in model.__dict__ or _are_plain(model, values):
         found = _edited(model, values)
-        return _asked(model, numbers.bind(model, values)) if found is None else found
-    return numbers.bind(model, values)
+        return _asked(model, named_numbers.bind(model, values)) if found is None else found
+    return named_numbers.bind(model, values)
 
 
 def driven(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
-    """See `Model.with_drive`."""
+    """The model with another drive in a joint, see `Model.with_drive`."""
     named = {f"{joint}.{DRIVE[name]}": x for name, x in given.items()}
     found = _edited(model, named) if type(joint) is str else None
     return _asked(model, changes.with_drive(model, joint, given)) if found is None else found
 
 
 def loaded(model: Model, inertia: Inertia, frame: str | None, name: str) -> Model:
-    """See `Model.with_payload`."""
+    """The model with a load more, see `Model.with_payload`."""
     found = _loaded(model, inertia, frame, name)
     if found is None:
         found = _asked(model, changes.with_payload(model, inertia, frame, name))
@@ -56,7 +67,7 @@ def _edited(model: Model, values: Mapping[Any, Any]) -> Model | None:
         return None
     edits: Edits = model.__dict__.get("_edits", _NO_EDITS)
     changed: list[int] = []
-    if len(values) > 1 and not layout.told.isdisjoint(values):  # which may be given twice
+    if len(values) > 1 and not layout.aliases.isdisjoint(values):  # which may be given twice
         return None
     for name, value in values.items():
         if type(value) is not float:
@@ -152,8 +163,8 @@ def _asked(model: Model, copy: Model) -> Model:
 
 def _are_plain(model: Model, names: Iterable[Any]) -> bool:
     """Whether numbers of these names may have slots, as angles and limits do not."""
-    known = numbers.known(model)
-    rows = [known.rows.get(str(known.told.get(name, name))) for name in names]
+    known = named_numbers.known(model)
+    rows = [known.rows.get(str(known.aliases.get(name, name))) for name in names]
     return all(
         row is not None
         and row.sort not in ("direction", "limit")
@@ -179,7 +190,7 @@ class LazyPiece:
         layout: NumberLayout = own["_layout"]
         values = {layout.rows.owner[slot]: x for slot, x in own["_edits"].items()}
         # of two threads that look at the same moment, both take the pieces of the first
-        whole = own.setdefault("_whole", numbers.written(layout.origin, values))
+        whole = own.setdefault("_whole", named_numbers.written(layout.origin, values))
         for field in CHANGING:
             own.setdefault(field, getattr(whole, field))
         own.pop("_whole", None)
@@ -191,3 +202,158 @@ def make_lazy(kind: type) -> None:
     but take ten nanoseconds from every call of every robot."""
     for name in CHANGING:
         setattr(kind, name, LazyPiece(name))
+
+
+RowPlan = tuple[list[int], list[tuple[slice, list[RowEntries]]]]
+"""The positions, and the rows with their parts, that are found again."""
+
+
+class NumberLayout:
+    """The places of the numbers of a model that is one robot and has all values."""
+
+    def __init__(self, model: Model):
+        self.origin = copied(model)  # no circle of references
+        names = known(model)
+        self.origin.__dict__["_catalogue"] = names
+        self.dim = model.dim
+        self.structure, self.numbers = model.structure, model.numbers
+        alone = {name: row.editor.alone(self.origin, row.field) for name, row in names.rows.items()}
+        named = {path: name for name, paths in alone.items() for path in paths}
+        self.rows = rows = NumberRows(self.origin, self.structure, named)
+        following = {formula.name for formula in model.formulas}
+        self.slots = {
+            name: rows.by_name[name]
+            for name, paths in alone.items()
+            if name in rows.by_name and all(map(self._leads, paths)) and name not in following
+        }
+        """The slots of the numbers that can be changed, by name and by the place where a symbol
+        stands."""
+        self.slots |= {
+            alias: self.slots[name] for alias, name in names.aliases.items() if name in self.slots
+        }
+        self.aliases = names.aliases.keys()
+        """Names that some of them have besides."""
+        self.absent = {
+            name: row.editor
+            for name, row in names.rows.items()
+            if isinstance(row.editor, NewPayloadEditor)
+        }
+        """The numbers of a load that is not there yet."""
+        self.shared: dict[str, Any] = {
+            name: getattr(model, name)
+            for name in (*fields_of(type(model)), *_KINDS)
+            if name not in CHANGING
+        }
+        self.shared["_catalogue"] = names
+        """Attributes that all edited copies have in common."""
+        self._plans: dict[tuple[int, ...], RowPlan] = {}
+        self._loads: dict[tuple[Any, Any], LoadedLayout | None] = {}
+
+    def _leads(self, path: PiecePath) -> bool:
+        """Whether all that follows from the number at a path is known; frames of a tree are none of
+        its numbers."""
+        return path in self.rows.at or (path[0] == "frames" and path[-2] == "by")
+
+    # ------------------------------------------------------------ what follows
+    def filled(self, edits: dict[int, float]) -> SlotValues:
+        """The number in each slot, other ones in some."""
+        values = self.rows.values.copy()
+        for slot, value in edits.items():
+            values[slot] = value
+        return values
+
+    def is_physical(self, slots: Iterable[int], values: SlotValues) -> bool:
+        """Whether the inertias that these slots belong to surely are those of rigid bodies, and
+        the drives those of motors."""
+        for slot in slots:
+            if slot in self.rows.positive and values[slot] <= 0.0:
+                return False
+            for take in self.rows.inertias.get(slot, ()):
+                mass, *tensor = take(values)
+                if not is_surely_physical(mass, tensor):
+                    return False
+        return True
+
+    def numbers_with(self, edits: dict[int, float], values: SlotValues) -> Array | None:
+        """The numbers of the structure, those of `edits` being in the values; None where the
+        structure is another."""
+        slots = tuple(edits)
+        positions, rows = self._plans.get(slots) or self._planned(slots)
+        places = self.rows.places.copy()
+        for k in positions:
+            places[k] = self.rows.sum(k, values)
+        numbers = self.numbers.copy()
+        for at, parts in rows:
+            row, *others = [entries(values, places) for entries in parts]
+            if row is None:
+                return None
+            for other in others:
+                row = tuple(map(plus, row, other))
+            numbers[at] = row
+        numbers.setflags(write=False)
+        return numbers
+
+    def _planned(self, slots: tuple[int, ...]) -> RowPlan:
+        """The positions and rows that follow from slots."""
+        touched = frozenset(slots)
+        positions = [k for k, x in enumerate(self.rows.positions) if x.slots & touched]
+        rows = []
+        for at, parts in self.rows.rows:
+            if any(part.slots & touched for part in parts):
+                rows.append((at, [p.entries if p.slots & touched else _known(p) for p in parts]))
+        if len(self._plans) >= _MOST:
+            self._plans.clear()
+        return self._plans.setdefault(slots, (positions, rows))
+
+    # ------------------------------------------------------------ loads
+    def loaded(self, frame: str | None, name: str) -> LoadedLayout | None:
+        """The layout with a load more; None when it is first asked for, since most are once."""
+        key = frame, name
+        if key in self._loads:
+            return self._loads.get(key) or self._grown(key)
+        if len(self._loads) >= _MOST_LOADS:
+            self._loads.clear()
+        self._loads[key] = None
+        return None
+
+    def _grown(self, key: tuple[str | None, str]) -> LoadedLayout:
+        frame, name = key
+        at = self.origin.frame(frame)
+        added = Attached(name, Inertia.nothing(self.dim), at.placement, True, at.name)
+        path = ("base_inertias",) if at.body < 0 else ("bodies", at.body, "inertias")
+        there = self.origin.base_inertias if at.body < 0 else self.origin.bodies[at.body].inertias
+        layout = NumberLayout(put(self.origin, path, (*there, added)))
+        new, own = layout.rows.at, (*path, len(there), "inertia")
+        slots = (
+            new[*own, "mass"],
+            *(new[*own, "com", j] for j in range(self.dim)),
+            *(new[*own, "tensor", j] for j in range(len(added.inertia.tensor))),
+        )
+        moved = {slot: new[path] for path, slot in self.rows.at.items()}
+        self._loads[key] = found = LoadedLayout(layout, moved, slots)
+        return found
+
+
+def _known(part: RowPart) -> RowEntries:
+    return lambda values, places: part.now
+
+
+class LoadedLayout(NamedTuple):
+    """A layout with a load more."""
+
+    layout: NumberLayout
+    moved: dict[int, int]
+    """Slots before -> slots in it."""
+    slots: tuple[int, ...]
+    """The slots of the load: mass, centre, tensor."""
+
+
+CHANGING = ("bodies", "frames", "base_inertias", "gravity_size")
+"""The fields of a model that numbers in slots stand in."""
+_KINDS = (
+    *("coordinates", "nq", "nv", "position_names", "velocity_names", "passive", "driven"),
+    "family",
+)
+"""Facts of a model that no number changes."""
+_MOST, _MOST_LOADS = 64, 16
+"""Plans, and layouts with a load more, that a layout keeps."""

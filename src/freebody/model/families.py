@@ -13,7 +13,7 @@ import numpy as np
 from freebody.arrays import Array, too_large
 from freebody.errors import FreebodyError, ModelError, shown
 from freebody.labels import refuse_masked
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.values import ByValue
 
 
@@ -28,7 +28,7 @@ class Members(ByValue):
 
     array: Array
     name: tuple[str, str] | None = None
-    """Of an `NamedNumber`: its own name."""
+    """The name of its own that it has as a `NamedNumber`."""
     _aside = ("name",)
     _copies = True
 
@@ -152,8 +152,8 @@ def one_family(model: Any, old: Any, *new: Any) -> Any:
 
 
 def member_at(model: Any, sample: tuple[int, ...]) -> Any:
-    """Which member of a family a sample of a batch is of, whose last axes are the family's; of one
-    robot itself."""
+    """The member of a family that a sample of a batch is of, whose last axes are the family's; of
+    one robot itself."""
     shape = model.family
     if not shape:
         return model
@@ -194,7 +194,8 @@ def changed(thing: Any, new: dict[str, Any]) -> Any:
 
 
 def copied(thing: Any) -> Any:
-    """The same with all fields as they are, for who puts others there at once."""
+    """A copy of a frozen dataclass with its fields alone, for callers that put others there at
+    once."""
     kind = type(thing)
     copy = object.__new__(kind)
     own = copy.__dict__

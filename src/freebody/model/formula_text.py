@@ -13,7 +13,7 @@ from freebody.model.parameters import LARGEST
 
 Powers = tuple[tuple[str, int], ...]
 """Names and their exponents, in the order of the names."""
-Terms = dict[Powers, Fraction]
+PolynomialTerms = dict[Powers, Fraction]
 """A polynomial: the factor of each product of powers."""
 
 _NUMBER = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]{1,2}(?![0-9]))?"
@@ -36,7 +36,7 @@ class FormulaTextError(FreebodyError):
     """A text that is no formula of parameters."""
 
 
-def polynomial(text: str) -> Terms:
+def polynomial(text: str) -> PolynomialTerms:
     """The polynomial that a formula is: sums, products and whole powers of names, divided by
     numbers; and pi, sqrt, sin, cos and tan of numbers. Raises FormulaTextError."""
     if len(text) > _LONGEST:
@@ -69,7 +69,7 @@ class _TermsReader:
         self.tokens = [*_tokens(text), ("end", "the end")]
         self.at = self.depth = 0
 
-    def whole(self) -> Terms:
+    def whole(self) -> PolynomialTerms:
         found = self.total()
         if self.kind != "end":
             self.expected("an operator or the end")
@@ -77,7 +77,7 @@ class _TermsReader:
 
     @property
     def kind(self) -> str:
-        """Of the next token; a sign's is the sign."""
+        """The kind of the next token; a sign's is the sign."""
         return self.tokens[self.at][0]
 
     def take(self) -> str:
@@ -87,21 +87,21 @@ class _TermsReader:
     def expected(self, what: str) -> NoReturn:
         raise FormulaTextError(f"{self.tokens[self.at][1]} stands where {what} is expected")
 
-    def total(self) -> Terms:
+    def total(self) -> PolynomialTerms:
         """term ± term …"""
-        found: Terms = {}
+        found: PolynomialTerms = {}
         while True:
             found = _plus(found, self.signed(self.product))
             if self.kind not in ("+", "-"):
                 return found
 
-    def signed(self, read: Callable[[], Terms]) -> Terms:
+    def signed(self, read: Callable[[], PolynomialTerms]) -> PolynomialTerms:
         factor = Fraction(1)
         while self.kind in ("+", "-"):
             factor *= -1 if self.take() == "-" else 1
         return _times(read(), {(): factor})
 
-    def product(self) -> Terms:
+    def product(self) -> PolynomialTerms:
         """Factors with * and / between them or nothing."""
         found = self.power()
         while True:
@@ -116,7 +116,7 @@ class _TermsReader:
             else:
                 return found
 
-    def power(self) -> Terms:
+    def power(self) -> PolynomialTerms:
         base = self.primary()
         if self.kind == "raised":
             exponent = int(self.take().translate(_DIGITS))
@@ -129,12 +129,12 @@ class _TermsReader:
             return base
         if exponent > _LARGEST_POWER:
             raise FormulaTextError(f"the power {exponent} is above {_LARGEST_POWER}")
-        found: Terms = {(): Fraction(1)}
+        found: PolynomialTerms = {(): Fraction(1)}
         for _ in range(exponent):
             found = _times(found, base)
         return found
 
-    def primary(self) -> Terms:
+    def primary(self) -> PolynomialTerms:
         if self.kind == "number":
             return {(): Fraction(self.take())}
         if self.kind == "(":
@@ -146,7 +146,7 @@ class _TermsReader:
             return {(): _of_number(name, self.bracket())}
         return {(): _PI} if name in ("pi", "π") else {((name, 1),): Fraction(1)}
 
-    def bracket(self) -> Terms:
+    def bracket(self) -> PolynomialTerms:
         self.take()
         self.depth += 1
         if self.depth > _DEEPEST:
@@ -175,15 +175,15 @@ def _tokens(text: str) -> Iterator[tuple[str, str]]:
             yield kind, match[kind]
 
 
-def _plus(a: Terms, b: Terms) -> Terms:
+def _plus(a: PolynomialTerms, b: PolynomialTerms) -> PolynomialTerms:
     found = dict(a)
     for powers, factor in b.items():
         found[powers] = found.get(powers, Fraction(0)) + factor
     return {powers: factor for powers, factor in found.items() if factor}
 
 
-def _times(a: Terms, b: Terms) -> Terms:
-    found: Terms = {}
+def _times(a: PolynomialTerms, b: PolynomialTerms) -> PolynomialTerms:
+    found: PolynomialTerms = {}
     for one, x in a.items():
         for other, y in b.items():
             powers = dict(one)
@@ -199,7 +199,7 @@ def _times(a: Terms, b: Terms) -> Terms:
     return {powers: factor for powers, factor in found.items() if factor}
 
 
-def _reciprocal(x: Terms) -> Terms:
+def _reciprocal(x: PolynomialTerms) -> PolynomialTerms:
     if not x:
         raise FormulaTextError("it divides by 0")
     if set(x) != {()}:
@@ -209,7 +209,7 @@ def _reciprocal(x: Terms) -> Terms:
     return {(): 1 / x[()]}
 
 
-def _of_number(name: str, x: Terms) -> Fraction:
+def _of_number(name: str, x: PolynomialTerms) -> Fraction:
     if set(x) - {()}:
         raise FormulaTextError(
             f"it takes {name} of a parameter; a formula is a polynomial, with {name} of numbers "

@@ -1,9 +1,10 @@
-"""The geometry of a model: its structure, with the numbers that say where things are, and how its
-loops are taken.
+"""Facts about a model, found once: those that follow from the model alone, kept with it, and those
+that follow from its geometry, kept with that.
 
-Masses, gravity, friction, springs and limits are no part of it. Models of equal geometry share one
-object, and with it what follows from the geometry alone: how a closed chain can move, which of its
-equations count. So another payload finds nothing anew.
+The geometry of a model is its structure, with the numbers that say where things are, and how its
+loops are taken. Masses, gravity, friction, springs and limits are no part of it. Models of equal
+geometry share one object, and with it what follows from the geometry alone: how a closed chain can
+move, which of its equations count. So another payload finds nothing anew.
 """
 
 from __future__ import annotations
@@ -23,14 +24,14 @@ T = TypeVar("T")
 
 
 class Geometry:
-    """What models have in common that differ in other numbers than lengths and angles; equal ones
+    """The facts shared by models that differ in other numbers than lengths and angles; equal ones
     are one object."""
 
     __slots__ = ("__weakref__", "facts")
 
     def __init__(self) -> None:
         self.facts: dict[Any, Any] = {}
-        """What follows from it and has been found before; see `geometric_fact`."""
+        """Facts that follow from the geometry and have been found before; see `geometric_fact`."""
 
 
 _known: WeakValueDictionary[Any, Geometry] = WeakValueDictionary()
@@ -53,8 +54,8 @@ def geometry_of(model: Model) -> Geometry:
 
 
 def geometric_fact(find: Callable[[Model], T]) -> Callable[[Model], T]:
-    """`find`, done once a geometry: it looks at nothing else of a model, and of a family at its
-    first member."""
+    """The function `find`, called once a geometry: it looks at nothing else of a model, and of a
+    family at its first member."""
     key = f"{find.__module__}.{find.__qualname__}"
 
     @wraps(find)
@@ -72,3 +73,18 @@ def first_member(model: Model) -> Model:
     if not model.family:
         return model
     return kept(model, "_first_member", lambda: model[(0,) * len(model.family)])
+
+
+def fact(find: Callable[[Model], T]) -> Callable[[Model], T]:
+    """The function `find`, called once a model: it takes nothing else, so that no answer depends on
+    what was found before."""
+    key = f"{find.__module__}.{find.__qualname__}"
+
+    @wraps(find)
+    def known(model: Model) -> T:
+        facts = model.facts
+        if key not in facts:
+            facts.setdefault(key, find(model))  # of two threads both take what the first found
+        return facts[key]
+
+    return known

@@ -14,7 +14,7 @@ from freebody.labels import refuse_labelled
 from freebody.model.families import Members, is_nested, members, of_member
 from freebody.model.parameters import LARGEST, Parameter, Quantity, finite, quantity
 from freebody.model.quantity_reader import VALUES
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.spatial import unit
 
 
@@ -74,7 +74,7 @@ def _of_members(
 
 
 def direction_fault(direction: tuple[Any, ...]) -> str | None:
-    """What is wrong with a direction of the field: its length; None if nothing is, or where a
+    """The fault of a direction of the field, its length, in words; None if it has none, or where a
     kernel reads it."""
     if any(isinstance(x, Parameter) for x in direction):
         return None

@@ -24,7 +24,7 @@ from freebody.model.parameters import (
 )
 from freebody.model.placement import rotation_matrix
 from freebody.model.quantity_reader import VALUES, QuantityReader
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.spatial import Vector
 
 # of the largest eigenvalue: how negative a pseudo-inertia may be before it is called not physical
@@ -176,15 +176,15 @@ class Inertia:
     def placed(
         self, rotation: np.ndarray | Sequence[Sequence[float]], position: Sequence[float]
     ) -> Inertia:
-        """The same body in frame A, given the pose R_AB (dim, dim), p_AB (dim,) in m of its own
-        frame B."""
+        """The inertia of this body in frame A, given the pose R_AB (dim, dim), p_AB (dim,) in m of
+        its own frame B."""
         m, c, tensor = self.numbers()
         R = rotation_matrix(rotation, "Inertia.placed")
         turned = R @ tensor @ R.T if self.dim == 3 else tensor
         return Inertia(m, tuple(R @ c + np.asarray(position, dtype=float)), _upper(turned))
 
     def moved_to(self, com: Sequence[Quantity | str]) -> Inertia:
-        """The same body with its centre of mass elsewhere."""
+        """The inertia of this body with its centre of mass elsewhere."""
         return Inertia(self.mass, tuple(quantity(x, "Inertia: com") for x in com), self.tensor)
 
     def __add__(self, other: Inertia) -> Inertia:

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 DRIVE = ("viscous", "coulomb", "rotor", "stiffness", "stiffness_rest")
 
 _ROUNDED = 1e-14
-"""Of a body's inertia: entries about its centre that are smaller are what rounding leaves of a
+"""Share of a body's inertia below which entries about its centre are what rounding leaves of a
 particle's."""
 
 
@@ -57,7 +57,7 @@ def parameter_names(model: Model) -> tuple[str, ...]:
 
 
 def with_inertial_parameters(model: Model, pi: Any) -> Model:
-    """See `Model.with_inertial_parameters`."""
+    """The model with other inertial parameters, see `Model.with_inertial_parameters`."""
     function = "with_inertial_parameters"
     model.require_values(function)
     names = parameter_names(model)

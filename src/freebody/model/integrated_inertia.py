@@ -19,7 +19,7 @@ _POINTS = 32
 and cosine."""
 
 _STEP = 1e-30
-"""Of the complex step: far below rounding, and nothing is subtracted."""
+"""Size of the complex step: far below rounding, since nothing is subtracted."""
 
 
 def integrated_inertia(
@@ -28,10 +28,23 @@ def integrated_inertia(
     """A uniform body from a map of parameters to its points: r_G = ∫ r dm / m (1.16) and I_G = ∫ ρ²
     dm (1.18).
 
-    points: a function of one to three parameters that returns the coordinates (2 or 3, in m) by
-    NumPy's functions. bounds: the range of each parameter. One parameter makes a wire, two a plate,
-    three a solid. mass: kg. integrated_inertia(lambda r, a: (r*np.cos(a), r*np.sin(a)), [(0, 0.3),
-    (0, 2*np.pi)], 2.0) is a disc.
+    For example, integrated_inertia(lambda r, a: (r*np.cos(a), r*np.sin(a)), [(0, 0.3), (0,
+    2*np.pi)], 2.0) is a disc.
+
+    Parameters
+    ----------
+    points
+        A function of one to three parameters that returns the coordinates (2 or 3, in m) by NumPy's
+        functions. One parameter makes a wire, two a plate, three a solid.
+    bounds
+        The range of each parameter.
+    mass
+        kg.
+
+    Raises
+    ------
+    ModelError
+        A map that covers nothing.
     """
     u, w = _nodes(bounds)
     r = _at(points, u).real

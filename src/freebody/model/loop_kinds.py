@@ -1,5 +1,4 @@
-"""What a loop holds together: the kinds of joint that close a chain, each as the motions it
-forbids.
+"""Kinds of loops: the joints that close a chain, each as the motions it forbids.
 
 A loop joins frame A and frame B. Every kind is made of three things, and an algorithm knows no
 others:
@@ -19,7 +18,7 @@ import numpy as np
 
 from freebody.spatial import AnySpace, Vector, identity, neg, scale
 
-Pair = tuple[Vector, Vector]
+AxisPair = tuple[Vector, Vector]
 
 
 @dataclass(frozen=True)
@@ -30,13 +29,13 @@ class Closure:
     point: bool = False
     distance: bool = False
     slides: tuple[Vector, ...] = ()
-    turns: tuple[Pair, ...] = ()
+    turns: tuple[AxisPair, ...] = ()
     aligned: bool = True
     """Whether the pairs together hold axes of B to those of A, so that u × n stays what it is; the
     two axes of a universal joint may cross either way."""
 
     @property
-    def facing(self) -> tuple[Pair, ...]:
+    def facing(self) -> tuple[AxisPair, ...]:
         """The pairs of which u × n tells whether the loop is closed the right way round."""
         return self.turns if self.aligned else ()
 
@@ -45,7 +44,7 @@ class Closure:
         return (space.dim if self.point else 0) + self.distance + len(self.slides) + len(self.turns)
 
     def row_names(self, space: AnySpace) -> tuple[str, ...]:
-        """What each equation's multiplier is: a force, or a moment."""
+        """Names of the multipliers of the equations, each a force or a moment."""
         forces = (
             [f"f{x}" for x in space.axes] if self.point else ["tension"] if self.distance else []
         )
@@ -75,7 +74,7 @@ class LoopKind:
     """The spaces in which it has an axis."""
     needs_distance: bool = False
     elsewhere: str = ""
-    """What it is called in the space in which this name does not exist."""
+    """Name of this kind in the space in which its own name does not exist."""
     pins: bool = False
     """Whether it does no more than hold two points, or lines, together."""
     symbols: tuple[str, str] = ("", "")
@@ -110,7 +109,7 @@ def normals(axis: Vector) -> tuple[Vector, ...]:
     return tuple(map(float, t1)), tuple(map(float, np.cross(a, t1)))
 
 
-def _parallel(space: AnySpace, axis: Vector) -> tuple[Pair, ...]:
+def _parallel(space: AnySpace, axis: Vector) -> tuple[AxisPair, ...]:
     """The axis of B stays parallel to that of A; in the plane it always is."""
     if space.dim == 2:
         return ()
@@ -118,7 +117,7 @@ def _parallel(space: AnySpace, axis: Vector) -> tuple[Pair, ...]:
     return (neg(t2), axis), (t1, axis)
 
 
-def _aligned(space: AnySpace) -> tuple[Pair, ...]:
+def _aligned(space: AnySpace) -> tuple[AxisPair, ...]:
     """The axes of B stay those of A."""
     if space.dim == 2:
         return (((0.0, 1.0), (1.0, 0.0)),)
@@ -126,7 +125,7 @@ def _aligned(space: AnySpace) -> tuple[Pair, ...]:
     return (z, y), (x, z), (y, x)
 
 
-_X_ACROSS_Y: Pair = ((-1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+_X_ACROSS_Y: AxisPair = ((-1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 """The x axis of A stays perpendicular to the y axis of B."""
 
 LOOP_KINDS: dict[str, LoopKind] = {

@@ -15,7 +15,7 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, MissingValueError, ModelError, shown
 from freebody.lazy import cached_property
 from freebody.model import changes as changed
-from freebody.model import edits, inertial_parameters, joint_table, numbers
+from freebody.model import edits, inertial_parameters, joint_table, named_numbers
 from freebody.model.bodies import Body, Frame, JointLimits
 from freebody.model.description import Loop, Notice
 from freebody.model.doubts import ALL, ESTIMATED, Doubt, doubts_on, doubts_used, named, read_doubts
@@ -29,7 +29,7 @@ from freebody.model.parameter_formulas import ParameterFormula
 from freebody.model.parameters import Quantity, each_parameter
 from freebody.model.quantity_reader import VALUES
 from freebody.model.structure import Structure, numbers_of, structure_of
-from freebody.model.tip import asked_for
+from freebody.model.tip import requested_tip, with_tip
 from freebody.model.tree import Attached, Tree, lower
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.values import ByValue
@@ -49,13 +49,13 @@ class Model(NamedParts, Tabled, ByValue):
     base_inertias: tuple[Attached, ...] = field(default_factory=tuple)
     loops: tuple[Loop, ...] = ()
     formulas: tuple[ParameterFormula, ...] = ()
-    """Of parameters that follow from others, each behind those that it names."""
+    """Formulas of parameters that follow from others, each behind those that it names."""
     home: tuple[tuple[str, float], ...] = ()
     """(position name, value): where closing the loops starts from; others are neutral."""
     tip: str | None = None
     source: str = ""
     about: str = ""
-    """What it is and what is worth seeing in it."""
+    """The robot in words, and what is worth seeing in it."""
     notices: tuple[Notice, ...] = ()
     loop_tolerance: tuple[float, float] | None = None
     """(m, rad): by how much rounded numbers may keep loops from closing; None: the default, 1 mm or
@@ -101,7 +101,7 @@ class Model(NamedParts, Tabled, ByValue):
         numbers differ. Exceptions are those that use no number of a model: neutral, random_state,
         integrate, difference.
         """
-        return numbers.family(self)
+        return named_numbers.family(self)
 
     def __getitem__(self, index: Any) -> Model:
         """A member of a family, or by slices some of them; indices are those of an array of its
@@ -135,8 +135,8 @@ class Model(NamedParts, Tabled, ByValue):
 
     @cached_property
     def structure(self) -> Structure:
-        """What remains of the model without its numbers, and what is compiled for it: shared by all
-        like it."""
+        """The structure that remains of the model without its numbers, with what is compiled for
+        it: shared by all like it."""
         try:
             return structure_of(self)
         except ModelError:
@@ -145,13 +145,14 @@ class Model(NamedParts, Tabled, ByValue):
 
     @cached_property
     def numbers(self) -> Array:
-        """Its numbers (k,), as the kernels of its structure take them; of a family (..., k)."""
+        """The model's numbers (k,), as the kernels of its structure take them; of a family (...,
+        k)."""
         return numbers_of(self)
 
     @cached_property
     def geometry(self) -> Geometry:
-        """Its structure and lengths, and what follows from these alone: shared by all models that
-        have the same."""
+        """The model's structure and lengths, with what follows from these alone: shared by all
+        models that have the same."""
         return geometry_of(self)
 
     @cached_property
@@ -166,8 +167,8 @@ class Model(NamedParts, Tabled, ByValue):
 
     @cached_property
     def facts(self) -> dict[str, Any]:
-        """What follows from the model alone and has been found before; see
-        `model.derived_facts.fact`."""
+        """Facts that follow from the model alone and have been found before; see
+        `model.geometry.fact`."""
         return {}
 
     @cached_property
@@ -193,8 +194,8 @@ class Model(NamedParts, Tabled, ByValue):
 
     @property
     def doubts(self) -> tuple[Doubt, ...]:
-        """What is doubtful about the model as it is now: each doubt with its `kind` and `text`;
-        `of` says what it touches, and whether it bars a verdict."""
+        """The doubts on the model as it is now, each with its `kind` and `text`; `of` says what it
+        touches, and whether it bars a verdict."""
         return doubts_on(self, *ALL)
 
     @property
@@ -237,17 +238,26 @@ class Model(NamedParts, Tabled, ByValue):
 
     # ------------------------------------------------------------ changed copies
     def bind(self, values: Mapping[Any, Any] | None = None, /, **symbols: Any) -> Model:
-        """The model with other numbers: model.bind(l1=0.4, m1=2), model.bind({"forearm.mass":
-        3.0}).
+        """The model with other numbers: model.bind(l1=0.4), model.bind({"forearm.mass": 3.0}).
 
-        values: by the names that `fb.parameters` lists; a name that holds a dot itself is given as
-        a tuple of its parts, ("a.b", "mass"). link.mass keeps centre and inertia, link.scale scales
-        mass and inertia together, a mass that is given beside it too. An array gives each member of
-        a family its own (`family`); arrays broadcast together. A text is a formula,
-        bind(lc1="l1/2"), bind(lc="l/2") of every link: such a parameter follows from the others
-        from then on, also in derivations, until it is given another text ("0.3", or "lc1" to keep
-        its value). Raises UnknownNameError, ModelError for what no rigid body is, naming the
-        member, and for a number in the place of what a formula gives.
+        Parameters
+        ----------
+        values, **symbols
+            Numbers by the names that `fb.parameters` lists; a name that holds a dot itself is given
+            as a tuple of its parts, ("a.b", "mass"). link.mass keeps centre and inertia, link.scale
+            scales mass and inertia together, a mass that is given beside it too. An array gives
+            each member of a family its own (`family`); arrays broadcast together. A text is a
+            formula, bind(lc1="l1/2"), bind(lc="l/2") of every link: such a parameter follows from
+            the others from then on, also in derivations, until it is given another text ("0.3", or
+            "lc1" to keep its value).
+
+        Raises
+        ------
+        UnknownNameError
+            A name that the model does not have.
+        ModelError
+            What no rigid body is, naming the member, or a number in the place of what a formula
+            gives.
         """
         return edits.bound(self, {**(values or {}), **symbols})
 
@@ -263,9 +273,19 @@ class Model(NamedParts, Tabled, ByValue):
         """The model with another name, tip, gravity, choice of driven joints, or tolerance of its
         loops.
 
-        gravity: a size (0 for none), a name, or a vector in world axes; vectors (..., dim) are
-        those of a family (sizes of a family: bind({"gravity": sizes})). actuated: names; all other
-        joints are passive. loop_tolerance: (m, rad), see `with_loop`.
+        Parameters
+        ----------
+        name
+            The model's name.
+        gravity
+            A size in m/s² (0 for none), a name, or a vector (dim,) in world axes; vectors (...,
+            dim) are those of a family (sizes of a family: bind({"gravity": sizes})).
+        tip
+            The frame that `frame=None` means from then on.
+        actuated
+            Names of the joints that are driven; all other joints are passive.
+        loop_tolerance
+            (m, rad), see `with_loop`.
         """
         changes: dict[str, object] = {}
         if name is not None:
@@ -280,7 +300,7 @@ class Model(NamedParts, Tabled, ByValue):
             changes["loop_tolerance"] = checked_tolerance(loop_tolerance, "Model.replace")
         result = dataclasses.replace(self, **changes)
         if tip is not None:
-            result = changed.with_tip(result, asked_for(tip))
+            result = with_tip(result, requested_tip(tip))
         if gravity is not None:
             result = changed.with_symbols_known(result, result.gravity_size)
         return one_family(result, self, *changes.values())
@@ -296,10 +316,24 @@ class Model(NamedParts, Tabled, ByValue):
         stiffness: Any = None,
         rest: Any = None,
     ) -> Model:
-        """The model with another rotor (kg m², before the gear), gear, friction (N m s/rad, N m) or
-        spring (N m/rad, rad) in a joint of one coordinate; of a prismatic one kg, N s/m, N, N/m, m.
+        """The model with another rotor, gear, friction or spring in a joint of one coordinate.
+
         What is not given stays. Numbers, names, or arrays with a number for each member of a
-        family."""
+        family; units are those of a revolute joint, and in brackets of a prismatic one.
+
+        Parameters
+        ----------
+        joint
+            The joint's name.
+        rotor
+            Inertia before the gear, kg m² (kg).
+        gear
+            Ratio of motor speed to joint speed.
+        viscous, coulomb
+            Friction, N m s/rad (N s/m) and N m (N).
+        stiffness, rest
+            Spring, N m/rad (N/m) and rad (m).
+        """
         given = {
             "rotor": rotor, "gear": gear, "viscous": viscous, "coulomb": coulomb,
             "stiffness": stiffness, "rest": rest,
@@ -333,17 +367,33 @@ class Model(NamedParts, Tabled, ByValue):
         frame: str | None = None,
         name: str = "payload",
     ) -> Model:
-        """The model carrying a rigid load in `frame` (default: the tip).
+        """The model carrying a rigid load in `frame`.
 
-        mass: kg; or an Inertia in the frame's axes, which is the whole load. com: (dim,) m, where
-        the load's centre of mass is in the frame; default the origin, or the Inertia's own. Its
-        shape, in the frame's axes: box, the sides (a, b, c) m (in the plane (a, b)); cylinder, the
-        radius and the height along z (r, h) m (in the plane a disc of radius r); or inertia, kg m²
-        about the centre of mass: six entries ixx, ixy, ixz, iyy, iyz, izz, (3, 3), or in the plane
-        a number. Box and cylinder are filled evenly. Without a shape the load is a point, which has
-        no inertia. Arrays of masses, and of centres (..., dim), give each member of a family its
-        own. Its numbers are then called payload.mass, payload.com.x, payload.inertia.xx, ….
-        Raises ModelError for a load that no rigid body is.
+        Its numbers are then called payload.mass, payload.com.x, payload.inertia.xx, …. Arrays of
+        masses, and of centres (..., dim), give each member of a family its own.
+
+        Parameters
+        ----------
+        mass
+            kg; or an Inertia in the frame's axes, which is the whole load.
+        com
+            (dim,) m, where the load's centre of mass is in the frame; default: the origin, or the
+            Inertia's own.
+        box, cylinder, inertia
+            The load's shape, in the frame's axes: box, the sides (a, b, c) m (in the plane (a, b));
+            cylinder, the radius and the height along z (r, h) m (in the plane a disc of radius r),
+            both filled evenly; or inertia, kg m² about the centre of mass: six entries ixx, ixy,
+            ixz, iyy, iyz, izz, (3, 3), or in the plane a number. Without a shape the load is a
+            point, which has no inertia.
+        frame
+            Default: the tip.
+        name
+            The load's name, which its numbers begin with.
+
+        Raises
+        ------
+        ModelError
+            A load that no rigid body is.
         """
         load = changed.load(mass, com, box, cylinder, inertia, self.dim)
         return edits.loaded(self, load, frame, name)
@@ -371,7 +421,7 @@ class Model(NamedParts, Tabled, ByValue):
     ) -> Model:
         """The model with a frame more, as `with_frame`, which is the tip; `inertia` rides in it."""
         model = changed.with_frame(self, name, position, rotation, frame, "with_tool")
-        model = changed.with_tip(model, asked_for(name))
+        model = with_tip(model, requested_tip(name))
         return model if inertia is None else model.with_payload(inertia, frame=name, name=name)
 
     def with_loop(
@@ -386,14 +436,29 @@ class Model(NamedParts, Tabled, ByValue):
     ) -> Model:
         """The model with two frames, on different bodies, held together: a closed chain.
 
-        kind: "revolute" or "prismatic" (about, along `axis`, given in the axes of both frames; no
-        axis for revolute in the plane), "universal" (space; about x of the first frame and y of the
-        second), "spherical" (space), "point" (plane), "fixed", or "distance" (the origins stay
-        `distance` m apart). loop_tolerance: (m, rad), of all loops of the model: by how much
-        rounded numbers may keep them from closing. Equations that hold within it wherever the
-        mechanism goes are redundant, and `mobility` names them. Default: 1 mm or a thousandth of
-        the loop's size, the smaller, and 1 mrad; (0, 0) takes the numbers at their word. Raises
-        ModelError, UnknownNameError.
+        Parameters
+        ----------
+        name
+            The loop's name.
+        kind
+            "revolute" or "prismatic" (about, along `axis`; no axis for revolute in the plane),
+            "universal" (space; about x of the first frame and y of the second), "spherical"
+            (space), "point" (plane), "fixed", or "distance" (the origins stay `distance` m apart).
+        frames
+            Names of the two frames.
+        axis
+            (dim,), given in the axes of both frames.
+        distance
+            m, a number or a name, of a loop of this kind.
+        loop_tolerance
+            (m, rad), of all loops of the model: by how much rounded numbers may keep them from
+            closing. Equations that hold within it wherever the mechanism goes are redundant, and
+            `mobility` names them. Default: 1 mm or a thousandth of the loop's size, the smaller,
+            and 1 mrad; (0, 0) takes the numbers at their word.
+
+        Raises
+        ------
+        ModelError, UnknownNameError
         """
         along = tuple(np.atleast_1d(axis).tolist())
         given: Any = distance  # a name becomes a parameter where the loop is checked

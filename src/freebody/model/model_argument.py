@@ -60,7 +60,7 @@ def takes_model(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _advice(name: str, given: object) -> str:
-    """How to get a model, or to put the arguments in order."""
+    """Advice on how to get a model, or to put the arguments in order."""
     if isinstance(given, str | os.PathLike):
         return f"Write fb.{name}(fb.load({os.fspath(given)!r}), …)."
     return f"Write fb.{name}(model, …) with a model from fb.load, fb.planar or fb.dh."

@@ -1,4 +1,4 @@
-"""What the parts of a model are called, and where its coordinates stand."""
+"""Names of a model's parts, and where its coordinates stand."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from freebody.model.tree import Coordinates
 
 
 class NamedParts:
-    """Of a model all that no number of it changes: sizes, names, and which coordinates are
+    """The part of a model that none of its numbers changes: sizes, names, and which coordinates are
     driven."""
 
     name: str
@@ -95,17 +95,17 @@ class NamedParts:
 
     @cached_property
     def driven(self) -> tuple[int, ...]:
-        """The other coordinates."""
+        """Coordinates that are not `passive`, as entries of q̇ and tau."""
         return tuple([k for k in range(self.nv) if k not in self.passive])
 
     @property
     def passive_names(self) -> tuple[str, ...]:
-        """Of `velocity_names` those whose joints are passive."""
+        """Names of the coordinates whose joints are passive, of `velocity_names`."""
         return tuple(self.velocity_names[k] for k in self.passive)
 
     @property
     def driven_names(self) -> tuple[str, ...]:
-        """Of `velocity_names` those whose joints are not passive."""
+        """Names of the coordinates whose joints are not passive, of `velocity_names`."""
         return tuple(self.velocity_names[k] for k in self.driven)
 
     @property
@@ -157,7 +157,7 @@ class NamedParts:
 
     @property
     def tip_reason(self) -> str:
-        """Which rule made `tip` the tip, or why there is none and which frames may be it: a
+        """The rule that made `tip` the tip, or why there is none and which frames may be it: a
         sentence of `notices`."""
         return next((notice.text for notice in self.notices if notice.kind == TIP), "")
 

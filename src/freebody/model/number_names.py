@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING, Literal
 
 from freebody.model.bodies import Body, Frame
 from freebody.model.number_editors import (
+    ANGLES,
     TENSOR,
     Editor,
     Leaves,
     LinkInertiaEditor,
     NewPayloadEditor,
     PieceEntries,
+    PoseEditor,
 )
-from freebody.model.piece_paths import Path, get, is_plain, named_leaves
-from freebody.model.pose_editor import ANGLES, PoseEditor
+from freebody.model.piece_paths import PiecePath, get, is_plain, named_leaves
 from freebody.model.tree import Attached
 from freebody.spatial import AnySpace, of_dimension
 
@@ -55,10 +56,10 @@ class Catalogue:
     """All rows in order, and those found by name."""
 
     rows: dict[str, ModelNumber]
-    """By a name that only one of them has."""
+    """The numbers by names that only one of them has."""
     several: dict[str, tuple[str, ...]]
     """Names that several things share -> what each is called instead."""
-    told: dict[str, str]
+    aliases: dict[str, str]
     """Names of places that a symbol, or an entry of a DH table, stands in -> its name."""
 
 
@@ -68,7 +69,7 @@ def catalogue(model: Model) -> Catalogue:
     leaves = named_leaves(model)
     at = {path: name for name, paths in leaves.items() for path in paths}
     held: dict[tuple[str, ...], ModelNumber] = {}
-    told: dict[str, str] = {}
+    aliases: dict[str, str] = {}
     rows: list[ModelNumber] = []
     for row, path in _places(model, space):
         own = at.get(path)
@@ -79,15 +80,15 @@ def catalogue(model: Model) -> Catalogue:
             held[own] = _leaf(own, leaves[own], row)
             rows.append(held[own])
         if len(leaves[own]) == 1:
-            told[row.name] = held[own].name
+            aliases[row.name] = held[own].name
     for own, paths in leaves.items():  # in placements of several steps, where no place has a name
         if own not in held:
             held[own] = _leaf(own, paths, None)
             rows.append(held[own])
-    return _by_name(rows, told)
+    return _by_name(rows, aliases)
 
 
-def _leaf(own: tuple[str, ...], paths: list[Path], row: ModelNumber | None) -> ModelNumber:
+def _leaf(own: tuple[str, ...], paths: list[PiecePath], row: ModelNumber | None) -> ModelNumber:
     """A symbol, or an entry of a DH table; unit and meaning are those of the first place that it
     stands in."""
     editor = Leaves(tuple(paths))
@@ -99,7 +100,7 @@ def _leaf(own: tuple[str, ...], paths: list[Path], row: ModelNumber | None) -> M
     return ModelNumber(own, "symbol", editor, "", unit, what, "symbol")
 
 
-def _by_name(rows: list[ModelNumber], told: dict[str, str]) -> Catalogue:
+def _by_name(rows: list[ModelNumber], aliases: dict[str, str]) -> Catalogue:
     """Rows whose names are taken twice say what they belong to, and are counted where that does not
     do."""
     sharing: dict[str, list[ModelNumber]] = {}
@@ -117,12 +118,14 @@ def _by_name(rows: list[ModelNumber], told: dict[str, str]) -> Catalogue:
                 name = f"{longer} ({count})"
             several.setdefault(row.name, []).append(name)
         found[name] = row
-    kept = {alias: name for alias, name in told.items() if alias not in sharing and name in found}
+    kept = {
+        alias: name for alias, name in aliases.items() if alias not in sharing and name in found
+    }
     return Catalogue(found, {name: tuple(names) for name, names in several.items()}, kept)
 
 
 # ---------------------------------------------------------------- all places, in order
-def _places(model: Model, space: AnySpace) -> Iterator[tuple[ModelNumber, Path]]:
+def _places(model: Model, space: AnySpace) -> Iterator[tuple[ModelNumber, PiecePath]]:
     """Each number's row, and the path at which it stands as it is."""
     size = "size of the gravity field"
     yield _entry((), "gravity_size", ("gravity",), "model", "m/s²", size)
@@ -150,9 +153,9 @@ def _places(model: Model, space: AnySpace) -> Iterator[tuple[ModelNumber, Path]]
 
 
 def _entry(
-    path: Path, step: str | int, name: tuple[str, ...], owner: str, unit: str, what: str,
+    path: PiecePath, step: str | int, name: tuple[str, ...], owner: str, unit: str, what: str,
     sort: Sort = "other",
-) -> tuple[ModelNumber, Path]:  # fmt: skip
+) -> tuple[ModelNumber, PiecePath]:  # fmt: skip
     """The row of a number that is an attribute or an entry of the piece at a path."""
     field = name[-1]
     editor = PieceEntries(path, {field: step})
@@ -173,8 +176,8 @@ def _outer(model: Model, name: str, steps: tuple[object, ...]) -> str | None:
 
 
 def _joint(
-    model: Model, body: Body, path: Path, space: AnySpace
-) -> Iterator[tuple[ModelNumber, Path]]:
+    model: Model, body: Body, path: PiecePath, space: AnySpace
+) -> Iterator[tuple[ModelNumber, PiecePath]]:
     joint = body.joint
     if joint.parent:
         outer = _outer(model, joint.parent, joint.placement.steps)
@@ -211,7 +214,7 @@ def _drive_table(effort: str, position: str, rotor: str) -> tuple[tuple[str, str
 
 _DRIVE = {True: _drive_table("N m", "rad", "kg m²"), False: _drive_table("N", "m", "kg")}
 DRIVE = {attribute: label for label, attribute, _, _ in _DRIVE[True]}
-"""What follows a joint's name in the names of its drive's numbers."""
+"""Ends of the names of a drive's numbers, behind the joint's name."""
 _LIMITS = {
     True: {"lower": "rad", "upper": "rad", "velocity": "rad/s", "effort": "N m"},
     False: {"lower": "m", "upper": "m", "velocity": "m/s", "effort": "N"},
@@ -220,8 +223,8 @@ _LIMITS = {
 
 
 def _part(
-    model: Model, part: Attached, path: Path, space: AnySpace
-) -> Iterator[tuple[ModelNumber, Path]]:
+    model: Model, part: Attached, path: PiecePath, space: AnySpace
+) -> Iterator[tuple[ModelNumber, PiecePath]]:
     steps = part.placement.steps
     owner = "load" if part.load else "link"
     editor = LinkInertiaEditor(path, None if part.load else _outer(model, part.link, steps), space)
@@ -234,11 +237,11 @@ def _mass(
     name: str,
     owner: str,
     editor: Editor,
-    path: Path,
+    path: PiecePath,
     space: AnySpace,
     what: str,
     scales: bool = False,
-) -> Iterator[tuple[ModelNumber, Path]]:
+) -> Iterator[tuple[ModelNumber, PiecePath]]:
     """mass, com, inertia; `scale` only of what is there, and whose numbers have no names of their
     own."""
     fields = [("mass", "kg", ("mass",), f"mass of {what}")]
@@ -259,8 +262,8 @@ def _mass(
 
 def _frame(
     model: Model, frame: Frame, k: int, space: AnySpace
-) -> Iterator[tuple[ModelNumber, Path]]:
-    """Of a frame that is mounted, or of a link that is fixed to another."""
+) -> Iterator[tuple[ModelNumber, PiecePath]]:
+    """The numbers of a frame that is mounted, or of a link that is fixed to another."""
     outer = _outer(model, frame.parent, frame.placement.steps)
     pose = PoseEditor(("frames", k, "placement"), outer, space, frame.name)
     where = "its body" if outer is None else repr(outer)
@@ -269,7 +272,7 @@ def _frame(
 
 def _pose(
     model: Model, name: str, owner: str, pose: PoseEditor, what: str
-) -> Iterator[tuple[ModelNumber, Path]]:
+) -> Iterator[tuple[ModelNumber, PiecePath]]:
     start = pose.start(model)
     if not PoseEditor.tells(get(model, pose.path).steps[start:]):
         return

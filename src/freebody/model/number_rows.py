@@ -11,7 +11,7 @@ import numpy as np
 
 from freebody.model.contributions import gravity_part, inertial_entries, linear_row, pose_part
 from freebody.model.inertia import in_shape
-from freebody.model.piece_paths import Path
+from freebody.model.piece_paths import PiecePath
 from freebody.model.placement import Placement, Shift
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Attached, acting, drive_numbers
@@ -33,7 +33,7 @@ where the structure is another."""
 
 
 class RowPart(NamedTuple):
-    """What adds to a row of numbers: the slots that it follows from, how, and what it is."""
+    """A summand of a row of numbers: the slots that it follows from, how, and its value now."""
 
     slots: frozenset[int]
     entries: RowEntries
@@ -48,7 +48,8 @@ class NumberRow(NamedTuple):
 
 
 class ShiftSum(NamedTuple):
-    """Where a placement leads: the sum of its shifts, each in turned axes, where it is not None."""
+    """The position that a placement leads to: the sum of its shifts, each in turned axes, where
+    these are not None."""
 
     slots: frozenset[int]
     terms: tuple[tuple[Matrix | None, TakeSlots], ...]
@@ -57,27 +58,27 @@ class ShiftSum(NamedTuple):
 class NumberRows:
     """The rows of the numbers of one robot that has all values."""
 
-    def __init__(self, model: Model, structure: Structure, named: dict[Path, str]):
+    def __init__(self, model: Model, structure: Structure, named: dict[PiecePath, str]):
         """named: paths of numbers that are one by their names."""
         self._model, self._structure, self._named = model, structure, named
         self.space = of_dimension(model.dim)
         self.values: SlotValues = []
-        self.at: dict[Path, int] = {}
+        self.at: dict[PiecePath, int] = {}
         """The slot that stands at a path."""
         self.by_name: dict[str, int] = {}
         self.owner: dict[int, str] = {}
         """The name of the number in a slot, where it has one."""
         self.inertias: dict[int, list[TakeSlots]] = {}
-        """Of a slot, what picks mass and tensor of the inertias that it belongs to."""
+        """By slot, functions that pick mass and tensor of the inertias that it belongs to."""
         self.positive: set[int] = set()
         """Slots whose numbers, where they are not above 0, have to be looked at closely."""
         self.positions: list[ShiftSum] = []
         self.places: list[Vector] = []
-        """Where each position is."""
+        """The points of `positions`."""
         self._index: dict[Any, int] = {}
         self.rows = tuple(self._all_rows())
 
-    def _slot(self, path: Path, quantity: Quantity) -> int:
+    def _slot(self, path: PiecePath, quantity: Quantity) -> int:
         name = self._named.get(path)
         slot = None if name is None else self.by_name.get(name)
         if slot is None:
@@ -111,7 +112,7 @@ class NumberRows:
             shift = slice(end - np.count_nonzero(part.pose[1]), end)
             yield self._pose(frame.placement, ("frames", k, "placement"), shift)
 
-    def _position(self, placement: Placement, path: Path) -> int:
+    def _position(self, placement: Placement, path: PiecePath) -> int:
         """Index of where a placement leads."""
         whole, terms, slots = identity(self.space.dim), [], []
         for k, step in enumerate(placement.steps):
@@ -129,7 +130,7 @@ class NumberRows:
         return self._index[key]
 
     def sum(self, k: int, values: SlotValues) -> Vector:
-        """Where the placements of a position lead, as `Placement.lower` finds it."""
+        """The point that the placements of a position lead to, as `Placement.lower` finds it."""
         zero = p = self.space.zero
         for R, take in self.positions[k].terms:
             by = take(values)
@@ -137,7 +138,7 @@ class NumberRows:
                 p = add(p, by if R is None else times(R, by))
         return p
 
-    def _pose(self, placement: Placement, path: Path, at: slice) -> NumberRow:
+    def _pose(self, placement: Placement, path: PiecePath, at: slice) -> NumberRow:
         k = self._position(placement, path)
         now = self.places[k]
         zeros = tuple([x == 0.0 for x in now])
@@ -150,8 +151,8 @@ class NumberRows:
 
         return NumberRow(at, (RowPart(self.positions[k].slots, entries, now),))
 
-    def _own(self, numbers: tuple[Quantity, ...], path: Path, at: slice) -> NumberRow:
-        """What a joint's kind has besides."""
+    def _own(self, numbers: tuple[Quantity, ...], path: PiecePath, at: slice) -> NumberRow:
+        """The row of the numbers that a joint's kind has besides, such as a pitch."""
         those = [self._slot((*path, k), x) for k, x in enumerate(numbers)]
 
         def entries(values: SlotValues, _: list[Vector]) -> Any:
@@ -159,10 +160,10 @@ class NumberRows:
 
         return NumberRow(at, (RowPart(frozenset(those), entries, entries(self.values, [])),))
 
-    def _inertial(self, parts: tuple[Attached, ...], path: Path, at: slice) -> NumberRow:
+    def _inertial(self, parts: tuple[Attached, ...], path: PiecePath, at: slice) -> NumberRow:
         return NumberRow(at, tuple(self._part(part, (*path, k)) for k, part in enumerate(parts)))
 
-    def _part(self, part: Attached, path: Path) -> RowPart:
+    def _part(self, part: Attached, path: PiecePath) -> RowPart:
         inertia, own = part.inertia, (*path, "inertia")
         mass = self._slot((*own, "mass"), inertia.mass)
         com = [self._slot((*own, "com", j), x) for j, x in enumerate(inertia.com)]
@@ -180,7 +181,7 @@ class NumberRows:
         slots = frozenset((mass, *com, *tensor)) | self.positions[k].slots
         return RowPart(slots, entries, tuple(linear_row(part, dim).tolist()))
 
-    def _drive(self, drive: Drive, path: Path, at: slice) -> NumberRow:
+    def _drive(self, drive: Drive, path: PiecePath, at: slice) -> NumberRow:
         """Without a place among the numbers of a model none of whose drives acts."""
         those = [
             self._slot((*path, name), getattr(drive, name))

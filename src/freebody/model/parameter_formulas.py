@@ -19,7 +19,7 @@ from freebody.model.families import Members, members
 from freebody.model.formula_text import FormulaTextError, Powers, polynomial, renamed
 from freebody.model.parameters import LARGEST, Parameter, Quantity, each_parameter, finite
 from freebody.model.piece_paths import get, named_leaves, put_at
-from freebody.outputs.numbers import shortest
+from freebody.outputs.number_text import shortest
 
 
 @dataclass(frozen=True)
@@ -28,11 +28,11 @@ class ParameterFormula:
 
     name: str
     text: str
-    """As it was written."""
+    """The formula as it was written."""
     terms: tuple[tuple[Powers, Fraction], ...]
     names: tuple[str, ...]
     arguments: tuple[Quantity, ...]
-    """What stands for these names."""
+    """The quantities that stand for these names."""
 
     @classmethod
     def of(cls, name: str, text: str) -> ParameterFormula:
@@ -47,7 +47,8 @@ class ParameterFormula:
     def value(
         self, read: Callable[[Quantity], Scalar], number: Callable[[Fraction], Scalar] | None = None
     ) -> Scalar:
-        """Its value over any scalars; read: of an argument; number: of an exact factor."""
+        """The value of the formula over any scalars; read: of an argument; number: of an exact
+        factor."""
         known = dict(zip(self.names, map(read, self.arguments), strict=True))
         total: Any = 0.0
         for powers, k in self.terms:
@@ -168,7 +169,7 @@ def followed(model: Any) -> Any:
 
 
 def used(model: Any) -> tuple[ParameterFormula, ...]:
-    """Those of its formulas that something in the model follows from."""
+    """The formulas of a model that something in it follows from."""
     names = set(replace(model, formulas=()).parameters)
     kept = []
     for formula in reversed(model.formulas):
@@ -207,8 +208,8 @@ def with_formulas(
 
 # ---------------------------------------------------------------- what no body has
 def inertial_names(model: Any) -> dict[str, str]:
-    """Of the parameters of a model or description that are never negative what each is: the mass of
-    a body, or a moment of inertia."""
+    """The parameters of a model or description that are never negative, each with its meaning: the
+    mass of a body, or a moment of inertia."""
     found: dict[str, str] = {}
     bodies = getattr(model, "bodies", ())
     loads = () if bodies else (*model.links, *model.payloads)
@@ -254,4 +255,4 @@ def negative(
 
 
 _ROUNDED = 1e-12
-"""Of the terms of a formula: what rounding may leave of their sum."""
+"""Share of a formula's terms that rounding may leave of their sum."""

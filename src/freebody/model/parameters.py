@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from freebody.errors import ModelError, shown
 from freebody.model.families import Members, fields_of
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 
 T = TypeVar("T")
 

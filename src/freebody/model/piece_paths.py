@@ -9,26 +9,26 @@ from typing import Any
 from freebody.model.families import Members, NamedNumber, copied, fields_of
 from freebody.model.parameters import Parameter, Quantity
 
-Path = tuple[Any, ...]
+PiecePath = tuple[Any, ...]
 """Names of fields and indices of tuples that lead from a model to one of its pieces."""
 Fields = Mapping[str, Quantity]
 """Numbers of a piece by the names that they have there."""
 
 
-def get(thing: Any, path: Path) -> Any:
+def get(thing: Any, path: PiecePath) -> Any:
     """The piece at a path."""
     for step in path:
         thing = thing[step] if type(step) is int else getattr(thing, step)
     return thing
 
 
-def put(thing: Any, path: Path, piece: Any) -> Any:
+def put(thing: Any, path: PiecePath, piece: Any) -> Any:
     """A copy of the thing with another piece at a path."""
     return put_at(thing, (path,), piece)
 
 
-def put_at(thing: Any, paths: tuple[Path, ...], piece: Any) -> Any:
-    """The same with one piece at several paths, none of which leads through another.
+def put_at(thing: Any, paths: tuple[PiecePath, ...], piece: Any) -> Any:
+    """A copy of the thing with one piece at several paths, none of which leads through another.
 
     What was one object at several of these places is one again.
     """
@@ -36,7 +36,7 @@ def put_at(thing: Any, paths: tuple[Path, ...], piece: Any) -> Any:
 
 
 class _Branch:
-    """Where the same piece is put, as a tree."""
+    """Paths at which one piece is put, as a tree."""
 
     __slots__ = ("again", "steps")
 
@@ -48,18 +48,20 @@ class _Branch:
 
 
 @lru_cache(maxsize=1024)
-def _branch(paths: tuple[Path, ...]) -> _Branch | None:
+def _branch(paths: tuple[PiecePath, ...]) -> _Branch | None:
     return _grown(paths, {})
 
 
-def _grown(paths: tuple[Path, ...], known: dict[tuple[Path, ...], _Branch]) -> _Branch | None:
+def _grown(
+    paths: tuple[PiecePath, ...], known: dict[tuple[PiecePath, ...], _Branch]
+) -> _Branch | None:
     """Paths as a tree; equal branches are one object."""
     if paths == ((),):
         return None
     if paths in known:
         _mark(known[paths])
     else:
-        behind: dict[Any, list[Path]] = {}
+        behind: dict[Any, list[PiecePath]] = {}
         for path in paths:
             behind.setdefault(path[0], []).append(path[1:])
         known[paths] = _Branch(
@@ -99,14 +101,14 @@ def _put(
     return copy
 
 
-def named_leaves(thing: Any) -> dict[tuple[str, ...], list[Path]]:
-    """Where each symbol, and each entry with a name of its own, stands; in order."""
-    found: dict[tuple[str, ...], list[Path]] = {}
+def named_leaves(thing: Any) -> dict[tuple[str, ...], list[PiecePath]]:
+    """Paths of each symbol, and of each entry with a name of its own, in order."""
+    found: dict[tuple[str, ...], list[PiecePath]] = {}
     _walk(thing, (), found)
     return found
 
 
-def _walk(thing: Any, path: Path, found: dict[tuple[str, ...], list[Path]]) -> None:
+def _walk(thing: Any, path: PiecePath, found: dict[tuple[str, ...], list[PiecePath]]) -> None:
     kind = type(thing)
     if kind is float or kind is str:
         return

@@ -56,8 +56,8 @@ class Placement(Keeps):
         return Placement(self.steps + other.steps)
 
     def folded(self, space: AnySpace) -> Placement:
-        """The same pose in few steps: where there are many, numbers in a row become one shift and
-        one rotation."""
+        """This pose in few steps: where there are many, numbers in a row become one shift and one
+        rotation."""
         if len(self.steps) <= _LONGEST:
             return self
         steps: list[Shift | AxisRotation | Rotate] = []

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from freebody.errors import ModelError, UnknownNameError, shown
 from freebody.labels import refuse_labelled
-from freebody.model.build import build_model
+from freebody.model.build import Policy, build_model
 from freebody.model.description import (
     MOST_LINKS,
     Drive,
@@ -21,7 +21,6 @@ from freebody.model.description import (
     Mount,
     RobotDescription,
 )
-from freebody.model.description_checks import Policy
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import BY_LETTER
@@ -29,16 +28,16 @@ from freebody.model.model import Model
 from freebody.model.parameters import Parameter, Quantity, finite, quantity
 from freebody.model.placement import shift, turn
 
-Given = float | str | Parameter | None
+GivenNumber = float | str | Parameter | None
 
 
 def planar(
     word: str,
     *,
-    l: Sequence[Given] | None = None,
-    lc: Sequence[Given] | None = None,
-    m: Sequence[Given] | None = None,
-    I: Sequence[Given] | None = None,
+    l: Sequence[GivenNumber] | None = None,
+    lc: Sequence[GivenNumber] | None = None,
+    m: Sequence[GivenNumber] | None = None,
+    I: Sequence[GivenNumber] | None = None,
     g: float | str | Sequence[float] = 9.81,
     angles: Sequence[float] | None = None,
     limits: Sequence[tuple[float, float] | Limits | None] | None = None,
@@ -49,14 +48,34 @@ def planar(
 ) -> Model:
     """A planar serial arm: planar("RR") is the notes' 2R, planar("PR") a cart with a pendulum.
 
-    word: letters R and P from the base outward. l, lc (m), m (kg), I (kg m² about the com): one
-    entry per link, a number, a name or None; without them parameters l1, lc1, m1, I1, … that have
-    no value yet (a P link has l = 0 unless given). g: gravity along -y (m/s²), a name, or a vector.
-    angles: constant rotation of each joint's frame relative to the previous frame (rad); default 0
-    for R, 0 for
-    P after an R or at the base, +π/2 for P after a P. limits: (lower, upper) or Limits a joint.
-    drives: friction, rotors and springs a joint. passive: names of the joints that nothing drives,
-    such as ["joint2"] of a cart with a pendulum.
+    Parameters
+    ----------
+    word
+        Letters R and P from the base outward.
+    l, lc, m, I
+        Length and distance of the centre of mass (m), mass (kg) and inertia about the centre of
+        mass (kg m²): one entry per link, a number, a name or None. Without them parameters l1, lc1,
+        m1, I1, … that have no value yet (a P link has l = 0 unless given).
+    g
+        Gravity along -y (m/s²), a name, or a vector.
+    angles
+        Constant rotation of each joint's frame relative to the previous frame (rad); default 0 for
+        R, 0 for P after an R or at the base, +π/2 for P after a P.
+    limits
+        (lower, upper) or Limits a joint.
+    drives
+        Friction, rotors and springs a joint.
+    passive
+        Names of the joints that nothing drives, such as ["joint2"] of a cart with a pendulum.
+    name
+        The model's name; default: the word.
+    physical
+        "warn" about, "refuse" or "ignore" numbers that no rigid body or motor has.
+
+    Raises
+    ------
+    ModelError
+        A word of other letters, numbers too few or too many, or such as no robot has.
     """
     description = describe(
         word,
@@ -77,10 +96,10 @@ def planar(
 def describe(
     word: str,
     *,
-    l: Sequence[Given] | None = None,
-    lc: Sequence[Given] | None = None,
-    m: Sequence[Given] | None = None,
-    I: Sequence[Given] | None = None,
+    l: Sequence[GivenNumber] | None = None,
+    lc: Sequence[GivenNumber] | None = None,
+    m: Sequence[GivenNumber] | None = None,
+    I: Sequence[GivenNumber] | None = None,
     g: float | str | Parameter | Sequence[float] = 9.81,
     angles: Sequence[float] | None = None,
     limits: Sequence[tuple[float, float] | Limits | None] | None = None,
@@ -140,7 +159,9 @@ def describe(
     )
 
 
-def _entries(letter: str, given: Sequence[Given] | None, n: int, word: str = "") -> list[Quantity]:
+def _entries(
+    letter: str, given: Sequence[GivenNumber] | None, n: int, word: str = ""
+) -> list[Quantity]:
     """n quantities named letter1, letter2, …; with a word, a P's default is 0."""
     values = _optional(letter, given, n)
     return [

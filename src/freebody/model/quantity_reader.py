@@ -1,5 +1,5 @@
-"""How the quantities of a model become scalars: as values here, in other ways by readers
-elsewhere."""
+"""Readers of quantities, by which those of a model become scalars: as values here, in other ways by
+readers elsewhere."""
 
 from __future__ import annotations
 

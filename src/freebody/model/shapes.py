@@ -26,7 +26,7 @@ class Shape:
     placement: Placement
     role: Literal["collision", "visual"]
     file: str = ""
-    """Of a mesh, as written."""
+    """The file of a mesh, as written."""
     line: int | None = None
 
     @property
@@ -40,7 +40,7 @@ class Shape:
 
     @property
     def radius(self) -> float:
-        """How far its farthest point is from its centre (m); of a mesh 0, it is not opened for
+        """Distance of its farthest point from its centre (m); of a mesh 0, it is not opened for
         this."""
         if self.kind == "box":
             return 0.5 * float(np.linalg.norm(self.size))

@@ -62,8 +62,8 @@ _RECENT = 16
 
 
 class BodyRows(NamedTuple):
-    """Where the numbers of a body stand: of its joint's placement the position, those that the
-    joint's kind has besides, mass and first moment and inertia, and drive, which may be nothing."""
+    """The places of a body's numbers: of its joint's placement the position, those that the joint's
+    kind has besides, mass and first moment and inertia, and drive, which may be nothing."""
 
     position: slice
     joint: slice
@@ -74,7 +74,7 @@ class BodyRows(NamedTuple):
 
 
 class Structure:
-    """What models have in common that differ in numbers and names alone; equal structures are one
+    """The common part of models that differ in numbers and names alone; equal structures are one
     object."""
 
     def __init__(self, key: tuple[Any, ...], model: Model):
@@ -89,16 +89,17 @@ class Structure:
             for body, at in zip(model.bodies, model.coordinates, strict=True)
             if body.kind.quaternion is not None
         )
-        """Where in q a quaternion begins, for each there is."""
+        """Indices in q at which quaternions begin."""
         self.kernels: dict[Any, Any] = {}
-        """What has been compiled for it; filled and read by `kernels`."""
+        """Code compiled for the structure; filled and read by `kernels`."""
         self.rows, self.gravity = self._rows(model)
-        """Where the numbers of each body stand, in that order, and where those of gravity begin."""
+        """Places of the numbers of each body, in that order, and the index at which those of
+        gravity begin."""
         self.geometric = np.flatnonzero(
             [placed for row, placed in _pieces(model, self) for _ in range(row.shape[-1])]
         )
-        """Which of the numbers say where something is, or how far: the others are inertias, drives
-        and gravity."""
+        """Indices of the numbers that say where something is, or how far: the others are inertias,
+        drives and gravity."""
 
     def _rows(self, model: Model) -> tuple[tuple[BodyRows, ...], int]:
         known, found, end = body_parts(model), [], 0
@@ -280,7 +281,7 @@ def _followers(model: Model) -> tuple[Any, ...]:
 
 
 def _loops(model: Model) -> tuple[Any, ...]:
-    """Of closed chains the loops, and all frames: these say how long the mechanism is."""
+    """The loops of a closed chain, and all its frames, which say how long the mechanism is."""
     at = {name: i for i, name in enumerate(model.frame_names)}
     loops = [(loop.kind, loop.axis, *(at[name] for name in loop.frames)) for loop in model.loops]
     return tuple(loops), tuple(frame_form(model, name) for name in at)

@@ -1,4 +1,4 @@
-"""Which frame of a robot is its tip: what `frame=None` means, everywhere.
+"""The tip of a robot: the frame that `frame=None` means, everywhere.
 
 The first of four rules that says one: (1) the frame that was asked for, or that the robot's
 description names; (2) the only frame that is called as `CONVENTIONS` has it, in their order; (3)
@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isclose
+from typing import TYPE_CHECKING
 
 from freebody.errors import listed
 from freebody.model.bodies import Body, Frame
@@ -20,6 +21,9 @@ from freebody.model.named_parts import NamedParts
 from freebody.model.parameters import Quantity
 from freebody.model.tree import parents_first
 from freebody.outputs.display import counted
+
+if TYPE_CHECKING:
+    from freebody.model.model import Model
 
 CONVENTIONS = {
     "tcp": "tcp|tool_cent(er|re)_point",
@@ -31,7 +35,7 @@ CONVENTIONS = {
 """Names of the frame that a tool or a load is mounted on or held in: whole words, with any words in
 front, and link or frame behind."""
 _ALIKE = 0.01
-"""Up to which share numbers of two fingers differ: those of files are rounded."""
+"""Share by which numbers of two equal fingers may differ: those of files are rounded."""
 _SHOWN = 8
 """Candidates that are named."""
 
@@ -49,12 +53,14 @@ class ChosenTip:
         return Notice(TIP, self.reason)
 
 
-def with_notice(notices: Iterable[Notice], tip: ChosenTip) -> tuple[Notice, ...]:
-    """Notices in which that of the tip is another."""
-    return (*(notice for notice in notices if notice.kind != TIP), tip.notice)
+def with_tip(model: Model, tip: ChosenTip) -> Model:
+    """The model with another tip, which its notices tell."""
+    frame = None if tip.frame is None else model.frame(tip.frame).name
+    notices = (notice for notice in model.notices if notice.kind != TIP)
+    return replace(model, tip=frame, notices=(*notices, tip.notice))
 
 
-def asked_for(frame: str) -> ChosenTip:
+def requested_tip(frame: str) -> ChosenTip:
     """The tip that a caller names."""
     return ChosenTip(frame, f"The tip is {frame!r}, as asked.")
 

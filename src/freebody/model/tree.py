@@ -42,12 +42,12 @@ class Attached(Keeps):
     placement: Placement = Placement()
     load: bool = False
     frame: str = ""
-    """Of a load: the frame that it rides in."""
+    """The frame that a load rides in."""
 
 
 @dataclass(frozen=True)
 class Coordinates:
-    """Which entries of q and q̇ move a joint, and how: joint position = ratio · q + offset."""
+    """The entries of q and q̇ that move a joint, and how: joint position = ratio · q + offset."""
 
     q: tuple[int, ...]
     v: tuple[int, ...]
@@ -155,7 +155,8 @@ class Tree:
 
 
 class Pieces:
-    """How the pieces of a model become scalars: here each quantity as a reader reads it."""
+    """Reader of a model's pieces, by which they become scalars: here each quantity as a reader
+    reads it."""
 
     def __init__(self, space: AnySpace, reader: QuantityReader):
         self.space, self.reader = space, reader
@@ -173,11 +174,11 @@ class Pieces:
         return tuple(map(self.reader.quantity, joint.numbers))
 
     def masses(self, parts: tuple[Attached, ...]) -> tuple[Mass, ...]:
-        """What is fixed to a body."""
+        """The masses that are fixed to a body."""
         return _masses(self.space, parts, self.reader)
 
     def drive(self, body: Body) -> DriveScalars | None:
-        """What acts along a body's joint; None where nothing does."""
+        """The drive along a body's joint; None where nothing acts."""
         return _drive(body, self.reader)
 
     def gravity(self, size: Quantity, direction: tuple[float, ...]) -> Vector:
@@ -185,7 +186,7 @@ class Pieces:
         return scale(self.reader.quantity(size), tuple(self.reader.quantity(x) for x in direction))
 
     def distance(self, distance: Quantity) -> Scalar:
-        """How far apart a loop keeps two frames."""
+        """The distance at which a loop keeps two frames."""
         return self.reader.quantity(distance)
 
     def frames(self, model: Model) -> tuple[Frame, ...]:
@@ -297,7 +298,7 @@ def _masses(
 
 
 def placed_mass(space: AnySpace, part: Attached, reader: QuantityReader) -> Mass:
-    """What is fixed to a body, in the body's axes."""
+    """A mass that is fixed to a body, in the body's axes."""
     return in_body(space, part.inertia.lower(reader), part.placement.lower(space, reader))
 
 
@@ -319,7 +320,7 @@ def _placed(
 def placed_composite(
     space: AnySpace, inertia: tuple[Scalar, Vector, Scalar], pose: Pose
 ) -> tuple[Scalar, Vector, Scalar]:
-    """The same as mass, first moment and inertia about the body's origin."""
+    """The mass, first moment and inertia about the body's origin of what is fixed to a body."""
     m, c, about = _placed(space, inertia, pose)
     return m, scale(m, c), space.plus_inertia(about, space.steiner(m, space.zero, c))
 
@@ -365,7 +366,7 @@ def drive_of(drive: Drive, reader: QuantityReader) -> tuple[Scalar, ...]:
 def drive_numbers(
     viscous: Scalar, coulomb: Scalar, rotor: Scalar, gear: Scalar, stiffness: Scalar, rest: Scalar
 ) -> tuple[Scalar, ...]:
-    """The same of what a drive is made of."""
+    """The scalars of a drive from the numbers that it is made of."""
     reflected = 0.0 if _is_zero(rotor) else rotor * gear * gear
     return viscous, coulomb, reflected, stiffness, rest
 

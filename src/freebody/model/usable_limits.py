@@ -32,7 +32,7 @@ class UsableLimits(NamedTuple):
 
 
 def usable_limits(model: Model) -> UsableLimits:
-    """Of one robot, not of a family."""
+    """The limits of one robot, not of a family, as they can be used."""
     own = (body for body in model.bodies if body.joint.mimic is None)
     rows = [_numbers(body.joint.limits) for body in own for _ in range(body.kind.nv)]
     given, meant = np.array(rows, dtype=float).reshape(-1, 2, 4).transpose(1, 2, 0)

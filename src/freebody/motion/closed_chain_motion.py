@@ -19,7 +19,7 @@ from freebody.model.model import Model
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.piecewise import hermite
 from freebody.motion.ranges import position_columns, ranges
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.trees.position_rates import (
     continuous,
     layout,

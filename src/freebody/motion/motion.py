@@ -20,11 +20,11 @@ from freebody.arrays import (
 )
 from freebody.errors import FreebodyError, KindError
 from freebody.lazy import cached_property
-from freebody.model.doubts import Doubt, named, told
+from freebody.model.doubts import Doubt, in_one_line, named
 from freebody.model.model import Model
 from freebody.motion.piecewise import Extremes, PiecewisePolynomial, hermite
 from freebody.outputs.display import Tabled, TextTable, counted
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.trees.position_rates import (
     CoordinateLayout,
     continuous,
@@ -116,7 +116,7 @@ class Motion(Tabled, ByValue):
         )
 
     def _table(self) -> TextTable:
-        found, notes = self.peaks, (*filter(None, [told(self.doubts)]), *self.notices)
+        found, notes = self.peaks, (*filter(None, [in_one_line(self.doubts)]), *self.notices)
         rows = [
             (f"q[{k}]", f"{low:.4g} … {high:.4g}")
             for k, (low, high) in enumerate(

@@ -1,4 +1,4 @@
-"""How results show themselves: one line in a shell, a small table in a notebook."""
+"""Results as they show themselves: one line in a shell, a small table in a notebook."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ class TextTable:
     notes: Iterable[str] = ()
 
     def html(self, title: str = "", most: int = MOST) -> str:
-        """As elements of HTML; names in it stay text. Columns of words are aligned on the left,
-        which notebooks do for none; columns that are empty throughout are left out."""
+        """The table as elements of HTML; names in it stay text. Columns of words are aligned on the
+        left, which notebooks do for none; columns that are empty throughout are left out."""
         above = f"<p><b>{_text(title)}</b></p>" if title else ""
         shown = self.rows[:most]
         align = {k: "" if numeric else _LEFT for k, numeric in columns_of(shown).items()}

@@ -45,12 +45,12 @@ _FOREIGN = (
 _NAME, _SHA256 = re.compile(r"\w[\w.-]*"), re.compile("[0-9a-f]{64}")
 
 Makers = Mapping[str, Callable[[], str | bytes]]
-"""What makes the content of each file, by the file's name."""
+"""Functions that make the content of each file, by the file's name."""
 
 
 @dataclass
 class _Manifest:
-    """What manifest.json says."""
+    """The content of manifest.json."""
 
     run: str
     about: dict[str, str]
@@ -58,7 +58,7 @@ class _Manifest:
     files: dict[str, str] = field(default_factory=dict)
     """SHA-256 of the files of this run."""
     earlier: dict[str, str] = field(default_factory=dict)
-    """Of files of earlier runs that lie here."""
+    """Checksums of files of earlier runs that lie here."""
     failed: dict[str, str] = field(default_factory=dict)
     """Why a file of this run is not here."""
 

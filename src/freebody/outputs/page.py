@@ -1,4 +1,5 @@
-"""What every HTML page begins with: a policy that makes "needs no network" the browser's rule."""
+"""The head of every HTML page, of studies, derivations and the course: a policy that makes "needs
+no network" the browser's rule."""
 
 from __future__ import annotations
 

@@ -20,8 +20,8 @@ from freebody.model.doubts import (
     attribute,
     barring,
     doubts_on,
+    in_one_line,
     named,
-    told,
 )
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
@@ -94,7 +94,7 @@ class PayloadMap(Tabled, ByValue):
             mass = self.mass[self.joint == k]
             if mass.size:
                 rows.append((name, str(mass.size), f"{mass.min():.4g}", f"{mass.max():.4g}"))
-        notes = [told(self.doubts)] if self.doubts else []
+        notes = [in_one_line(self.doubts)] if self.doubts else []
         if self.overloaded.any():
             count = counted(int(self.overloaded.sum()), "posture")
             notes.append(f"A joint is overloaded without payload in {count}.")

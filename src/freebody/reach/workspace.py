@@ -15,7 +15,7 @@ from freebody.inverse.problem.numerical_solver import NumericalSolver
 from freebody.inverse.problem.problem import InverseProblem
 from freebody.inverse.problem.task import Task, read_target
 from freebody.inverse.ways.closed_chains import of_closed_chain, still_moves, unmeasured
-from freebody.model.doubts import RANGES, Doubt, attribute, doubts_used, named, told
+from freebody.model.doubts import RANGES, Doubt, attribute, doubts_used, in_one_line, named
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.reach.labelled_maps import axes_of, labelled
@@ -113,7 +113,7 @@ class WorkspaceMap(Tabled, ByValue):
             for k, n in zip(values, counts, strict=True)
         ]
         what = "poses" if self.oriented else "points"
-        notes = (f"By {self.method}.", *filter(None, [told(self.doubts)]))
+        notes = (f"By {self.method}.", *filter(None, [in_one_line(self.doubts)]))
         return TextTable(("ways", what, f"of all {what}"), rows, notes)
 
 

@@ -119,8 +119,8 @@ def _bodies(model: Model, motion: Motion, data: xr.Dataset) -> list[Check]:
 
 
 def _closed(model: Model, motion: Motion) -> list[Check]:
-    """How well the motion keeps the loops closed, and whether the torques of a stretch of it
-    simulate back to it."""
+    """Checks of closed chains: how well the motion keeps the loops closed, and whether the torques
+    of a stretch of it simulate back to it."""
     gap = gaps(model, scaled_residual(model, motion.q)).max() / length(model)
     start, end = (motion.t[0] + part * motion.duration for part in _STRETCH)
     q, qd, _ = motion.at(start)

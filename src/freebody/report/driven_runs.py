@@ -1,20 +1,27 @@
-"""Runs of a model that is driven by the torques of a motion, in pieces or open loop."""
+"""Runs of a model that is driven by the torques of a motion, in pieces or open loop.
+
+First they are tried in steps that are known beforehand: the stretches on which the motion is
+smooth, or equal parts of them. So the torques of all stages come in one batch, and a step costs no
+more than its thirteen accelerations. The method is that of scipy's DOP853 (Hairer, Nørsett and
+Wanner 1993), whose own estimate tells whether the steps are short enough. Where they are not, one
+of scipy's integrators takes its own steps.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from scipy.integrate import solve_ivp
+from scipy.integrate import DOP853, solve_ivp
 from scipy.sparse import block_diag
 
 from freebody.arrays import Array
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges
 from freebody.motion.simulation.first_order_system import System
-from freebody.report.stepped_runs import PARTS, Reference, TooLong, edges, steps
 from freebody.trees.states import difference
 
 TOLERANCE = {"DOP853": 1e-12, "BDF": 1e-11, "Radau": 1e-8}
@@ -24,13 +31,28 @@ ASTRAY = "astray"
 """Why a run ended in which a joint left the motion by its whole range."""
 
 _EVALUATIONS = 30_000
-"""Of the open-loop run, which might otherwise follow a tumbling robot for minutes."""
+"""Evaluations of the open-loop run, which might otherwise follow a tumbling robot for minutes."""
 _MOST_EVALUATIONS = 150_000
-"""Of the pieces together."""
-_SAME = 1e-9  # of a piece
-_BESIDE = 1e-6  # of a stretch between jumps
+"""Evaluations of all pieces together."""
+_SAME = 1e-9
+"""Share of a piece, or of the motion: times as near as that are one."""
+_BESIDE = 1e-6
+"""Share of a step, or of a stretch between jumps: there a jump at its beginning is over, and one at
+its end is not yet."""
 
-Slope = Callable[[float, Array], Any]
+_PARTS = (1, 3, 9)
+"""Into how many steps a stretch is divided, one after the other where the method asks for more."""
+_STEP_ERROR = 1e-12
+"""Error of a step, relative to 1 + the state."""
+_MOST_IN_STEPS = 300_000
+"""Evaluations, of all lanes together."""
+_AT_ONCE = 4096
+"""Steps whose torques are computed together."""
+_NODES = np.append(DOP853.C, 1.0)
+_WEIGHTS = [*(row[:k] for k, row in enumerate(DOP853.A)), DOP853.B]
+"""Weights of the slopes before each stage; the last leads to the end of the step."""
+
+_Slope = Callable[[float, Array], Any]
 
 
 def land(
@@ -38,11 +60,11 @@ def land(
 ) -> Array:
     """(pieces,) distance from the reference at each piece's end over the joint range; all run side
     by side; infinite where the run was broken off."""
-    reference = Reference(whole, motion)
-    for parts in PARTS if method == "DOP853" else ():
+    reference = MotionReference(whole, motion)
+    for parts in _PARTS if method == "DOP853" else ():
         try:
-            *_, y = steps(reference, edges(motion, start, end, parts))
-        except TooLong:
+            *_, y = _steps(reference, _edges(motion, start, end, parts))
+        except _TooLong:
             continue
         return _missed(whole, motion, end, y, allowed)
     length = end - start
@@ -91,11 +113,11 @@ def open_loop(
 
     It ends where a joint has gone astray by its whole range, or when its evaluations are spent.
     """
-    reference, model = Reference(whole, motion), whole.model
-    for parts in PARTS if method == "DOP853" else ():
+    reference, model = MotionReference(whole, motion), whole.model
+    for parts in _PARTS if method == "DOP853" else ():
         try:
             return _in_steps(reference, allowed, parts)
-        except TooLong:
+        except _TooLong:
             continue
     inside = 0.0, 0.0  # of the stretch that is run
 
@@ -136,14 +158,14 @@ def open_loop(
     return t, np.abs(difference(model, motion.at(t)[0], q)), ended
 
 
-def _in_steps(reference: Reference, allowed: Ranges, parts: int) -> tuple[Array, Array, str]:
-    """What `open_loop` tells, with each smooth stretch of the motion in so many steps. Raises
-    TooLong."""
+def _in_steps(reference: MotionReference, allowed: Ranges, parts: int) -> tuple[Array, Array, str]:
+    """The results of `open_loop`, with each smooth stretch of the motion in so many steps. Raises
+    _TooLong."""
     motion, whole = reference.motion, reference.system
-    times = edges(motion, motion.t[:1], motion.t[-1:], parts)
+    times = _edges(motion, motion.t[:1], motion.t[-1:], parts)
     at, due = motion.at(times[:, 0])[0], np.isin(times[:, 0], motion.t)
     found, ended = [np.zeros(whole.model.nv)], ""
-    for k, y in enumerate(steps(reference, times), start=1):
+    for k, y in enumerate(_steps(reference, times), start=1):
         off = np.abs(difference(whole.model, at[k], whole.split(y)[0][0]))
         if (off > allowed.width).any():
             ended = ASTRAY
@@ -154,7 +176,7 @@ def _in_steps(reference: Reference, allowed: Ranges, parts: int) -> tuple[Array,
 
 
 def _run(
-    rate: Slope, slope: Slope, stretch: tuple[float, float], y: Array, method: str,
+    rate: _Slope, slope: _Slope, stretch: tuple[float, float], y: Array, method: str,
     among_jumps: bool, **more: Any,
 ) -> Any:  # fmt: skip
     """A stretch by one of the integrators of `TOLERANCE`; among jumps it is tried in one step."""
@@ -176,7 +198,7 @@ def _cuts(jumps: Array, start: Array, length: Array) -> list[float]:
 
 
 def _inside(start: float, end: float) -> tuple[float, float]:
-    """Its ends from within: there a jump is not yet, or is over."""
+    """The ends of a stretch from within: there a jump is not yet, or is over."""
     return start + _BESIDE * (end - start), end - _BESIDE * (end - start)
 
 
@@ -203,3 +225,81 @@ def _stretches(motion: Motion) -> Array:
     reached before evaluations ran out is kept."""
     edges = np.unique(np.concatenate([motion.t[::20], motion.t[-1:], motion.jumps]))
     return edges[np.append(np.diff(edges) > _SAME * motion.duration, True)]
+
+
+class _TooLong(Exception):
+    """Steps are too long for the method, or too many."""
+
+
+@dataclass(frozen=True)
+class MotionReference:
+    """The torque that the motion needs at any time, and the system under it."""
+
+    system: System
+    motion: Motion
+
+    def torque(self, t: Array, around: Array | None = None) -> Array:
+        """The torque at times t; `around`: times on the side of a jump on which t is meant."""
+        return self.system.torque(t, *self.motion.at(t, around))
+
+    def state(self, t: Array) -> Array:
+        """(q, q̇) at times t."""
+        q, qd, _ = self.motion.at(t)
+        return np.concatenate([q, qd], axis=-1)
+
+
+def _edges(motion: Motion, start: Array, end: Array, parts: int) -> Array:
+    """Times (k + 1, lanes) from each start (lanes,) to its end, between which the motion is smooth,
+    each such stretch in equal parts; lanes of fewer steps stand still at their end."""
+    pieces = motion.t if motion.pieces is None else motion.pieces.breaks
+    every = np.unique(np.concatenate([motion.t, pieces, motion.jumps]))
+    near = _SAME * motion.duration
+
+    def lane(begin: float, last: float) -> Array:
+        inside = every[(every > begin + near) & (every < last - near)]
+        apart = inside[np.diff(inside, prepend=begin) > near]
+        whole = np.concatenate([[begin], apart, [last]])
+        within = np.arange(parts * (len(whole) - 1) + 1) / parts
+        return np.interp(within, np.arange(len(whole)), whole)
+
+    lanes = [lane(*ends) for ends in zip(start.tolist(), end.tolist(), strict=True)]
+    count = max(map(len, lanes))
+    return np.stack([np.pad(x, (0, count - len(x)), mode="edge") for x in lanes], axis=-1)
+
+
+def _steps(reference: MotionReference, times: Array) -> Iterator[Array]:
+    """The states (lanes, n) at times (k + 1, lanes) behind the first, at which they are on the
+    motion, as they are reached. Raises _TooLong."""
+    system, y = reference.system, reference.state(times[0])
+    if times.size * len(_NODES) > _MOST_IN_STEPS:
+        raise _TooLong
+    at_once = max(1, _AT_ONCE // times.shape[1])
+    for first in range(0, len(times) - 1, at_once):
+        some = times[first : first + at_once + 1]
+        begin, h = some[:-1, None], np.diff(some, axis=0)[:, None]
+        at = begin + h * _NODES[:, None]
+        tau = reference.torque(at, begin + h * np.clip(_NODES, _BESIDE, 1.0 - _BESIDE)[:, None])
+        for now, torque, length in zip(at, tau, h[:, 0, :, None], strict=True):
+            y = _step(system, now, torque, length, y)
+            yield y
+
+
+def _step(system: System, t: Array, tau: Array, h: Array, y: Array) -> Array:
+    """The states (lanes, n) one step h (lanes, 1) on; t (13, lanes) and tau (13, lanes, nv) of the
+    stages, the last at the end."""
+    slopes = np.empty((len(_NODES), *y.shape))
+    now = y
+    for k, weights in enumerate(_WEIGHTS):
+        if k:
+            now = y + h * (weights @ slopes[:k].reshape(k, -1)).reshape(y.shape)
+        slopes[k] = system.rate(t[k], now, tau[k])
+    fifth, third = (
+        (weights @ slopes.reshape(len(slopes), -1)).reshape(y.shape) / (1.0 + np.abs(y))
+        for weights in (DOP853.E5, DOP853.E3)
+    )
+    size = np.linalg.norm(fifth, axis=-1) ** 2
+    whole = size + 0.01 * np.linalg.norm(third, axis=-1) ** 2
+    error = np.abs(h[:, 0]) * size / np.sqrt(np.where(whole > 0.0, whole, 1.0) * y.shape[-1])
+    if not (error <= _STEP_ERROR).all():  # what is no number, too
+        raise _TooLong
+    return system.normalised(now)

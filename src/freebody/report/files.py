@@ -16,9 +16,9 @@ from freebody.motion.files.csv_files import motion_table
 from freebody.outputs.folder import Makers, write_folder
 from freebody.outputs.text import csv_text, encodable
 from freebody.report import variables
-from freebody.report.html import page
 from freebody.report.load_case import load_case
-from freebody.report.results_dataset import facts
+from freebody.report.page import page
+from freebody.report.page_tables import facts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,7 +49,7 @@ def save(study: Study, directory: Path, report: bool) -> list[Path]:
 
 
 def makers(study: Study, report: bool) -> Makers:
-    """What makes study.nc, motion.csv, torques.csv, reactions.csv, summary.csv,
+    """Functions that make study.nc, motion.csv, torques.csv, reactions.csv, summary.csv,
     reactions_summary.csv, checks.csv, and report.html if asked for."""
     tables: dict[str, Callable[[], _Table]] = {
         "motion.csv": lambda: motion_table(study.model, study.motion),

@@ -1,4 +1,4 @@
-"""How near the tip's Jacobian comes to losing rank."""
+"""Singular values of the tip's Jacobian: how near it comes to losing rank."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def _coordinates_before(model: Model, frame: str) -> list[int]:
 
 
 def task(model: Model, tip: str, q: Array) -> tuple[int, str]:
-    """How many rows of the Jacobian are counted along q (T, nq), and their name.
+    """The number of rows of the Jacobian that count along q (T, nq), and their name.
 
     All of them if the tip has that many coordinates to move it; else the rows of position alone,
     unless the tip's position leaves some coordinate unseen all the time (a tip on the last axis).
@@ -99,7 +99,7 @@ def measures(model: Model, tip: str, q: Array) -> dict[str, Any]:
 
 
 def singularity(model: Model, tip: str, data: xr.Dataset) -> Singularity:
-    """Where along the motion the smallest singular value is least."""
+    """The instant of the motion at which the smallest singular value is least."""
     smallest = data["smallest_singular_value"].values
     k = int(np.argmin(smallest))
     low, high = float(smallest[k]), float(data["largest_singular_value"].values[k])

@@ -1,5 +1,5 @@
-"""What a robot is studied with, in words: its loads, its tip, how it is mounted, and which of its
-numbers are others than its file's."""
+"""The load case of a study in words: the robot's loads, its tip, how it is mounted, and which of
+its numbers are others than its file's."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def load_case(model: Model) -> dict[str, str]:
 
 
 def _load(model: Model, part: Attached) -> str:
-    """Of a load its mass, its centre of mass and its inertia, in the axes of its frame."""
+    """A load in words: its mass, its centre of mass and its inertia, in the axes of its frame."""
     inertia = part.inertia
     centre = ", ".join(_quantity(x) for x in inertia.com)
     entries = [

@@ -11,9 +11,10 @@ import xarray as xr
 from markupsafe import Markup
 
 from freebody.figures.body_loads import BodyLoads, Load
+from freebody.figures.skeleton import mass_and_centre
 from freebody.figures.text import html
 from freebody.model.description import Joint
-from freebody.report.results_dataset import facts
+from freebody.motion.ranges import ranges as allowed_ranges
 from freebody.report.tables import (
     Cell,
     Head,
@@ -24,15 +25,16 @@ from freebody.report.tables import (
     table,
     typeset,
 )
-from freebody.report.variables import VARIABLES
+from freebody.report.variables import VARIABLES, dataset
 
 if TYPE_CHECKING:
     from freebody.report.study import Study
 
+
 _EFFORTS = {"N m": "Peak torque", "N": "Peak force"}
 _POSE = 8  # coordinates of a pose that a table has room for
 
-Column = tuple[Head, Sequence[Cell]]
+TableColumn = tuple[Head, Sequence[Cell]]
 
 
 @dataclass(frozen=True)
@@ -48,10 +50,10 @@ class Printed:
     at: tuple[tuple[str, str], ...] = ()
     scale: float = 1.0
     unit: str | None = None
-    """Where it is not that of the variable."""
+    """The unit, where it is not that of the variable."""
     tip: str | None = None
 
-    def column(self, study: Study, book: xr.Dataset, dim: str, names: Sequence[str]) -> Column:
+    def column(self, study: Study, book: xr.Dataset, dim: str, names: Sequence[str]) -> TableColumn:
         """Head and cells for the rows `names`."""
         of = VARIABLES[self.variable]
         values = book[self.variable].sel(dict(self.at)).sel({dim: list(names)}).values
@@ -73,7 +75,7 @@ class Printed:
 
 
 def _units(study: Study, dim: str, names: Sequence[str], unit: str) -> list[str]:
-    """Of a variable's rows."""
+    """The units of a variable's rows."""
     turning, _, sliding = unit.removesuffix("|1").partition("|")
     if not sliding:
         return [unit if unit != "1" else ""] * len(names)
@@ -84,7 +86,7 @@ def _units(study: Study, dim: str, names: Sequence[str], unit: str) -> list[str]
 
 
 def drives(study: Study) -> ReportTable:
-    """What motors and gears are chosen by."""
+    """The table by which motors and gears are chosen."""
     names = study.model.driven_names
     efforts = _units(study, "coordinate", names, VARIABLES["peak_torque"].unit)
     title = _EFFORTS.get(efforts[0], "") if len(set(efforts)) == 1 else "Peak torque, force"
@@ -102,7 +104,7 @@ def drives(study: Study) -> ReportTable:
 
 
 def work(study: Study) -> ReportTable:
-    """What each drive puts in and takes up."""
+    """The work that each drive puts in and takes up."""
     columns = {
         "Work done": "work_done",
         "Work braked": "work_braked",
@@ -118,7 +120,8 @@ def work(study: Study) -> ReportTable:
 
 
 def ranges(study: Study) -> ReportTable | None:
-    """How far each coordinate goes, and its limits; None where no coordinate has a range."""
+    """The range that each coordinate goes through, and its limits; None where no coordinate has a
+    range."""
     if not np.isfinite(study.summary["lowest"].values).any():
         return None
     columns = {
@@ -172,7 +175,7 @@ def gravity(study: Study) -> ReportTable | None:
 
 
 def reactions(study: Study) -> ReportTable:
-    """What bearings are chosen by."""
+    """The table by which bearings are chosen."""
     names, book = study.model.reaction_names, study.summary
     loads = {
         "Force": "peak_force",
@@ -196,7 +199,7 @@ def checks(study: Study) -> ReportTable:
     names, book = [c.name for c in study.checks], facts(study)
     said = {True: WordsCell("passed", css="ok"), False: WordsCell("failed", css="bad")}
     results = [said[check.passed] for check in study.checks]
-    columns: list[Column] = [(Head("Result", number=False), results)]
+    columns: list[TableColumn] = [(Head("Result", number=False), results)]
     for title, variable in (("Value", "check_value"), ("Allowed", "check_bar")):
         head, cells = Printed(title, variable).column(study, book, "check", names)
         columns.append((head, [alone(x, 2) for x in cells if isinstance(x, PrintedNumber)]))
@@ -208,7 +211,8 @@ _COMPONENTS = (
     ("force", "F", "N", "axis", ""),
     ("moment", "M", "N m", "moment_axis", "about the point where the force acts"),
 )
-"""Of a load: what, its letter and unit, the dimension of its components, what is told of them."""
+"""Kinds of loads: name, letter and unit, the dimension of their components, and what is told of
+them."""
 
 
 def loads(study: Study, body: BodyLoads) -> ReportTable:
@@ -228,8 +232,8 @@ def loads(study: Study, body: BodyLoads) -> ReportTable:
 def _component(
     study: Study, body: BodyLoads, load: Load, what: str, axis: dict[str, str], j: int
 ) -> Cell:
-    """Of a reaction on the child as in the data, on the parent its opposite; of a weight, which has
-    no moment."""
+    """A component of a load: of a reaction on the child as in the data, on the parent its opposite;
+    of a weight, which has no moment."""
     value = float(getattr(load, what)[j])
     if load.joint is not None:
         sign = -1.0 if load.role == "counter" else 1.0
@@ -245,7 +249,7 @@ def _kind(joint: Joint) -> str:
     return joint.kind if joint.mimic is None else f"{joint.kind}, follows {joint.mimic.joint}"
 
 
-def _words(title: str, texts: Iterable[str], css: str = "") -> Column:
+def _words(title: str, texts: Iterable[str], css: str = "") -> TableColumn:
     return Head(title, number=False), [WordsCell(text, css=css) for text in texts]
 
 
@@ -266,7 +270,7 @@ def _by_coordinate(
 
 
 def _listed(
-    caption: str, title: str, names: Iterable[str], columns: Sequence[Column],
+    caption: str, title: str, names: Iterable[str], columns: Sequence[TableColumn],
     numbers: Iterable[int] | None = None,
 ) -> ReportTable:  # fmt: skip
     """Named rows with numbers, by default from 1."""
@@ -282,4 +286,37 @@ def _axes(study: Study, name: str) -> list[str]:
 
 
 TABLES = (drives, work, ranges, bodies, gravity, reactions, checks)
-"""Those of the page, by the names of their functions."""
+"""Tables of the page, by the names of their functions."""
+
+
+def facts(study: Study) -> xr.Dataset:
+    """The numbers of the page besides time series and summary: of bodies mass, centre and weight;
+    of coordinates limits (infinite without) and the worst pose, NaN where gravity loads nothing;
+    value and bar of each check."""
+    model = study.model
+    bodies = [model.tree.bodies[at] for at in model.tree.body_of]
+    masses, centres = zip(
+        *(mass_and_centre(body.masses, model.dim) for body in bodies), strict=True
+    )
+    allowed = allowed_ranges(model)
+    worst = {pose.coordinate: pose for pose in study.static}
+    found = [worst.get(name) for name in model.velocity_names]
+    values = {
+        "body_mass": masses,
+        "body_com_local": centres,
+        "body_weight": np.outer(masses, model.gravity),
+        "lower_limit": allowed.lower,
+        "upper_limit": allowed.upper,
+        "velocity_limit": allowed.velocity,
+        "effort_limit": allowed.effort,
+        "worst_gravity_torque": [p.torque if p else np.nan for p in found],
+        "worst_gravity_fraction": [p.fraction if p else np.nan for p in found],
+        "worst_gravity_pose": [p.q if p else np.full(model.nq, np.nan) for p in found],
+        "check_value": [c.value for c in study.checks],
+        "check_bar": [c.bar for c in study.checks],
+        "check_passed": [c.passed for c in study.checks],
+    }
+    axes = ("body", "coordinate", "position", "axis")
+    named = {name: list(study.data[name].values) for name in axes}
+    named["check"] = [c.name for c in study.checks]
+    return dataset(values, named, estimated=", estimated" if model.is_estimated else "")

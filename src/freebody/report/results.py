@@ -1,4 +1,4 @@
-"""What a study finds besides time series: checks, worst instant, worst pose, singularities, the
+"""Findings of a study besides time series: checks, worst instant, worst pose, singularities, the
 replay."""
 
 from __future__ import annotations
@@ -9,31 +9,32 @@ from typing import Literal
 from freebody.arrays import Array
 from freebody.model.doubts import Doubt
 from freebody.outputs.display import Tabled, TextTable, Titled, counted
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 
 CLOSE = 1e-9
-"""Of a limit: what is beyond it by less is on it, and so within."""
+"""Share of a limit: what is beyond it by less is on it, and so within."""
 
-Outcome = Literal["feasible", "not feasible", "not judged"]
+VerdictOutcome = Literal["feasible", "not feasible", "not judged"]
 
 
 @dataclass(frozen=True)
 class LimitUse:
-    """How much of one limit a motion uses."""
+    """The share of one limit that a motion uses."""
 
     quantity: str
     """position, speed, torque, force, RMS torque, RMS force, or power."""
     coordinate: str
     value: float
-    """Where the motion comes nearest to the limit, or goes farthest beyond it."""
+    """The value at which the motion comes nearest to the limit, or goes farthest beyond it."""
     limit: float
     fraction: float
-    """Of the limit; of a position, from the middle of the range: 1 at its ends."""
+    """The value as a share of the limit; of a position, from the middle of the range: 1 at its
+    ends."""
     time: float
     """When (s); NaN for a mean over the motion."""
     unit: str
     end: Literal["", "lower", "upper"] = ""
-    """Which limit of a range it is; empty where there is one."""
+    """The end of a range that is meant; empty where there is only one limit."""
 
     @property
     def exceeded(self) -> bool:
@@ -42,7 +43,7 @@ class LimitUse:
 
     @property
     def text(self) -> str:
-        """What, how much, when, where, in words."""
+        """The use of the limit in words: what, how much, when, where."""
         when = f" at t = {self.time:.3g} s" if self.time == self.time else ""
         value, limit = self.in_print()
         if self.quantity == "position":
@@ -69,7 +70,7 @@ class MotionVerdict(Tabled):
     """Whether the robot can make the motion, as far as its description tells; the first line of a
     study."""
 
-    outcome: Outcome
+    outcome: VerdictOutcome
     reason: str
     """Why, in a sentence or a few."""
     uses: tuple[LimitUse, ...]
@@ -134,7 +135,7 @@ class Check:
     bar: float
     passed: bool
     text: str
-    """What was compared, relative to what, in one sentence."""
+    """One sentence: what was compared, relative to what."""
 
 
 @dataclass(frozen=True)
@@ -151,7 +152,7 @@ class Worst:
     """|value| over the effort limit; NaN without limits."""
     unit: str
     text: str
-    """Which coordinate, when, and why this instant."""
+    """One sentence: which coordinate, when, and why this instant."""
 
 
 @dataclass(frozen=True)
@@ -170,7 +171,7 @@ class StaticPose:
 
 @dataclass(frozen=True)
 class Singularity:
-    """Where along the motion the tip's Jacobian is nearest to losing rank."""
+    """The instant of a motion at which the tip's Jacobian is nearest to losing rank."""
 
     index: int
     time: float
@@ -179,7 +180,7 @@ class Singularity:
     largest: float
     """Largest singular value at the same instant."""
     rows: str
-    """Which rows of the Jacobian are counted: "position", or "position and orientation"."""
+    """The rows of the Jacobian that are counted: "position", or "position and orientation"."""
     length: float
     """Characteristic length (m) that linear rows are divided by."""
     text: str
@@ -214,7 +215,7 @@ class Replay(Titled):
     """Rate (rad/s, m/s) over which Coulomb friction is smoothed, c tanh(q̇ / width), in torque and
     model; 0: none."""
     text: str
-    """What happened, and what the drift comes from."""
+    """Sentences on what happened, and what the drift comes from."""
 
     def _title(self) -> str:
         pieces = counted(len(self.factors), "piece")

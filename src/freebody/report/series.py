@@ -1,4 +1,9 @@
-"""The time series of a study: torques with their parts, powers, reactions, energies, the tip."""
+"""The time series of a study: torques with their parts, powers, reactions, energies, the tip.
+
+Reactions are split in the axes of their joint: about (along) it the parent exerts on the child what
+the drive gives, less what friction, spring and rotor take; all else is carried by the bearing, or
+the guide.
+"""
 
 from __future__ import annotations
 
@@ -10,34 +15,36 @@ from freebody.algorithms.kinematics import joint_poses, world_poses
 from freebody.any_chain.dynamics import inverse_dynamics, joint_wrenches, static_torque
 from freebody.arrays import Array
 from freebody.figures.skeleton import mass_and_centre
+from freebody.loops import drive_torques as closed
 from freebody.loops.drive_torques import drive_torques
+from freebody.model.bodies import Body
 from freebody.model.doubts import DYNAMIC, attribute, doubts_used
 from freebody.model.model import Model
+from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Tree
 from freebody.motion.friction import drive_arrays
 from freebody.motion.motion import Motion
-from freebody.motion.ranges import angular
-from freebody.report import energy, jacobians
-from freebody.report.bearings import bearing_loads
-from freebody.report.variables import dataset
-from freebody.spatial import add, times
+from freebody.motion.ranges import angular, with_drive
+from freebody.report import jacobians
+from freebody.report.variables import LOADS, dataset
+from freebody.spatial import add, of_dimension, times
 from freebody.trees import dynamics, kinematics
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Values = dict[str, Any]
+_Arrays = dict[str, Any]
 """Arrays by the names of variables."""
 
 
 def series(model: Model, motion: Motion) -> xr.Dataset:
     """The dataset that `Study.data` describes."""
-    found: Values = {}
-    for part in (_motion, torques, _reactions, _bodies, energy.energies):
+    found: _Arrays = {}
+    for part in (_motion, torques, _reactions, _bodies, _energies):
         found |= part(model, motion)
     if (tip := model.tip) is not None:
         found |= _tip(model, tip, motion) | jacobians.measures(model, tip, motion.q)
-    found |= energy.powers(model, found, motion)
+    found |= _powers(model, found, motion)
     about = {
         "title": f"Dynamic study of {model.name}",
         "robot": model.name,
@@ -69,15 +76,15 @@ def coordinates(model: Model, t: Array | None = None) -> dict[str, Any]:
 
 
 def torque_parts(model: Model, motion: Motion) -> xr.Dataset:
-    """Of the dataset that `Study.data` describes: motion and torques with their parts."""
+    """The part of `Study.data` that needs no reactions: motion and torques with their parts."""
     return dataset(_motion(model, motion) | torques(model, motion), coordinates(model, motion.t))
 
 
-def _motion(model: Model, motion: Motion) -> Values:
+def _motion(model: Model, motion: Motion) -> _Arrays:
     return {"q": motion.q, "qd": motion.qd, "qdd": motion.qdd}
 
 
-def torques(model: Model, motion: Motion) -> Values:
+def torques(model: Model, motion: Motion) -> _Arrays:
     """The drives' torque, and the parts that sum to it, each computed by a formula of its own."""
     q, qd, qdd = motion.q, motion.qd, motion.qdd
     viscous, _, rotor = drive_arrays(model)
@@ -110,7 +117,7 @@ def _coulomb(model: Model, qd: Array) -> Array:
     return drive_arrays(model)[1] * np.sign(qd)
 
 
-def _reactions(model: Model, motion: Motion) -> Values:
+def _reactions(model: Model, motion: Motion) -> _Arrays:
     at, d = (motion.q, motion.qd, motion.qdd), model.dim
     world = joint_wrenches(model, *at, reference="world")
     child = joint_wrenches(model, *at, reference="child")
@@ -120,7 +127,7 @@ def _reactions(model: Model, motion: Motion) -> Values:
     return found | bearing_loads(model, *parts[2:])
 
 
-def _bodies(model: Model, motion: Motion) -> Values:
+def _bodies(model: Model, motion: Motion) -> _Arrays:
     tree: Tree = model.tree
     world = world_poses(tree, joint_poses(tree, tuple(motion.q.T)))
     origins, centres = [], []
@@ -136,7 +143,7 @@ def _columns(vector: tuple[Any, ...], samples: int) -> Array:
     return np.stack([np.broadcast_to(x, (samples,)) for x in vector], axis=-1)
 
 
-def _tip(model: Model, tip: str, motion: Motion) -> Values:
+def _tip(model: Model, tip: str, motion: Motion) -> _Arrays:
     d = model.dim
     T = kinematics.forward_kinematics(model, motion.q, tip)
     V = kinematics.velocity(model, motion.q, motion.qd, tip)
@@ -145,3 +152,108 @@ def _tip(model: Model, tip: str, motion: Motion) -> Values:
         "tip_velocity": V[..., :d],
         "tip_angular_velocity": V[..., d:],
     }
+
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
+_MOST_PARTS = 64
+
+
+def _energies(model: Model, motion: Motion) -> dict[str, Any]:
+    """Kinetic and potential energy, and what is left of the energy balance.
+
+    The residual is ∫ (τ - τ_friction) · q̇ dt - (E(t) - E(0)), the integral by Gauss's rule with 6
+    points in each interval of the motion's curve, or in parts of it.
+    """
+    kinetic = dynamics.kinetic_energy(model, motion.q, motion.qd)
+    potential = dynamics.potential_energy(model, motion.q)
+    total = kinetic + potential
+    work = supplied_work(model, motion)
+    return {
+        "kinetic_energy": kinetic,
+        "potential_energy": potential,
+        "supplied_work": work,
+        "energy_residual": work - (total - total[0]),
+    }
+
+
+def supplied_work(model: Model, motion: Motion) -> Array:
+    """∫ (τ - τ_friction) · q̇ dt up to each sample (T,); intervals are halved until the integral no
+    longer changes."""
+    smooth = model.without("friction")  # τ - τ_friction, free of the jumps of sign(q̇)
+    parts, coarse = 1, _integral(smooth, motion, 1)
+    while parts < _MOST_PARTS:
+        parts *= 2
+        fine = _integral(smooth, motion, parts)
+        change, size = np.abs(fine - coarse).max(), np.abs(fine).max()
+        coarse = fine
+        if change <= 1e-12 * size:
+            break
+    return coarse
+
+
+def _integral(model: Model, motion: Motion, parts: int) -> Array:
+    """The work up to each sample, by Gauss's rule in `parts` equal parts between knots."""
+    knots = motion.knots
+    h = np.diff(knots)[:, None] / parts
+    starts = knots[:-1, None] + h * np.arange(parts)
+    q, qd, qdd = motion.at(starts[..., None] + 0.5 * h[..., None] * (1.0 + _NODES))
+    torques = closed.torques if model.loops else inverse_dynamics
+    power = np.sum(torques(model, q, qd, qdd) * qd, axis=-1)
+    work = np.concatenate([[0.0], np.cumsum(np.sum(0.5 * h * (power @ _WEIGHTS), axis=-1))])
+    return work[np.searchsorted(knots, motion.t)]
+
+
+def _powers(model: Model, found: dict[str, Any], motion: Motion) -> dict[str, Any]:
+    """Mechanical power of each drive and their sum, and what friction takes, by the torques found;
+    joints without a drive give none."""
+    power = np.where(with_drive(model), found["tau"] * motion.qd, 0.0)
+    friction = np.sum(found["tau_friction"] * motion.qd, axis=-1)
+    return {"power": power, "motor_power": power.sum(axis=-1), "friction_power": friction}
+
+
+def bearing_loads(model: Model, force: Array, moment: Array) -> dict[str, Array]:
+    """Variables (time, joint) from the reactions in the child's axes, (T, joints, dim) and (T,
+    joints, 3 or 1)."""
+    found = {name: np.full(force.shape[:2], np.nan) for name in LOADS}
+    for k, body in enumerate(model.bodies):
+        if body.kind.needs_axis:
+            for name, value in _along_axis(body, force[:, k], moment[:, k]).items():
+                found[name][:, k] = value
+    return found
+
+
+def _along_axis(body: Body, force: Array, moment: Array) -> dict[str, Array]:
+    """The loads of a joint with an axis, whose drive is what the reactions do along its motion;
+    force (T, dim), moment (T, 3 or 1)."""
+    joint, motion, dim = body.joint, body.kind.motion, force.shape[-1]
+    parts: dict[str, Array] = {}
+    turning, sliding = motion is None or motion.turns, motion is None or motion.slides
+    if len(joint.axis) == dim:
+        axial, parts["radial_force"] = _split(force, joint.axis)
+        if not sliding or (turning and motion is not None):
+            parts["axial_force"] = axial
+    else:
+        parts["radial_force"] = _size(force)
+    if dim == 3:
+        about, parts["tilting_moment"] = _split(moment, joint.axis)
+        if not turning:
+            parts["guide_moment"] = about
+    elif not turning:
+        parts["tilting_moment"] = np.abs(moment[:, 0])
+    if motion is not None:
+        numbers = tuple(map(VALUES.quantity, joint.numbers))
+        ((primitive, axis),) = body.kind.primitives(of_dimension(dim), joint.axis, numbers)
+        ((w, v),) = primitive.columns(of_dimension(dim), axis)
+        parts["drive_load"] = moment @ np.asarray(w) + force @ np.asarray(v)
+    return parts
+
+
+def _split(vectors: Array, axis: tuple[float, ...]) -> tuple[Array, Array]:
+    """Component along the axis, with its sign, and the size of what is across it."""
+    n = np.asarray(axis)
+    along = vectors @ n
+    return along, _size(vectors - along[:, None] * n)
+
+
+def _size(vectors: Array) -> Array:
+    return np.linalg.norm(vectors, axis=-1)

@@ -11,39 +11,25 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from freebody.errors import FreebodyError, KindError, SingularError, listed
+from freebody.errors import FreebodyError, SingularError, listed
 from freebody.model.doubts import readings
 from freebody.model.model import Model
-from freebody.motion.default_motion import default_motion
-from freebody.motion.files.csv_files import read_motion
-from freebody.motion.files.tables import MotionTable, motion_from_table
-from freebody.motion.motion import Motion, require_motion
-from freebody.motion.ranges import ranges
+from freebody.motion.files.tables import MotionTable
+from freebody.motion.motion import Motion
 from freebody.motion.simulation.simulation import Progress
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.report.checks import checks
 from freebody.report.jacobians import singularity
-from freebody.report.measured_noise import Smooth, filtered
-from freebody.report.peak_instants import with_peaks
 from freebody.report.replay import replayed
 from freebody.report.results import Check, MotionVerdict, Replay, Singularity, StaticPose, Worst
-from freebody.report.series import series, torque_parts
-from freebody.report.static_poses import worst_poses
-from freebody.report.summary import drive_table, limit_notices, summary, worst
-from freebody.report.time_scaling import at_pace, pace
-from freebody.report.verdict import effort_limits, verdict
+from freebody.report.series import series
+from freebody.report.studied_motion import Smooth, filtered, given, with_peaks
+from freebody.report.summary import drive_table, limit_notices, summary, worst, worst_poses
+from freebody.report.verdict import verdict
 from freebody.values import ByValue
 
 if TYPE_CHECKING:
     import xarray as xr
-
-_SLOWEST = 0.05
-"""Pace; a default motion that must be slower yet hardly moves, and is studied as it is."""
-_CLEARANCE = 0.95  # of the pace at which a limit is reached
-_COARSE = 1e-9
-"""Of the time between samples: how far apart numbers may be there."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -77,19 +63,20 @@ class Study(Tabled, ByValue):
     singularity: Singularity | None
     """None without a tip."""
     checks: tuple[Check, ...]
-    """Of freebody on itself: quantities computed in two ways."""
+    """Checks of freebody on itself: quantities computed in two ways."""
     verdict: MotionVerdict
     """Whether the robot can make the motion: feasible, not feasible, or not judged, and why."""
     replay: Replay | None
     replay_skipped: str
     """Why there is no replay; empty if there is one."""
     notices: tuple[str, ...]
-    """What a reader must know: how the file was read, what is doubtful, and all `warnings`."""
+    """Sentences that a reader must know: how the file was read, what is doubtful, and all
+    `warnings`."""
     warnings: tuple[str, ...] = ()
     """About the motion: limits that it leaves, limits that the model does not give, a base that
     nothing drives."""
     seconds: dict[str, float] = field(default_factory=dict)
-    """How long each part took (s)."""
+    """The time that each part took (s)."""
     command: str = ""
     """The command line that makes it again, where one made it."""
     _aside = ("seconds", "command")
@@ -137,7 +124,7 @@ class Study(Tabled, ByValue):
 
     def to_html(self, path: str | os.PathLike[str]) -> Path:
         """Write the report as one HTML file that opens offline."""
-        from freebody.report.html import write
+        from freebody.report.page import write
 
         return write(self, Path(path))
 
@@ -152,14 +139,28 @@ def study(
 ) -> Study:
     """The dynamic study of a robot along a motion.
 
-    model: with all values. motion: a Motion, a CSV file (see `read_motion`) or a table by names
-    (see `Motion.of`: a dict, a DataFrame, a Dataset); default a smooth one within the joint limits,
-    slowed as far as the limits of speed and torque require. tip: frame; default the model's own,
-    without which the study leaves out what is of a tip. smooth: True, or a cutoff (Hz), for a
-    measured motion (see `smoothed`); noise that spoils the torques is reported in any case, with
-    the torques with and without it. progress: called with a text and the fraction done. Raises
-    FreebodyError for a robot without movable joints, MissingValueError for one with open
-    parameters.
+    Parameters
+    ----------
+    model
+        With all values.
+    motion
+        A Motion, a CSV file (see `read_motion`) or a table by names (see `Motion.of`: a dict, a
+        DataFrame, a Dataset); default: a smooth one within the joint limits, slowed as far as the
+        limits of speed and torque require.
+    tip
+        Frame; default: the model's own, without which the study leaves out what is of a tip.
+    smooth
+        True, or a cutoff (Hz), for a measured motion (see `smoothed`). Noise that spoils the
+        torques is reported in any case, with the torques with and without it.
+    progress
+        Called with a text and the fraction done.
+
+    Raises
+    ------
+    FreebodyError
+        A robot without movable joints.
+    MissingValueError
+        A robot with open parameters.
     """
     if model.nv == 0:
         raise FreebodyError(
@@ -170,7 +171,7 @@ def study(
     if tip is not None:
         model = model.replace(tip=tip)
     with clock.part("motion", 0.0):
-        sampled, measured = filtered(model, _from_zero(_motion(model, motion)), smooth)
+        sampled, measured = filtered(model, given(model, motion), smooth)
         followed = with_peaks(model, sampled)
     with clock.part("torques, reactions, energies", 0.05):
         data = series(model, followed)
@@ -214,56 +215,6 @@ def _driven(model: Model) -> tuple[str, ...]:
         f"{joint} {listed(map(repr, free))} {has} no motor of {its} own: {its} torques and forces "
         f"in this study are what something else has to exert to produce the motion.",
     )
-
-
-def _motion(model: Model, motion: Motion | MotionTable | str | os.PathLike[str] | None) -> Motion:
-    if motion is None:
-        return _unhurried(model, default_motion(model))
-    if isinstance(motion, Motion):
-        return require_motion("study", model, motion)
-    if isinstance(motion, str | os.PathLike):
-        return read_motion(model, motion)
-    if not hasattr(motion, "items"):
-        raise KindError(
-            "study",
-            "motion",
-            motion,
-            "a Motion, a CSV file or a table by names",
-            "From arrays t (T,) and q (T, nq): fb.Motion.of(model, t, q).",
-        )
-    return motion_from_table(model, motion)
-
-
-def _from_zero(motion: Motion) -> Motion:
-    """The motion with its times counted from the first, where they are so large, as a computer's
-    clock says them, that numbers hardly tell two samples apart."""
-    start = motion.t[0]
-    if np.spacing(np.abs(motion.t).max()) <= _COARSE * np.diff(motion.t).min():
-        return motion
-    pieces = motion.pieces
-    said = (
-        f"Times are counted from the first, {float(start)!r} s, at which numbers of 64 bits are "
-        f"{np.spacing(start):.2g} s apart."
-    )
-    return replace(
-        motion,
-        t=motion.t - start,
-        pieces=None if pieces is None else replace(pieces, breaks=pieces.breaks - start),
-        notices=(*motion.notices, said),
-    )
-
-
-def _unhurried(model: Model, motion: Motion) -> Motion:
-    """The default motion, slowed down where that brings it within the limits of speed and
-    torque."""
-    allowed = ranges(model)
-    data = torque_parts(model, motion)
-    factor = pace(motion, data, allowed.velocity, effort_limits(model, allowed)).factor
-    if factor >= 1.0 or factor < _SLOWEST:
-        return motion
-    factor *= _CLEARANCE
-    words = f", slowed to {motion.duration / factor:.3g} s to keep the limits of speed and torque"
-    return at_pace(motion, factor, words)
 
 
 def _replay(model: Model, motion: Motion) -> tuple[Replay | None, str]:

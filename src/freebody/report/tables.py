@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 from markupsafe import Markup, escape
 
-from freebody.outputs.numbers import decade, fixed, significant, superscript
+from freebody.outputs.number_text import decade, fixed, significant, superscript
 from freebody.report.results import CLOSE
 
 _NOISE = 1e-9  # of the largest in a column: rounding, printed as 0

@@ -1,4 +1,5 @@
-"""How fast a motion may be run: its torques and speeds under uniform scaling of time, exactly.
+"""The pace at which a motion may be run: its torques and speeds under uniform scaling of time,
+exactly.
 
 Run k times as fast, the same path has rates k q̇ and accelerations k² q̈, and each torque is
 
@@ -19,7 +20,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.model.model import Model
 from freebody.motion.motion import Motion
+from freebody.motion.ranges import Ranges, with_drive
 from freebody.report.results import CLOSE
 
 if TYPE_CHECKING:
@@ -45,8 +48,8 @@ class Pace:
 
 
 def pace(motion: Motion, data: xr.Dataset, velocity: Array, effort: Array) -> Pace:
-    """How fast a motion with `Study.data` may be run under limits (nv,), infinite where there are
-    none."""
+    """The pace at which a motion with `Study.data` may be run under limits (nv,), infinite where
+    there are none."""
     fast = motion.peaks.velocity.size
     with np.errstate(divide="ignore"):
         each = np.where(fast > 0, velocity * (1 + CLOSE) / fast, np.inf)
@@ -73,9 +76,14 @@ def parts(data: xr.Dataset) -> tuple[Array, Array, Array]:
 _PARTS = ("inertial", "coriolis", "rotors", "viscous", "friction", "gravity", "springs")
 
 
+def effort_limits(model: Model, allowed: Ranges) -> np.ndarray:
+    """Torque limits (nv,) of what is driven."""
+    return np.where(with_drive(model), allowed.effort, np.inf)
+
+
 def at_pace(motion: Motion, factor: float, words: str) -> Motion:
-    """The same path run `factor` times as fast, from the same start; `words` are added to its
-    source."""
+    """The motion on the same path run `factor` times as fast, from the same start; `words` are
+    added to its source."""
     return replace(motion.faster(factor), source=f"{motion.source}{words}")
 
 
@@ -92,7 +100,7 @@ def _broken(a: Array, b: Array, c: Array, bound: Array) -> tuple[Array, Array]:
 
 
 def _positive(a: Array, b: Array, c: Array) -> list[tuple[Array, Array]]:
-    """Where a k² + b k + c > 0, as two intervals for each entry; an empty one ends before it
+    """The intervals in which a k² + b k + c > 0, two for each entry; an empty one ends before it
     starts."""
     b, c = np.broadcast_arrays(b, c)
     straight = np.abs(a) <= 1e-14 * (np.abs(b) + np.abs(c))

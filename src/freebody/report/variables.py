@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Variable:
-    """Of an array: names of its dimensions, its unit and what it is.
+    """One variable of a dataset: names of its dimensions, its unit and its meaning.
 
     A unit such as "rad|m" is the first for a turning joint and the second for a sliding one. A
     name that ends in _fraction is that of a share of a limit, one in _share that of another share.
@@ -39,8 +39,8 @@ _BEARING = {
     ),
 }
 LOADS = tuple(_BEARING)
-"""What a bearing or guide and its drive carry; of joints without one axis, and where a plane has no
-such load, NaN."""
+"""Variables of what a bearing or guide and its drive carry; of joints without one axis, and where a
+plane has no such load, NaN."""
 
 PARTS = {
     "tau_inertial": "inertia",
@@ -170,7 +170,7 @@ VARIABLES = {
     for dims, group in _BY_DIMENSIONS.items()
     for name, (unit, meaning) in group.items()
 }
-"""By name."""
+"""All variables of a study, by name."""
 
 
 def dataset(

@@ -28,14 +28,14 @@ from freebody.model.doubts import (
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges, with_drive
-from freebody.report.results import CLOSE, LimitUse, MotionVerdict, Outcome, percent
-from freebody.report.time_scaling import Pace, pace, parts
+from freebody.report.results import CLOSE, LimitUse, MotionVerdict, VerdictOutcome, percent
+from freebody.report.time_scaling import Pace, effort_limits, pace, parts
 
 if TYPE_CHECKING:
     import xarray as xr
 
 _UNDRIVEN = 1e-2
-"""Of what acts at a passive joint: what differentiating a file's digits leaves there."""
+"""Share of what acts at a passive joint that differentiating a file's digits leaves there."""
 _NAMES = 4  # in a list of joints
 _TIGHT = 1.001  # a pace below it is called "as fast as it goes"
 
@@ -45,38 +45,50 @@ def verdict(
 ) -> MotionVerdict:
     """Judge a motion by `Study.data` and `Study.summary`; noisy: the motion's noise is part of its
     torques."""
-    allowed, doubts = ranges(model), model.doubts
-    wrong = [doubt for doubt in doubts if doubt.of.mend]
-    unknown = [doubt for doubt in barring(doubts) if not doubt.of.mend]
+    allowed, doubts = ranges(model), _WeighedDoubts(model.doubts)
     every = sorted(_uses(model, motion, allowed, found), key=lambda use: -use.fraction)
-    told = [use for use in every if not _rests(use, wrong)]
-    judged = [use for use in told if not _rests(use, unknown)]
-    torques = not any({MASSES, ROTORS} & {*doubt.of.touches} for doubt in wrong)
-    sound = torques and not any(MASSES in doubt.of.touches for doubt in unknown)
-    undriven = _undriven(model, data) if torques else ()
+    told = [use for use in every if not _rests(use, doubts.wrong)]
+    over = [use for use in told if use.exceeded and not _rests(use, doubts.unknown)]
+    undriven = _undriven(model, data) if doubts.masses_known else ()
+    loose = _own_pace(model, data) if doubts.torques_meant else ()
+    failed = bool(over or undriven)
+    outcome = doubts.outcome(failed)
     run = pace(motion, data, allowed.velocity, effort_limits(model, allowed))
-    over = [use for use in judged if use.exceeded]
-    outcome: Outcome = "feasible"
-    if over or (undriven and sound):
-        outcome = "not feasible"
-    elif wrong or unknown:
-        outcome = "not judged"
-    sentences = [*_reasons(outcome, told, over, undriven if sound else (), barring(doubts))]
-    loose = _own_pace(model, data) if torques else ()
+    sentences = [*_reasons(outcome, told, over, undriven, barring(doubts.every))]
     if loose:
-        sentences.append(_no_other_pace(loose, slower=bool(over or (undriven and sound))))
-    elif not wrong and told:
-        partly = any(doubt.of.absent for doubt in unknown)
-        beyond = [use for use in told if use.exceeded]
-        sentences += _paces(model, run, told, beyond, bool(undriven and sound), partly)
-    if noisy and torques:
+        sentences.append(_no_other_pace(loose, slower=failed))
+    elif told and not doubts.wrong:
+        sentences += _paces(model, run, told, bool(undriven), doubts.partly)
+    if noisy and doubts.torques_meant:
         sentences.append(
             "The noise of the motion counts as torque here; --smooth auto (smooth=True) takes it "
             "out."
         )
-    sentences += [capital(doubt.text) for doubt in doubts if not doubt.of.bars]
-    factor = float("nan") if wrong or loose or not told else run.factor
-    return MotionVerdict(outcome, " ".join(sentences), tuple(told), doubts, factor)
+    sentences += [capital(doubt.text) for doubt in doubts.every if not doubt.of.bars]
+    factor = float("nan") if doubts.wrong or loose or not told else run.factor
+    return MotionVerdict(outcome, " ".join(sentences), tuple(told), doubts.every, factor)
+
+
+class _WeighedDoubts:
+    """The doubts on a robot: those that something wrong in its file causes, those by which
+    something is unknown, and what they leave to be judged."""
+
+    def __init__(self, every: tuple[Doubt, ...]):
+        self.every = every
+        self.wrong = [doubt for doubt in every if doubt.of.mend]
+        self.unknown = [doubt for doubt in barring(every) if not doubt.of.mend]
+        self.torques_meant = not any({MASSES, ROTORS} & {*x.of.touches} for x in self.wrong)
+        """Whether torques say something, be it by estimates."""
+        estimated = any(MASSES in x.of.touches for x in self.unknown)
+        self.masses_known = self.torques_meant and not estimated
+        self.partly = any(doubt.of.absent for doubt in self.unknown)
+        """Whether some limits are not given."""
+
+    def outcome(self, failed: bool) -> VerdictOutcome:
+        """The outcome, given whether something that can be judged fails."""
+        if failed:
+            return "not feasible"
+        return "not judged" if self.wrong or self.unknown else "feasible"
 
 
 def _rests(use: LimitUse, doubts: Sequence[Doubt]) -> bool:
@@ -90,12 +102,7 @@ def _rests(use: LimitUse, doubts: Sequence[Doubt]) -> bool:
 
 
 _ASPECTS = {"position": (RANGES,), "speed": (SPEEDS,), "power": (MASSES, ROTORS, EFFORTS, SPEEDS)}
-"""What the use of a limit rests on, where that is not a torque."""
-
-
-def effort_limits(model: Model, allowed: Ranges) -> np.ndarray:
-    """Torque limits (nv,) of what is driven."""
-    return np.where(with_drive(model), allowed.effort, np.inf)
+"""Aspects that the use of a limit rests on, where that is not a torque."""
 
 
 # ------------------------------------------------------------ what is used of each limit
@@ -187,7 +194,7 @@ def _acting(model: Model, data: xr.Dataset) -> np.ndarray:
 
 # ------------------------------------------------------------ in words
 def _reasons(
-    outcome: Outcome,
+    outcome: VerdictOutcome,
     uses: Sequence[LimitUse],
     over: Sequence[LimitUse],
     undriven: Sequence[str],
@@ -207,18 +214,23 @@ def _reasons(
         yield sentence if first else capital(sentence)
         first = False
     if outcome == "not judged" and uses and not any(doubt.of.mend for doubt in doubts):
-        beyond = [use for use in uses if use.exceeded]
-        estimated = "" if all(doubt.of.absent for doubt in doubts) else " by the estimates"
-        if beyond:
-            yield f"It would not be feasible{estimated}: {beyond[0].text}."
-        elif any(doubt.of.absent for doubt in doubts):
-            yield f"The limits that are given are kept{estimated}; nearest: {uses[0].text}."
-        else:
-            yield f"Every limit is kept{estimated}; nearest: {uses[0].text}."
+        yield _but_for_doubts(uses, doubts)
+
+
+def _but_for_doubts(uses: Sequence[LimitUse], doubts: Sequence[Doubt]) -> str:
+    """The sentence on a motion that is not judged, as it would be judged if nothing were
+    unknown."""
+    beyond = [use for use in uses if use.exceeded]
+    estimated = "" if all(doubt.of.absent for doubt in doubts) else " by the estimates"
+    if beyond:
+        return f"It would not be feasible{estimated}: {beyond[0].text}."
+    if any(doubt.of.absent for doubt in doubts):
+        return f"The limits that are given are kept{estimated}; nearest: {uses[0].text}."
+    return f"Every limit is kept{estimated}; nearest: {uses[0].text}."
 
 
 def _doubted(doubts: Sequence[Doubt]) -> Iterator[str]:
-    """What bars the verdict: what is wrong with the torques in one sentence, then the rest."""
+    """Sentences on what bars the verdict: what is wrong with the torques in one, then the rest."""
     torques = [x for x in doubts if x.of.mend and {MASSES, ROTORS} & {*x.of.touches}]
     if torques:
         yield f"the torques cannot be trusted: {'; '.join(x.clause for x in torques)}."
@@ -226,26 +238,13 @@ def _doubted(doubts: Sequence[Doubt]) -> Iterator[str]:
 
 
 def _paces(
-    model: Model,
-    run: Pace,
-    uses: Sequence[LimitUse],
-    over: Sequence[LimitUse],
-    undriven: bool,
-    partly: bool,
+    model: Model, run: Pace, uses: Sequence[LimitUse], undriven: bool, partly: bool
 ) -> list[str]:
-    """How much faster, or slower."""
+    """Sentences on how much faster the motion could be run, or how much slower it has to be."""
     out = any(use.exceeded and use.quantity == "position" for use in uses)
-    fast = [use for use in over if use.quantity != "position"]
     if run.factor == 0.0:
-        held = np.where(with_drive(model), np.nan_to_num(run.held), 0.0)
-        k = int(np.argmax(held))
-        what = "gravity" if not _holds_more(model) else "gravity, springs and friction"
-        return [
-            f"Slowing down does not help: {what} alone require{'s' if what == 'gravity' else ''} "
-            f"{percent(float(held[k]))} of {model.velocity_names[k]}'s limit at t = "
-            f"{run.held_time[k]:.3g} s."
-        ]
-    if fast:
+        return [_held_too_much(model, run)]
+    if any(use.exceeded and use.quantity != "position" for use in uses):
         rest = "; the other problems remain" if out or undriven else ""
         return [
             f"It would keep the limits of speed and torque at {_down(run.factor)} times its speed "
@@ -264,6 +263,18 @@ def _paces(
     if partly:  # what is not given may well be exceeded before
         return [f"They would be kept up to {_down(run.factor)} times that speed."]
     return [f"It could be run up to {_down(run.factor)} times as fast."]
+
+
+def _held_too_much(model: Model, run: Pace) -> str:
+    """The sentence on torques that exceed a limit however slow the motion is."""
+    held = np.where(with_drive(model), np.nan_to_num(run.held), 0.0)
+    k = int(np.argmax(held))
+    what = "gravity" if not _holds_more(model) else "gravity, springs and friction"
+    return (
+        f"Slowing down does not help: {what} alone require{'s' if what == 'gravity' else ''} "
+        f"{percent(float(held[k]))} of {model.velocity_names[k]}'s limit at t = "
+        f"{run.held_time[k]:.3g} s."
+    )
 
 
 def _no_other_pace(names: Sequence[str], slower: bool) -> str:

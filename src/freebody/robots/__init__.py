@@ -23,13 +23,13 @@ class Models(dict[str, str]):
 
 def models() -> Models:
     """The bundled models: name -> where its numbers come from. `load` takes the names."""
-    return Models(_told("source"))
+    return Models(_entries("source"))
 
 
 def abouts() -> dict[str, str]:
     """Name of each bundled model -> what is worth seeing in it."""
-    return _told("about")
+    return _entries("about")
 
 
-def _told(key: str) -> dict[str, str]:
+def _entries(key: str) -> dict[str, str]:
     return {name: tomllib.loads(bundled_text(name))[key] for name in bundled_names()}

@@ -18,7 +18,7 @@ from freebody.kernels.formulas import FORMULAS, INPUTS
 from freebody.kernels.inputs import InputKernel
 from freebody.model.doubts import ALL
 from freebody.model.model import Model
-from freebody.model.numbers import found, known
+from freebody.model.named_numbers import found, known
 from freebody.targets import Kernel
 from freebody.trees.public_calls import finite_vector
 from freebody.ways_out.kernel import kernel

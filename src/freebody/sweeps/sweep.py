@@ -237,7 +237,7 @@ def _for(target: str | None, kernel: Kernel) -> Kernel:
 
 def _numbers(model: Model, names: list[str], shapes: Mapping[str, Any] | None) -> tuple[str, ...]:
     """Names among those given that are numbers of the model."""
-    from freebody.model.numbers import known
+    from freebody.model.named_numbers import known
 
     rows = known(model).rows
     return tuple(x for x in names if x in rows and (shapes is None or x not in shapes))

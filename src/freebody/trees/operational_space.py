@@ -15,7 +15,7 @@ from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
 from freebody.kernels.options import motion_rows, require_few_rows
-from freebody.model.derived_facts import fact
+from freebody.model.geometry import fact
 from freebody.model.inertial_parameters import parameter_names
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model

@@ -18,7 +18,7 @@ from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
 from freebody.labels import aligned, refuse_other_times
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.targets.finite_check import HUGE, UNIT, Unclear
 
 Vector = ArrayLike | Mapping[str, float]

@@ -16,8 +16,8 @@ import numpy as np
 from freebody.algorithms.crba import crba, supports
 from freebody.arrays import Array, at_sample
 from freebody.errors import PassiveJointError, SingularError, listed
-from freebody.model.derived_facts import fact
 from freebody.model.families import of_member
+from freebody.model.geometry import fact
 from freebody.model.model import Model
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Tree, lower

@@ -11,7 +11,7 @@ from freebody.kernels.inputs import InputKernel
 from freebody.kernels.lookup import fetch
 from freebody.kernels.options import several
 from freebody.model.model import Model
-from freebody.model.numbers import Name
+from freebody.model.named_numbers import Name
 from freebody.targets import Kernel
 
 

@@ -16,7 +16,7 @@ from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
 from freebody.kernels.inputs import KernelInputs
 from freebody.model.doubts import Doubt, doubts_used
 from freebody.model.model import Model
-from freebody.model.numbers import Parameters
+from freebody.model.named_numbers import Parameters
 from freebody.program import Argument, Program
 from freebody.targets.text import Joints
 from freebody.ways_out.recursion_names import MEANINGS, marks

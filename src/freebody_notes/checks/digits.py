@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from freebody.outputs.numbers import signed
+from freebody.outputs.number_text import signed
 from freebody_notes.checks.calls import source
 from freebody_notes.checks.evidence import number
 from freebody_notes.checks.relation import vectors

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from freebody.expressions.printed_names import sym
-from freebody.outputs.numbers import shortest
+from freebody.outputs.number_text import shortest
 from freebody.scalars.composed import Composed
 from freebody.scalars.trig import Trig
 from freebody_notes.item import Outcome

@@ -14,7 +14,7 @@ from freebody.figures.layers import forces
 from freebody.figures.layers.structure import of_each
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot
-from freebody.figures.view import FLAT, Point
+from freebody.figures.view import FLAT, WorldPoint
 
 _GAP = 0.34  # of the arm's size
 
@@ -23,7 +23,7 @@ _GAP = 0.34  # of the arm's size
 class DrawnApart(Drawing):
     """A drawing whose bodies are moved away from where they are."""
 
-    moved: dict[int, Point] = field(default_factory=dict)
+    moved: dict[int, WorldPoint] = field(default_factory=dict)
     """How far, by the body's number, metres."""
 
 

@@ -14,7 +14,7 @@ from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.layers.structure import axes
 from freebody.figures.view import FLAT
 from freebody.formats.loading import load
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 
 
 def five_bar(

@@ -8,7 +8,7 @@ from typing import Any
 
 from freebody.expressions.printed_names import GREEK
 from freebody.figures.body_loads import Load
-from freebody.figures.names import Names
+from freebody.figures.names import DrawingNames
 from freebody.figures.skeleton import BodyPlace, End, Skeleton
 from freebody.figures.snapshot import Snapshot
 from freebody.figures.text import indexed
@@ -22,7 +22,7 @@ def between(before: str, n: str) -> str:
 
 
 @dataclass(frozen=True)
-class PatternNames(Names):
+class PatternNames(DrawingNames):
     """Names by a pattern; `index` turns a body's number (0: the ground) into a subscript."""
 
     index: Callable[[int], str] = str

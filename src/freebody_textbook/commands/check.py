@@ -43,8 +43,8 @@ def check(
             "torques those of these angles; without it each angle is from the previous link.",
         ),
     ] = False,
-    notation: options.Notation = None,
-    parameters: options.Parameters = None,
+    notation: options.NotationOption = None,
+    parameters: options.ParametersOption = None,
     form: Annotated[
         str | None,
         typer.Option(

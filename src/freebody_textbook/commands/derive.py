@@ -121,11 +121,11 @@ def derive(
         ),
     ] = None,
     labels: Annotated[
-        options.Labels | None,
+        options.LabelsOption | None,
         typer.Option(help="Labels in the drawings of a page. Default: names."),
     ] = None,
-    notation: options.Notation = None,
-    parameters: options.Parameters = None,
+    notation: options.NotationOption = None,
+    parameters: options.ParametersOption = None,
 ) -> None:
     """Derive a robot's equations of motion step by step. Exit status 1 if two methods disagree."""
     from freebody_textbook.derive import compare as compared
@@ -153,7 +153,7 @@ def derive(
 
 
 def _text(
-    derivation: Derivation, form: _Form, out: Path | None, labels: options.Labels | None
+    derivation: Derivation, form: _Form, out: Path | None, labels: options.LabelsOption | None
 ) -> str:
     """The derivation in one form; Markdown refers to drawings in files beside it."""
     from freebody_textbook.drawings.illustrate import write_drawings

@@ -25,7 +25,7 @@ from freebody.figures.snapshot import Snapshot, resting_pose, snapshot, with_val
 from freebody.figures.svg import picture
 from freebody.figures.text import canonical, label
 from freebody.model.model import Model
-from freebody.outputs.numbers import significant
+from freebody.outputs.number_text import significant
 from freebody_textbook.closed_chains.absolute import links_of
 from freebody_textbook.derivation import Derivation, Drawings, Step
 from freebody_textbook.derive import undrawn_derivation

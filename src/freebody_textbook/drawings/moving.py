@@ -12,7 +12,7 @@ from freebody.arrays import Array
 from freebody.expressions.expression import Expression, Symbol, nodes
 from freebody.expressions.polynomials.symbols import RATE, SECOND, Symbols
 from freebody.figures.drawing import SAME, Drawing, Label
-from freebody.figures.label_placement import RULE
+from freebody.figures.labelling import RULE
 from freebody.figures.names import is_letter
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot

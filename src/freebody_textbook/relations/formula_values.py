@@ -28,7 +28,7 @@ from freebody.expressions.expression import (
     Vector,
 )
 from freebody.expressions.polynomials.symbols import RATE, SECOND
-from freebody.math import tan
+from freebody.scalar_math import tan
 from freebody.scalars.composed import Composed
 from freebody.scalars.trig import Trig, TrigRing
 from freebody.spatial import product, times, transposed

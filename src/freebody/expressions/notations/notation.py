@@ -21,8 +21,7 @@ from freebody.expressions.quantities.kinds import (
     VELOCITY,
 )
 from freebody.formats import read_file
-from freebody.formats.toml import table_of
-from freebody.formats.toml_table import TomlTable
+from freebody.formats.toml_table import TomlTable, table_of
 from freebody.values import ByValue
 
 PRESETS = (

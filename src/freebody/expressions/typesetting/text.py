@@ -7,7 +7,7 @@ from unicodedata import normalize
 
 from freebody.expressions.nodes import Symbol
 from freebody.expressions.typesetting.typesetter import Notation, Typesetter
-from freebody.outputs.numbers import signed, superscript
+from freebody.outputs.number_text import signed, superscript
 
 _LOW = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _HIGH = str.maketrans("-0123456789T", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹ᵀ")

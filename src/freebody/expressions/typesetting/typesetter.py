@@ -33,7 +33,7 @@ from freebody.expressions.nodes import (
     nodes,
 )
 from freebody.expressions.typesetting.lines import BREAK, broken
-from freebody.outputs.numbers import mantissa_and_exponent
+from freebody.outputs.number_text import mantissa_and_exponent
 
 EQUATION, SUM, PRODUCT, CALL, POWER, ATOM = range(6)
 

@@ -39,7 +39,7 @@ class Scale:
     longest: float
 
     def end(self, place: Array, value: Array, turning: bool = False) -> Array:
-        """Where the arrow of a force or moment at a place ends."""
+        """The end of the arrow of a force or moment at a place."""
         size, largest = float(np.linalg.norm(value)), self.moment if turning else self.force
         share = max(size / largest, _SHORTEST) * (0.75 if turning else 1.0)
         return place + share * self.longest * value / size
@@ -61,8 +61,8 @@ def scale_of(bodies: Iterable[BodyLoads], longest: float) -> Scale:
 
 
 def scales_of(bodies: Sequence[BodyLoads]) -> tuple[Scale, ...]:
-    """Of bodies each drawn alone: forces to one scale on the page, lengths where the sizes of the
-    bodies allow it. `longest` is what is to be of equal length on the page."""
+    """Scales of bodies each drawn alone: forces to one scale on the page, lengths where the sizes
+    of the bodies allow it. `longest` is what is to be of equal length on the page."""
     sizes, whole = [size_of(body) for body in bodies], scale_of(bodies, 1.0)
     if max(sizes) <= _ALIKE * min(sizes):
         sizes = [max(sizes)] * len(sizes)
@@ -70,7 +70,7 @@ def scales_of(bodies: Sequence[BodyLoads]) -> tuple[Scale, ...]:
 
 
 def size_of(loads: BodyLoads) -> float:
-    """Of a body as it is drawn and of where forces act on it, metres."""
+    """The size of a body as it is drawn, with the points where forces act on it, metres."""
     drawn = structure.bars(loads.body, rod=len(loads.body.origin) == 3)
     ends = [place for _, segment in drawn for place in segment]
     places = np.array([*(load.place for load in loads.loads), *ends])
@@ -115,10 +115,10 @@ PARTS: dict[str, Layer] = {
     "sc": partial(geometry.to_centres, aside=-_BESIDE),
     "axes": _axes,
 }
-"""What may be shown of a free body beside the forces: its geometry, and the vectors s_i (or r_i)
-and s_ci."""
+"""Parts of a free body that may be shown beside the forces: its geometry, and the vectors s_i (or
+r_i) and s_ci."""
 BOOK = {2: ("points", "centres", "s", "sc"), 3: ("axes", "centres", "s", "sc")}
-"""What books show, in the plane and in space."""
+"""Parts that books show, in the plane and in space."""
 
 
 def alone(
@@ -146,7 +146,8 @@ def alone(
 
 
 def _view(seen: Snapshot, body: BodyPlace) -> View:
-    """That of the whole robot, if it shows the body in its length; else the body's own."""
+    """The view of a body: that of the whole robot, if it shows the body in its length; else the
+    body's own."""
     view, loads = view_of(seen), seen.loads[body.index].loads
     places = [body.origin, *(end.place for end in body.ends), *(load.place for load in loads)]
     ways = [(a, b) for k, a in enumerate(places) for b in places[:k]]
@@ -174,14 +175,14 @@ def _stick(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
 
 
 def _closing(seen: Snapshot, body: BodyPlace) -> list[DrawnJoint]:
-    """What closes loops at a body, where it meets the body."""
+    """The loops that close at a body, where they meet the body."""
     loops = seen.pose.loops
     first = [replace(loop, origin=loop.carrier) for loop in loops if loop.parent == body.index]
     return [*first, *(replace(x, carrier=x.origin) for x in loops if x.index == body.index)]
 
 
 def _children(seen: Snapshot, body: BodyPlace) -> list[BodyPlace]:
-    """Those whose joints are elsewhere than the body's own."""
+    """The children of a body whose joints are elsewhere than its own."""
     below = [child for child in seen.pose.bodies if child.parent == body.index]
     return [child for child in below if np.linalg.norm(child.origin - body.origin) > SAME]
 

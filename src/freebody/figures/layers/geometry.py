@@ -15,9 +15,9 @@ from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot
 
 BESIDE = 15.0
-"""How far a vector in the plane is drawn beside the link it lies on, pixels."""
+"""Distance at which a vector in the plane is drawn beside the link it lies on, pixels."""
 _BELOW = 34.0
-"""How far below the ground its lengths are drawn, pixels."""
+"""Distance below the ground at which its lengths are drawn, pixels."""
 _ARC = 0.15
 """Radius of an angle's arc, of the drawing's size."""
 _VISIBLE, _VECTOR = 0.05, 0.025
@@ -208,8 +208,8 @@ def variables(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
 
 
 def common_normal(p: Array, u: Array, q: Array, v: Array) -> tuple[Array, Array]:
-    """Where the common normal of the axes p + s u and q + t v (unit vectors) meets them; of
-    parallel ones that through q."""
+    """The points at which the common normal of the axes p + s u and q + t v (unit vectors) meets
+    them; of parallel ones that through q."""
     w, cosine = q - p, float(u @ v)
     sine2 = 1.0 - cosine**2
     if sine2 < _PARALLEL:

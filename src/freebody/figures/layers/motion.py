@@ -1,5 +1,5 @@
-"""How a robot moves: joint rates as turning arrows, velocities and accelerations of its tip and its
-centres of mass."""
+"""Layers that show how a robot moves: joint rates as turning arrows, velocities and accelerations
+of its tip and its centres of mass."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from freebody.figures.snapshot import Snapshot
 LONGEST = 0.34
 """The longest velocity or acceleration, of the drawing's size."""
 _ORDERS = (("velocity", "/s", ""), ("acceleration", "/s²", "\u0307"))
-"""Of velocities and accelerations: the role of arrows, what follows the unit, the dots on v."""
+"""Velocities and accelerations: the role of their arrows, what follows the unit, the dots on v."""
 
 
 @of_each

@@ -16,7 +16,7 @@ from freebody.figures.drawing import SAME, Drawing, Element, Line, Mark, Prism, 
 from freebody.figures.names import is_letter
 from freebody.figures.skeleton import BodyPlace, DrawnJoint, LoopPlace, Skeleton
 from freebody.figures.snapshot import Snapshot
-from freebody.figures.view import FLAT, Point, View, best_view
+from freebody.figures.view import FLAT, View, WorldPoint, best_view
 from freebody.model.joints.kind import Solid
 
 _AXIS = 0.3
@@ -137,7 +137,7 @@ def _rings(drawing: Drawing, seen: Snapshot) -> None:
 
 
 def _rods(drawing: Drawing, seen: Snapshot) -> None:
-    """What joins the two places of a loop that are apart."""
+    """Rods that join the two places of a loop that are apart."""
     for loop in seen.pose.loops:
         if np.linalg.norm(loop.origin - loop.carrier) > SAME:
             drawing.line((loop.carrier, loop.origin), loop.symbol, "rail")
@@ -175,7 +175,9 @@ def _axis_share(seen: Snapshot) -> float:
     return min([_AXIS, *(0.65 * d / seen.size for d in slides if d > 0.15 * seen.size)])
 
 
-def axes(drawing: Drawing, size: float, origin: Point = (0.0, 0.0), share: float = _AXIS) -> None:
+def axes(
+    drawing: Drawing, size: float, origin: WorldPoint = (0.0, 0.0), share: float = _AXIS
+) -> None:
     """World axes x and y from the origin."""
     for name, way in (("x", (1.0, 0.0)), ("y", (0.0, 1.0))):
         end = np.add(origin, np.multiply(share * size, way))
@@ -209,7 +211,7 @@ def _points(drawing: Drawing, seen: Snapshot) -> None:
     pose, names = seen.pose, seen.names
     taken = [] if pose.tip is None else [pose.tip]
 
-    def write(place: Array, text: str, direction: Point) -> None:
+    def write(place: Array, text: str, direction: WorldPoint) -> None:
         if all(np.linalg.norm(place - other) > SAME for other in taken):
             drawing.write(place, text, direction)
             taken.append(place)
@@ -224,7 +226,7 @@ def _points(drawing: Drawing, seen: Snapshot) -> None:
         drawing.write(pose.tip, names.tip, away if np.linalg.norm(away) > SAME else (1.0, 1.0))
 
 
-def clear_way(seen: Snapshot, body: BodyPlace) -> Point:
+def clear_way(seen: Snapshot, body: BodyPlace) -> WorldPoint:
     """The direction from a joint in which nothing of the arm lies."""
     after = seen.heading(body)
     if body.parent < 0:  # between the link and the foot of the pedestal that is farther from it
@@ -273,7 +275,7 @@ def _by_depth(elements: Sequence[Element], view: View) -> list[Element]:
 
 
 def depth(element: Element, view: View) -> float:
-    """How near the viewer an element is; joints a little nearer than the links that meet in
+    """The nearness of an element to the viewer; joints a little nearer than the links that meet in
     them."""
     if isinstance(element, Line):
         return view.depth(element.points)

@@ -1,4 +1,4 @@
-"""What a joint kind must tell: its coordinates, and the primitive motions it is made of.
+"""Joint kinds as records: their coordinates, and the primitive motions they are made of.
 
 A *primitive* is a joint whose motion columns (angular and linear velocity of the child for a unit
 rate, at the child's origin, in the child's axes) are constant. That is all the algorithms know of
@@ -18,16 +18,16 @@ Column = tuple[Vector, Vector]
 
 
 class JointWords(NamedTuple):
-    """How a primitive of one coordinate is spoken of."""
+    """Words for a primitive of one coordinate."""
 
     joint: str
-    """Its adjective: a revolute joint."""
+    """Adjective of the joint: a revolute joint."""
     coordinate: str
-    """What its coordinate is: an angle."""
+    """Noun of the coordinate: an angle."""
     effort: str
-    """What its motor gives."""
+    """Noun of the motor's effort."""
     bearing: str
-    """What carries the other forces."""
+    """Noun of the part that carries the other forces."""
     unit: str
     effort_unit: str
 
@@ -39,7 +39,7 @@ class Own(NamedTuple):
     """In files, and behind the joint's in `fb.parameters`."""
     unit: str
     what: str
-    """What it is: the lead of a screw."""
+    """Meaning of the number: the lead of a screw."""
 
 
 class Solid(NamedTuple):
@@ -49,7 +49,7 @@ class Solid(NamedTuple):
     half: float
     """Half of its length."""
     sides: int = 24
-    """Of a cylinder many."""
+    """Number of sides; many of a cylinder."""
     moves: bool = True
     """Whether it goes with the body; else it stays where the joint begins."""
     along: str = "axis"
@@ -62,13 +62,14 @@ class Primitive(ABC):
     nq: ClassVar[int]
     nv: ClassVar[int]
     words: ClassVar[JointWords]
-    """Of one coordinate."""
+    """Words for the primitive, where it has one coordinate."""
     turns: ClassVar[bool] = False
-    """Of one coordinate: whether its motion turns the child about it."""
+    """Whether a motion of one coordinate turns the child about the axis."""
     slides: ClassVar[bool] = False
-    """Of one coordinate: whether its motion takes the child along it."""
+    """Whether a motion of one coordinate takes the child along the axis."""
     advance: Scalar = 0.0
-    """Of one coordinate: how far it takes the child along it for each unit of the coordinate."""
+    """Distance by which a motion of one coordinate takes the child along the axis for each unit of
+    the coordinate."""
 
     @abstractmethod
     def pose(self, space: AnySpace, axis: Vector, q: Vector) -> tuple[Matrix, Vector]:
@@ -110,27 +111,27 @@ class JointKind(ABC):
     nq: ClassVar[int]
     nv: ClassVar[int]
     position_names: ClassVar[tuple[str, ...]] = ("",)
-    """What each entry of q is called behind the joint's name; where there is one, nothing."""
+    """Names of the entries of q, behind the joint's name; empty where there is only one."""
     velocity_names: ClassVar[tuple[str, ...]] = ("",)
     numbers: ClassVar[tuple[Own, ...]] = ()
-    """What such a joint has besides its axis, in the order of `Joint.numbers`."""
+    """Numbers of such a joint besides its axis, in the order of `Joint.numbers`."""
     quaternion: ClassVar[int | None] = None
-    """Where in q a unit quaternion w, x, y, z begins."""
+    """Index in q at which a unit quaternion w, x, y, z begins."""
     by_angles: ClassVar[tuple[tuple[str, Primitive, Vector], ...]] = ()
-    """Of one with a quaternion: name, primitive and axis of joints of one coordinate that can stand
-    for it where three angles are wanted."""
+    """Name, primitive and axis of joints of one coordinate that, of a kind with a quaternion, can
+    stand for it where three angles are wanted."""
     angular: ClassVar[tuple[bool, ...]]
     """For each rate whether it turns (rad, N m) or slides (m, N)."""
     coordinate: ClassVar[str] = ""
-    """Of one coordinate: what it is called in formulas, before the joint's number."""
+    """Letter of a single coordinate in formulas, before the joint's number."""
     letter: ClassVar[str] = ""
     """In planar words and DH tables."""
     axis_letter: ClassVar[str] = "z"
-    """What the unit vector along its axis is called, before the joint's number."""
+    """Letter of the unit vector along the axis, before the joint's number."""
     mark: ClassVar[str] = "joint"
-    """Its symbol in drawings of the plane, one of `figures.svg_symbols.MARKS`; "" for none."""
+    """Symbol in drawings of the plane, one of `figures.svg_symbols.MARKS`; "" for none."""
     solids: ClassVar[tuple[Solid, ...]] = (Solid(1.0, 1.35),)
-    """The same in space; without any its mark."""
+    """Solids of the symbol in drawings of space; without any, its mark."""
     ranged: ClassVar[bool] = True
     """Whether it is expected to have a range."""
     holds: ClassVar[bool] = True
@@ -141,7 +142,7 @@ class JointKind(ABC):
     """Spaces (2, 3) in which the kind makes sense."""
 
     motion: ClassVar[type[Primitive] | None] = None
-    """Of one coordinate: the primitive that it is."""
+    """The primitive that a kind of one coordinate is."""
 
     @property
     def turns(self) -> bool:

@@ -12,7 +12,7 @@ from freebody.spatial import AnySpace, Vector, add, dot, scale
 
 _TINY = 1e-30
 _HALVINGS = 3
-"""Of the angle, before its tangent is small enough for the arctangent's series."""
+"""Halvings of the angle before its tangent is small enough for the arctangent's series."""
 _ARCTANGENT = tuple((-1) ** k / (2 * k + 1) for k in range(13))
 """arctan(t)/t in powers of t²: tan(π/16)² to the 13th power is below 1e-18."""
 

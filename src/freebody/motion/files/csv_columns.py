@@ -17,7 +17,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import FileError, listed, shown
-from freebody.formats import number_text, read_file
+from freebody.formats import read_file
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
 from freebody.outputs.text import as_meant
@@ -190,13 +190,13 @@ def _numbers(
         )
     values = []
     for name, cell in zip(header, cells, strict=True):
-        value = number_text.number(cell if separator == "," else cell.replace(",", ".", 1))
+        value = read_file.number(cell if separator == "," else cell.replace(",", ".", 1))
         if value is None:
             what = f"{shown(cell)} is not a number" if cell else "there is no number"
             if any(cell in units for units in _UNITS.values()):
                 what += "; write a unit after the name in the header, as in 'joint1 (deg)'"
             raise FileError(path, line, f"column {name!r}: {what}.")
-        problem = number_text.fault(value)
+        problem = read_file.fault(value)
         if problem:
             raise FileError(path, line, f"column {name!r}: {shown(cell)} is {problem}.")
         values.append(value)

@@ -32,7 +32,7 @@ from freebody.motion.closed_chain_motion import completed
 from freebody.motion.files.contradictions import GivenRates
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.ranges import Flags, angular
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.trees.position_rates import continuous, state_of
 
 REST = 1e-6

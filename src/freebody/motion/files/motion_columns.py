@@ -19,7 +19,7 @@ from freebody.motion.files.measured_motions import along_rates, rested
 from freebody.motion.motion import FEWEST, Motion, derivatives, motion_of
 from freebody.motion.piecewise import hermite
 from freebody.motion.ranges import Flags, angular, position_columns, ranges
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.trees.position_rates import layout, state_of
 
 _BEYOND = 1.5  # times the range: what is farther out is doubtful

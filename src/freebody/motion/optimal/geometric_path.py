@@ -21,7 +21,7 @@ from freebody.motion.piecewise import PiecewisePolynomial, interpolated
 from freebody.motion.planning.planning_limits import SLACK, PlanningLimits, checked_waypoints
 from freebody.motion.planning.through_loops import driven_waypoints, through_loops
 from freebody.motion.ranges import Flags, position_columns
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.program import Argument, trace
 from freebody.targets import Kernel, compile_program, result_memory
 from freebody.trees.position_rates import layout

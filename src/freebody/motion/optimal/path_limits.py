@@ -18,7 +18,7 @@ from freebody.motion.optimal.robot_limits import LimitsReached, RobotLimits
 from freebody.motion.optimal.speed_profile import PathRows, SpeedProfile, speed_limits
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.ranges import Flags, angular
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.trees.position_rates import Index
 
 _INSTANT = 1e-6

@@ -34,7 +34,7 @@ from freebody.motion.optimal.speed_profile import quickest_profile
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planning.planned import sample_times
 from freebody.motion.planning.planning_limits import Limit, PlanningLimits, planning_limits
-from freebody.outputs.numbers import rounded_up
+from freebody.outputs.number_text import rounded_up
 from freebody.trees.public_calls import Wrenches, wrenches_by_frame
 
 PathArgument = ArrayLike | Motion | PPoly

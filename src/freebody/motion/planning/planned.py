@@ -12,7 +12,7 @@ from freebody.model.model import Model
 from freebody.motion.motion import NEAR, Motion
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planning.planning_limits import PlanningLimits
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.trees.position_rates import layout
 
 SAMPLES = 401

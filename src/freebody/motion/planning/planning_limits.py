@@ -14,7 +14,7 @@ from freebody.model.doubts import EFFORTS, RANGES, SPEEDS, doubts_used
 from freebody.model.model import Model
 from freebody.motion.motion import Motion, require_motion
 from freebody.motion.ranges import Ranges, position_columns, ranges
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.trees.public_calls import Vector, finite_vector, vector
 
 SLACK = 1e-9

@@ -30,7 +30,7 @@ from freebody.motion.planning.planning_limits import (
     pace_unknown,
     planning_limits,
 )
-from freebody.outputs.numbers import compared, rounded_up
+from freebody.outputs.number_text import compared, rounded_up
 from freebody.trees.public_calls import Vector
 
 _LIMITS = ("velocity", "acceleration", "jerk")

@@ -31,7 +31,7 @@ from freebody.motion.planning.through_loops import DrivenWaypoints, through_loop
 from freebody.motion.planning.tip_following import TipFollower
 from freebody.motion.planning.tip_mobility import TipPosture
 from freebody.motion.planning.tip_paths import TipPath, arc_path, rounded_lines
-from freebody.outputs.numbers import compared, rounded_up
+from freebody.outputs.number_text import compared, rounded_up
 from freebody.trees.kinematics import forward_kinematics
 from freebody.trees.kinematics import velocity as tip_velocity
 from freebody.trees.position_rates import continuous, layout, normalised, state_of

@@ -16,7 +16,7 @@ from freebody.model.model import Model
 from freebody.motion.friction import smooth_friction
 from freebody.motion.ranges import Flags, position_columns, ranges
 from freebody.motion.simulation.lanes import MotionLanes, Some
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.trees.position_rates import Index
 
 REST = 1e-5

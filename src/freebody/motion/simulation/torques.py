@@ -23,7 +23,7 @@ from freebody.model.model import Model
 from freebody.motion.simulation.driven_steps import STATE, law_inputs
 from freebody.motion.simulation.first_order_system import TorqueLaw, row_at
 from freebody.motion.simulation.lanes import MotionLanes, some_of
-from freebody.outputs.numbers import compared
+from freebody.outputs.number_text import compared
 from freebody.program import Argument, Program
 from freebody.targets import Kernel, compile_program
 from freebody.trees.controllers import not_negative

@@ -19,7 +19,7 @@ from freebody.expressions.quantities.units import si_text
 from freebody.identifiers import word_set
 from freebody.model.parameter_formulas import inertial_names
 from freebody.outputs.display import counted
-from freebody.outputs.numbers import shortest
+from freebody.outputs.number_text import shortest
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
 from freebody_textbook.check.algebra.quotients import generator
 from freebody_textbook.check.asked.asked_quantities import Targets

@@ -11,7 +11,7 @@ from freebody.expressions.nodes import replaced as with_nodes
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.printed_names import sym
 from freebody.lazy import cached_property
-from freebody.outputs.numbers import shortest
+from freebody.outputs.number_text import shortest
 from freebody.scalars.generators import SIGN, function_of, symbol_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader

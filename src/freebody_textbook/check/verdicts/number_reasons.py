@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from freebody.errors import listed
 from freebody.expressions.printed_names import sym
 from freebody.expressions.quantities.units import si_text
-from freebody.outputs.numbers import shortest
+from freebody.outputs.number_text import shortest
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint

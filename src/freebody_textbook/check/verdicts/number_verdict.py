@@ -14,7 +14,7 @@ from freebody.expressions.nodes import nodes
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.printed_names import sym
 from freebody.expressions.quantities.units import si_text
-from freebody.outputs.numbers import shortest
+from freebody.outputs.number_text import shortest
 from freebody.scalars.generators import symbol_of, symbols_in, waves_of
 from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import Trig

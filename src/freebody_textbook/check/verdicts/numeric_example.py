@@ -7,7 +7,7 @@ import math
 from freebody.expressions.nodes import Expression, nodes
 from freebody.expressions.polynomials.typical_values import occurs, typical_value
 from freebody.expressions.printed_names import sym
-from freebody.outputs.numbers import shortest
+from freebody.outputs.number_text import shortest
 from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.right_equations import RightEquations

@@ -1,8 +1,9 @@
-"""Instants between the samples of a motion at which a torque, a power or a reaction has its
-peak."""
+"""The motion that is studied: the one that is given, or the default one at a pace within the
+limits; smoothed where it is measured and this is wished, and sampled at the peaks of loads too."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -10,19 +11,138 @@ import numpy as np
 
 from freebody.any_chain.dynamics import inverse_dynamics, joint_wrenches
 from freebody.arrays import Array
+from freebody.errors import KindError
 from freebody.model.model import Model
+from freebody.motion.default_motion import default_motion
 from freebody.motion.files.contradictions import GivenRates
-from freebody.motion.motion import Motion
-from freebody.motion.ranges import Flags, ranges, with_drive
-from freebody.report.bearings import bearing_loads
+from freebody.motion.files.csv_files import read_motion
+from freebody.motion.files.measured_motions import recognised, smoothed
+from freebody.motion.files.tables import MotionTable, motion_from_table
+from freebody.motion.motion import Motion, require_motion
+from freebody.motion.ranges import Flags, angular, ranges, with_drive
+from freebody.report.results import percent
+from freebody.report.series import bearing_loads, torque_parts
+from freebody.report.time_scaling import at_pace, effort_limits, pace
 from freebody.trees.position_rates import Index
 
+Smooth = bool | float | None
+"""False or None: as it is; True: at the cutoff that the noise asks for; a number: at that cutoff
+(Hz)."""
+
+_SLOWEST = 0.05
+"""Pace; a default motion that must be slower yet hardly moves, and is studied as it is."""
+_CLEARANCE = 0.95  # of the pace at which a limit is reached
+_COARSE = 1e-9
+"""Share of the time between samples by which neighbouring numbers may be apart there."""
 _TOLD = 1e-4  # of the largest at the samples: what is higher between them is worth a sample
 _EDGE = 1e-4  # of an interval: how far from its ends a jump is not felt
 _TRIED = 3  # intervals for each quantity
 _ROUNDS, _FAN = 6, 9
 _BLOCK = 4096  # intervals at once
+_TELL = 0.01  # of the largest peak: a change by less is not told
+_MOST = 3  # joints, those whose peaks change most
 _UNLIKELY = 0.05  # of the largest acceleration
+
+
+def given(model: Model, motion: Motion | MotionTable | str | os.PathLike[str] | None) -> Motion:
+    """The motion that `study` was given, or the default one."""
+    return _from_zero(_found(model, motion))
+
+
+def _found(model: Model, motion: Motion | MotionTable | str | os.PathLike[str] | None) -> Motion:
+    if motion is None:
+        return _unhurried(model, default_motion(model))
+    if isinstance(motion, Motion):
+        return require_motion("study", model, motion)
+    if isinstance(motion, str | os.PathLike):
+        return read_motion(model, motion)
+    if not hasattr(motion, "items"):
+        raise KindError(
+            "study",
+            "motion",
+            motion,
+            "a Motion, a CSV file or a table by names",
+            "From arrays t (T,) and q (T, nq): fb.Motion.of(model, t, q).",
+        )
+    return motion_from_table(model, motion)
+
+
+def _from_zero(motion: Motion) -> Motion:
+    """The motion with its times counted from the first, where they are so large, as a computer's
+    clock says them, that numbers hardly tell two samples apart."""
+    start = motion.t[0]
+    if np.spacing(np.abs(motion.t).max()) <= _COARSE * np.diff(motion.t).min():
+        return motion
+    pieces = motion.pieces
+    said = (
+        f"Times are counted from the first, {float(start)!r} s, at which numbers of 64 bits are "
+        f"{np.spacing(start):.2g} s apart."
+    )
+    return replace(
+        motion,
+        t=motion.t - start,
+        pieces=None if pieces is None else replace(pieces, breaks=pieces.breaks - start),
+        notices=(*motion.notices, said),
+    )
+
+
+def _unhurried(model: Model, motion: Motion) -> Motion:
+    """The default motion, slowed down where that brings it within the limits of speed and
+    torque."""
+    allowed = ranges(model)
+    data = torque_parts(model, motion)
+    factor = pace(motion, data, allowed.velocity, effort_limits(model, allowed)).factor
+    if factor >= 1.0 or factor < _SLOWEST:
+        return motion
+    factor *= _CLEARANCE
+    words = f", slowed to {motion.duration / factor:.3g} s to keep the limits of speed and torque"
+    return at_pace(motion, factor, words)
+
+
+def filtered(model: Model, motion: Motion, smooth: Smooth) -> tuple[Motion, tuple[str, ...]]:
+    """(the motion to study, sentences on its noise and on the torques with and without it)."""
+    if smooth is not None and smooth is not False:
+        clean = smoothed(model, motion, None if smooth is True else smooth)
+        peaks = _compared(model, clean, motion, "as it was measured")
+        return clean, (
+            f"The motion was smoothed. {peaks or 'Peak torques are the same within 1 %.'}",
+        )
+    found = recognised(model, motion)
+    if found is None:
+        return motion, ()
+    clean = smoothed(model, motion, found.cutoff)
+    how = f"smoothed at {found.cutoff:.3g} Hz (--smooth auto, smooth=True)"
+    peaks = _compared(model, motion, clean, how)
+    return motion, (f"{found.text} {peaks}",) if peaks else ()
+
+
+def _compared(model: Model, studied: Motion, other: Motion, how: str) -> str:
+    """The peak torques of both motions where they differ, the most changed first; empty where none
+    does."""
+    mine, theirs = (
+        np.abs(torque_parts(model, m)["tau"].values).max(axis=0) for m in (studied, other)
+    )
+    turns = angular(model)
+    driven, largest = with_drive(model), np.maximum(mine, theirs)
+    scale = np.array([largest[driven & (turns == kind)].max(initial=1e-300) for kind in turns])
+    change = np.where(driven, np.abs(theirs - mine) / scale, 0.0)
+    order = [int(k) for k in np.argsort(-change) if change[k] > _TELL]
+    if not order:
+        return ""
+    told = [_peaks(model, k, mine, theirs) for k in order[:_MOST]]
+    return f"Peak torques, and in brackets {how}: {'; '.join(told)}."
+
+
+def _peaks(model: Model, k: int, mine: Array, theirs: Array) -> str:
+    allowed = ranges(model)
+    unit = "N m" if allowed.turns[k] else "N"
+    limit = float(allowed.effort[k])
+
+    def one(value: float) -> str:
+        share = f", {percent(value / limit)} of its limit" if np.isfinite(limit) else ""
+        return f"{value:.3g} {unit}{share}"
+
+    return f"{model.velocity_names[k]} {one(float(mine[k]))} [{one(float(theirs[k]))}]"
 
 
 def with_peaks(model: Model, motion: Motion) -> Motion:
@@ -49,7 +169,7 @@ def with_peaks(model: Model, motion: Motion) -> Motion:
 
 @dataclass(frozen=True)
 class _Loads:
-    """What drives and joints bear along a motion, K quantities as sizes."""
+    """The loads of drives and joints along a motion, K quantities as sizes."""
 
     model: Model
     motion: Motion

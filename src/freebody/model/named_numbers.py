@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
 
@@ -50,7 +50,7 @@ class ModelParameter(ByValue):
     structural: bool = False
     limit: bool = False
     formula: str = ""
-    """What it follows from; patterns leave it out too."""
+    """The formula that it follows from; patterns leave such a number out, too."""
 
 
 class Parameters(Sequence[ModelParameter]):
@@ -76,7 +76,7 @@ class Parameters(Sequence[ModelParameter]):
         return np.stack(np.broadcast_arrays(*columns), axis=-1) if columns else np.zeros(0)
 
     def matching(self, pattern: Name) -> tuple[ModelParameter, ...]:
-        """Those that a name in full, or a pattern of the shell (`*`, `?`, `[ab]`), means; see
+        """The records that a name in full, or a pattern of the shell (`*`, `?`, `[ab]`), means; see
         `fb.kernel`, inputs=."""
         return tuple(
             self._at[name] for name in matching(self._catalogue, self, pattern, self._model)
@@ -200,8 +200,8 @@ def found(names: Catalogue, given: Name, model: Model) -> str:
     if isinstance(name, str):
         if name in names.rows:
             return name
-        if name in names.told:
-            return names.told[name]
+        if name in names.aliases:
+            return names.aliases[name]
         if name in names.several:
             longer = listed(map(repr, names.several[name]))
             raise ModelError(
@@ -226,42 +226,51 @@ def matching(
     names: Catalogue, records: Sequence[ModelParameter], pattern: Name, model: Model
 ) -> list[str]:
     """Names that one name in full or one pattern means, in the model's order."""
-    if (
-        isinstance(pattern, tuple)
-        or pattern in names.rows
-        or pattern in names.told
-        or pattern in names.several
-    ):
-        return [found(names, pattern, model)]
-    if not isinstance(pattern, str) or not set(pattern) & set("*?["):
+    if not _is_pattern(pattern, names):
         return [found(names, pattern, model)]
     usual = [r.name for r in records if not (r.structural or r.limit or r.formula)]
     meant = {name for name in usual if fnmatchcase(name, pattern)}
-    meant |= {name for told, name in names.told.items() if fnmatchcase(told, pattern)} & set(usual)
+    meant |= {name for alias, name in names.aliases.items() if fnmatchcase(alias, pattern)} & set(
+        usual
+    )
     if not meant:
         _require_tip(model, pattern)
-        bare = pattern.translate({ord(c): None for c in "*?[]"})
-        near = (
-            likely(bare, usual, 3)
-            or [x for x in usual if bare.strip(".") and bare.strip(".") in x][:3]
-        )
-        hint = f" Similar names: {', '.join(near)}." if near else ""
-        left = [r.name for r in records if r.structural and fnmatchcase(r.name, pattern)]
-        if left:
-            hint = f" {left[0]!r} is an exact zero or right angle: write it in full."
-        limits = [r.name for r in records if r.limit and fnmatchcase(r.name, pattern)]
-        if limits and not left:
-            hint = f" {limits[0]!r} is a limit, which no kernel reads: bind it instead."
         raise ModelError(
-            f"no parameter of {model.name!r} matches {shown(pattern)}.{hint} "
-            f"fb.parameters(model).names lists them."
+            f"no parameter of {model.name!r} matches {shown(pattern)}."
+            f"{_hint(records, usual, pattern)} fb.parameters(model).names lists them."
         )
     return [name for name in usual if name in meant]
 
 
+def _is_pattern(given: Name, names: Catalogue) -> TypeGuard[str]:
+    """Whether a text is a pattern of the shell, and not a name that holds such characters."""
+    if not isinstance(given, str) or given in names.rows:
+        return False
+    if given in names.aliases or given in names.several:
+        return False
+    return not {*given}.isdisjoint("*?[")
+
+
+def _hint(records: Sequence[ModelParameter], usual: Sequence[str], pattern: str) -> str:
+    """A hint at the meaning of a pattern that matches none of the usual names: a number that
+    patterns leave out, or names like it."""
+    left_out = [r for r in records if fnmatchcase(r.name, pattern)]
+    for record in left_out:
+        if record.structural:
+            return f" {record.name!r} is an exact zero or right angle: write it in full."
+    for record in left_out:
+        if record.limit:
+            return f" {record.name!r} is a limit, which no kernel reads: bind it instead."
+    bare = pattern.translate({ord(c): None for c in "*?[]"})
+    near = likely(bare, usual, 3)
+    if not near and bare.strip("."):
+        near = [name for name in usual if bare.strip(".") in name][:3]
+    return f" Similar names: {', '.join(near)}." if near else ""
+
+
 # ---------------------------------------------------------------- other numbers
 def bind(model: Model, values: Mapping[Any, Any]) -> Model:
-    """See `Model.bind`."""
+    """The model with other numbers, see `Model.bind`."""
     texts = {name: value for name, value in values.items() if isinstance(value, str)}
     if texts:
         given, (model, plain) = model, with_formulas(model, texts, values)

@@ -35,6 +35,8 @@ from freebody.elementary import (
     where,
 )
 
+__name__ = "freebody.math"  # where users find the functions, which say so
+
 __all__ = [
     "absolute",
     "acos",

@@ -23,7 +23,7 @@ from freebody.loops.mobility import mobility
 from freebody.model.doubts import readings
 from freebody.motion.ranges import ranges
 from freebody.outputs import files
-from freebody.outputs.numbers import significant
+from freebody.outputs.number_text import significant
 from freebody.outputs.page import SHEETS, math_style, policy
 from freebody.outputs.text import legal
 from freebody.report import page_figures as figures
@@ -127,7 +127,7 @@ def _notices(study: Study) -> dict[str, list[str]]:
 
 
 def _source(study: Study) -> tuple[str, str]:
-    """Where the robot comes from, and the whole path of its file."""
+    """The name of the robot's source, and the whole path of its file."""
     source = study.model.source
     name = Path(source).name
     if Path(source).suffix in SUFFIXES and name != source:

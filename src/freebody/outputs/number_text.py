@@ -1,4 +1,4 @@
-"""How numbers print for people: significant digits, a real minus sign, powers of ten."""
+"""Numbers as people read them: significant digits, a real minus sign, powers of ten."""
 
 from __future__ import annotations
 
