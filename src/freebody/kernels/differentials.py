@@ -17,7 +17,7 @@ from freebody.algorithms.kinematics import position_rates
 from freebody.errors import FreebodyError
 from freebody.kernels.column_by_column import LARGEST
 from freebody.kernels.formulas import FORMULAS, Option
-from freebody.kernels.kernel_or_quantities import Asked
+from freebody.kernels.options import Asked
 from freebody.kernels.tracing import program as formula_program
 from freebody.model.model import Model
 from freebody.model.tree import Tree

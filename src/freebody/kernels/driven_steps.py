@@ -18,8 +18,8 @@ from freebody.algorithms.simulation_steps import Law, Linearised
 from freebody.elementary import Scalar, maximum, tanh
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
-from freebody.kernels.formulas.choices import external
 from freebody.kernels.formulas.dynamics import forward
+from freebody.kernels.formulas.record import external
 from freebody.kernels.options import chosen_option
 from freebody.kernels.structural import Bound, Over, fetch_own
 from freebody.model.model import Model

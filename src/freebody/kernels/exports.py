@@ -13,7 +13,7 @@ from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.identifiers import is_identifier
 from freebody.kernels.formulas import Option
 from freebody.kernels.inputs import InputKernel, KernelInputs
-from freebody.kernels.kernel_or_quantities import Asked, asked
+from freebody.kernels.options import Asked, asked
 from freebody.kernels.program_description import ProgramDescription, of_program
 from freebody.kernels.self_test_samples import vectors
 from freebody.model.doubts import Doubt, attribute

@@ -10,7 +10,7 @@ import numpy as np
 from freebody.errors import MissingPackageError, ShapeError, warn
 from freebody.kernels.differentials import Differentiable, of_quantities
 from freebody.kernels.inputs import InputKernel, NamedNumbers
-from freebody.kernels.kernel_or_quantities import Asked, asked
+from freebody.kernels.options import Asked, asked
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
 from freebody.program import Program

@@ -6,12 +6,11 @@ from collections.abc import Callable, Sequence
 from typing import Any, overload
 
 from freebody.errors import FreebodyError
-from freebody.kernels.arguments import arguments
 from freebody.kernels.column_by_column import LARGEST, ColumnKernel, KernelList
 from freebody.kernels.formulas import FORMULAS, Option
 from freebody.kernels.inputs import InputKernel, input_kernel, inputs_of
 from freebody.kernels.options import chosen_option, several
-from freebody.kernels.tracing import program
+from freebody.kernels.tracing import arguments, program
 from freebody.model.model import Model
 from freebody.model.numbers import Name
 from freebody.program import Argument, Program

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from freebody.errors import FreebodyError, ShapeError, SingularError
-from freebody.kernels.arguments import arguments, chosen
 from freebody.kernels.formulas import FORMULAS
 from freebody.kernels.options import chosen_option
+from freebody.kernels.tracing import arguments, chosen
 from freebody.model.model import Model
 
 
