@@ -55,8 +55,7 @@ EXECUTES = {
 KNOWN = {
     ("locks.py", "import_module"): "modules of the table of public names, and those that are there",
     ("targets/llvm/fastcall.py", "import_module"): "a constant: NumPy's own module",
-    ("targets/llvm/gufunc.py", "import_module"): "a constant: NumPy's own module",
-    ("targets/target.py", "import_module"): "modules of the table of targets",
+    ("targets/llvm/cpu.py", "import_module"): "a constant: NumPy's own module",
     ("sweeps/cluster.py", "pickle"): "a sweep from the process that called it, through Dask, which "
     "pickles what it sends in the same way",
     ("model/edits.py", "setattr"): "constant names, when the module is imported",
@@ -66,7 +65,7 @@ KNOWN = {
         "targets/llvm/machine.py",
         "parse_assembly",
     ): "LLVM text of a verified Program: its names are words of freebody's own",
-    ("targets/cuda/assembly.py", "parse_assembly"): "the same, for GPUs",
+    ("targets/cuda/plan.py", "parse_assembly"): "the same, for GPUs",
     ("targets/cuda/driver.py", "bindings"): "assembles PTX that LLVM has made of that text",
     (
         "targets/llvm/loader.py",
@@ -74,14 +73,14 @@ KNOWN = {
     ): "what was compiled from that text, or found in the user's own cache",
     ("targets/llvm/loader.py", "CDLL"): "constants: the C library, and on Windows the system's",
     ("targets/llvm/loader.py", "parse_assembly"): "an empty text",
-    ("targets/llvm/gufunc.py", "from_address"): "a field of a ufunc that was just made",
+    ("targets/llvm/cpu.py", "from_address"): "a field of a ufunc that was just made",
     ("targets/llvm/fastcall.py", "pythonapi"): "constant names of CPython's functions",
-    ("targets/llvm/gufunc.py", "pythonapi"): "constant names of CPython's functions",
+    ("targets/llvm/cpu.py", "pythonapi"): "constant names of CPython's functions",
     (
         "formats/estimated_inertias.py",
         "trimesh",
     ): "bytes of four formats of shapes, only where estimate_inertia asks for it",
-    ("targets/llvm/gufunc.py", "PYFUNCTYPE"): "functions of NumPy's table",
+    ("targets/llvm/cpu.py", "PYFUNCTYPE"): "functions of NumPy's table",
     ("targets/llvm/repeat.py", "CFUNCTYPE"): "a constant text that was compiled",
     ("targets/llvm/scan.py", "CFUNCTYPE"): "code of a verified Program, and how it is called",
     (

@@ -27,10 +27,8 @@ from freebody.kernels.tracing import program
 from freebody.program import Argument, Program, trace
 from freebody.scalars.operations import OPERATIONS
 from freebody.targets import KernelError, compile_program
-from freebody.targets.cuda.assembly import ptx
 from freebody.targets.cuda.driver import missing
 from freebody.targets.cuda.emit import TOGETHER, emit
-from freebody.targets.cuda.part import part
 from freebody.targets.cuda.parts import (
     ALIVE,
     FEW,
@@ -38,9 +36,11 @@ from freebody.targets.cuda.parts import (
     LARGEST,
     OUTPUTS,
     ROOM,
+    part,
     parts,
     prepared,
 )
+from freebody.targets.cuda.plan import ptx
 from freebody.targets.llvm.machine import host
 from freebody.targets.text import Unit, cuda
 from support import gpu

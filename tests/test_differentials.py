@@ -9,7 +9,7 @@ import pytest
 import freebody as fb
 from freebody.kernels import differentials
 from freebody.kernels.differentials import Differentiable, length, of_quantities
-from freebody.kernels.kernel_or_quantities import asked
+from freebody.kernels.options import asked
 from freebody.program.derivative import applied, applied_back, directional, jacobian
 from freebody.program.evaluate import evaluated
 from freebody.targets import compile_program

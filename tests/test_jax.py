@@ -18,7 +18,7 @@ import freebody as fb
 from freebody.kernels import differentials
 from freebody.kernels.differentials import Differentiable
 from freebody.targets.xla import operation as xla
-from freebody.targets.xla.batch_axes import arranged
+from freebody.targets.xla.operation import arranged
 from support.extras import extra
 from support.real_files import ROBOTS
 

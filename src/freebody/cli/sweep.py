@@ -179,8 +179,8 @@ def _states(
     seed: int,
 ) -> Any:
     """The last axis: states, or a motion."""
-    from freebody.kernels.arguments import arguments
     from freebody.kernels.options import chosen_option
+    from freebody.kernels.tracing import arguments
     from freebody.motion.default_motion import default_motion
     from freebody.motion.files.read_motion import read_motion
     from freebody.trees.states import random_state

@@ -17,7 +17,7 @@ from freebody.algorithms.rnea import External, rnea
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, SingularError
 from freebody.kernels.formulas import Option
-from freebody.kernels.formulas.choices import at_driven_joints, external, partition_of
+from freebody.kernels.formulas.record import at_driven_joints, external, partition_of
 from freebody.kernels.options import chosen_option
 from freebody.kernels.structural import Bound, Over, fetch_own
 from freebody.lazy import cached_property

@@ -20,9 +20,10 @@ from freebody.targets.cuda.arrays import (
     runs,
     view,
 )
-from freebody.targets.cuda.plan import Plan
+from freebody.targets.cuda.driver import missing
+from freebody.targets.cuda.plan import Plan, plan
 from freebody.targets.kernel import Kernel
-from freebody.targets.target import KernelError
+from freebody.targets.target import KernelError, Target
 
 
 class GpuKernel(Kernel):
@@ -282,3 +283,22 @@ def _along(x: DeviceView, core: int, batch: tuple[int, ...]) -> tuple[int, ...]:
     own = len(x.shape) - core
     steps = [0 if n == 1 else s for n, s in zip(x.shape[:own], x.strides[:own], strict=True)]
     return (*[0] * (len(batch) - own), *steps)
+
+
+def _build(program: Program, width: int | None, dtype: str) -> GpuKernel:
+    return GpuKernel(program, plan(program, dtype), dtype)
+
+
+def _source(program: Program, width: int, dtype: str) -> str:
+    return plan(program, dtype).text
+
+
+TARGET = Target(
+    build=_build,
+    source=_source,
+    widths={"float64": (), "float32": ()},
+    variant=lambda program: None,
+    loops=True,
+    missing=missing,
+    host=False,
+)

@@ -3,9 +3,12 @@ compiled or found on disk, loaded as a gufunc."""
 
 from __future__ import annotations
 
+import ctypes
 import hashlib
+import importlib
 import importlib.metadata
 import importlib.util
+import struct
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
@@ -13,15 +16,16 @@ from operator import is_
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from freebody.program.passes import optimise
-from freebody.program.program import Program
+from freebody.program.program import Argument, Program
 from freebody.targets.finite_check import plainly
-from freebody.targets.kernel import BatchLoop, Kernel
+from freebody.targets.kernel import BatchLoop, Kernel, signature
 from freebody.targets.llvm import cache as disk
 from freebody.targets.llvm import fastcall, fastcode
 from freebody.targets.llvm.emit import emit, emit_own
-from freebody.targets.llvm.gufunc import make_gufunc
-from freebody.targets.llvm.lanes import REALS
+from freebody.targets.llvm.lanes import REALS, Real
 from freebody.targets.llvm.loader import LoadedCode, load
 from freebody.targets.llvm.machine import (
     LEVELS,
@@ -85,7 +89,7 @@ def _build(level: str | None, program: Program, width: int | None, dtype: str) -
         disk.store(key, code)
     symbols = ("kernel", *fastcode.EXPORTS) if fast else ("kernel",)
     loaded, addresses = load(_apart(code), symbols, fastcall.symbols(real) if fast else {})
-    ufunc = make_gufunc(
+    ufunc = _make_gufunc(
         addresses["kernel"], program.name, program.inputs, program.outputs, loaded, real
     )
     kernel = Kernel(program, _NAME + (f":{level}" if level else ""), machine.width, ufunc, dtype)
@@ -151,3 +155,74 @@ def _missing(level: str | None) -> str:
 
 
 TARGET = replace(_target(None), kinds={level: partial(_target, level) for level in LEVELS})
+
+
+_FROM_FUNC_AND_DATA_AND_SIGNATURE = 31
+"""Position in the table of __ufunc_api.h; part of NumPy's stable ABI."""
+_NONE = -1  # PyUFunc_None: no identity
+_OBJ = 88  # offset of `obj` in PyUFuncObject of ufuncobject.h, on 64-bit builds
+
+
+def _make_gufunc(
+    address: int,
+    name: str,
+    inputs: Sequence[Argument],
+    outputs: Sequence[Argument],
+    keep: Any,
+    real: Real,
+) -> np.ufunc:
+    """The ufunc of a loop over numbers of one type, with fixed core sizes.
+
+    Args:
+        address: of `void loop(char **args, intptr_t *dimensions, intptr_t *steps, void *data)`.
+        name: shown by NumPy in its messages.
+        inputs: names and core shapes.
+        outputs: names and core shapes.
+        keep: whatever must live as long as the code is callable.
+        real: type of the numbers.
+    """
+    functions, data = struct.pack("P", address), struct.pack("P", 0)
+    types = bytes([real.number] * (len(inputs) + len(outputs)))
+    title, core = name.encode(), signature(inputs, outputs).encode()
+    make = _api(
+        _FROM_FUNC_AND_DATA_AND_SIGNATURE,
+        ctypes.py_object,
+        *[ctypes.c_char_p] * 3,
+        *[ctypes.c_int] * 4,
+        *[ctypes.c_char_p] * 2,
+        ctypes.c_int,
+        ctypes.c_char_p,
+    )
+    ufunc = make(functions, data, types, 1, len(inputs), len(outputs), _NONE, title, core, 0, core)
+    _hold(ufunc, (functions, data, types, title, core, keep))
+    return ufunc
+
+
+def _hold(ufunc: np.ufunc, things: tuple[Any, ...]) -> None:
+    """Let a ufunc hold what it points to: in the place where `np.frompyfunc` keeps its callable, or
+    for ever."""
+    if _has_place():
+        ctypes.c_void_p.from_address(id(ufunc) + _OBJ).value = id(things)
+    ctypes.pythonapi.Py_IncRef(ctypes.py_object(things))
+
+
+@cache
+def _has_place() -> bool:
+    """Whether NumPy's ufuncs have their callable where its headers say; in another layout things
+    are kept for ever."""
+
+    def probe(x: Any) -> Any:
+        return x
+
+    known = np.frompyfunc(probe, 1, 1)
+    return np.ufunc.__basicsize__ >= _OBJ + ctypes.sizeof(
+        ctypes.c_void_p
+    ) and ctypes.c_void_p.from_address(id(known) + _OBJ).value == id(probe)
+
+
+def _api(position: int, result: Any, *arguments: Any) -> Any:
+    pointer = ctypes.pythonapi.PyCapsule_GetPointer
+    pointer.restype, pointer.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
+    table = pointer(importlib.import_module("numpy._core._multiarray_umath")._UFUNC_API, None)
+    address = ctypes.cast(table, ctypes.POINTER(ctypes.c_void_p))[position]
+    return ctypes.PYFUNCTYPE(result, *arguments)(address)

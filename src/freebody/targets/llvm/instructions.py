@@ -7,19 +7,9 @@ from __future__ import annotations
 
 from freebody.program.program import Program
 from freebody.scalars.operations import OPERATIONS
-from freebody.targets.llvm import exponential, inverse_trig
 from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.vector import function
-
-FUNCTIONS = {
-    "exp": exponential.exp,
-    "log": exponential.log,
-    "tanh": exponential.tanh,
-    "atan2": inverse_trig.atan2,
-    "asin": inverse_trig.asin,
-    "acos": inverse_trig.acos,
-}
-"""Operations of many instructions: each is a function of the module where a program has it."""
+from freebody.targets.llvm.vector_functions import FUNCTIONS
 
 COMPARISONS = ("less", "less_equal", "equal")
 CHOICE = "where by a comparison"

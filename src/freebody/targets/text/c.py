@@ -12,6 +12,7 @@ from freebody.program.program import Argument
 from freebody.targets.text.language import (
     Language,
     SelfTestSamples,
+    Unit,
     called,
     comment_block,
     flat,
@@ -22,9 +23,13 @@ from freebody.targets.text.language import (
     numbered,
     single,
 )
-from freebody.targets.text.pieces import body_in_parts, refusal
-from freebody.targets.text.statements import ProgramWords, Spelling, words_of
-from freebody.targets.text.unit import Unit
+from freebody.targets.text.statements import (
+    ProgramWords,
+    Spelling,
+    body_in_parts,
+    refusal,
+    words_of,
+)
 
 LONGEST = 4000
 """Operations of one function: compilers take longer than in proportion."""

@@ -7,20 +7,19 @@ from dataclasses import replace
 
 from freebody.identifiers import word_set
 from freebody.program.program import Argument, Program
-from freebody.targets.cuda.assembly import ptx
 from freebody.targets.cuda.emit import emit
-from freebody.targets.cuda.part import Part
-from freebody.targets.cuda.parts import parts, prepared
+from freebody.targets.cuda.parts import Part, parts, prepared
+from freebody.targets.cuda.plan import ptx
 from freebody.targets.text.language import (
     Language,
     SelfTestSamples,
+    Unit,
     comment_block,
     largest_entries,
     number_lists,
     numbered,
 )
 from freebody.targets.text.statements import ProgramWords, words_of
-from freebody.targets.text.unit import Unit
 
 RESERVED = word_set("WARP_SZ reduce two_over_pi") | numbered("sincos", "vector")
 

@@ -7,15 +7,14 @@ from freebody.identifiers import word_set
 from freebody.targets.text.language import (
     Language,
     SelfTestSamples,
+    Unit,
     comment_block,
     flat,
     largest_entries,
     number,
     number_lists,
 )
-from freebody.targets.text.pieces import body_in_parts, refusal
-from freebody.targets.text.statements import Spelling, words_of
-from freebody.targets.text.unit import Unit
+from freebody.targets.text.statements import Spelling, body_in_parts, refusal, words_of
 
 LONGEST = 800
 """Operations of one function. V8 does not optimise one of more than 60 kB of bytecode, and is

@@ -8,6 +8,7 @@ from freebody.program.program import Argument
 from freebody.targets.text.language import (
     Language,
     SelfTestSamples,
+    Unit,
     called,
     comment_block,
     helpers,
@@ -17,9 +18,7 @@ from freebody.targets.text.language import (
     numbered,
     single,
 )
-from freebody.targets.text.pieces import body_in_parts, refusal
-from freebody.targets.text.statements import Spelling, words_of
-from freebody.targets.text.unit import Unit
+from freebody.targets.text.statements import Spelling, body_in_parts, refusal, words_of
 
 LONGEST = 4000
 """Operations of one function: compilers take longer than in proportion."""

@@ -9,6 +9,7 @@ from freebody.program.program import Argument
 from freebody.targets.text.language import (
     Language,
     SelfTestSamples,
+    Unit,
     called,
     comment_block,
     helpers,
@@ -17,7 +18,6 @@ from freebody.targets.text.language import (
     numbered,
 )
 from freebody.targets.text.statements import ProgramWords, Spelling, lines, statements, words_of
-from freebody.targets.text.unit import Unit
 
 _ONE = ("sin", "cos", "exp", "tanh", "sign")
 _PARTIAL = {"sqrt": "x >= 0", "log": "x >= 0", "asin": "abs(x) <= 1", "acos": "abs(x) <= 1"}

@@ -8,9 +8,8 @@ from functools import partial
 import numpy as np
 
 from freebody.program.program import Argument
-from freebody.targets.text.language import Language, SelfTestSamples, flat, helpers, number
+from freebody.targets.text.language import Language, SelfTestSamples, Unit, flat, helpers, number
 from freebody.targets.text.statements import ProgramWords, Spelling, lines, statements, words_of
-from freebody.targets.text.unit import Unit
 
 _IMPORTED = ("cos", "sign", "sin", "sqrt")
 _FUNCTIONS = {op: f"{op}({{a}})" for op in _IMPORTED} | {

@@ -11,8 +11,7 @@ from __future__ import annotations
 from freebody.program.program import Argument, Program
 from freebody.targets.llvm.lanes import Real
 from freebody.targets.xla.layout import NUMBERS, OFFSETS, SIZES
-from freebody.targets.xla.llvm_lines import TextLines
-from freebody.targets.xla.thread_sharing import BASES, sharing, size_of
+from freebody.targets.xla.thread_sharing import BASES, TextLines, sharing, size_of
 
 _REFUSED = "freebody: a call that is laid out in another way than the interface's version says."
 _NUMBER = {"float64": NUMBERS["XLA_FFI_DataType_F64"], "float32": NUMBERS["XLA_FFI_DataType_F32"]}
