@@ -20,7 +20,7 @@ import freebody as fb
 from freebody.identifiers import identifiers, in_words, is_identifier
 from freebody.program import Argument, ProgramError, trace
 from freebody.targets import compile_program
-from freebody.targets.text import LANGUAGES, Unit
+from freebody.targets.text import LANGUAGES, SourceUnit
 from freebody_notes import contents, steps
 from support.sources import SOURCES, place
 
@@ -81,8 +81,10 @@ KNOWN = {
         "trimesh",
     ): "bytes of four formats of shapes, only where estimate_inertia asks for it",
     ("targets/llvm/cpu.py", "PYFUNCTYPE"): "functions of NumPy's table",
-    ("targets/llvm/repeat.py", "CFUNCTYPE"): "a constant text that was compiled",
-    ("targets/llvm/scan.py", "CFUNCTYPE"): "code of a verified Program, and how it is called",
+    (
+        "targets/llvm/scan.py",
+        "CFUNCTYPE",
+    ): "a constant text that was compiled, code of a verified Program, and how it is called",
     (
         "freebody_notes/checks/calls.py",
         "eval",
@@ -197,9 +199,9 @@ def test_a_name_from_outside_is_refused_in_a_program(name):
         with pytest.raises(ProgramError, match="is not a word"):
             compile_program(dataclasses.replace(made, name=name), target=target)
     with pytest.raises(ProgramError, match="is not a word"):
-        Unit(dataclasses.replace(made, outputs=(Argument(name, (1,)),)), "f")
+        SourceUnit(dataclasses.replace(made, outputs=(Argument(name, (1,)),)), "f")
     with pytest.raises(ProgramError, match="is not a word"):
-        Unit(made, name)
+        SourceUnit(made, name)
 
 
 @pytest.mark.parametrize(
@@ -208,14 +210,14 @@ def test_a_name_from_outside_is_refused_in_a_program(name):
 def test_a_remark_that_could_end_a_comment_is_refused(remark):
     made = trace("f", lambda x: ([x[0]],), [Argument("q", (1,))], [Argument("y", (1,))])
     with pytest.raises(ProgramError, match="a comment must not contain"):
-        Unit(made, "f", (remark,))
+        SourceUnit(made, "f", (remark,))
 
 
 def test_inputs_that_are_called_like_the_emitted_texts_own_words_are_renamed():
     inputs = [Argument(x, (1,)) for x in ("batch", "xp", "sin", "v0", "f", "q")]
     program = trace("f", lambda *x: ([sum(y[0] for y in x)],), inputs, [Argument("y", (1,))])
     scope: dict = {}
-    exec(LANGUAGES["numpy"].emit(Unit(program, "f")), scope)
+    exec(LANGUAGES["numpy"].emit(SourceUnit(program, "f")), scope)
     assert scope["f"](*(np.array([float(k)]) for k in range(6))).tolist() == [15.0]
 
 

@@ -42,7 +42,7 @@ from freebody.targets.cuda.parts import (
 )
 from freebody.targets.cuda.plan import ptx
 from freebody.targets.llvm.machine import host
-from freebody.targets.text import Unit, cuda
+from freebody.targets.text import SourceUnit, cuda
 from support import gpu
 from support.extras import extra
 from support.real_files import ROBOTS
@@ -368,7 +368,7 @@ def test_one_result_after_the_other_keeps_less_of_a_tree_alive():
 
 def test_a_program_without_numbers_is_an_entry_all_the_same(tmp_path):
     empty = trace("nothing", lambda q: ([],), [Argument("q", (2,))], [Argument("y", (0,))])
-    text = cuda.CUDA.emit(Unit(empty, "nothing"))
+    text = cuda.CUDA.emit(SourceUnit(empty, "nothing"))
     assert re.findall(r"\.entry (\w+)\(", text) == ["nothing"]
     gpu.assembled(text, tmp_path)
     (found,) = gpu.run(empty, [np.ones((3, 2))])

@@ -21,7 +21,7 @@ from freebody.motion.optimal.geometric_path import grid
 from freebody.motion.optimal.path_samples import sampled
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.targets import in_turn
-from freebody.targets import recurrence as recurrences
+from freebody.targets import in_turn as recurrences
 from support import real_files
 from support.extras import extra
 

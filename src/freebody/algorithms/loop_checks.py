@@ -22,8 +22,7 @@ from freebody.algorithms.loop_constraints import (
     loop_ends,
     one_if_positive,
 )
-from freebody.algorithms.loop_scales import scales
-from freebody.algorithms.rounding import no_finer
+from freebody.algorithms.loop_scales import no_finer, scales
 from freebody.elementary import Scalar, absolute, maximum, minimum
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, dot, times

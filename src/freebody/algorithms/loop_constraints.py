@@ -28,9 +28,8 @@ from freebody.algorithms.kinematics import (
     outward,
     world_poses,
 )
-from freebody.algorithms.loop_scales import equations_of_lengths, mechanism_length
+from freebody.algorithms.loop_scales import equations_of_lengths, mechanism_length, no_finer
 from freebody.algorithms.rnea import External
-from freebody.algorithms.rounding import no_finer
 from freebody.elementary import Scalar, maximum, minimum, sign, sqrt
 from freebody.model.tree import Tree, TreeLoop
 from freebody.spatial import (

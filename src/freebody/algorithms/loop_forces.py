@@ -25,9 +25,8 @@ from freebody.algorithms.loop_constraints import (
     one_if_positive,
     solved,
 )
-from freebody.algorithms.loop_scales import scales
+from freebody.algorithms.loop_scales import no_finer, scales
 from freebody.algorithms.rnea import Recursion, rnea
-from freebody.algorithms.rounding import no_finer
 from freebody.elementary import Scalar, maximum, minimum, sqrt
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, add, dot, scale, sub, times, transposed

@@ -13,8 +13,7 @@ from functools import reduce
 from freebody.algorithms.loop_checks import largest
 from freebody.algorithms.loop_constraints import solved
 from freebody.algorithms.loop_forces import Orthogonal, Partition, orthogonal, scaled_jacobian
-from freebody.algorithms.loop_scales import scales
-from freebody.algorithms.rounding import no_finer
+from freebody.algorithms.loop_scales import no_finer, scales
 from freebody.elementary import Scalar, absolute, maximum
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, dot, sub, transposed

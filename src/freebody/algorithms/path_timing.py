@@ -13,13 +13,18 @@ lines, because the corners of the polygon with the largest and smallest x are fo
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from math import comb, factorial, perm
 from sys import float_info
 from typing import Any, NamedTuple
 
+from freebody.algorithms.crba import mass_product, only_inertia
+from freebody.algorithms.rnea import External, rnea
 from freebody.elementary import Scalar, absolute, less, less_equal, maximum, minimum, sqrt, where
+from freebody.model.tree import Tree
+from freebody.spatial import Vector
 
-Vector = Sequence[Scalar]
+Scalars = Sequence[Scalar]
 Sloped = tuple[Scalar, Scalar]
 """A value of a line, and its slope."""
 
@@ -46,19 +51,19 @@ _NEGLIGIBLE = 1e-12
 class RowsAtEnd(NamedTuple):
     """lo <= a u + b x <= hi at one end of an interval, vectors of one entry a limit."""
 
-    a: Vector
-    b: Vector
-    lo: Vector
-    hi: Vector
+    a: Scalars
+    b: Scalars
+    lo: Scalars
+    hi: Scalars
 
 
 class LimitLines(NamedTuple):
     """One coordinate between low + slope * other and high + slope * other, for each of some
     rows."""
 
-    low: Vector
-    high: Vector
-    slope: Vector
+    low: Scalars
+    high: Scalars
+    slope: Scalars
 
 
 def polygon(
@@ -169,7 +174,7 @@ def balanced(function: Callable[[Any, Any], Any], values: Sequence[Any]) -> Any:
     return values[0]
 
 
-def backward(after: Vector, lines: LimitLines, corners: Vector) -> tuple[Scalar, Scalar]:
+def backward(after: Scalars, lines: LimitLines, corners: Scalars) -> tuple[Scalar, Scalar]:
     """(smallest, largest) x at the interval's start from which the range `after` of y can be
     reached; NaN if none."""
     top, y_top, bottom, y_bottom = corners
@@ -183,14 +188,14 @@ def backward(after: Vector, lines: LimitLines, corners: Vector) -> tuple[Scalar,
     return minimum(bottom, maximum(top, 0.0)) + gap, maximum(top, 0.0) + gap
 
 
-def forward(x: Scalar, high: Vector, slope: Vector, most: Scalar) -> Scalar:
+def forward(x: Scalar, high: Scalars, slope: Scalars, most: Scalar) -> Scalar:
     """The largest y from x that the lines of y over x and its own limit `most` allow."""
     bounds = [top + rise * x for top, rise in zip(high, slope, strict=True)]
     return maximum(balanced(minimum, [most, *bounds]), 0.0)
 
 
 def halfway(
-    first: Vector, second: Vector, x: Scalar, y: Scalar, h: Scalar
+    first: Scalars, second: Scalars, x: Scalar, y: Scalar, h: Scalar
 ) -> tuple[tuple[Scalar, ...], tuple[Scalar, ...]]:
     """(q̇, q̈) halfway in an interval; first, second: q' and q'' there."""
     middle, u = 0.5 * (x + y), (y - x) / h
@@ -203,8 +208,8 @@ def halfway(
 def excess(
     start: RowsAtEnd,
     end: RowsAtEnd,
-    middle: Vector,
-    size: Vector,
+    middle: Scalars,
+    size: Scalars,
     x: Scalar,
     y: Scalar,
     h: Scalar,
@@ -243,14 +248,14 @@ def _vertex(first: Scalar, half: Scalar, last: Scalar, passed: Scalar) -> Scalar
     return where(inside, first - slope * slope / (4.0 * where(inside, bend, 1.0)), half)
 
 
-def speed_limit(first: Vector, velocity: Vector) -> Scalar:
+def speed_limit(first: Scalars, velocity: Scalars) -> Scalar:
     """The largest x by the limits of speed; first: q'."""
     shares = (a / most for a, most in zip(first, velocity, strict=True))
     return 1.0 / balanced(maximum, [_TINY, *(share * share for share in shares)])
 
 
 def top_speed(
-    start: Vector, middle: Vector, end: Vector, velocity: Vector, x: Scalar, y: Scalar
+    start: Scalars, middle: Scalars, end: Scalars, velocity: Scalars, x: Scalar, y: Scalar
 ) -> Scalar:
     """The largest speed in an interval as a fraction of its limit, squared; start, middle, end: q'
     there, between which it is taken for a parabola, as it is in a cubic path."""
@@ -279,11 +284,11 @@ def _part(above: Scalar, below: Scalar) -> Scalar:
     return minimum(maximum(above / where(divides, below, 1.0), 0.0), 1.0)
 
 
-def curve_values(powers: Sequence[Vector], beyond: Scalar) -> list[Vector]:
+def curve_values(powers: Sequence[Scalars], beyond: Scalar) -> list[Scalars]:
     """The value and the derivatives, all that are not 0, at least two, of a polynomial whose
     coefficients are `powers`, highest first, at `beyond`."""
     degree = len(powers) - 1
-    found: list[Vector] = []
+    found: list[Scalars] = []
     for order in range(max(degree, 2) + 1):
         value: list[Scalar] = [0.0 * beyond] * len(powers[0])
         for k in range(degree, order - 1, -1):
@@ -295,11 +300,11 @@ def curve_values(powers: Sequence[Vector], beyond: Scalar) -> list[Vector]:
     return found
 
 
-def timed(derivatives: Sequence[Vector], speed: Scalar, half: Scalar) -> list[Vector]:
+def timed(derivatives: Sequence[Scalars], speed: Scalar, half: Scalar) -> list[Scalars]:
     """Coefficients of powers of t, lowest first, of q(s(t)), s = speed t + half t² from where the
     derivatives by s are taken."""
     degree, n = len(derivatives) - 1, len(derivatives[0])
-    found: list[Vector] = [[0.0] * n for _ in range(2 * degree + 1)]
+    found: list[Scalars] = [[0.0] * n for _ in range(2 * degree + 1)]
     for j, derivative in enumerate(derivatives):
         for k in range(j + 1):
             weight: Scalar = comb(j, k) / factorial(j)
@@ -307,3 +312,17 @@ def timed(derivatives: Sequence[Vector], speed: Scalar, half: Scalar) -> list[Ve
                 weight = weight * factor
             found[j + k] = [c + weight * d for c, d in zip(found[j + k], derivative, strict=True)]
     return found
+
+
+def torques_along(
+    tree: Tree, q: Vector, first: Vector, second: Vector, external: Sequence[External]
+) -> tuple[Vector, Vector, Vector]:
+    """(M q', M q'' + C q', what holds the robot still), without friction: the torque is the first
+    times s̈, plus the second times ṡ², plus the third. first, second: q' and q''."""
+    weightless = replace(only_inertia(tree), gravity=tree.space.zero)
+    still = (0.0,) * tree.nv
+    return (
+        mass_product(tree, q, first),
+        rnea(weightless, q, first, second).tau,
+        rnea(tree, q, still, still, external).tau,
+    )

@@ -7,13 +7,12 @@ from collections.abc import Callable, Sequence
 
 from freebody.algorithms.loop_constraints import solved
 from freebody.elementary import Scalar, absolute, less, maximum, minimum, sqrt, where
+from freebody.model.tree import Pose
 from freebody.spatial import Matrix, Vector, dot, product, scale, sub, transposed
 
 LEAST_DAMPING = 1e-14
 _HALF_TURN = 1e-12
 """The least of 1 + cos of an angle by which is divided."""
-
-Pose = tuple[Matrix, Vector]
 
 
 def missing(at: Pose, target: Pose, rows: Sequence[int], scales: Vector) -> tuple[Vector, Scalar]:

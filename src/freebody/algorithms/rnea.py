@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 
 from freebody.algorithms.kinematics import (
     BodyMotions,
-    Named,
+    VectorNaming,
     joint_poses,
     outward,
     unnamed,
@@ -57,7 +57,7 @@ def rnea(
     qdd: Vector,
     external: Sequence[External] = (),
     gravity: str = "base",
-    named: Named = unnamed,
+    named: VectorNaming = unnamed,
 ) -> Recursion:
     """Inverse dynamics. gravity: "base" accelerates the base by -g, "explicit" adds each body's
     weight. named: what stands for each vector in what follows from it."""
@@ -135,7 +135,7 @@ def friction_and_spring(body: TreeBody, q: Vector, qd: Vector) -> Scalar:
     )
 
 
-def _fields(tree: Tree, motion: BodyMotions, named: Named) -> list[Vector]:
+def _fields(tree: Tree, motion: BodyMotions, named: VectorNaming) -> list[Vector]:
     """The gravity field in each body's axes."""
     fields: list[Vector] = []
     for i, (body, (R, _)) in enumerate(zip(tree.bodies, motion.joints, strict=True)):

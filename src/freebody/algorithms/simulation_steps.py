@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from freebody.algorithms.crba import bias, crba, factor, substitute, without
 from freebody.algorithms.kinematics import between, coordinate_rates, moved
@@ -17,15 +18,15 @@ from freebody.algorithms.loop_constraints import Counting, constrained_motion, o
 from freebody.algorithms.rnea import External
 from freebody.elementary import Scalar, sqrt
 from freebody.model.tree import Tree
-from freebody.spatial import Vector, add, scale, sub
+from freebody.spatial import Matrix, Vector, add, dot, scale, sub
 
-State = tuple[Vector, Vector]
+MotionState = tuple[Vector, Vector]
 """(q, q̇)."""
 
 Acceleration = Callable[[float, Vector, Vector], Vector]
 """q̈ of the part of the step that has passed (0 to 1), q and q̇."""
 
-Loads = Callable[[float, Vector], Sequence[External]]
+StageWrenches = Callable[[float, Vector], Sequence[External]]
 """External wrenches on the bodies, of the part of the step that has passed and q."""
 
 FRICTION_WIDTH = 1e-3
@@ -35,19 +36,21 @@ sign(q̇)."""
 
 def semi_implicit(
     tree: Tree, q: Vector, qd: Vector, h: Scalar, acceleration: Acceleration
-) -> State:
+) -> MotionState:
     """Semi-implicit (symplectic) Euler: q̇₁ = q̇ + h q̈, then q₁ = q ⊕ h q̇₁. Of order 1."""
     qd1 = add(qd, scale(h, acceleration(0.0, q, qd)))
     return moved(tree, q, scale(h, qd1)), qd1
 
 
-def runge_kutta(tree: Tree, q: Vector, qd: Vector, h: Scalar, acceleration: Acceleration) -> State:
+def runge_kutta(
+    tree: Tree, q: Vector, qd: Vector, h: Scalar, acceleration: Acceleration
+) -> MotionState:
     """The classical method of order 4; positions by Munthe-Kaas (1998): stages in the coordinates x
     of q ⊕ x."""
     half, sixth = 0.5 * h, h * (1.0 / 6.0)
     v1, a1 = qd, acceleration(0.0, q, qd)
 
-    def stage(part: float, length: Scalar, rates: Vector, change: Vector) -> State:
+    def stage(part: float, length: Scalar, rates: Vector, change: Vector) -> MotionState:
         """(ẋ, q̈) where x = length · rates and q̇ has changed by length · change."""
         x, v = scale(length, rates), add(qd, scale(length, change))
         return coordinate_rates(tree, x, v), acceleration(part, moved(tree, q, x), v)
@@ -116,11 +119,11 @@ def implicit(
     q: Vector,
     qd: Vector,
     h: Scalar,
-    loads: Loads,
+    loads: StageWrenches,
     law: Law,
     counting: Counting | None = None,
     width: Scalar = FRICTION_WIDTH,
-) -> State:
+) -> MotionState:
     """Linearly implicit Euler, extrapolated once (Deuflhard 1985): of order 2, stable however stiff
     the drives are.
 
@@ -132,7 +135,7 @@ def implicit(
     """
     half = 0.5 * h
 
-    def euler(state: State, start: float, end: float, length: Scalar) -> State:
+    def euler(state: MotionState, start: float, end: float, length: Scalar) -> MotionState:
         given = law(start, end, *state)
         return _implicit_euler(tree, *state, length, loads(end, state[0]), given, counting, width)
 
@@ -152,7 +155,7 @@ def _implicit_euler(
     given: Linearised,
     counting: Counting | None,
     width: Scalar,
-) -> State:
+) -> MotionState:
     """(M + h D + h² K) q̈ = forces - h (stiffness q̇ + ahead), then as `semi_implicit`.
 
     The forces are those at q and q̇; D and K on the left are the slopes of what the drives take of
@@ -193,8 +196,39 @@ def _each(factors: Vector, values: Vector) -> Vector:
     return tuple(a * x for a, x in zip(factors, values, strict=True))
 
 
-def on_loops(tree: Tree, q: Vector, reached: State, counting: Counting | None) -> State:
+def on_loops(tree: Tree, q: Vector, reached: MotionState, counting: Counting | None) -> MotionState:
     """The state reached from q, brought back onto the loops; that of a tree as it is."""
     if not tree.loops:
         return reached
     return onto_loops(tree, *reached, factor(tree, crba(tree, q)), counting)
+
+
+class HeldMotion(NamedTuple):
+    """q̈ (nv,), 0 of what is held; what holds it (nv,), 0 of what is not; M (nv, nv)."""
+
+    qdd: Vector
+    reaction: Vector
+    M: Matrix
+
+
+def held_motion(tree: Tree, q: Vector, forces: Vector, held: Vector) -> HeldMotion:
+    """M q̈ = forces + reaction, with q̈ = 0 and a reaction where held is 1, no reaction where it is
+    0.
+
+    The rows and columns of what is held are taken out of M and replaced by those of the identity,
+    so that one program serves every choice.
+    """
+    M = crba(tree, q)
+    free = tuple(1.0 - x for x in held)
+    rows = tuple(
+        tuple(_entry(x, free[i] * free[j], held[i], i == j) for j, x in enumerate(row))
+        for i, row in enumerate(M)
+    )
+    right = tuple(a * f for a, f in zip(free, forces, strict=True))
+    qdd = substitute(tree, factor(tree, rows), right)
+    lacking = sub(tuple(dot(row, qdd) for row in M), forces)
+    return HeldMotion(qdd, tuple(h * x for h, x in zip(held, lacking, strict=True)), M)
+
+
+def _entry(x: Scalar, free: Scalar, held: Scalar, diagonal: bool) -> Scalar:
+    return free * x + held if diagonal else free * x

@@ -11,10 +11,9 @@ from typing import Any
 
 from freebody.algorithms import simulation_steps
 from freebody.algorithms.crba import bias, without
-from freebody.algorithms.held_joints import HeldMotion, held_motion
 from freebody.algorithms.kinematics import position_rates
 from freebody.algorithms.regrouped_parameters import lightened
-from freebody.algorithms.simulation_steps import Law, Linearised
+from freebody.algorithms.simulation_steps import HeldMotion, Law, Linearised, held_motion
 from freebody.elementary import Scalar, maximum, tanh
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
@@ -55,10 +54,10 @@ STEP_METHODS = {
     "implicit": StepMethod("implicit_step", 2, True, float("inf"), "c q̇ / √(q̇² + {width:g}²)"),
 }
 
-Torque = Callable[[float, Vector, Vector], Vector]
+StepTorque = Callable[[float, Vector, Vector], Vector]
 """Of the part of the step that has passed, q and q̇."""
 
-Loads = tuple[Vector, ...]
+FrameWrenches = tuple[Vector, ...]
 
 
 def driven_step(
@@ -167,7 +166,7 @@ class _Taken:
 
     def told(
         self, scalars: Sequence[Any]
-    ) -> tuple[Torque, Sequence[Vector], Callable[[float], Loads]]:
+    ) -> tuple[StepTorque, Sequence[Vector], Callable[[float], FrameWrenches]]:
         """The torque, what pushes and what is held, and the wrenches."""
         _, _, h, _, t, *rest = scalars
         more = iter(rest)
@@ -221,23 +220,23 @@ def _line(first: Vector, last: Vector, parts: Vector) -> Callable[[float], Vecto
     return at
 
 
-def _of_line(*own: Vector) -> Torque:
+def _of_line(*own: Vector) -> StepTorque:
     line = _line(*own)
     return lambda part, q, qd: line(part)
 
 
-def _sum(one: Torque, other: Torque) -> Torque:
+def _sum(one: StepTorque, other: StepTorque) -> StepTorque:
     return lambda part, q, qd: add(one(part, q, qd), other(part, q, qd))
 
 
-def _loads(varying: Sequence[bool], given: Sequence[Vector]) -> Callable[[float], Loads]:
+def _loads(varying: Sequence[bool], given: Sequence[Vector]) -> Callable[[float], FrameWrenches]:
     """Wrenches on frames, of the part of the step that has passed."""
     rest = iter(given)
     lines = [_line(*islice(rest, 3)) if varies else next(rest) for varies in varying]
     return lambda part: tuple(x(part) if callable(x) else x for x in lines)
 
 
-def _of_law(law: Program, t: Scalar, h: Scalar, own: Sequence[Any]) -> Torque:
+def _of_law(law: Program, t: Scalar, h: Scalar, own: Sequence[Any]) -> StepTorque:
     def at(part: float, q: Vector, qd: Vector) -> Vector:
         state = {"t": t + part * h if part else t, "q": q, "qd": qd}
         (tau,) = evaluated(law, law_inputs(law, state, own))
@@ -273,17 +272,17 @@ class _DrivenStep:
     option: Option
     method: str
     width: Scalar
-    torque: Torque
-    loads: Callable[[float], Loads]
+    torque: StepTorque
+    loads: Callable[[float], FrameWrenches]
     push: Vector = ()
     held: Vector = ()
 
-    def explicit(self, q: Vector, qd: Vector, h: Scalar) -> simulation_steps.State:
+    def explicit(self, q: Vector, qd: Vector, h: Scalar) -> simulation_steps.MotionState:
         rk4 = self.method == "rk4"
         walk = simulation_steps.runge_kutta if rk4 else simulation_steps.semi_implicit
         return walk(self.tree, q, qd, h, self._holding if self.held else self._free)
 
-    def implicit(self, q: Vector, qd: Vector, h: Scalar) -> simulation_steps.State:
+    def implicit(self, q: Vector, qd: Vector, h: Scalar) -> simulation_steps.MotionState:
         def on_bodies(part: float, q: Vector) -> Any:
             return external(self.tree, self.option, q, self.loads(part))
 
@@ -319,7 +318,7 @@ def _friction(tree: Tree, qd: Vector, width: Scalar) -> Vector:
     return tuple(total)
 
 
-def _linearised(tree: Tree, torque: Torque) -> Law:
+def _linearised(tree: Tree, torque: StepTorque) -> Law:
     """The torque at the end of a stage, linear in the state of its beginning: of the slopes those
     of each joint's torque by its own motion, where they resist it."""
     nv = tree.nv

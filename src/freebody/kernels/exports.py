@@ -22,7 +22,7 @@ from freebody.model.model import Model
 from freebody.outputs.folder import write_folder
 from freebody.program.passes import share_reciprocals
 from freebody.targets import Kernel
-from freebody.targets.text import LANGUAGES, Unit
+from freebody.targets.text import LANGUAGES, SourceUnit
 
 
 def source(
@@ -93,7 +93,7 @@ def _unit(
     name: str | None,
     dtype: str,
     options: dict[str, Any],
-) -> tuple[Unit, dict[str, Any], KernelInputs | None, Option | None, tuple[Doubt, ...]]:
+) -> tuple[SourceUnit, dict[str, Any], KernelInputs | None, Option | None, tuple[Doubt, ...]]:
     """What is written, the names behind its words, the numbers that are inputs, what was chosen of
     a model, and the doubts on it."""
     if not isinstance(language, str) or language not in LANGUAGES:
@@ -121,10 +121,10 @@ def _unit(
             else None
         )
         comment, words = of_program(traced, given)
-        return Unit(traced, name or traced.name, comment, None, dtype), words, given, None, ()
+        return SourceUnit(traced, name or traced.name, comment, None, dtype), words, given, None, ()
     traced = share_reciprocals(chosen.program())
     about = ProgramDescription(chosen.model, chosen.names, chosen.option, chosen.given, traced)
-    unit = Unit(traced, name or traced.name, about.comment, about.joints, dtype, about.marks)
+    unit = SourceUnit(traced, name or traced.name, about.comment, about.joints, dtype, about.marks)
     return unit, about.names, chosen.given, chosen.option, about.doubts
 
 

@@ -16,7 +16,7 @@ from freebody.model.model import Model
 from freebody.program import Program
 from freebody.targets import Kernel, KernelError
 from freebody.targets.call_errors import BatchError
-from freebody.targets.xla.operation import Arrays, Way, interface
+from freebody.targets.xla.operation import Arrays, Compilation, interface
 
 
 def to_jax(
@@ -55,7 +55,7 @@ def to_jax(
     if isinstance(chosen, Asked):
         if chosen.model.family and not chosen.given:
             raise FamilyError("fb.to_jax without inputs=", chosen.model.name, chosen.model.family)
-        computed, way, given = of_quantities(chosen), Way(), None
+        computed, way, given = of_quantities(chosen), Compilation(), None
         if chosen.given:
             given = NamedNumbers(chosen.given.names, chosen.given.values, chosen.model)
     else:
@@ -63,7 +63,7 @@ def to_jax(
             (chosen.kernel, chosen.named) if isinstance(chosen, InputKernel) else (chosen, None)
         )
         computed = Differentiable(kernel.program)
-        way = Way(kernel.target, kernel.asked_width, kernel.dtype.name)
+        way = Compilation(kernel.target, kernel.asked_width, kernel.dtype.name)
     kind = _kind(dtype, way)
     slow = interface().obstacle
     if not slow and jax.default_backend() != "cpu":
@@ -79,7 +79,7 @@ def to_jax(
     return function
 
 
-def _kind(dtype: str | None, way: Way) -> str | None:
+def _kind(dtype: str | None, way: Compilation) -> str | None:
     """What is computed with; None: what the arrays say."""
     import jax
 

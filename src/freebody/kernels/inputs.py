@@ -15,7 +15,7 @@ from freebody.errors import FreebodyError, MissingValueError, ModelError
 from freebody.lazy import cached_property
 from freebody.model.families import of_member
 from freebody.model.model import Model
-from freebody.model.numbers import Name, Parameters, found, known, written
+from freebody.model.numbers import ModelParameter, Name, Parameters, found, known, written
 from freebody.model.parameter_formulas import FollowingParameter
 from freebody.model.parameters import Parameter, Quantity, each_parameter
 from freebody.model.quantity_reader import QuantityReader, exact_sin_cos
@@ -80,24 +80,13 @@ def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> KernelInpu
     records = Parameters(model)
     meant = {record.name for pattern in wanted for record in records.matching(pattern)}
     for record in records:
-        if record.limit and record.name in meant:
-            raise FreebodyError(
-                f"{function}: {record.name!r} is a limit, which no kernel reads; bind it instead."
-            )
-        if record.formula and record.name in meant:
-            raise FreebodyError(
-                f"{function}: {record.name!r} follows from {record.formula}; name what it follows "
-                f"from, or set it free first: bind({record.name}={record.name!r}), --parameter "
-                f"{record.name}={record.name}."
-            )
-    varied = {
-        r.name for r in records if isinstance(r.value, np.ndarray) and not (r.limit or r.formula)
-    }
-    if (
-        model.family and not meant | varied
-    ):  # only limits differ: one number tells the family's shape
-        varied = {next(record.name for record in records if not record.limit)}
-    chosen = [record for record in records if record.name in meant | varied]
+        if record.name in meant:
+            _require_input(function, record)
+    chosen = [
+        record for record in records if record.name in meant or _differs_among_members(record)
+    ]
+    if model.family and not chosen:  # only limits differ: one number tells the family's shape
+        chosen = [next(record for record in records if not record.limit)]
     names = tuple(record.name for record in chosen)
     placeholders = {name: Placeholder(f"p{k}", None, k) for k, name in enumerate(names)}
     columns = [np.nan if record.value is None else record.value for record in chosen]
@@ -109,6 +98,25 @@ def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> KernelInpu
     )
     values.flags.writeable = False
     return KernelInputs(names, values, written(model, placeholders))
+
+
+def _require_input(function: str, record: ModelParameter) -> None:
+    """Refuse a number that no kernel reads, or that follows from others."""
+    if record.limit:
+        raise FreebodyError(
+            f"{function}: {record.name!r} is a limit, which no kernel reads; bind it instead."
+        )
+    if record.formula:
+        raise FreebodyError(
+            f"{function}: {record.name!r} follows from {record.formula}; name what it follows "
+            f"from, or set it free first: bind({record.name}={record.name!r}), --parameter "
+            f"{record.name}={record.name}."
+        )
+
+
+def _differs_among_members(record: ModelParameter) -> bool:
+    """Whether members of a family have each their own of a number that a kernel reads."""
+    return isinstance(record.value, np.ndarray) and not (record.limit or record.formula)
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from jax.interpreters import ad, batching, mlir
 from freebody.kernels.differentials import Differentiable
 from freebody.program import Argument
 from freebody.program.gradient import gradient
-from freebody.targets.xla.operation import Arrays, Way, operation
+from freebody.targets.xla.operation import Arrays, Compilation, operation
 
 _Positions = tuple[int, ...]
 
@@ -37,7 +37,7 @@ class JaxFunction:
         program: what it computes.
     """
 
-    def __init__(self, what: Differentiable, way: Way):
+    def __init__(self, what: Differentiable, way: Compilation):
         self.what, self.way, self.program = what, way, what.program
         plain = operation(what.program, way)
 

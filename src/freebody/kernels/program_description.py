@@ -36,7 +36,7 @@ _NUMBERS = "numbers of the robot, listed below (SI units)"
 
 
 class ProgramDescription:
-    """Of a program of a model. Attributes: comment, joints, marks (see `Unit`), names."""
+    """Of a program of a model. Attributes: comment, joints, marks (see `SourceUnit`), names."""
 
     def __init__(
         self,

@@ -43,7 +43,7 @@ class Factor(NamedTuple):
         return self.function, self.of if isinstance(self.of, str) else self.of.key
 
 
-Monomial = tuple[tuple[Factor, int], ...]
+FactorPowers = tuple[tuple[Factor, int], ...]
 
 
 def _written(power: tuple[Factor, int]) -> str:
@@ -58,7 +58,7 @@ class Composed:
 
     __array_ufunc__ = None
 
-    def __init__(self, terms: Mapping[Monomial, Fraction]):
+    def __init__(self, terms: Mapping[FactorPowers, Fraction]):
         if len(terms) > LARGEST:
             raise FreebodyError(f"the function has more than {LARGEST} terms.")
         self.terms = {m: c for m, c in terms.items() if c}
@@ -129,7 +129,7 @@ class Composed:
         return -self + other
 
     def __mul__(self, other: Any) -> Composed:
-        terms: dict[Monomial, Fraction] = {}
+        terms: dict[FactorPowers, Fraction] = {}
         for a, x in self.terms.items():
             for b, y in self.of(other).terms.items():
                 for monomial, coefficient in _product(a, b, x * y).terms.items():
@@ -241,11 +241,11 @@ def _value(factor: Factor, values: Mapping[str, Any]) -> Any:
     return inner if factor.function == "sum" else NUMERIC[factor.function](inner)
 
 
-def _key(monomial: Monomial) -> tuple[Any, ...]:
+def _key(monomial: FactorPowers) -> tuple[Any, ...]:
     return tuple((factor.key, exponent) for factor, exponent in monomial)
 
 
-def _product(a: Monomial, b: Monomial, coefficient: Fraction) -> Composed:
+def _product(a: FactorPowers, b: FactorPowers, coefficient: Fraction) -> Composed:
     """The normal form of coefficient · a · b."""
     exponents: dict[Factor, int] = {}
     growth = Composed({})

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from freebody import locks
 from freebody.arrays import is_count
 from freebody.lazy import cached_property
-from freebody.program.hoist import hoist
+from freebody.program.passes import hoist
 from freebody.program.program import Argument, Program, verify
 from freebody.scalars.operations import OPERATIONS
 from freebody.targets import result_memory
@@ -187,14 +187,12 @@ class Kernel:
             return self.ufunc(*values) if out is None else self.ufunc(*values, out=out)
         if threads is None:
             threads = max(1, min(cpus(), int(count * self._cost / _WORTH)))
+        if given:
+            values = _apart(values, given)
         outs = given or tuple(
             result_memory.empty(batch + argument.shape, self.dtype)
             for argument in self.program.outputs
         )
-        if given:  # of what is written over, a copy is read, as NumPy does
-            values = [
-                x.copy() if any(np.may_share_memory(x, y) for y in given) else x for x in values
-            ]
         if threads == 1 and count <= self._longest:
             self.ufunc(*values, out=outs)
         else:
@@ -252,6 +250,11 @@ class Kernel:
         """What runs, as text: LLVM on the CPU; with NumPy the program's own listing, which runs
         node by node."""
         return target_named(self.target).source(self.program, self.width, self.dtype.name)
+
+
+def _apart(values: list[np.ndarray], written: tuple[Any, ...]) -> list[np.ndarray]:
+    """The arrays, of those that are written over copies: NumPy reads them so, too."""
+    return [x.copy() if any(np.may_share_memory(x, y) for y in written) else x for x in values]
 
 
 def signature(inputs: Sequence[Argument], outputs: Sequence[Argument]) -> str:
@@ -318,9 +321,9 @@ def _in_range(program: Program, dtype: str) -> Program:
 RECENT = 32
 """Kernels that are kept although nobody has them any more, for the next who asks for one."""
 
-_Key = tuple[str, str, int | None, str, Hashable]
-_kernels: weakref.WeakValueDictionary[_Key, Kernel] = weakref.WeakValueDictionary()
-_recent: OrderedDict[_Key, Kernel] = OrderedDict()
+_KernelKey = tuple[str, str, int | None, str, Hashable]
+_kernels: weakref.WeakValueDictionary[_KernelKey, Kernel] = weakref.WeakValueDictionary()
+_recent: OrderedDict[_KernelKey, Kernel] = OrderedDict()
 """Those that were asked for last, the last one at the end."""
 
 

@@ -11,7 +11,7 @@ import math
 
 from freebody.algorithms.closed_form_inverse.joint_places import (
     AxisLine,
-    Choice,
+    JointBranch,
     JointPlace,
     at_pair,
     bent,
@@ -23,7 +23,9 @@ from freebody.elementary import Scalar, less, maximum, sqrt, where
 from freebody.spatial import Vector, dot, scale, sub, times
 
 
-def at_height(l: AxisLine, c: Vector, n: Vector, height: Scalar, length: float) -> list[Choice]:
+def at_height(
+    l: AxisLine, c: Vector, n: Vector, height: Scalar, length: float
+) -> list[JointBranch]:
     """After which n · c = height, n constant."""
     if not l.turning:
         return [(JointPlace(l, shift=(height - dot(c, n)) / dot(l.w, n)), 1.0)]
@@ -42,7 +44,7 @@ def _of_size(clear: Scalar, size: Scalar) -> Scalar:
     return least(where(less(size, 1e-9), 0.0, clear), size)
 
 
-def at_chord(l: AxisLine, c: Vector, o: Vector, square: Scalar, length: float) -> list[Choice]:
+def at_chord(l: AxisLine, c: Vector, o: Vector, square: Scalar, length: float) -> list[JointBranch]:
     """After which c is seen from o, looking along the axis, at a distance of this square."""
     u, v = level(l, c), level(l, o)
     aa, bb = dot(u, u), dot(v, v)
@@ -55,7 +57,9 @@ def at_chord(l: AxisLine, c: Vector, o: Vector, square: Scalar, length: float) -
     return either(l, base, sine, cosine, _of_size(clear, size * (1.0 / length**2)))
 
 
-def at_distance(l: AxisLine, c: Vector, o: Vector, square: Scalar, length: float) -> list[Choice]:
+def at_distance(
+    l: AxisLine, c: Vector, o: Vector, square: Scalar, length: float
+) -> list[JointBranch]:
     """After which c is at a distance of this square from o."""
     way = sub(o, c)
     if l.turning:
@@ -71,7 +75,7 @@ def at_distance(l: AxisLine, c: Vector, o: Vector, square: Scalar, length: float
     ]
 
 
-def at_angle(l: AxisLine, v: Vector, u: Vector, aim: Vector) -> list[Choice]:
+def at_angle(l: AxisLine, v: Vector, u: Vector, aim: Vector) -> list[JointBranch]:
     """After which the constant direction v makes the angle with the constant u that the unit vector
     aim makes with it."""
     cosine_u, cosine_v = dot(l.w, u), dot(l.w, v)

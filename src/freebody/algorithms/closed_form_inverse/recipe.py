@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from freebody.algorithms.closed_form_inverse.joint_places import Places, Way
+from freebody.algorithms.closed_form_inverse.joint_places import Branch, Places
 from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
 from freebody.elementary import Scalar
@@ -63,7 +63,7 @@ class WantedMotion:
         )
 
 
-Reached = tuple[Sequence[Screw], Array, Vector]
+ReachCondition = tuple[Sequence[Screw], Array, Vector]
 """(screws, c, point): as far as the screws leave c (3,) from the point, the target is out of
 reach."""
 
@@ -72,7 +72,7 @@ class Recipe(ABC):
     """A closed form for some joints in a row."""
 
     @abstractmethod
-    def ways(self, X: WantedMotion) -> list[Way]:
+    def ways(self, X: WantedMotion) -> list[Branch]:
         """The branches."""
 
     @property
@@ -85,9 +85,9 @@ class Recipe(ABC):
         """Whether one of its joints is found from a polynomial of degree four."""
         return False
 
-    def reached(self, X: WantedMotion) -> Reached | None:
-        """A target is within reach where screws bring a point to another one: see `Reached`; None
-        where that is not what decides."""
+    def reached(self, X: WantedMotion) -> ReachCondition | None:
+        """The condition under which a target is within reach: screws bring a point to another one;
+        None where that is not what decides."""
         return None
 
     def gaps(self, X: WantedMotion, x: Scalar) -> list[Scalar] | None:

@@ -15,7 +15,7 @@ from freebody.model.tree import Tree
 from freebody.spatial import Vector
 
 
-def _explicit(method: Callable[..., simulation_steps.State]) -> Evaluate:
+def _explicit(method: Callable[..., simulation_steps.MotionState]) -> Evaluate:
     """A step by an explicit method, the torque and the wrenches held."""
 
     def evaluate(

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from freebody.algorithms import path_timing
-from freebody.algorithms.path_dynamics import torques_along
+from freebody.algorithms.path_timing import torques_along
 from freebody.algorithms.regrouped_parameters import lightened
 from freebody.algorithms.rnea import External, rnea
 from freebody.arrays import Array

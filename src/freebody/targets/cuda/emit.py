@@ -17,7 +17,7 @@ from math import nan
 
 from freebody.program.program import Argument
 from freebody.scalars.operations import OPERATIONS
-from freebody.targets.cuda.parts import Part
+from freebody.targets.cuda.parts import ProgramPart
 from freebody.targets.llvm.instructions import (
     CHOICE,
     COMPARISONS,
@@ -25,7 +25,7 @@ from freebody.targets.llvm.instructions import (
     declarations,
     instructions,
 )
-from freebody.targets.llvm.lanes import DOUBLE, REALS, Lanes, One
+from freebody.targets.llvm.lanes import DOUBLE, REALS, Lanes, OneLane
 from freebody.targets.llvm.shared_functions import declared_once
 from freebody.targets.llvm.sincos import LARGEST, VectorCode, reduction
 from freebody.targets.llvm.vector import function
@@ -61,7 +61,7 @@ declare i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
 """
 
 
-def emit(entries: Mapping[str, Part], dtype: str) -> str:
+def emit(entries: Mapping[str, ProgramPart], dtype: str) -> str:
     """LLVM text of a module with these entries, by name: `void name(ptr a0, i64 step0, i64 core0,
     …, i64 n)`.
 
@@ -69,7 +69,7 @@ def emit(entries: Mapping[str, Part], dtype: str) -> str:
     parts of one program; n is the number of samples. Of a uniform input, which has no steps, only
     the address is taken.
     """
-    lanes = One(REALS[dtype])
+    lanes = OneLane(REALS[dtype])
     used = {entry.program.op[index] for entry in entries.values() for index in entry.nodes}
     made = [reduction(), _sincos(lanes)] if used.intersection(_SINES) else []
     for name, make in FUNCTIONS.items():
@@ -86,7 +86,7 @@ def emit(entries: Mapping[str, Part], dtype: str) -> str:
 class _Entry:
     """The lines of one entry, and what its values are called."""
 
-    def __init__(self, piece: Part, lanes: Lanes):
+    def __init__(self, piece: ProgramPart, lanes: Lanes):
         self.part, self.program, self.lanes = piece, piece.program, lanes
         self.lines: list[str] = []
         self.names: dict[int, str] = {}

@@ -63,12 +63,8 @@ class GpuKernel(Kernel):
         return self._run(*arrays, out=out, stream=stream)
 
     def _run(self, *arrays: Any, out: Any = None, stream: Any = None) -> Any:
-        inputs, name = self.program.inputs, self.program.name
-        if len(arrays) != len(inputs):
-            wanted = ", ".join(map(str, inputs))
-            raise KernelError(
-                f"{name}: {len(arrays)} arguments given, expected {len(inputs)}: {wanted}."
-            )
+        inputs = self.program.inputs
+        self._require_all(arrays)
         there = next((x for x in arrays if on_gpu(x)), None)
         handle = driver.DEFAULT_STREAM if stream is None else driver.handle_of(stream)
         device = self._device(arrays)
@@ -77,9 +73,7 @@ class GpuKernel(Kernel):
                 view(x, handle) if on_gpu(x) else self._hosted(a, x)
                 for a, x in zip(inputs, arrays, strict=True)
             ]
-        if any(
-            a.uniform and len(x.shape) > len(a.shape) for a, x in zip(inputs, given, strict=True)
-        ):
+        if self._varies(given):
             return cast(GpuKernel, self.per_sample)(*arrays, out=out, stream=stream)
         batch = self._batch(given)
         given_out = () if out is None else out if isinstance(out, tuple) else (out,)
@@ -87,18 +81,27 @@ class GpuKernel(Kernel):
             call = _Call(self, batch, device, handle, stream)
             results = call.outputs(given_out, there is not None)
             call.launch(given, [x.view if isinstance(x, DeviceArray) else x for x in results])
-            if there is None:
-                done: Sequence[Any] = [x.numpy() for x in results if isinstance(x, DeviceArray)]
-                for target, found in zip(given_out, done, strict=False):
-                    np.copyto(target, found, casting="same_kind")
-            else:
-                done = [x.like(there) for x in results if isinstance(x, DeviceArray)]
-                if (
-                    given_out and stream is None
-                ):  # whoever owns them does not know what they wait for
-                    driver.call("cuStreamSynchronize", handle)
-        done = given_out or tuple(done)
+            made = call.finished(
+                [x for x in results if isinstance(x, DeviceArray)], given_out, there
+            )
+        done = given_out or made
         return done[0] if len(done) == 1 else done
+
+    def _require_all(self, arrays: tuple[Any, ...]) -> None:
+        """Refuse a call with too few or too many arrays."""
+        inputs, name = self.program.inputs, self.program.name
+        if len(arrays) != len(inputs):
+            wanted = ", ".join(map(str, inputs))
+            raise KernelError(
+                f"{name}: {len(arrays)} arguments given, expected {len(inputs)}: {wanted}."
+            )
+
+    def _varies(self, given: Sequence[np.ndarray | DeviceView]) -> bool:
+        """Whether a uniform input has a value for every sample."""
+        return any(
+            argument.uniform and len(x.shape) > len(argument.shape)
+            for argument, x in zip(self.program.inputs, given, strict=True)
+        )
 
     def _hosted(self, argument: Argument, value: Any) -> np.ndarray:
         """An array of the host, of the kernel's numbers and in C order."""
@@ -213,21 +216,14 @@ class _Call:
 
     def launch(self, given: Sequence[np.ndarray | DeviceView], outs: Sequence[DeviceView]) -> None:
         """Everything: copies, what is computed once, and each part for all samples."""
-        for k, x in enumerate(outs):
-            if any(x.overlaps(y) for y in outs[:k]):
-                raise KernelError(f"{self.program.name}: two arrays of out share memory.")
+        self._require_apart(outs)
         views = [
             self._readable(a, x, outs) for a, x in zip(self.program.inputs, given, strict=True)
         ]
-        plan, module = self.kernel.plan, self.kernel.module(self.device)
         uniform = [x for a, x in zip(self.program.inputs, views, strict=True) if a.uniform]
         sampled = [x for a, x in zip(self.program.inputs, views, strict=True) if not a.uniform]
-        shared = []
-        if plan.once:
-            memory = self._memory(plan.shared * self.kernel.dtype.itemsize)
-            values = [v for x in uniform for v in (x.address, 0, x.step(len(x.shape)) or 1)]
-            module.launch(plan.once, [*values, memory.address, 0, 1], 1, self.handle)
-            shared = [memory.address]
+        plan, module = self.kernel.plan, self.kernel.module(self.device)
+        shared = self._launch_once(uniform) if plan.once else []
         arguments = [*(a for a in self.program.inputs if not a.uniform), *self.program.outputs]
         arrays = [*sampled, *outs]
         strides = [
@@ -243,6 +239,35 @@ class _Call:
             values[3 * len(sampled) : 3 * len(sampled)] = shared
             for name in plan.parts:
                 module.launch(name, values, run.count, self.handle)
+
+    def finished(
+        self, made: Sequence[DeviceArray], given: Sequence[Any], there: Any
+    ) -> tuple[Any, ...]:
+        """New arrays as the caller has them: of the library of `there`, else in the host's memory,
+        copied into those that were given."""
+        if there is None:
+            found = tuple(x.numpy() for x in made)
+            for target, result in zip(given, found, strict=False):
+                np.copyto(target, result, casting="same_kind")
+            return found
+        if given and self.stream is None:
+            # whoever owns these arrays does not know what they wait for
+            driver.call("cuStreamSynchronize", self.handle)
+        return tuple(x.like(there) for x in made)
+
+    def _require_apart(self, outs: Sequence[DeviceView]) -> None:
+        """Refuse arrays to write to that share memory."""
+        for k, x in enumerate(outs):
+            if any(x.overlaps(y) for y in outs[:k]):
+                raise KernelError(f"{self.program.name}: two arrays of out share memory.")
+
+    def _launch_once(self, uniform: Sequence[DeviceView]) -> list[int]:
+        """Start what is computed once a call; the address of the numbers that it writes."""
+        plan, module = self.kernel.plan, self.kernel.module(self.device)
+        memory = self._memory(plan.shared * self.kernel.dtype.itemsize)
+        values = [v for x in uniform for v in (x.address, 0, x.step(len(x.shape)) or 1)]
+        module.launch(plan.once, [*values, memory.address, 0, 1], 1, self.handle)
+        return [memory.address]
 
     def _readable(
         self, argument: Argument, given: np.ndarray | DeviceView, outs: Sequence[DeviceView]

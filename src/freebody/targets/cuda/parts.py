@@ -23,7 +23,7 @@ from freebody.scalars.operations import ARITY
 
 
 @dataclass(frozen=True)
-class Part:
+class ProgramPart:
     """Some of the results of a program, and the nodes that they need, in an order in which operands
     precede."""
 
@@ -62,7 +62,7 @@ class Part:
         return most
 
 
-def part(program: Program, results: Collection[int]) -> Part:
+def part(program: Program, results: Collection[int]) -> ProgramPart:
     """What these results need, in the program's order."""
     live = bytearray(len(program))
     for position in results:
@@ -71,12 +71,12 @@ def part(program: Program, results: Collection[int]) -> Part:
         if live[index]:
             for operand in program.operands(index):
                 live[operand] = 1
-    return Part(
+    return ProgramPart(
         program, tuple(sorted(results)), tuple(i for i, needed in enumerate(live) if needed)
     )
 
 
-def _one_by_one(piece: Part, results: Sequence[int]) -> Part:
+def _one_by_one(piece: ProgramPart, results: Sequence[int]) -> ProgramPart:
     """The part in another order: all that its first result needs, then what the second needs
     besides, and so on.
 
@@ -136,7 +136,7 @@ def prepared(program: Program) -> Program:
     return gather_factors(share_reciprocals(program))
 
 
-def parts(program: Program, dtype: str) -> list[Part]:
+def parts(program: Program, dtype: str) -> list[ProgramPart]:
     """Parts that write every result once: constants apart where they are many; then runs that fit,
     or the whole where none do; and none that would take an assembler minutes."""
     every = range(len(program.results))
@@ -151,14 +151,14 @@ def parts(program: Program, dtype: str) -> list[Part]:
     return made
 
 
-def _fitting(program: Program, results: Sequence[int], dtype: str) -> list[Part]:
+def _fitting(program: Program, results: Sequence[int], dtype: str) -> list[ProgramPart]:
     """Runs of results, output by output and column by column, that fit; the whole where none do, or
     too many."""
     order, room = sorted(results, key=_by_columns(program)), ROOM[dtype]
     whole = part(program, order)
     if whole.alive > _MOST * room:
         return [_quiet(whole, order, _QUIETER)]
-    made: list[Part] = []
+    made: list[ProgramPart] = []
     done = cost = 0
     while done < len(order):
         rest = part(program, order[done:])
@@ -180,7 +180,7 @@ def _fitting(program: Program, results: Sequence[int], dtype: str) -> list[Part]
     return made or [whole]
 
 
-def _assembled(piece: Part) -> list[Part]:
+def _assembled(piece: ProgramPart) -> list[ProgramPart]:
     """The part, or its halves where they are quicker to assemble, direction by direction, all
     outputs of one together: these share most of their work."""
     program = piece.program
@@ -192,7 +192,7 @@ def _assembled(piece: Part) -> list[Part]:
     return [piece for half in halves for piece in _assembled(half)]
 
 
-def _quiet(piece: Part, results: Sequence[int], most: float = 1.0) -> Part:
+def _quiet(piece: ProgramPart, results: Sequence[int], most: float = 1.0) -> ProgramPart:
     """The part as it was traced, or one result after the other, where fewer values are alive: at
     most this share of them."""
     other = _one_by_one(piece, results)

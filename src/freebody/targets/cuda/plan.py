@@ -8,10 +8,10 @@ from functools import cache
 from typing import Any
 
 from freebody.errors import FreebodyError
-from freebody.program.hoist import hoist
+from freebody.program.passes import hoist
 from freebody.program.program import Argument, Program
 from freebody.targets.cuda.emit import emit
-from freebody.targets.cuda.parts import Part, part, parts, prepared
+from freebody.targets.cuda.parts import ProgramPart, part, parts, prepared
 from freebody.targets.llvm.llvm_lock import library, to_compile
 from freebody.targets.llvm.machine import CompileError
 
@@ -26,7 +26,7 @@ class Plan:
     order.
     """
 
-    entries: dict[str, Part]
+    entries: dict[str, ProgramPart]
     dtype: str
     once: str
     shared: int

@@ -10,8 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from math import nan
 
-from freebody.program.hoist import hoist
-from freebody.program.passes import schedule
+from freebody.program.passes import hoist, schedule
 from freebody.program.program import Program
 from freebody.program.segments import Segment, SegmentedProgram, SinCos, segment
 from freebody.targets.llvm.instructions import (

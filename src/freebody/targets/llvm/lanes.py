@@ -92,7 +92,7 @@ class Lanes:
 
 
 @dataclass(frozen=True)
-class One(Lanes):
+class OneLane(Lanes):
     """A single number in the place of a vector: what stands in code for machines whose threads are
     the lanes."""
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from freebody.targets.llvm.vector import TO_INTEGER, Block, Value
+from freebody.targets.llvm.vector import TO_INTEGER, Block, LaneValue
 
 _LN2_HIGH, _LN2_LOW = 6.93147180369123816490e-01, 1.90821492927058770002e-10
 """The first has 21 zero bits at its end: its products with exponents are exact."""
@@ -45,7 +45,7 @@ _TANH_P = (-9.64399179425052238628e-1, -9.92877231001918586564e1, -1.61468768441
 _TANH_Q = (1.0, 1.12811678491632931402e2, 2.23548839060100448583e3, 4.84406305325125486048e3)
 
 
-def _exp(b: Block, x: Value) -> Value:
+def _exp(b: Block, x: LaneValue) -> LaneValue:
     """e^x within 1 ulp: x = k ln 2 + r, e^x = 2^k (1 + r + r² P(r))."""
     x = b.where(x > 720.0, 720.0, b.where(x < -760.0, -760.0, x))
     k = b.fma(x, 1.4426950408889634, TO_INTEGER) - TO_INTEGER
@@ -61,7 +61,7 @@ def _exp(b: Block, x: Value) -> Value:
     return mantissa * b.power_of_two(half) * b.power_of_two(k - half)
 
 
-def _log(b: Block, x: Value) -> Value:
+def _log(b: Block, x: LaneValue) -> LaneValue:
     """Natural logarithm within 1 ulp, after fdlibm: -infinity of 0, NaN where negative."""
     small = x < 2.2250738585072014e-308
     normal = b.where(small, x * 2.0**54, x)
@@ -82,7 +82,7 @@ def _log(b: Block, x: Value) -> Value:
     return b.where(x > 0.0, found, b.where(x.equals(0.0), float("-inf"), (x - x) / (x - x)))
 
 
-def _tanh(b: Block, x: Value) -> Value:
+def _tanh(b: Block, x: LaneValue) -> LaneValue:
     """Hyperbolic tangent within 2 ulp: a quotient of polynomials near 0, 1 - 2 / (e^2|x| + 1)
     beyond 0.625."""
     a = b.absolute(x)
@@ -132,7 +132,7 @@ _ASIN_Q = (
 )
 
 
-def _atan2(b: Block, y: Value, x: Value) -> Value:
+def _atan2(b: Block, y: LaneValue, x: LaneValue) -> LaneValue:
     """The angle of (x, y): the arc tangent of the smaller over the larger, then mirrored into its
     octant."""
     infinity = float("inf")
@@ -161,14 +161,14 @@ def _atan2(b: Block, y: Value, x: Value) -> Value:
     return b.signed(b.where(x.unordered(y), x + y, whole), y)
 
 
-def _asin(b: Block, x: Value) -> Value:
+def _asin(b: Block, x: LaneValue) -> LaneValue:
     """Arc sine, NaN beyond 1 and -1."""
     near, high, low = _arc(b, b.absolute(x))
     constant = _pair(b, near, (0.0, 0.0), _HALF_PI)
     return b.signed(_turned(constant, b.where(near, 1.0, -1.0), high, low), x)
 
 
-def _acos(b: Block, x: Value) -> Value:
+def _acos(b: Block, x: LaneValue) -> LaneValue:
     """Arc cosine, NaN beyond 1 and -1."""
     near, high, low = _arc(b, b.absolute(x))
     right = x > 0.0
@@ -177,7 +177,7 @@ def _acos(b: Block, x: Value) -> Value:
     return _turned(constant, b.where(near, -sign, sign), high, low)
 
 
-def _arc(b: Block, a: Value) -> tuple[Value, Value, Value]:
+def _arc(b: Block, a: LaneValue) -> tuple[LaneValue, LaneValue, LaneValue]:
     """Of a = |x|: whether a < 1/2, and high + low: asin a there, acos a = 2 asin sqrt((1 - a) / 2)
     beyond."""
     near = a < 0.5
@@ -190,19 +190,21 @@ def _arc(b: Block, a: Value) -> tuple[Value, Value, Value]:
     return near, b.where(near, a, first + first), b.where(near, a * ratio, beyond + beyond)
 
 
-def _turned(constant: tuple[Value, Value], sign: Value, high: Value, low: Value) -> Value:
+def _turned(
+    constant: tuple[LaneValue, LaneValue], sign: LaneValue, high: LaneValue, low: LaneValue
+) -> LaneValue:
     """constant + sign (high + low), rounded once."""
     total, rest = _sum(constant[0], sign * high)
     return total + (rest + (sign * low + constant[1]))
 
 
-def _sum(x: Value, y: Value) -> tuple[Value, Value]:
+def _sum(x: LaneValue, y: LaneValue) -> tuple[LaneValue, LaneValue]:
     """x + y and what is lost by rounding it, where x is the larger or 0."""
     total = x + y
     return total, (x - total) + y
 
 
-def _pair(b: Block, condition: Value, x: Any, y: Any) -> tuple[Value, Value]:
+def _pair(b: Block, condition: LaneValue, x: Any, y: Any) -> tuple[LaneValue, LaneValue]:
     """One of two numbers of two parts."""
     return b.where(condition, x[0], y[0]), b.where(condition, x[1], y[1])
 

@@ -28,7 +28,7 @@ class Joints:
 
 
 @dataclass(frozen=True)
-class Unit:
+class SourceUnit:
     """A program that becomes text.
 
     name: the function's. comment: lines that stand at the head of the text. joints: where they are
@@ -136,8 +136,8 @@ class Language:
     reader of a package has to know.
     """
 
-    emit: Callable[[Unit], str]
-    package: Callable[[Unit, SelfTestSamples], dict[str, str]]
+    emit: Callable[[SourceUnit], str]
+    package: Callable[[SourceUnit, SelfTestSamples], dict[str, str]]
     test: str
     dtypes: tuple[str, ...] = ("float64",)
     note: str = ""
@@ -176,7 +176,9 @@ def single(value: float, suffix: str = "") -> str:
     return f"{text if '.' in text or 'e' in text else f'{text}.0'}{suffix}"
 
 
-def comment_block(unit: Unit, use: Iterable[str], begin: str, line: str, end: str) -> list[str]:
+def comment_block(
+    unit: SourceUnit, use: Iterable[str], begin: str, line: str, end: str
+) -> list[str]:
     """The comment at the head of a text: what is known of the unit, and how it is used in the
     language."""
     known = [*unit.comment, ""] if unit.comment else []

@@ -8,7 +8,14 @@ from functools import partial
 import numpy as np
 
 from freebody.program.program import Argument
-from freebody.targets.text.language import Language, SelfTestSamples, Unit, flat, helpers, number
+from freebody.targets.text.language import (
+    Language,
+    SelfTestSamples,
+    SourceUnit,
+    flat,
+    helpers,
+    number,
+)
 from freebody.targets.text.statements import ProgramWords, Spelling, lines, statements, words_of
 
 _IMPORTED = ("cos", "sign", "sin", "sqrt")
@@ -97,7 +104,7 @@ def _in_arrays(argument: Argument) -> tuple[int, ...]:
 
 
 def _computed(
-    unit: Unit, words: ProgramWords, spelling: Spelling
+    unit: SourceUnit, words: ProgramWords, spelling: Spelling
 ) -> tuple[list[str], list[list[str]]]:
     """Lines that compute, and for each output the texts of its scalars."""
     done = statements(unit, words, spelling, _OWN)
@@ -108,12 +115,12 @@ def _computed(
     ]
 
 
-def _docstring(unit: Unit) -> list[str]:
+def _docstring(unit: SourceUnit) -> list[str]:
     comment = unit.comment or (str(unit.program),)
     return [f'"""{comment[0]}', *(["", *comment[1:]] if len(comment) > 1 else []), '"""']
 
 
-def _emit_arrays(module: str, unit: Unit) -> str:
+def _emit_arrays(module: str, unit: SourceUnit) -> str:
     """A function of arrays (..., *core) that broadcast: an array or a tuple out."""
     words, program = words_of(unit, _OWN), unit.program
     body, results = _computed(unit, words, _ARRAYS)
@@ -150,7 +157,7 @@ def _array(argument: Argument, scalars: list[str]) -> str:
     return stacked if len(argument.shape) == 1 else f"{stacked}.reshape(*batch, {shape})"
 
 
-def _emit_casadi(unit: Unit) -> str:
+def _emit_casadi(unit: SourceUnit) -> str:
     """A function without arguments that builds a casadi.Function of columns and matrices."""
     words, program = words_of(unit, _OWN), unit.program
     body, results = _computed(unit, words, _SCALARS)
@@ -187,11 +194,11 @@ def _matrix(argument: Argument, scalars: Sequence[str]) -> str:
 
 
 def _package(
-    emit: Callable[[Unit], str],
+    emit: Callable[[SourceUnit], str],
     prelude: Sequence[str],
     function: str,
     shaped: Callable[[Argument], tuple[int, ...]],
-    unit: Unit,
+    unit: SourceUnit,
     vectors: SelfTestSamples,
 ) -> dict[str, str]:
     """Module and self-test; function: what is called with one sample, {name} being the word of the

@@ -11,7 +11,7 @@ from itertools import pairwise
 from freebody.identifiers import identifiers
 from freebody.program.program import Argument, Program
 from freebody.scalars.operations import ARITY
-from freebody.targets.text.language import Section, Unit, sections
+from freebody.targets.text.language import Section, SourceUnit, sections
 
 _INFIX = {"add": ("{a} + {b}", 1, 1, 2), "sub": ("{a} - {b}", 1, 1, 2), "mul": ("{a}*{b}", 2, 2, 3)}
 _INFIX |= {"div": ("{a}/{b}", 2, 2, 3), "neg": ("-{a}", 1, 2, 0)}
@@ -78,7 +78,7 @@ class ProgramWords:
         return frozenset((self.function, *self.inputs, *self.outputs))
 
 
-def words_of(unit: Unit, reserved: Collection[str]) -> ProgramWords:
+def words_of(unit: SourceUnit, reserved: Collection[str]) -> ProgramWords:
     """Words that are none of a language's own, and no two alike."""
     function = identifiers([unit.name], reserved)[unit.name]
     taken = {*reserved, function}
@@ -100,7 +100,7 @@ class _TextValue:
 
 
 def statements(
-    unit: Unit, words: ProgramWords, spelling: Spelling, reserved: Collection[str]
+    unit: SourceUnit, words: ProgramWords, spelling: Spelling, reserved: Collection[str]
 ) -> list[Statement]:
     """The program, section by section, and last what writes the outputs."""
     return _StatementWriter(unit, words, spelling, reserved).run(
@@ -110,7 +110,7 @@ def statements(
 
 class _StatementWriter:
     def __init__(
-        self, unit: Unit, words: ProgramWords, spelling: Spelling, reserved: Collection[str]
+        self, unit: SourceUnit, words: ProgramWords, spelling: Spelling, reserved: Collection[str]
     ):
         program = unit.program
         self.program, self.spelling = program, spelling
@@ -311,7 +311,7 @@ def _parts(statements: Sequence[Statement], longest: int) -> list[Sequence[State
 
 
 def body_in_parts(
-    unit: Unit,
+    unit: SourceUnit,
     words: ProgramWords,
     spelling: Spelling,
     reserved: Collection[str],
@@ -349,7 +349,7 @@ def body_in_parts(
 
 
 def refusal(
-    unit: Unit,
+    unit: SourceUnit,
     words: ProgramWords,
     finite: tuple[str, str],
     blank: tuple[str, str],

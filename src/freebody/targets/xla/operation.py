@@ -28,7 +28,7 @@ _given: dict[str, tuple[Any, ...]] = {}
 """Name of what XLA was given -> what keeps its code."""
 
 
-class Way(NamedTuple):
+class Compilation(NamedTuple):
     """How kernels are made: target and width of `compile_program`, the latter for numbers of this
     type."""
 
@@ -65,7 +65,7 @@ def interface() -> Interface:
     return Interface(None, f"XLA's interface to compiled functions {said}, known is {layout.MAJOR}")
 
 
-def operation(program: Program, way: Way) -> Callable[..., Arrays]:
+def operation(program: Program, way: Compilation) -> Callable[..., Arrays]:
     """A function of JAX's arrays (*batch, *core), of one floating-point type and with equally many
     leading axes, which broadcast: the outputs (*batch, *core).
 
