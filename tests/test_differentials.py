@@ -9,7 +9,7 @@ import pytest
 import freebody as fb
 from freebody.kernels import differentials
 from freebody.kernels.differentials import Differentiable, length, of_quantities
-from freebody.kernels.options import asked
+from freebody.kernels.options import requested
 from freebody.program.derivative import applied, applied_back, directional, jacobian
 from freebody.program.evaluate import evaluated
 from freebody.targets import compile_program
@@ -47,7 +47,7 @@ def given(program, seed=5):
 
 
 def quantity(model, names, **options):
-    meant = asked("test", model, names, options)
+    meant = requested("test", model, names, options)
     return of_quantities(meant), meant.given
 
 

@@ -1,5 +1,5 @@
 """Articulated bodies: forward dynamics in a time linear in the number of bodies (Featherstone 2008,
-table 7.1)."""
+table 7.1), in motion and force vectors of one column, angular part first."""
 
 from __future__ import annotations
 

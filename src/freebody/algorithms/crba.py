@@ -94,8 +94,8 @@ _Seen = tuple[
     Callable[[int], list[Column]],
     Callable[[int, Column], Column],
 ]
-"""Of each body the columns of its joint; what gives their momenta, (moment, force) at an origin,
-when they are needed; and what a force of a body is to the next one inward."""
+"""For each body the columns of its joint; their momenta, (moment, force) at an origin, made when
+they are needed; and a force of the body as it acts on the next one inward."""
 
 
 def _from_frame_to_frame(tree: Tree, joints: list[Pose]) -> _Seen:

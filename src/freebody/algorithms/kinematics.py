@@ -165,8 +165,8 @@ class BodyMotions:
 
 
 VectorNaming = Callable[[str, int, Vector], Vector]
-"""What later steps of a recursion are given for a vector (its name in the record, its body, its
-value): the value itself, or in a derivation a name for it."""
+"""(name in the record, body, value) -> the vector that later steps of a recursion are given: the
+value itself, or in a derivation a name for it."""
 
 
 def unnamed(name: str, body: int, value: Vector) -> Vector:

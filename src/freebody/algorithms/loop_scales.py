@@ -21,8 +21,8 @@ def mechanism_length(tree: Tree) -> Scalar:
 
 
 def scales(tree: Tree) -> tuple[Vector, Vector]:
-    """(factors (m,) of the loop equations, divisors (nv,) of the rates) that make angles of what is
-    of lengths."""
+    """(factors (m,) of the loop equations, divisors (nv,) of the rates) that turn lengths into
+    angles."""
     length = mechanism_length(tree)
     per_length = 1.0 / length
     rows = tuple(per_length if of_length else 1.0 for of_length in equations_of_lengths(tree))

@@ -32,18 +32,18 @@ LARGEST_ROUNDS, SMALLEST_ROUNDS = 3, 1
 """Steps of Newton's method that one call makes; it ends after finitely many, seldom more. The
 smallest x is 0 wherever a robot can stand still."""
 _SETTLED = 1e-9
-"""Of the largest x: a step of no account."""
+"""The step, relative to the largest x, that is of no account."""
 
 FAR = 1e100
-"""In place of an infinite bound."""
+"""A number in place of an infinite bound."""
 _MOVING = 1e-3
-"""Of x: what y is at least, lest a motion brake to rest on the way; not before the end."""
+"""The least y, relative to x, lest a motion brake to rest on the way; not before the end."""
 _CLOSE = 1e-9
-"""Of the largest x: by how much it may be below the smallest."""
+"""The part of the largest x by which it may be below the smallest."""
 _TINY = float_info.min
 """A speed beside which none is lost, and by which one can divide."""
 _ASTRAY = 0.5
-"""Of a parabola's bend: by how much the curve that it stands for may differ from it."""
+"""The part of a parabola's bend by which the curve that it stands for may differ from it."""
 _NEGLIGIBLE = 1e-12
 """A coefficient beside the other one of its row, whose line is then parallel to an axis."""
 
@@ -74,8 +74,8 @@ def polygon(
     least: Scalar,
     most: Scalar,
 ) -> tuple[Scalar, ...]:
-    """What is allowed in one interval: (lines of x over y, (high, slope) of those of y over x,
-    corners, whether a search has not ended).
+    """The polygon of pairs (x, y) that are allowed in one interval: (lines of x over y, (high,
+    slope) of those of y over x, corners, whether a search has not ended).
 
     most_next: largest y. h: twice the interval's length in s. least, most: between which the
     largest and the smallest x are looked for. Corners: (largest x, a y that goes with it; the same
@@ -167,7 +167,8 @@ def _either(truth: Scalar, a: Sloped, b: Sloped) -> Sloped:
 
 
 def balanced(function: Callable[[Any, Any], Any], values: Sequence[Any]) -> Any:
-    """Of all values, as a tree of few levels, since a processor computes its branches at once."""
+    """A function of two, such as the minimum, over all values, as a tree of few levels, since a
+    processor computes its branches at once."""
     while len(values) > 1:
         pairs = zip(values[::2], values[1::2], strict=False)
         values = [*(function(a, b) for a, b in pairs), *values[len(values) // 2 * 2 :]]
@@ -317,8 +318,9 @@ def timed(derivatives: Sequence[Scalars], speed: Scalar, half: Scalar) -> list[S
 def torques_along(
     tree: Tree, q: Vector, first: Vector, second: Vector, external: Sequence[External]
 ) -> tuple[Vector, Vector, Vector]:
-    """(M q', M q'' + C q', what holds the robot still), without friction: the torque is the first
-    times s̈, plus the second times ṡ², plus the third. first, second: q' and q''."""
+    """(M q', M q'' + C q', what holds the robot still), without friction, along a path q(s): with
+    q̇ = q' ṡ and q̈ = q' s̈ + q'' ṡ² the torque is the first times s̈, plus the second times ṡ²,
+    plus the third (Bobrow, Dubowsky and Gibson 1985). first, second: q' and q''."""
     weightless = replace(only_inertia(tree), gravity=tree.space.zero)
     still = (0.0,) * tree.nv
     return (

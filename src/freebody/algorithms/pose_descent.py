@@ -16,9 +16,9 @@ _HALF_TURN = 1e-12
 
 
 def missing(at: Pose, target: Pose, rows: Sequence[int], scales: Vector) -> tuple[Vector, Scalar]:
-    """What is missing (rows,) of the counted rows, linear ones first, world axes: the way, and of
-    the turn by θ the vector 2 sin(θ/2) along its axis, which is longest at a half turn; and the
-    square of its length.
+    """The difference (rows,) between a pose and its target, of the counted rows, linear ones first,
+    world axes: the way, and of the turn by θ the vector 2 sin(θ/2) along its axis, which is longest
+    at a half turn; and the square of its length.
 
     scales: by which linear and angular rows are multiplied.
     """

@@ -114,7 +114,7 @@ def rnea(
 def joint_torque(
     body: TreeBody, n: Vector, f: Vector, q: Vector, qd: Vector, qdd: Vector
 ) -> Vector:
-    """What the motor of a joint must give, along each of its columns."""
+    """The torque that the motor of a joint must give, along each of its columns."""
     torques = [dot(w, n) + dot(v, f) for w, v in body.columns]
     if body.drive is not None:
         torques[0] = (

@@ -1,4 +1,5 @@
-"""One step of a simulation as straight-line arithmetic, of any tree and any joints.
+"""One step of a simulation as straight-line arithmetic, of any tree and any joints; forward
+dynamics where dry friction or a stop holds some coordinates.
 
 Positions move on their manifold: q ⊕ x is where the constant rates x lead in unit time
 (`kinematics.moved`), and of q = q₀ ⊕ x the rates of x are those of the joint behind the
@@ -24,10 +25,10 @@ MotionState = tuple[Vector, Vector]
 """(q, q̇)."""
 
 Acceleration = Callable[[float, Vector, Vector], Vector]
-"""q̈ of the part of the step that has passed (0 to 1), q and q̇."""
+"""(part of the step that has passed (0 to 1), q, q̇) -> q̈."""
 
 StageWrenches = Callable[[float, Vector], Sequence[External]]
-"""External wrenches on the bodies, of the part of the step that has passed and q."""
+"""(part of the step that has passed, q) -> external wrenches on the bodies."""
 
 FRICTION_WIDTH = 1e-3
 """rad/s or m/s: where `implicit` takes c q̇ / sqrt(q̇² + width²) for Coulomb friction c
@@ -67,7 +68,7 @@ def runge_kutta(
 
 @dataclass(frozen=True)
 class Linearised:
-    """What acts at the joints besides the robot's own drives, linear in the state: tau at a state,
+    """Torques at the joints besides the robot's own drives, linear in the state: tau at a state,
     how much less for each second that the state moves on at its rates, and how much less for each
     unit of q and q̇ of a joint (diagonals, at least 0)."""
 
@@ -78,7 +79,8 @@ class Linearised:
 
 
 Law = Callable[[float, float, Vector, Vector], Linearised]
-"""Of the parts of the step at which a stage of it begins and ends, and q and q̇ at its beginning."""
+"""(parts of the step at which a stage of it begins and ends, q and q̇ at its beginning) -> the
+torques of the stage."""
 
 
 def held(tau: Vector) -> Law:
@@ -179,8 +181,8 @@ def _implicit_euler(
 
 
 def _slopes(tree: Tree, qd: Vector, width: Scalar) -> tuple[Vector, Vector, Vector]:
-    """Of each rate: viscous friction, stiffness of springs, and smooth Coulomb friction over the
-    rate."""
+    """Slopes of the torque by each rate and position: viscous friction, stiffness of springs, and
+    smooth Coulomb friction over the rate."""
     viscous, stiffness, drag = ([0.0] * tree.nv for _ in range(3))
     for body in tree.bodies:
         if body.drive is not None:
@@ -204,7 +206,8 @@ def on_loops(tree: Tree, q: Vector, reached: MotionState, counting: Counting | N
 
 
 class HeldMotion(NamedTuple):
-    """q̈ (nv,), 0 of what is held; what holds it (nv,), 0 of what is not; M (nv, nv)."""
+    """The motion of a tree some of whose coordinates are held, by dry friction or by a stop: q̈
+    (nv,), 0 of those; the torques that hold them (nv,), 0 of the others; M (nv, nv)."""
 
     qdd: Vector
     reaction: Vector

@@ -22,7 +22,7 @@ _NOISE = 1e-14
 _NO_LENGTH = 1e-150
 """Square of the length of a row that is 0; not so small that its own square is."""
 LOST = 1e-12
-"""Of the largest singular value: one that is smaller is none."""
+"""The singular value, relative to the largest, below which it is none."""
 
 
 def singular_values(A: Matrix) -> tuple[tuple[Vector], Scalar]:
@@ -103,7 +103,7 @@ def _turned(A: Matrix, carried: Matrix, sweeps: int) -> list[tuple[Vector, Vecto
 
 
 def _squares(rows: list[tuple[Vector, Vector]]) -> tuple[list[Scalar], Scalar]:
-    """Of the lengths of rows, and their sum, not 0 where all are."""
+    """The squares of the lengths of rows, and their sum, not 0 where all are."""
     squares = [dot(row, row) for row, _ in rows]
     return squares, reduce(operator.add, squares, _NO_LENGTH / _NOISE**2)
 

@@ -1,1 +1,2 @@
-"""What can be computed, as a table of formulas, and the way from a name in it to its kernel."""
+"""A table of formulas says what can be computed; this room holds the way from a name in it to its
+kernel."""

@@ -17,7 +17,7 @@ from freebody.algorithms.kinematics import position_rates
 from freebody.errors import FreebodyError
 from freebody.kernels.column_by_column import LARGEST
 from freebody.kernels.formulas import FORMULAS, Option
-from freebody.kernels.options import Asked
+from freebody.kernels.options import QuantityRequest
 from freebody.kernels.tracing import program as formula_program
 from freebody.model.model import Model
 from freebody.model.tree import Tree
@@ -114,10 +114,11 @@ def length(program: Program) -> int:
     return sum(program.operations.values())
 
 
-def of_quantities(asked: Asked) -> Differentiable:
-    """What is asked of a model; its p is uniform."""
-    model, names, option, given, by = asked
-    p, over = asked.p(uniform=True), given.tree if given else None
+def of_quantities(request: QuantityRequest) -> Differentiable:
+    """The program of some quantities of a model, with the programs of its derivatives; its p is
+    uniform."""
+    model, names, option, given, by = request
+    p, over = request.p(uniform=True), given.tree if given else None
     for name in names:
         if FORMULAS[name].by_columns and model.nv > LARGEST:
             raise FreebodyError(

@@ -1,6 +1,6 @@
-"""Steps of a simulation with the torque's own course inside: a line over time, or a compiled law of
-time and state. Smooth Coulomb friction, whose width is an input, is part of them; dry friction and
-stops come in as what pushes and which coordinates are held."""
+"""Steps of a simulation with the course of the torque inside: a line over time, or a compiled law
+of time and state. Smooth Coulomb friction, whose width is an input, is part of them; dry friction
+and stops come in as torques that push and coordinates that are held."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ STEP_METHODS = {
 }
 
 StepTorque = Callable[[float, Vector, Vector], Vector]
-"""Of the part of the step that has passed, q and q̇."""
+"""(part of the step that has passed, q, q̇) -> torque."""
 
 FrameWrenches = tuple[Vector, ...]
 
@@ -80,12 +80,12 @@ def driven_step(
     `structural.fetch`.
     """
     record = STEP_METHODS[method]
-    takes = _Taken(model, law, adds, holds, tuple(varying))
+    takes = _StepInputs(model, law, adds, holds, tuple(varying))
     option = _option(model, record.formula, wrench_frames)
     reached = (Argument("q1", (model.nq,)), Argument("qd1", (model.nv,)))
 
     def evaluate(tree: Tree, *scalars: Any) -> tuple[Any, ...]:
-        (q, qd, h, width), (torque, held, loads) = scalars[:4], takes.told(scalars)
+        (q, qd, h, width), (torque, held, loads) = scalars[:4], takes.split(scalars)
         step = _DrivenStep(tree, option, method, width, torque, loads, *held)
         end = step.implicit(q, qd, h) if record.implicit else step.explicit(q, qd, h)
         return simulation_steps.on_loops(tree, q, end, option.equations)
@@ -101,14 +101,14 @@ def driven_rates(
     law: Program | None,
     adds: bool = False,
 ) -> Bound:
-    """What a step that holds coordinates meets in a state: a kernel of the same inputs -> (q̈ (nv,),
-    what holds (nv,), M (nv, nv))."""
-    takes = _Taken(model, law, adds, True, tuple(varying))
+    """The kernel of the accelerations in a state of a step that holds coordinates: of the same
+    inputs as the step's -> (q̈ (nv,), the torque that holds them (nv,), M (nv, nv))."""
+    takes = _StepInputs(model, law, adds, True, tuple(varying))
     option, nv = _option(model, "rk4_step", wrench_frames), model.nv
     found = (Argument("qdd", (nv,)), Argument("reaction", (nv,)), Argument("M", (nv, nv)))
 
     def evaluate(tree: Tree, *scalars: Any) -> HeldMotion:
-        (q, qd, _, width), (torque, held, loads) = scalars[:4], takes.told(scalars)
+        (q, qd, _, width), (torque, held, loads) = scalars[:4], takes.split(scalars)
         return _DrivenStep(tree, option, "rk4", width, torque, loads, *held).rates(q, qd)
 
     key = ("driven rates", *takes.key)
@@ -120,8 +120,8 @@ def _option(model: Model, formula: str, wrench_frames: Sequence[str]) -> Option:
 
 
 @dataclass(frozen=True)
-class _Taken:
-    """What a kernel of a step takes besides the model's numbers."""
+class _StepInputs:
+    """The inputs that a kernel of a step takes besides the model's numbers."""
 
     model: Model
     law: Program | None
@@ -131,20 +131,21 @@ class _Taken:
 
     @property
     def key(self) -> tuple[str, ...]:
-        """By which kernels are told apart."""
+        """The words by which kernels of steps are told apart."""
         law = self.law.digest if self.law else ""
         return law, "adds" if self.adds else "", "holds" if self.holds else "", str(self.varying)
 
     @property
     def own(self) -> tuple[Argument, ...]:
-        """What says what the torque is."""
+        """The inputs that determine the torque: the ends of a line, or those of the law besides
+        `STATE`."""
         if self.law is None:
             return _line_of("", self.model.nv)
         return tuple(x for x in self.law.inputs if x.name not in STATE)
 
     @property
     def inputs(self) -> tuple[Argument, ...]:
-        """All, in their order."""
+        """All inputs, in their order."""
         nv, size = self.model.nv, 6 if self.model.dim == 3 else 3
         return (
             Argument("q", (self.model.nq,)),
@@ -164,10 +165,11 @@ class _Taken:
             ),
         )
 
-    def told(
+    def split(
         self, scalars: Sequence[Any]
     ) -> tuple[StepTorque, Sequence[Vector], Callable[[float], FrameWrenches]]:
-        """The torque, what pushes and what is held, and the wrenches."""
+        """The torque, the torques that push and the coordinates that are held, and the wrenches,
+        from the scalars of all inputs."""
         _, _, h, _, t, *rest = scalars
         more = iter(rest)
         own = [*islice(more, len(self.own))]
@@ -186,7 +188,7 @@ def _fetched(
     taken: tuple[Argument, ...],
     found: tuple[Argument, ...],
 ) -> Bound:
-    """The kernel of a function of the tree and of what is taken."""
+    """The kernel of a function of the tree and of further inputs."""
 
     def made(p: Argument, over: Over) -> Program:
         def whole(*scalars: Any) -> tuple[Any, ...]:
@@ -204,13 +206,14 @@ def _fetched(
 
 
 def _line_of(name: str, size: int) -> tuple[Argument, ...]:
-    """What a line takes."""
+    """The inputs of a line: its two ends, and the parts of the way at which a step begins and
+    ends."""
     ends = (Argument(f"{name}{end}", (size,)) for end in ("first", "last"))
     return *ends, Argument(f"{name}parts", (2,))
 
 
 def _line(first: Vector, last: Vector, parts: Vector) -> Callable[[float], Vector]:
-    """Of the part of the step that has passed."""
+    """A line between two vectors, over the part of the step that has passed."""
     begin, end = parts
 
     def at(part: float) -> Vector:
@@ -230,7 +233,7 @@ def _sum(one: StepTorque, other: StepTorque) -> StepTorque:
 
 
 def _loads(varying: Sequence[bool], given: Sequence[Vector]) -> Callable[[float], FrameWrenches]:
-    """Wrenches on frames, of the part of the step that has passed."""
+    """Wrenches on frames, over the part of the step that has passed."""
     rest = iter(given)
     lines = [_line(*islice(rest, 3)) if varies else next(rest) for varies in varying]
     return lambda part: tuple(x(part) if callable(x) else x for x in lines)
@@ -258,15 +261,15 @@ def both_laws(law: Program, other: Program) -> Program:
 
 
 def law_inputs(law: Program, state: Mapping[str, Any], own: Sequence[Any]) -> list[Any]:
-    """What a law takes, in its order: t, q and qd by name, all others as they come."""
+    """The inputs of a law in its order: t, q and qd by name, all others as they come."""
     rest = iter(own)
     return [state[x.name] if x.name in state else next(rest) for x in law.inputs]
 
 
 @dataclass(frozen=True)
 class _DrivenStep:
-    """A step with what drives it: the width of Coulomb friction, the torque, and the wrenches;
-    torques that push besides, and which coordinates are held, where there are any."""
+    """A step with its drive: the width of Coulomb friction, the torque, and the wrenches; torques
+    that push besides, and which coordinates are held, where there are any."""
 
     tree: Tree
     option: Option
@@ -290,7 +293,7 @@ class _DrivenStep:
         return simulation_steps.implicit(self.tree, q, qd, h, on_bodies, law, counting, self.width)
 
     def rates(self, q: Vector, qd: Vector, part: float = 0.0) -> HeldMotion:
-        """What the state meets."""
+        """Accelerations and reactions in a state."""
         smooth = without(self.tree, "coulomb")
         loads = external(self.tree, self.option, q, self.loads(part))
         tau = add(self._tau(part, q, qd), self.push)

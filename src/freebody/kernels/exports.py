@@ -13,7 +13,7 @@ from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.identifiers import is_identifier
 from freebody.kernels.formulas import Option
 from freebody.kernels.inputs import InputKernel, KernelInputs
-from freebody.kernels.options import Asked, asked
+from freebody.kernels.options import QuantityRequest, requested
 from freebody.kernels.program_description import ProgramDescription, of_program
 from freebody.kernels.self_test_samples import vectors
 from freebody.model.doubts import Doubt, attribute
@@ -94,8 +94,8 @@ def _unit(
     dtype: str,
     options: dict[str, Any],
 ) -> tuple[SourceUnit, dict[str, Any], KernelInputs | None, Option | None, tuple[Doubt, ...]]:
-    """What is written, the names behind its words, the numbers that are inputs, what was chosen of
-    a model, and the doubts on it."""
+    """The text to be written as a unit, the names behind its words, the numbers that are inputs,
+    the option of a model, and the doubts about it."""
     if not isinstance(language, str) or language not in LANGUAGES:
         raise UnknownNameError("language", language, function, LANGUAGES)
     dtypes = LANGUAGES[language].dtypes
@@ -112,8 +112,8 @@ def _unit(
     model = what.model if isinstance(what, InputKernel) else what
     if isinstance(model, Model) and model.family:
         raise FamilyError(function, model.name, model.family)
-    chosen = asked(function, what, names, options)
-    if not isinstance(chosen, Asked):
+    chosen = requested(function, what, names, options)
+    if not isinstance(chosen, QuantityRequest):
         traced = share_reciprocals(chosen.program)
         given = (
             KernelInputs(chosen.parameters, chosen.values, chosen.model)
@@ -129,8 +129,8 @@ def _unit(
 
 
 def _readme(word: str, command: str, note: str, files: list[str]) -> str:
-    """What lies in the folder and how it is tried; it serves the functions that were written there
-    before, too."""
+    """The text that says what lies in the folder and how to try it; it serves the functions that
+    were written there before, too."""
     return "\n".join(
         [
             f"Functions written by freebody {__version__}. The comment at the top of each file "

@@ -10,7 +10,7 @@ import numpy as np
 from freebody.errors import MissingPackageError, ShapeError, warn
 from freebody.kernels.differentials import Differentiable, of_quantities
 from freebody.kernels.inputs import InputKernel, NamedNumbers
-from freebody.kernels.options import Asked, asked
+from freebody.kernels.options import QuantityRequest, requested
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
 from freebody.program import Program
@@ -45,14 +45,14 @@ def to_jax(
     digits, and refuses dtype="float64". A kernel of float32 keeps to them. Raises UnknownNameError,
     FreebodyError; f raises KernelError, ShapeError, BatchError.
     """
-    chosen = asked("fb.to_jax", what, names, options)
+    chosen = requested("fb.to_jax", what, names, options)
     try:
         import jax
     except ImportError:
         raise MissingPackageError("fb.to_jax", "JAX", "jax") from None
     from freebody.kernels.jax_derivatives import JaxFunction
 
-    if isinstance(chosen, Asked):
+    if isinstance(chosen, QuantityRequest):
         if chosen.model.family and not chosen.given:
             raise FamilyError("fb.to_jax without inputs=", chosen.model.name, chosen.model.family)
         computed, way, given = of_quantities(chosen), Compilation(), None
@@ -80,7 +80,7 @@ def to_jax(
 
 
 def _kind(dtype: str | None, way: Compilation) -> str | None:
-    """What is computed with; None: what the arrays say."""
+    """The type of number that is computed with; None: that of the arrays."""
     import jax
 
     if dtype is None:

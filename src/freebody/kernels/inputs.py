@@ -26,7 +26,7 @@ from freebody.targets.call_errors import BatchError
 
 @dataclass(frozen=True)
 class Placeholder(Parameter):
-    """What stands in a model in the place of a number that a kernel is given."""
+    """A parameter that stands in a model in the place of a number that a kernel is given."""
 
     index: int = 0
 
@@ -47,8 +47,8 @@ class InputReader(QuantityReader):
 
 @dataclass(frozen=True)
 class KernelInputs:
-    """Names of the numbers that a kernel is given, in the order of `fb.parameters`, and a model
-    with placeholders in them."""
+    """The numbers of a model that a kernel is given: their names, in the order of `fb.parameters`,
+    and the model with placeholders in them."""
 
     names: tuple[str, ...]
     values: Array
@@ -129,7 +129,7 @@ class NamedNumbers:
 
     @cached_property
     def at(self) -> dict[str, int]:
-        """Which entry has a name."""
+        """The index of the entry that has a name."""
         return {name: k for k, name in enumerate(self.names)}
 
     @cached_property
@@ -139,7 +139,7 @@ class NamedNumbers:
         return tuple(name for name, lacks in zip(self.names, lacking, strict=True) if lacks)
 
     def place(self, key: Name) -> int:
-        """Which entry of p has that name."""
+        """The index of the entry of p that has that name."""
         name = found(known(self.model), key, self.model)
         if name not in self.at:
             raise FreebodyError(
@@ -180,8 +180,8 @@ class InputKernel:
         self._refuse_beyond_range()
 
     def _refuse_beyond_range(self) -> None:
-        """A number of the model that is infinite as one of the kernel's would be NaN in all that
-        follows from it, as a number that is not finite is."""
+        """Refuse a number of the model that is infinite as one of the kernel's: it would be NaN in
+        all that follows from it, as a number that is not finite is."""
         with np.errstate(over="ignore"):
             beyond = np.isinf(self.values.astype(self.kernel.dtype))
         if beyond.any():
@@ -211,8 +211,8 @@ class InputKernel:
         return self.kernel(*arrays, out=out, threads=threads, **options)
 
     def numbers(self, given: Any = None) -> Any:
-        """p (..., k): an array as it is, of {name: value} the rest the model's own, without it all
-        of them."""
+        """p (..., k) of a call: an array as it is, of {name: value} the rest the model's own,
+        without it all of them."""
         if given is None and not self.named.missing:
             return self.values
         if type(given) is dict and self._held is not None:
@@ -244,7 +244,7 @@ class InputKernel:
         return numbers
 
     def _of_floats(self, given: dict[Name, Any]) -> Array | None:
-        """The same of names in full with a number each, which is not to take microseconds; None for
+        """p of names in full with a number each, quickly, since a call takes microseconds; None for
         others."""
         numbers = self.values.copy()
         for name, value in given.items():
@@ -263,8 +263,8 @@ class InputKernel:
 
 
 class _QuickInputKernel(InputKernel):
-    """One whose calls with plain arrays, p among them, go to the kernel's C function: Python finds
-    it in the slot."""
+    """A kernel whose calls with plain arrays, p among them, go to its C function: Python finds it
+    in the slot."""
 
     __slots__ = ("__call__",)
 

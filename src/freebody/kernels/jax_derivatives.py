@@ -1,4 +1,5 @@
-"""Programs as functions of JAX, with derivatives of every order.
+"""Programs as functions of JAX, with derivatives of every order; products along axes that were
+broadcast are made without copies.
 
 The derivative along tangents is an operation of JAX's own, `freebody_linear`, which is linear in
 these and knows its transpose. One tangent, or one cotangent, is what a kernel of the derivative
@@ -68,18 +69,19 @@ class JaxFunction:
         return results, tuple(changes)
 
     def _along(self, by: _Positions) -> JaxFunction:
-        """Of the rates of the outputs; rates of the inputs `by` come last."""
+        """The function of the rates of the outputs; rates of the inputs `by` come last."""
         return JaxFunction(self.what.along(by), self.way)
 
     def _gradient(self, by: _Positions, of: _Positions) -> JaxFunction:
-        """Of the gradient by the inputs `by`; weights of the outputs `of` come last."""
+        """The function of the gradient by the inputs `by`; weights of the outputs `of` come
+        last."""
         return JaxFunction(Differentiable(gradient(self.program, by, of)), self.way)
 
     def _applied(
         self, by: _Positions, of: _Positions, count: int, back: bool
     ) -> JaxFunction | None:
-        """Of the Jacobian, or its transpose, times so many vectors, which come last; None if it
-        would be too long."""
+        """The function of the Jacobian, or its transpose, times so many vectors, which come last;
+        None if it would be too long."""
         made = self.what.applied(by, of, count, back)
         return made and JaxFunction(made, self.way)
 
@@ -91,7 +93,8 @@ class JaxFunction:
         return call if found.whole else lambda *arrays: self._columns(by, arrays)
 
     def _columns(self, by: _Positions, arrays: Arrays) -> Arrays:
-        """The same from the derivatives along unit vectors."""
+        """The derivatives of each output by each of the inputs `by`, from those along unit
+        vectors."""
         shapes = [self.program.inputs[k].shape for k in by]
         ends = np.cumsum([prod(shape) for shape in shapes]).tolist()
         given = _level(self.program.inputs, arrays)
@@ -128,7 +131,7 @@ _linear.multiple_results = True
 def _evaluate(
     *operands: Any, function: JaxFunction, by: _Positions, of: _Positions, back: Any, matrix: bool
 ) -> Arrays:
-    """What the operation computes, in terms of kernels that have derivatives themselves."""
+    """The results of the operation, in terms of kernels that have derivatives themselves."""
     count = len(function.program.inputs)
     primals, given = operands[:count], operands[count:]
     if not matrix and back is None:
@@ -149,8 +152,8 @@ def _evaluate(
 def _shared(
     function: JaxFunction, by: _Positions, of: _Positions, back: Any, primals: Arrays, given: Arrays
 ) -> Arrays | None:
-    """Of vectors that are the same for all samples, by a kernel that multiplies with them itself;
-    None where others come, or too many."""
+    """The products with vectors that are the same for all samples, by a kernel that multiplies with
+    them itself; None where others come, or too many."""
     sizes = _batches(function.program, by, of, back, (*primals, *given))
     values, vectors = (
         np.broadcast_shapes(*some) for some in (sizes[: len(primals)], sizes[len(primals) :])
@@ -190,7 +193,7 @@ def _shared(
 def _multiplied(
     function: JaxFunction, by: _Positions, of: _Positions, back: Any, primals: Arrays, given: Arrays
 ) -> Arrays:
-    """Through Jacobians as arrays."""
+    """The products with Jacobians as arrays."""
     inputs = [function.program.inputs[k].shape for k in by]
     outputs = [function.program.outputs[k].shape for k in of]
     every = function.matrices(by)(*primals)
@@ -238,7 +241,8 @@ def _shapes(
 
 
 def _mapped(operands: Sequence[Any], axes: Sequence[int | None], **params: Any) -> Any:
-    """Where many vectors come for the same values, through a matrix."""
+    """The operation over one axis more; where many vectors come for the same values, through a
+    matrix."""
     count = len(params["function"].program.inputs)
     size = next(x.shape[axis] for x, axis in zip(operands, axes, strict=True) if axis is not None)
     moved = [
@@ -254,7 +258,8 @@ def _mapped(operands: Sequence[Any], axes: Sequence[int | None], **params: Any) 
 
 
 def _jvp(operands: Sequence[Any], tangents: Sequence[Any], **params: Any) -> Any:
-    """It is linear in its last operands, and in the others what `_evaluate` is."""
+    """The derivative of the operation: it is linear in its last operands, and in the others that of
+    `_evaluate`."""
     count = len(params["function"].program.inputs)
     results, changes = _linear.bind(*operands, **params), []
     moving = [k for k in range(count) if type(tangents[k]) is not ad.Zero]
@@ -283,7 +288,8 @@ def _transposed(
     back: Any,
     matrix: bool,
 ) -> list[Any]:
-    """The other way, by the operands that are unknown, of the results that count."""
+    """The transpose of the operation, by the operands that are unknown, of the results that
+    count."""
     count = len(function.program.inputs)
     primals, last = operands[:count], operands[count:]
     unknown = [k for k, x in enumerate(last) if ad.is_undefined_primal(x)]

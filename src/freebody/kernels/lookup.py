@@ -153,8 +153,8 @@ def in_columns(
     fetch_product: Callable[[str], Any],
     fetch_some: Callable[[tuple[str, ...]], Any],
 ) -> ColumnKernel | KernelList | None:
-    """Of a large robot, the matrices among the quantities by columns; None where all are one
-    program.
+    """The kernel of a large robot's quantities, the matrices among them by columns; None where all
+    are one program.
 
     fetch_product: the kernel of a formula that columns come from; fetch_some: of some of the
     quantities.

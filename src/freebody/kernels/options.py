@@ -1,5 +1,6 @@
-"""Options of `fb.kernel`: checked against the formulas that are asked for, and put together as one
-record."""
+"""Quantities of a model with the options of `fb.kernel`, checked against the formulas that are
+meant, and put together as one record; where a computation leaves freebody, a kernel may stand in
+their place."""
 
 from __future__ import annotations
 
@@ -39,7 +40,8 @@ def chosen_option(
     rows: Sequence[str] | None = None,
     function: str = "fb.kernel",
 ) -> tuple[tuple[str, ...], Option]:
-    """The names as a tuple and the structure that is meant, checked; arguments as for `kernel`.
+    """The names as a tuple, and the structure that they depend on, checked; arguments as for
+    `kernel`.
 
     function: what was called, for errors.
     """
@@ -79,8 +81,8 @@ def chosen_option(
 
 
 def _near_home(function: str, model: Model, listed: tuple[str, ...], option: Option) -> Option:
-    """Of a closed chain's equations and coordinates those that tell all near its home, whatever
-    positions will come."""
+    """The option of a closed chain with those equations and coordinates chosen that tell all near
+    its home, whatever positions will come."""
     if any(FORMULAS[name].settled == "equations" for name in listed):
         option = option._replace(equations=closed_chain_function("counting_equations")(model))
     for name in listed:
@@ -100,12 +102,12 @@ def _near_home(function: str, model: Model, listed: tuple[str, ...], option: Opt
 def _require_used(function: str, listed: Sequence[str], **given: Any) -> None:
     """Refuse an option that none of the quantities uses."""
     for name, value in given.items():
-        asked = (
+        is_given = (
             value is not None
             and value != "world"
             and not (name == "wrench_frames" and not len(value))
         )
-        if asked and not any(FORMULAS[x].uses(name) for x in listed):
+        if is_given and not any(FORMULAS[x].uses(name) for x in listed):
             used = ", ".join(x for x, formula in FORMULAS.items() if formula.uses(name))
             raise FreebodyError(
                 f"{function}: {name}={value!r} has no meaning for {', '.join(listed)}; it is for "
@@ -165,9 +167,9 @@ def require_square(function: str, model: Model) -> None:
 _OPTIONS = ("frame", "reference", "wrench_frames", "rows")
 
 
-class Asked(NamedTuple):
-    """Quantities of a model, their variant, numbers that are given as p, and inputs by which is
-    differentiated."""
+class QuantityRequest(NamedTuple):
+    """Quantities of a model, their variant, numbers that are given as p, and inputs by which they
+    are differentiated."""
 
     model: Model
     names: tuple[str, ...]
@@ -180,18 +182,18 @@ class Asked(NamedTuple):
         return Argument("p", (len(self.given.names),), uniform) if self.given else None
 
     def program(self) -> Program:
-        """What is computed."""
+        """The program of the quantities."""
         over = self.given.tree if self.given else None
         return program(self.model, self.names, self.option, self.p(), over, self.by)
 
 
-def asked(
+def requested(
     function: str,
     what: Model | Kernel | InputKernel,
     names: str | Sequence[str] | None,
     options: dict[str, Any],
-) -> Asked | Kernel | InputKernel:
-    """The quantities that are meant, checked; or the kernel itself, which takes neither names nor
+) -> QuantityRequest | Kernel | InputKernel:
+    """The quantities of a request, checked; or the kernel itself, which takes neither names nor
     options."""
     if isinstance(what, Kernel | InputKernel):
         if names is not None or options:
@@ -209,4 +211,4 @@ def asked(
             raise UnknownNameError("option", key, function, (*_OPTIONS, "inputs", "by"))
     listed, option = chosen_option(what, names, **rest, function=function)
     given = inputs_of(function, what, wanted) if wanted else None
-    return Asked(what, listed, option, given, by)
+    return QuantityRequest(what, listed, option, given, by)

@@ -144,7 +144,7 @@ def _require_parameters(function: Callable[..., Any], title: str, names: list[st
 
 
 def _called(title: str, function: Callable[..., Any], given: dict[str, Any]) -> Any:
-    """What the function returns; an error that says what it did to traced scalars."""
+    """The function's result; an error that says what the function did to traced scalars."""
     try:
         return function(**given)
     except GraphError:
@@ -183,7 +183,7 @@ def _differentiated(
 
 
 def _results(title: str, wanted: tuple[Argument, ...] | None, returned: Any) -> dict[str, Array]:
-    """What was returned, by name, as arrays of objects of the shapes that are wanted."""
+    """The returned values by name, as arrays of objects of the shapes that are wanted."""
     if isinstance(returned, Mapping):
         values = dict(returned)
     elif wanted is None or len(wanted) == 1:
@@ -258,7 +258,7 @@ def _each(array: Array, function: Callable[[Any], Any]) -> Array:
 def _derivatives(
     label: str, array: Array, directions: dict[str, tuple[int, ...]]
 ) -> dict[str, Array]:
-    """Of one output by each of some inputs."""
+    """The derivatives of one output by each of some inputs."""
     sizes = [prod(shape) for shape in directions.values()]
     _require_few(f"the derivatives of {label}", array.size * sum(sizes))
     rows = [slopes(x, sum(sizes), Outer) for x in array.ravel().tolist()]

@@ -1,5 +1,10 @@
-"""A program told to whoever reads it as text: arguments with units, the robot's structure, counts,
-all in words.
+"""A program in words, for whoever reads it as text: arguments with units, the robot's structure,
+counts, and what its nodes are in the recursion.
+
+Every name from outside becomes a word; `names` says which word is which name. Names of nodes come
+from tracing the recursion once more, with its intermediates as results: a node of the program that
+computes the same from the same inputs has their name. So no algorithm knows that its scalars are
+named, and the program is the kernel's own.
 
 Every name from outside becomes a word; which word is which name stands in `names`.
 """
@@ -32,11 +37,12 @@ from freebody.scalars.operations import OPERATIONS
 from freebody.targets.text import Joints
 
 _NUMBERS = "numbers of the robot, listed below (SI units)"
-"""What p is."""
+"""The meaning of p."""
 
 
 class ProgramDescription:
-    """Of a program of a model. Attributes: comment, joints, marks (see `SourceUnit`), names."""
+    """The description of a program of a model. Attributes: comment, joints, marks (see
+    `SourceUnit`), names."""
 
     def __init__(
         self,
@@ -81,16 +87,16 @@ class ProgramDescription:
 
     @property
     def doubts(self) -> tuple[Doubt, ...]:
-        """On what the quantities depend on."""
+        """The doubts about the numbers that the quantities depend on."""
         return doubts_used(self.model, *(x for name in self._names for x in FORMULAS[name].touches))
 
     def _doubtful(self) -> list[str]:
-        """By kind, since sentences hold names of the robot's."""
+        """The kinds of doubts in a line; their sentences hold names of the robot's."""
         kinds = ", ".join(dict.fromkeys(doubt.kind for doubt in self.doubts))
         return [f"Doubts about the robot: {kinds}."] if kinds else []
 
     def _legend(self) -> list[str]:
-        """What the words of the text stand for that are names of the recursion."""
+        """The meaning of the words in the text that are names of the recursion."""
         letters = {
             word.removeprefix("minus_").rstrip("xyz_0123456789") for word in self.marks.values()
         }
@@ -115,8 +121,8 @@ class ProgramDescription:
 
     @property
     def joints(self) -> Joints:
-        """Which joint each scalar belongs to: entries of q and of the rates, and rows of what has
-        one for each."""
+        """The joint that each scalar belongs to: entries of q and of the rates, and rows of outputs
+        with a row for each."""
         by_q, by_v = [-1] * self.model.nq, [-1] * self.model.nv
         for k, at in reversed(list(enumerate(self.model.coordinates))):
             for owner, entries in ((by_q, at.q), (by_v, at.v)):
@@ -146,7 +152,7 @@ class ProgramDescription:
         }
 
     def _worded(self, quantities: tuple[str, ...]) -> dict[str, str]:
-        """What each argument is."""
+        """The meaning of each argument."""
         found = {name: given.meaning for name, given in INPUTS.items()} | {"p": _NUMBERS}
         if self.model.nq == self.model.nv:  # no quaternions
             found |= {name: f"{found[name].partition(';')[0]})" for name in ("q", "qd")}
@@ -188,7 +194,7 @@ class ProgramDescription:
         return [*lines, f"Gravity: {self._gravity()}."]
 
     def _gravity(self) -> str:
-        """Where it pulls: whoever mounts the robot has to know."""
+        """The direction in which gravity pulls: whoever mounts the robot has to know."""
         given = self.numbers.model if self.numbers else self.model
         if (given.gravity_size, given.gravity_direction) != (
             self.model.gravity_size,
@@ -231,7 +237,7 @@ def _span(entries: tuple[int, ...]) -> str:
 
 
 def _listed_numbers(model: Model, numbers: KernelInputs | None, words: dict[str, str]) -> list[str]:
-    """What the entries of p are."""
+    """Lines that say what the entries of p are."""
     if numbers is None:
         return []
     records = {record.name: record for record in Parameters(model)}
@@ -283,7 +289,7 @@ _MEANINGS = {
     "M": "entry of the mass matrix",
     "c": "torque at zero accelerations",
 }
-"""What the letters in front of a number stand for."""
+"""The meaning of the letters in front of a number."""
 
 _SEEN = ("input", "const", "sin", "cos")
 """Operations that show what they are."""
@@ -295,8 +301,8 @@ _LARGEST = 64
 
 
 def _marks(program: Program, option: Option, tree_over: Callable[[Any], Tree]) -> dict[int, str]:
-    """Node -> word, of those that the recursion has a name for: w3_x, the x of the angular velocity
-    of body 3.
+    """Node -> word, for nodes that the recursion has a name for: w3_x, the x of the angular
+    velocity of body 3.
 
     tree_over: the tree over the scalars of p.
     """

@@ -100,7 +100,7 @@ def arguments(model: Model, names: tuple[str, ...], option: Option) -> tuple[Arg
 
 
 def _is_given(name: str, option: Option) -> bool:
-    """Whether an input that not all models or calls have is one here."""
+    """Whether a model and option have an input that others lack."""
     return {"point": option.point, "redundancy": option.redundant}.get(name, True)
 
 
@@ -110,7 +110,7 @@ def _wrench(k: int) -> str:
 
 
 def chosen(name: str, given: dict[str, Any], option: Option) -> dict[str, Any]:
-    """Of the given inputs those that a formula takes."""
+    """The inputs that a formula takes, out of all that are given."""
     taken = {x: given[x] for x in FORMULAS[name].inputs if x in given}
     if "wrenches" in FORMULAS[name].inputs:
         taken["wrenches"] = tuple(given[_wrench(k)] for k in range(len(option.wrench_frames)))
@@ -133,8 +133,8 @@ def _outputs(
 def shape(
     model: Model, dims: Dimensions, option: Option, tree: Tree | None = None
 ) -> tuple[int, ...]:
-    """The sizes of dimensions that are told by name; of the numbers that a tree has, where its
-    scalars are not the model's own."""
+    """The sizes of named dimensions; of the numbers that a tree has, where its scalars are not the
+    model's own."""
     sizes = {
         "nq": lambda: model.nq,
         "nv": lambda: model.nv,
@@ -164,8 +164,8 @@ def shape(
 
 
 def _directions(model: Model, inputs: Sequence[Argument], by: Sequence[str]) -> dict[str, int]:
-    """How many directions there are of each input by which is differentiated: of positions nv,
-    tangent ones; 0 stands for the one of a bare number."""
+    """How many directions there are of each input by which the outputs are differentiated: of
+    positions nv, tangent ones; 0 stands for the one of a bare number."""
     sizes = {a.name: model.nv if a.name in POSITIONS else a.size if a.shape else 0 for a in inputs}
     for name in by:
         if name not in sizes:

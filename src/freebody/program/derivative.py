@@ -139,7 +139,7 @@ def _vectors(program: Program, arguments: Sequence[Argument], count: int) -> lis
 def _rows(
     table: Program, program: Program, by: Sequence[int], given: Sequence[Any]
 ) -> list[list[Any]]:
-    """Of each output the rows of its Jacobian, by all inputs `by` one after the other."""
+    """The rows of each output's Jacobian, by all inputs `by` one after the other."""
     found = iter(evaluated(table, given))
     rows = []
     for output in program.outputs:

@@ -139,10 +139,10 @@ def schedule(program: Program) -> Program:
     one with the youngest operand; in a long one the first as traced. Inputs and constants do not
     count: they can be read again from where they are.
     """
-    return _reordered(program, _Schedule(program).run())
+    return _reordered(program, _NodeOrder(program).run())
 
 
-class _Schedule:
+class _NodeOrder:
     """The order of a program's nodes in the making: which are put, and which are ready to be.
 
     operands, readers: of each node, inputs and constants left out. unread: readers of each node
@@ -228,8 +228,8 @@ def optimise(program: Program) -> Program:
 
 
 def hoist(program: Program) -> tuple[Program, Program]:
-    """The program in two parts: what follows from uniform inputs alone is computed once a call, and
-    all else for every sample.
+    """The program cut in two parts: the first computes once a call what follows from uniform inputs
+    alone, the second all else for every sample.
 
     The first part has what were the uniform inputs, and one output: what it computes of them. The
     second has the other inputs, and one uniform input, the last: the scalars of the uniform ones,

@@ -216,7 +216,7 @@ def verify(program: Program) -> Program:
 
 
 def _fault(program: Program, index: int) -> str:
-    """What is wrong with one node; "" if nothing is."""
+    """The fault of one node in words; "" if it has none."""
     op, row = program.op[index], (program.a[index], program.b[index], program.c[index])
     if op not in ARITY:
         return f"%{index}: unknown operation {op!r}; known: {', '.join(ARITY)}"

@@ -39,7 +39,7 @@ class Factor(NamedTuple):
 
     @property
     def key(self) -> tuple[Any, ...]:
-        """What factors are sorted by: variables first."""
+        """The rank by which factors are sorted: variables first."""
         return self.function, self.of if isinstance(self.of, str) else self.of.key
 
 
@@ -208,7 +208,7 @@ _DERIVATIVES: dict[str, Any] = {
     "exp": lambda u: _function("exp", u),
     "log": lambda u: u**-1,
 }
-"""Of each function, by its argument."""
+"""The derivative of each function, by its argument."""
 
 _KNOWN: dict[tuple[str, Any], int] = {
     ("sin", 0): 0,
@@ -267,8 +267,7 @@ def _product(a: FactorPowers, b: FactorPowers, coefficient: Fraction) -> Compose
 
 
 def _folded(factor: Factor, exponent: int) -> tuple[Composed | None, int]:
-    """What a power is beside a lower one of its factor, and the exponent of that: sin³ is
-    (1 - cos²) sin."""
+    """A factor that a power splits off, and the exponent that is left: sin³ is (1 - cos²) sin."""
     if factor.function == "sin" and exponent >= 2:
         c = _function("cos", factor.of)
         return (1 - c * c) ** (exponent // 2), exponent % 2

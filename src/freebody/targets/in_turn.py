@@ -71,7 +71,7 @@ def _strides(x: Array, core: int, steps: int, samples: int) -> tuple[int, int, t
 
 
 def _one_by_one(kernel: Kernel, arguments: Sequence[Array | Placed], steps: int) -> None:
-    """The same without compiled code."""
+    """The calls one after the other without compiled code."""
     cores = [len(x.shape) for x in kernel.program.inputs + kernel.program.outputs]
     count = len(kernel.program.inputs)
     for k in range(steps):
@@ -80,7 +80,7 @@ def _one_by_one(kernel: Kernel, arguments: Sequence[Array | Placed], steps: int)
 
 
 def _at(x: Array | Placed, core: int, k: int) -> Array:
-    """What an argument is at step k."""
+    """An argument at step k."""
     if isinstance(x, Placed):
         return x.arrays[x.which[k]][x.row[k]]
     return x[k if len(x) > 1 else 0] if x.ndim == core + 2 else x
@@ -93,7 +93,8 @@ _FEWEST = 16
 
 
 def recurrence(kernel: Kernel, first: Array, *sequences: Array) -> Array:
-    """States (T + 1, N, s) from the first one (N, s), and inputs (T, N, …) of T steps.
+    """A kernel applied again and again: states (T + 1, N, s) from the first one (N, s), and inputs
+    (T, N, …) of T steps.
 
     Arrays of float64 with any strides; a sequence whose axis runs backwards takes the steps from
     its end. Nothing is broadcast.

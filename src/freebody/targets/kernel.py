@@ -32,7 +32,8 @@ _SLICE = 50 * _WORTH
 not wait for long."""
 
 _MOVE = 4.0
-"""What an entry read or written costs where a batch does not fit into the processor's caches."""
+"""The cost of an entry read or written where a batch does not fit into the processor's caches, in
+additions."""
 
 
 class BatchLoop(NamedTuple):
@@ -154,8 +155,8 @@ class Kernel:
     def quick_checked(
         self, general: Callable[..., Any], held: Any = None, units: Sequence[tuple[int, int]] = ()
     ) -> Callable[..., Any] | None:
-        """The same where all is sound too, see `finite_check.sound`, the four entries at each of
-        `units` of unit length."""
+        """A function as of `quick`, where all is sound too, see `finite_check.sound`: the four
+        entries at each of `units` are of unit length."""
         return None
 
     def _at_most(self, count: int, arrays: tuple[ArrayLike, ...]) -> bool:
@@ -206,8 +207,8 @@ class Kernel:
             )
 
     def _converted(self, array: np.ndarray) -> np.ndarray:
-        """As the kernel's own numbers, where that is another real type; what cannot be is left for
-        NumPy to refuse."""
+        """The array with the kernel's own numbers, where it has those of another real type; what
+        cannot be converted is left for NumPy to refuse."""
         if array.dtype == self.dtype or not np.can_cast(array.dtype, self.dtype, "same_kind"):
             return array
         return array.astype(self.dtype)
@@ -239,7 +240,8 @@ class Kernel:
 
     @property
     def asked_width(self) -> int | None:
-        """What is to be asked for, so that another program of the target has the same width."""
+        """The width to compile another program with, so that it has the same; None where the target
+        has no vectors."""
         return self.width if target_named(self.target).widths[self.dtype.name] else None
 
     def __repr__(self) -> str:
@@ -247,7 +249,7 @@ class Kernel:
 
     @cached_property
     def source(self) -> str:
-        """What runs, as text: LLVM on the CPU; with NumPy the program's own listing, which runs
+        """The text of what runs: LLVM on the CPU; with NumPy the program's own listing, which runs
         node by node."""
         return target_named(self.target).source(self.program, self.width, self.dtype.name)
 
@@ -324,7 +326,7 @@ RECENT = 32
 _KernelKey = tuple[str, str, int | None, str, Hashable]
 _kernels: weakref.WeakValueDictionary[_KernelKey, Kernel] = weakref.WeakValueDictionary()
 _recent: OrderedDict[_KernelKey, Kernel] = OrderedDict()
-"""Those that were asked for last, the last one at the end."""
+"""The kernels that were fetched last, the last one at the end."""
 
 
 def _has_scalars(program: Program) -> bool:

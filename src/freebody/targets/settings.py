@@ -1,5 +1,5 @@
-"""What the environment says of targets, read once: what answers a call does not change while a
-process runs."""
+"""Environment variables of targets, read once and kept apart from their readers: no call's answer
+changes while a process runs, and tests set them in one place."""
 
 from __future__ import annotations
 

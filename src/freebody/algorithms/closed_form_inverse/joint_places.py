@@ -67,7 +67,7 @@ class JointPlace:
     """1 where any angle would do."""
 
     def direction(self, v: Vector) -> Vector:
-        """What its rotation makes of a vector."""
+        """A vector as the joint's rotation turns it."""
         l = self.line
         if not l.turning:
             return v

@@ -1,4 +1,5 @@
-"""What a recipe is: from a displacement X = e1 … en to the places of all joints, branch by branch.
+"""Recipes for inverse kinematics: from a displacement X = e1 … en to the places of all joints,
+branch by branch.
 
 X = T T(0)⁻¹ is given as what it does to a point and to a direction. Each recipe lists as many
 branches for every target, with how clear it is that a branch exists; whoever calls verifies them.
@@ -29,7 +30,7 @@ class WantedMotion:
     """Motions done first."""
 
     def point(self, x: Vector) -> Vector:
-        """Where X takes a point."""
+        """The point to which X takes a point."""
         for place in reversed(self.after):
             x = place.point(x)
         x = add(times(self.R, x), self.p)
@@ -38,7 +39,7 @@ class WantedMotion:
         return x
 
     def direction(self, v: Vector) -> Vector:
-        """What X makes of a direction."""
+        """A direction as X turns it."""
         for place in reversed(self.after):
             v = place.direction(v)
         v = times(self.R, v)
@@ -78,7 +79,7 @@ class Recipe(ABC):
     @property
     @abstractmethod
     def title(self) -> str:
-        """What is done, with its source."""
+        """The recipe in words, with its source."""
 
     @property
     def by_quartic(self) -> bool:

@@ -220,7 +220,7 @@ class OneJointHeld(Recipe):
         return (self.screw, *screws), c, point
 
     def reached_at(self, X: WantedMotion, x: Scalar) -> ReachCondition | None:
-        """The same with the joint at x."""
+        """The condition under which a target is within reach, with the joint at x."""
         held = (turn_by(line(self.screw), x),)
         return self.rest.reached(X.without(first=held) if self.first else X.without(last=held))
 

@@ -38,8 +38,8 @@ class Branches:
 
     @property
     def held(self) -> int | None:
-        """Of an arm with one joint more than the target asks for the place in q of the joint whose
-        position has to be given."""
+        """The place in q of the joint whose position has to be given, of an arm with one joint more
+        than the target needs; None of others."""
         if not isinstance(self.recipe, OneJointHeld):
             return None
         return int(self.chain.index[0 if self.recipe.first else -1])

@@ -1,4 +1,4 @@
-"""How far a frame is from where it is to be."""
+"""The error of a frame's pose, which several control laws share."""
 
 from __future__ import annotations
 

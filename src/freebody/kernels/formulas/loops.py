@@ -72,7 +72,7 @@ def _wrenches(
     multipliers: Vector,
     wrenches: Any = (),
 ) -> tuple[Any, ...]:
-    """Of every joint, then of every loop."""
+    """Wrenches of every joint, then of every loop."""
     loads = external(tree, o, q, wrenches) + loop_loads(tree, q, multipliers)
     recursion = rnea(tree, q, qd, qdd, loads)
     return (
@@ -84,7 +84,7 @@ def _wrenches(
 
 
 def _loose_wrenches(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
-    """What each combination of multipliers that no motion feels does to every joint and loop."""
+    """Wrenches of every joint and loop by each combination of multipliers that no motion feels."""
     return (
         [
             [

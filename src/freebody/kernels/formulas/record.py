@@ -1,4 +1,5 @@
-"""What a formula is, and the option that picks a variant of it by structure."""
+"""A formula as a record, and the option that picks a variant of it by structure: what frame is
+meant, which loads act, what the drives of a closed chain do."""
 
 from __future__ import annotations
 
@@ -46,20 +47,21 @@ class Option(NamedTuple):
     equations: Counting | None = None
     """Loop equations that count; None: all."""
     partition: Partition | None = None
-    """Of a closed chain's equations and coordinates, for what its drives do."""
+    """The partition of a closed chain's equations and coordinates, by which its drives' torques
+    follow."""
     held: tuple[int, ...] | None = None
     """Coordinates whose rates are given, and tell the others; None: all are given, and the nearest
     possible meant."""
     checks: str = ""
-    """Of a closed chain: NaN where the choice of equations does not tell ("solution"), and where
-    its loops do not allow the state either ("state")."""
+    """Checks of a closed chain: NaN where the choice of equations does not tell ("solution"), and
+    where its loops do not allow the state either ("state")."""
     redundant: bool = False
     """Whether the arm has a joint whose position is given, for inverse kinematics."""
 
 
 class Output(NamedTuple):
-    """What a formula computes: its dimensions and, for whoever reads a text without its model, what
-    it is."""
+    """An output of a formula: its dimensions and, for whoever reads a text without its model, its
+    meaning."""
 
     dims: Dimensions
     meaning: str
@@ -116,19 +118,19 @@ class Formula:
 
 
 def frame_of(o: Option) -> str:
-    """The frame that is meant."""
+    """The option's frame."""
     assert o.frame is not None  # the public functions resolve the tip
     return o.frame
 
 
 def partition_of(o: Option) -> Partition:
-    """The partition that is meant."""
+    """The option's partition."""
     assert o.partition is not None  # `kernel` and the functions of closed chains choose it
     return o.partition
 
 
 def external(tree: Tree, o: Option, q: Vector, wrenches: tuple[Vector, ...]) -> list[External]:
-    """The wrenches as they act on bodies."""
+    """The wrenches on the option's frames as they act on bodies."""
     loads = (
         external_on_frame(tree, q, f, w) for f, w in zip(o.wrench_frames, wrenches, strict=True)
     )
@@ -141,7 +143,7 @@ def at_driven_joints(tree: Tree, o: Option, q: Vector, needed: Vector) -> Vector
 
 
 def still(tree: Tree) -> Vector:
-    """No rates."""
+    """Rates of a robot at rest."""
     return (0.0,) * tree.nv
 
 

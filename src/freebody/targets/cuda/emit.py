@@ -215,7 +215,7 @@ class _Entry:
             self.lines.append("  " + self.table[op].format(f"%v{index}", *operands))
 
     def _sines(self, x: int) -> None:
-        """Both of a node, once."""
+        """The sine and cosine of a node, once."""
         if x in self.turned:
             return
         self.turned.add(x)
@@ -300,8 +300,10 @@ def _runs(places: Iterable[int]) -> list[tuple[int, int]]:
 def _constants_loop(
     name: str, s: int, lanes: Lanes, k: int, value: str, places: Sequence[int]
 ) -> tuple[str, str]:
-    """(a table, lines) that write a value to these entries of argument k; s: the loop's number in
-    the entry of that name, in which they follow each other."""
+    """A loop that writes constants among many results, such as the zeros of a tree's derivatives,
+    over runs of equal ones: (a table of the runs' places, lines) that write a value to these
+    entries of argument k; s: the loop's number in the entry of that name, in which they follow each
+    other."""
     found, table = _runs(places), f"@{name}.runs{s}"
     rows = ", ".join(f"{{ i32, i32 }} {{ i32 {a}, i32 {b} }}" for a, b in found)
     declared = f"{table} = internal constant [{len(found)} x {{ i32, i32 }}] [{rows}], align 4\n"
@@ -313,8 +315,8 @@ def _constants_loop(
 
 
 def _sincos(lanes: Lanes) -> str:
-    """`{ double, double } @sincos.f64(double x)`: both, as on the CPU; a large argument goes
-    through `@reduce`.
+    """LLVM text of `{ double, double } @sincos.f64(double x)` for a machine whose threads branch
+    each for itself: both, as on the CPU; a large argument goes through `@reduce`.
 
     lanes: of single numbers.
     """

@@ -1,4 +1,5 @@
-"""A program that runs on a GPU, called as the kernels of the CPU are, with arrays of either."""
+"""NVIDIA's GPUs as a target: programs as PTX that the driver assembles for the GPU that is there,
+called as the kernels of the CPU are, with arrays of either."""
 
 from __future__ import annotations
 
@@ -155,7 +156,7 @@ class GpuKernel(Kernel):
 
     @property
     def plan(self) -> Plan:
-        """Which entries there are, and what they take."""
+        """The entries, and what they take."""
         return self._plan
 
 

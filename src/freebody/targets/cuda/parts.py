@@ -1,5 +1,5 @@
-"""What one thread computes of a program: all of it, or where that does not fit its registers some
-of the outputs.
+"""Parts of a program, each computed by one thread: all of it, or where that does not fit a thread's
+registers some of the outputs.
 
 A thread has 255 registers of 32 bits; what does not fit goes to memory and comes back (it is
 spilled). Outputs computed apart repeat what they share, so a program is divided only where all
@@ -63,7 +63,7 @@ class ProgramPart:
 
 
 def part(program: Program, results: Collection[int]) -> ProgramPart:
-    """What these results need, in the program's order."""
+    """The part for these results: the nodes that they need, in the program's order."""
     live = bytearray(len(program))
     for position in results:
         live[program.results[position]] = 1
@@ -200,7 +200,7 @@ def _quiet(piece: ProgramPart, results: Sequence[int], most: float = 1.0) -> Pro
 
 
 def _entries(program: Program) -> list[tuple[int, tuple[int, ...]]]:
-    """Of each result its output and its index there."""
+    """For each result its output and its index there."""
     return [(k, index) for k, a in enumerate(program.outputs) for index in a.indices()]
 
 

@@ -1,4 +1,5 @@
-"""The entries that a program becomes: what is computed once a call, and for every sample."""
+"""A program as entries of PTX, the assembly that NVIDIA's driver makes machine code of: what is
+computed once a call, and for every sample."""
 
 from __future__ import annotations
 
@@ -38,7 +39,7 @@ class Plan:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of all entries."""
+        """Names of all entries."""
         return tuple(self.entries)
 
     @property

@@ -1,5 +1,5 @@
-"""This machine's CPU as a target, or a level that it reaches: programs as LLVM vector code,
-compiled or found on disk, loaded as a gufunc."""
+"""The CPU of this machine as a target, or a level that it reaches: programs as LLVM vector code,
+compiled or found on disk, loaded as a generalized ufunc."""
 
 from __future__ import annotations
 
@@ -118,8 +118,8 @@ def _source(level: str | None, program: Program, width: int, dtype: str) -> str:
 
 @cache
 def compiler_version() -> str:
-    """Of the compiler's own text: whatever is changed in it, cached objects of the former text are
-    not used."""
+    """A version of the compiler that changes with any of its text, so that objects from a former
+    text are not taken from the cache."""
     digest = hashlib.sha256()
     house = Path(__file__).parent.parent.parent
     for path in sorted([*house.glob("program/*.py"), *house.glob("targets/**/*.py")]):

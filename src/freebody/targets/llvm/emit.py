@@ -58,7 +58,7 @@ def emit(program: Program, machine: Machine) -> str:
 
 
 def emit_own(program: Program, machine: Machine) -> str:
-    """The same without the functions that all kernels of a machine share."""
+    """LLVM text of the kernel without the functions that all kernels of a machine share."""
     lanes, parts, shared, every = machine.lanes, [f"; {program}"], None, program
     if any(argument.uniform for argument in program.inputs):
         once, every = map(schedule, hoist(program))

@@ -70,8 +70,8 @@ _Arguments = tuple[Argument, ...]
 
 
 def _tables(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[str]:
-    """What the loop is told of one sample, an input's step to the next being 0, and the shapes of
-    outputs behind the size of a batch."""
+    """Tables that describe one sample to the loop, an input's step to the next being 0, and the
+    shapes of outputs behind the size of a batch."""
     return [
         _numbers("fast.dims", _dims(inputs, outputs)),
         _numbers("fast.steps", _steps(inputs, outputs, real)),
@@ -251,7 +251,7 @@ def _named_out(outputs: int) -> list[str]:
 
 
 def _taken(outputs: int) -> list[str]:
-    """What was given as `out`, and where its arrays stand."""
+    """Lines that take the arrays given as `out`, and where these stand."""
     lines = ["taken:", "  %given = load ptr, ptr %given.at, align 8"]
     if outputs == 1:
         return [*lines, "  %outs = getelementptr ptr, ptr %given.at, i64 0"]

@@ -1,4 +1,4 @@
-"""What each operation of a program is over a vector of lanes: a table of LLVM instructions.
+"""A table of LLVM instructions: each operation of a program over a vector of lanes.
 
 Sine and cosine are not among them: they stand between segments, see `sincos`.
 """
@@ -81,7 +81,7 @@ def functions(program: Program, lanes: Lanes, fma: bool) -> str:
 
 
 def declarations(lanes: Lanes) -> str:
-    """Of the functions of LLVM's that the instructions call."""
+    """Declarations of LLVM's own functions that the instructions call."""
     v, n = lanes.v, lanes.suffix
     return (
         f"declare {v} @llvm.sqrt.{n}({v})\n"

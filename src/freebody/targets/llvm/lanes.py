@@ -71,7 +71,7 @@ class Lanes:
 
     @property
     def suffix(self) -> str:
-        """What the names of LLVM's own functions end in."""
+        """The end of the names of LLVM's own functions for this vector."""
         return f"v{self.width}f{self.real.bits}"
 
     @property
@@ -115,7 +115,7 @@ class OneLane(Lanes):
 
     @property
     def suffix(self) -> str:
-        """What the names of LLVM's own functions end in."""
+        """The end of the names of LLVM's own functions for this number."""
         return f"f{self.real.bits}"
 
     def _equal(self, kind: str, text: Any) -> str:

@@ -24,7 +24,7 @@ _COMPILING, _OF_TEXT = 32 * 2**20, 32
 """Bytes that it takes to compile a text, and further ones for each letter (up to 20 were seen)."""
 
 _LOADING, _OF_CODE = 16 * 2**20, 64
-"""The same to load machine code, for each byte of it."""
+"""Bytes that it takes to load machine code, and further ones for each byte of it."""
 
 
 @cache

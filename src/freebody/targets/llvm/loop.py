@@ -1,4 +1,6 @@
-"""LLVM text of the gufunc loop: groups of samples in, `@compute` on a tile of slots, groups out.
+"""LLVM text of a kernel's loop: it finds out how each argument is read and written; then, round by
+round, groups of samples come in, `@compute` runs on a tile of slots, and the groups of the round
+before go out.
 
 Results of one round go out after the inputs of the next one have come in, from tiles of their own:
 the processor computes while its stores wait for the memory.

@@ -1,5 +1,6 @@
-"""The steps of a recurrence of one sample by code of its own, number by number: a kernel's loop
-takes longer to begin a step than to compute it."""
+"""Steps that follow one another in compiled code: a recurrence of one sample number by number,
+since a kernel's loop takes longer to begin a step than to compute it; and a kernel's loop called
+for each step."""
 
 from __future__ import annotations
 

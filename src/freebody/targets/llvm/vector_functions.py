@@ -178,8 +178,8 @@ def _acos(b: Block, x: LaneValue) -> LaneValue:
 
 
 def _arc(b: Block, a: LaneValue) -> tuple[LaneValue, LaneValue, LaneValue]:
-    """Of a = |x|: whether a < 1/2, and high + low: asin a there, acos a = 2 asin sqrt((1 - a) / 2)
-    beyond."""
+    """The arcs of a = |x|: whether a < 1/2, and high + low: asin a there, acos a = 2 asin sqrt((1 -
+    a) / 2) beyond."""
     near = a < 0.5
     z = b.where(near, a * a, (1.0 - a) * 0.5)
     root = b.sqrt(z)
@@ -205,7 +205,7 @@ def _sum(x: LaneValue, y: LaneValue) -> tuple[LaneValue, LaneValue]:
 
 
 def _pair(b: Block, condition: LaneValue, x: Any, y: Any) -> tuple[LaneValue, LaneValue]:
-    """One of two numbers of two parts."""
+    """A choice between two numbers of two parts each."""
     return b.where(condition, x[0], y[0]), b.where(condition, x[1], y[1])
 
 

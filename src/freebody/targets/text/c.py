@@ -100,7 +100,7 @@ _CHECKS = """{before}int all_finite(int n, const {t} *x)
 
 @dataclass(frozen=True)
 class _Dialect:
-    """What C in double and in float, and C++, write differently."""
+    """The differences between C in double, C in float, and C++."""
 
     t: str
     f: str

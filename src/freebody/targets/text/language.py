@@ -1,4 +1,5 @@
-"""What a language of source text is: a record; and what several of them share."""
+"""A language of source text as a record; the unit that it is given to write: a program, its name,
+and what else is known about it; and parts that several languages share."""
 
 from __future__ import annotations
 
@@ -19,7 +20,7 @@ _REMARK = re.compile(r"[A-Za-z0-9_ .,:;()\[\]/^+<>=-]*")
 
 @dataclass(frozen=True)
 class Joints:
-    """Which joint each scalar of all inputs, and of all outputs, belongs to (-1: none), and the
+    """The joint that each scalar of all inputs, and of all outputs, belongs to (-1: none), and the
     joints in words."""
 
     of_inputs: tuple[int, ...]

@@ -74,7 +74,7 @@ _SPELLING = Spelling(
 
 
 def _sizes(argument: Argument) -> str:
-    """Of an array in MATLAB: vectors stand upright."""
+    """The sizes of an array in MATLAB: vectors stand upright."""
     return ", ".join(
         map(str, argument.shape if len(argument.shape) > 1 else (*argument.shape, 1, 1)[:2])
     )
@@ -94,7 +94,7 @@ def _emit(unit: SourceUnit) -> str:
 
 
 def _checks(unit: SourceUnit, words: ProgramWords) -> list[str]:
-    """What answers a call with an input that is not finite."""
+    """The statements that answer a call with an input that is not finite."""
     if not words.inputs:
         return []
     tests = " && ".join(f"all(isfinite({word}(:)))" for word in words.inputs)

@@ -90,12 +90,13 @@ _SCALARS = Spelling(
 
 
 def _columns(argument: Argument) -> int:
-    """Of an argument in CasADi, which has two dimensions: of three the last two become one."""
+    """The columns of an argument in CasADi, which has two dimensions: of three the last two become
+    one."""
     return int(np.prod(argument.shape[1:]))
 
 
 def _in_casadi(argument: Argument) -> tuple[int, int]:
-    """Its shape there: vectors are columns."""
+    """The shape of an argument in CasADi: vectors are columns."""
     return (*argument.shape, 1)[0], _columns(argument)
 
 

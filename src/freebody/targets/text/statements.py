@@ -1,5 +1,6 @@
-"""A program as statements of an infix language: a value that is read once stands where it is
-read."""
+"""A program as statements of an infix language: a value that is read once stands where it is read;
+inputs that are not finite are refused, and a long body is cut into functions of bounded length,
+which hand values on in a workspace."""
 
 from __future__ import annotations
 
@@ -65,8 +66,7 @@ class Statement:
 
 @dataclass(frozen=True)
 class ProgramWords:
-    """What things are called in the text: the function, its inputs and its outputs in their
-    order."""
+    """The words of a text: for the function, its inputs and its outputs in their order."""
 
     function: str
     inputs: tuple[str, ...]
@@ -267,7 +267,7 @@ class _Piece:
     stores: tuple[tuple[str, int], ...]
 
     def arguments(self, order: Sequence[str]) -> list[str]:
-        """Of the arguments those that it reads or writes."""
+        """The names in this order that the piece reads or writes."""
         used = {word for statement in self.statements for word in statement.arguments}
         return [word for word in order if word in used]
 
@@ -356,7 +356,8 @@ def refusal(
     around: tuple[str, str, str],
     indent: str = "    ",
 ) -> list[str]:
-    """What answers a call with an input that is not finite; nothing where there is no input.
+    """The statements that answer a call with an input that is not finite; none where there is no
+    input.
 
     finite, blank: of an array and of a scalar, with {word} and {size}, the test of an input and the
     statement that makes an output NaN. around: the lines before, with {} for the tests, and after.

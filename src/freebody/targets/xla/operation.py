@@ -51,7 +51,7 @@ class Interface(NamedTuple):
 
 @cache
 def interface() -> Interface:
-    """What XLA offers here."""
+    """The interface that XLA offers here."""
     try:
         import jax.ffi
     except ImportError:
@@ -133,7 +133,8 @@ def _applied(kernel: Kernel, arrays: Sequence[Any], batch: tuple[int, int]) -> A
 
 
 def _name(kernel: Kernel, version: tuple[int, int]) -> str:
-    """What XLA knows the kernel by; it is given to XLA where that does not have it yet."""
+    """The name by which XLA knows the kernel; it is given to XLA where that does not have it
+    yet."""
     import jax.ffi
 
     from freebody.targets.llvm.lanes import REALS
@@ -163,7 +164,8 @@ def _partitioned(
     program: Program, compute: Callable[[Sequence[Any], _Batch], Any], batch: _Batch
 ) -> Callable[..., Any]:
     """compute(arrays, batch) as a function of arrays (outer, inner, *core), each leading size 1 or
-    that of the batch, that XLA cuts along the batch; vectors and matrices are never cut.
+    that of the batch, that XLA cuts along the batch where arrays lie on several devices; vectors
+    and matrices are never cut. Without it XLA would gather all samples on every device.
 
     Where a process sees one device alone, nothing is changed: what XLA may cut, JAX does not keep
     on disk.
@@ -230,8 +232,8 @@ _Shape = tuple[int, ...]
 def arranged(
     arrays: Sequence[Any], shapes: Sequence[_Shape]
 ) -> tuple[tuple[int, int], list[Any], list[bool]]:
-    """Sizes of the two axes, the arrays (outer, inner, *core), and whether each varies along the
-    inner one.
+    """Batches of any shape as two axes, an outer and an inner one: the sizes of these, the arrays
+    (outer, inner, *core), and whether each varies along the inner one.
 
     shapes: of the leading axes, equally many of each array, which broadcast. Each of the two sizes
     of an array is 1 or that of the batch; an array is copied only where it varies along some of the

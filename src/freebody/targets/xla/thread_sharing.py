@@ -14,7 +14,7 @@ from freebody.targets.xla.layout import OFFSETS, SIZES
 
 
 class TextLines(list[str]):
-    """Lines of LLVM text, with what recurs."""
+    """Lines of LLVM text that read and write fields at offsets."""
 
     def field(self, name: str, kind: str, base: str, offset: int) -> str:
         """Load what lies at an offset."""
@@ -56,7 +56,8 @@ BASES = 56
 
 _NUMBER, _SCHEDULE = "XLA_FFI_ThreadPool_NumThreads_Args", "XLA_FFI_ThreadPool_Schedule_Args"
 _MODES = 0x1F80
-"""Of SSE: no traps, to nearest, tiny numbers as they are, which XLA makes zero elsewhere."""
+"""The modes of SSE: no traps, to nearest, tiny numbers as they are, which XLA makes zero
+elsewhere."""
 
 
 def size_of(arguments: int) -> int:
