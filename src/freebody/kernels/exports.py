@@ -37,14 +37,36 @@ def source(
     """Text of a function that computes one quantity, or several that share their work, in another
     language.
 
-    what: a model and `names` of quantities, or a kernel of fb.compile. names, options: as for
-    `fb.kernel` (frame, reference, wrench_frames, rows, by, and inputs: numbers of the model that
-    are given as p at each call). language: "c", "cpp", "javascript" (a module),
-    "javascript-script", "rust", "julia", "matlab" (Octave too), "numpy", "jax", "casadi", "cuda"
-    (PTX). name: of the function, by default the quantities'. dtype: "float64", or "float32" (c,
-    rust, julia, cuda). Arguments are those of the kernel, in its order, in SI units; the text's
-    head says all that is needed to call it. It is ASCII, names in it are words, and the same robot
-    gives the same text. Raises UnknownNameError, FreebodyError.
+    Parameters
+    ----------
+    what
+        A model, or a kernel of `fb.kernel` or `fb.compile`.
+    names
+        Quantities of the model, as for `fb.kernel`; none for a kernel.
+    language
+        "c", "cpp", "javascript" (a module), "javascript-script", "rust", "julia", "matlab" (Octave
+        too), "numpy", "jax", "casadi" or "cuda" (PTX).
+    name
+        The name of the function, by default the quantities'.
+    dtype
+        "float64", or "float32" (c, rust, julia, cuda).
+    **options
+        As for `fb.kernel`: frame, reference, wrench_frames, rows, by, and inputs, numbers of the
+        model that are given as p at each call.
+
+    Returns
+    -------
+    str
+        A function whose arguments are those of the kernel, in its order, in SI units; the text's
+        head says all that is needed to call it. It is ASCII, names in it are words, and the same
+        robot gives the same text.
+
+    Raises
+    ------
+    UnknownNameError
+        A language, quantity or option that does not exist.
+    FreebodyError
+        A dtype that the language lacks, or a name that is no word.
     """
     unit, *_ = _unit("fb.source", what, names, language, name, dtype, options)
     return LANGUAGES[language].emit(unit)
@@ -60,12 +82,30 @@ def export(
     dtype: str = "float64",
     **options: Any,
 ) -> list[Path]:
-    """Write `fb.source`'s text into the folder `out` as a package that tests itself; the paths of
-    its files.
+    """Write `fb.source`'s text into a folder as a package that tests itself.
 
-    Arguments as for `fb.source`. Beside the text: a self-test with test vectors, README.txt with
-    the command that runs it, names.json with names as they were where the text has words, and
-    manifest.json. Nothing but freebody's own files is replaced. Raises FileError, OutputError too.
+    Beside the text: a self-test with test vectors, README.txt with the command that runs it,
+    names.json with names as they were where the text has words, and manifest.json. Nothing but
+    freebody's own files is replaced.
+
+    Parameters
+    ----------
+    out
+        The folder.
+    what, names, language, name, dtype, **options
+        As for `fb.source`.
+
+    Returns
+    -------
+    list of Path
+        The files that were written.
+
+    Raises
+    ------
+    UnknownNameError, FreebodyError
+        As `fb.source`.
+    FileError, OutputError
+        A folder that cannot be written to, or files there that are not freebody's.
     """
     if not isinstance(out, str | os.PathLike):
         raise KindError("fb.export", "out", out, "the name of a folder")

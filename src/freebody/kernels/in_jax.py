@@ -26,24 +26,44 @@ def to_jax(
     dtype: str | None = None,
     **options: Any,
 ) -> Callable[..., Any]:
-    """What `fb.kernel` computes as a function of JAX arrays, for `jit`, `vmap` and derivatives of
-    any order. Needs JAX.
+    """A function of JAX arrays that computes as `fb.kernel` does, for `jit`, `vmap` and derivatives
+    of any order. Needs JAX.
 
-    what, names, options: as for `fb.source`. dtype: "float64" or "float32", which is computed with,
-    whatever arrays come; None: that of the arrays, as JAX promotes them. Returns f(q, qd, …), of
-    arrays (..., *core) whose leading axes broadcast, in the kernel's order and SI units: one array,
-    or a tuple. With inputs=, p (..., k) comes last, or is given as p={name: value}, the rest being
-    the model's. On the CPU it runs the compiled kernel, inside of what JAX compiles; on other
-    platforms, or where JAX has another interface than the one that is known, JAX calls Python, and
-    a UserWarning says so. Arrays on several devices are cut along the batch, so that each device
-    computes its own samples; along Explicit axes of a mesh they are refused (jax.shard_map).
+    On the CPU it runs the compiled kernel, inside of what JAX compiles; on other platforms, or
+    where JAX has another interface than the one that is known, JAX calls Python, and a UserWarning
+    says so. Arrays on several devices are cut along the batch, so that each device computes its own
+    samples; along Explicit axes of a mesh they are refused (jax.shard_map).
+
     Derivatives of every order, forward and reverse, come from compiled kernels too: ordinary
     partial derivatives, by q of all its nq entries (on the tangent space they are with by=), by
-    numbers of the model given as p. f.parameters, f.values: names of the entries of p, and the
-    model's own values. 64-bit numbers are the caller's choice, jax.config.update("jax_enable_x64",
-    True); without it JAX makes all numbers float32, and the kernel computes in these, to about 6
-    digits, and refuses dtype="float64". A kernel of float32 keeps to them. Raises UnknownNameError,
-    FreebodyError; f raises KernelError, ShapeError, BatchError.
+    numbers of the model given as p.
+
+    64-bit numbers are the caller's choice, jax.config.update("jax_enable_x64", True); without it
+    JAX makes all numbers float32, and the kernel computes in these, to about 6 digits, and refuses
+    dtype="float64". A kernel of float32 keeps to them.
+
+    Parameters
+    ----------
+    what, names, **options
+        As for `fb.source`.
+    dtype
+        "float64" or "float32", which is computed with, whatever arrays come. None: that of the
+        arrays, as JAX promotes them.
+
+    Returns
+    -------
+    callable
+        f(q, qd, …), of arrays (..., *core) whose leading axes broadcast, in the kernel's order and
+        SI units: one array, or a tuple. With inputs=, p (..., k) comes last, or is given as
+        p={name: value}, the rest being the model's. f.parameters, f.values: names of the entries of
+        p, and the model's own values. It raises KernelError, ShapeError, BatchError.
+
+    Raises
+    ------
+    UnknownNameError
+        A quantity or option that does not exist.
+    FreebodyError
+        JAX is not installed, or a dtype that JAX does not compute with here.
     """
     chosen = requested("fb.to_jax", what, names, options)
     try:

@@ -162,12 +162,18 @@ class InputKernel:
     Called with p, with p={name: value}, where other numbers are the model's, or without, with the
     model's own numbers.
 
-    Attributes:
-        model: whose numbers these are.
-        kernel: the compiled function, which takes p as its last argument.
-        parameters: names of the entries of p.
-        values: p of the model itself, of a family (*family, k).
-        named: these names and values.
+    Attributes
+    ----------
+    model
+        Whose numbers these are.
+    kernel
+        The compiled function, which takes p as its last argument.
+    parameters
+        Names of the entries of p.
+    values
+        p of the model itself, of a family (*family, k).
+    named
+        These names and values.
     """
 
     def __init__(self, kernel: Kernel, names: tuple[str, ...], values: Array, model: Model):

@@ -33,9 +33,12 @@ _Positions = tuple[int, ...]
 class JaxFunction:
     """A program as a function of arrays (..., *core) of one floating-point type.
 
-    Attributes:
-        call: the function; returns a tuple.
-        program: what it computes.
+    Attributes
+    ----------
+    call
+        The function; returns a tuple.
+    program
+        What it computes.
     """
 
     def __init__(self, what: Differentiable, way: Compilation):

@@ -66,34 +66,62 @@ def kernel(
 ) -> Kernel | ColumnKernel | KernelList | InputKernel:
     """The compiled function for one quantity, or for several that share their work.
 
-    model: with all values. names: among "inverse_dynamics", "forward_dynamics", "mass_matrix",
-    "jacobian", … or a list. frame: for kinematic quantities (default: the tip). reference: "world"
-    or "body" axes (for joint wrenches "child"). rows: of operational space, among "vx", "vy", "vz",
-    "wx", "wy", "wz" (plane "vx", "vy", "w"; default all). wrench_frames: frames that carry external
-    wrenches; each becomes a further input (..., 6): wrench0, wrench1, … in their order.
-    target: where it runs: "cpu" (machine code by LLVM for this CPU), "cpu:x86-64-v3" (for all that
-    reach this level, to the same bytes), "numpy" (node by node, without a compiler) or "cuda"
-    (NVIDIA's GPUs; it takes arrays in their memory); None: what FREEBODY_TARGET says, else the CPU.
-    width: samples in a CPU vector; None: as many as suit it.
-    dtype: "float32" computes with numbers of 32 bits, about twice as fast in batches, to about 6
-    digits of a sample's largest entry; arrays of other real types are rounded to it, and so are the
-    robot's numbers. inputs: numbers of the model that are to be given, by names and patterns of
-    `fb.parameters` ("link*.mass"; patterns leave out exact zeros and right angles of placements,
-    names in full take them): they are gathered, in the order of `fb.parameters`, in one last
-    argument p (..., k), or given as p={name: value}; without p they are the model's own.
-    k.parameters are their names, k.values the model's own. Of a family all numbers with members are
-    inputs; where its members differ in limits alone, the size of gravity.
-    by: inputs by which each output is differentiated as well (exactly, in forward mode), "p" among
-    them: after the outputs come their derivatives, dtau_dp (*output, k) and so on, output by
-    output; those by positions are on the tangent space (nv). Returns k(q, qd, …, out=None,
-    threads=None), which broadcasts like a NumPy ufunc, lets NaN through and checks no names; its
-    inputs are those of the quantities, in the order q, qd, qdd, tau, wrenches, and its outputs in
-    the order of `names`. Kernels of a closed chain assume that its loops are closed; at singular
-    positions the drives' torques are NaN, where the public functions of the same names still
-    answer. One step of a simulation is a quantity too: "rk4_step", "semi_implicit_step",
-    "implicit_step" and "implicit_feedback_step", with the step's length h after tau, return (q1,
-    qd1); see docs/stepping.md; and so are control laws, docs/control.md. Raises UnknownNameError,
-    SingularError where the drives of a closed chain do not force its motion.
+    Parameters
+    ----------
+    model
+        A model with all values.
+    names
+        One quantity or a list of them: "inverse_dynamics", "forward_dynamics", "mass_matrix",
+        "jacobian", … One step of a simulation is a quantity too: "rk4_step", "semi_implicit_step",
+        "implicit_step" and "implicit_feedback_step", with the step's length h (s) after tau, return
+        (q1, qd1), see docs/stepping.md; and so are control laws, see docs/control.md.
+    frame
+        The frame of kinematic quantities, by default the tip.
+    reference
+        The axes of vectors: "world" or "body"; of joint wrenches "world" or "child".
+    wrench_frames
+        Frames that carry external wrenches; each becomes a further input (..., 6): wrench0,
+        wrench1, … in their order.
+    rows
+        Rows of operational space, among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy", "w"),
+        by default all.
+    target
+        Where it runs: "cpu" (machine code by LLVM for this CPU), "cpu:x86-64-v3" (for all that
+        reach this level, to the same bytes), "numpy" (node by node, without a compiler) or "cuda"
+        (NVIDIA's GPUs; it takes arrays in their memory). None: FREEBODY_TARGET, else the CPU.
+    width
+        Samples in a CPU vector. None: as many as suit it.
+    dtype
+        "float64", or "float32", which computes with numbers of 32 bits, about twice as fast in
+        batches, to about 6 digits of a sample's largest entry; arrays of other real types are
+        rounded to it, and so are the robot's numbers.
+    inputs
+        Numbers of the model that are given at each call, by names and patterns of `fb.parameters`
+        ("link*.mass"; patterns leave out exact zeros and right angles of placements, names in full
+        take them). They are gathered, in the order of `fb.parameters`, in one last argument p (...,
+        k), or given as p={name: value}; without p they are the model's own. k.parameters are their
+        names, k.values the model's own. Of a family all numbers with members are inputs; where its
+        members differ in limits alone, the size of gravity.
+    by
+        Inputs by which each output is differentiated as well (exactly, in forward mode), "p" among
+        them. After the outputs come their derivatives, dtau_dp (*output, k) and so on, output by
+        output; those by positions are on the tangent space (nv).
+
+    Returns
+    -------
+    Kernel
+        k(q, qd, …, out=None, threads=None), which broadcasts like a NumPy ufunc, lets NaN through
+        and checks no names. Its inputs are those of the quantities, in the order q, qd, qdd, tau,
+        wrenches, and its outputs in the order of `names`. Kernels of a closed chain assume that its
+        loops are closed; at singular positions the drives' torques are NaN, where the public
+        functions of the same names still answer.
+
+    Raises
+    ------
+    UnknownNameError
+        A quantity, frame, row, input or number that does not exist.
+    SingularError
+        Drives of a closed chain that do not force its motion.
     """
     listed, option = chosen_option(
         model, names, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows

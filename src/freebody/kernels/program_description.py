@@ -103,7 +103,7 @@ class ProgramDescription:
         if not letters:
             return []
         told = [
-            f"  {letter} {meaning}" for letter, meaning in _MEANINGS.items() if letter in letters
+            f"  {letter} {meaning}" for letter, meaning in MEANINGS.items() if letter in letters
         ]
         return [
             "",
@@ -275,7 +275,7 @@ def of_program(
     return (*head, "", *listed[:-1]), {"numbers": {word: name for name, word in words.items()}}
 
 
-_MEANINGS = {
+MEANINGS = {
     "R": "rotation matrix from its axes to those of the world",
     "r": "position of its origin in the world",
     "w": "angular velocity",
@@ -391,7 +391,7 @@ def _named(tree: Tree, option: Option, given: dict[str, Any]) -> Iterator[tuple[
             recursion.f[i],
             recursion.n[i],
         )
-        for letter, value in zip(_MEANINGS, (*values, h, inertia), strict=False):
+        for letter, value in zip(MEANINGS, (*values, h, inertia), strict=False):
             yield from _entries(f"{letter}{joint + 1}", value)
 
 

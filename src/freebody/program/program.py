@@ -173,11 +173,13 @@ def scalar_names(arguments: tuple[Argument, ...]) -> list[str]:
 def verify(program: Program) -> Program:
     """The program itself, if it is a valid one.
 
-    Raises:
-        ProgramError: naming the first broken rule: known operations, operands that precede,
-            positions in range, finite constants, one result for each output scalar, sizes of at
-            least 0, names used once, and names that are words: they stand in generated text, so
-            that a name from outside must not get here.
+    Raises
+    ------
+    ProgramError
+        Naming the first broken rule: known operations, operands that precede, positions in range,
+        finite constants, one result for each output scalar, sizes of at least 0, names used once,
+        and names that are words: they stand in generated text, so that a name from outside must not
+        get here.
     """
 
     def demand(truth: bool, rule: str) -> None:

@@ -57,15 +57,24 @@ class Kernel:
     uniform input has leading axes, `per_sample` answers. A sample with an input that is not finite
     has NaN in all outputs; no other sample is touched. The GIL is released.
 
-    Attributes:
-        program: what was traced.
-        target: where it runs, a name of `TARGETS`.
-        width: samples in a vector; 1 with NumPy.
-        dtype: NumPy's type of the numbers that it computes with and returns.
-        ufunc: what runs, without the checks: a np.ufunc, or a function called like one with NumPy.
-        signature: core sizes as NumPy writes them.
-        few: samples that are answered at once, by one thread into new memory.
-        loop: the machine code of the batch, for other libraries; None where the target has none.
+    Attributes
+    ----------
+    program
+        What was traced.
+    target
+        Where it runs, a name of `TARGETS`.
+    width
+        Samples in a vector; 1 with NumPy.
+    dtype
+        NumPy's type of the numbers that it computes with and returns.
+    ufunc
+        What runs, without the checks: a np.ufunc, or a function called like one with NumPy.
+    signature
+        Core sizes as NumPy writes them.
+    few
+        Samples that are answered at once, by one thread into new memory.
+    loop
+        The machine code of the batch, for other libraries; None where the target has none.
     """
 
     loop: BatchLoop | None = None
@@ -105,15 +114,23 @@ class Kernel:
     def __call__(self, *arrays: ArrayLike, out: Any = None, threads: int | None = None) -> Any:
         """The output, or the tuple of outputs.
 
-        Args:
-            arrays: one for each input, shape (..., *core).
-            out: array or tuple of arrays to write to, of the whole shape.
-            threads: how many share the batch; by default as many as the work is worth.
+        Parameters
+        ----------
+        arrays
+            One for each input, shape (..., *core).
+        out
+            Array or tuple of arrays to write to, of the whole shape.
+        threads
+            How many share the batch; by default as many as the work is worth.
 
-        Raises:
-            ShapeError: wrong core shape.
-            BatchError: batch shapes that do not broadcast.
-            KernelError: wrong number or type of arguments, or an `out` that cannot be written to.
+        Raises
+        ------
+        ShapeError
+            Wrong core shape.
+        BatchError
+            Batch shapes that do not broadcast.
+        KernelError
+            Wrong number or type of arguments, or an `out` that cannot be written to.
         """
         if len(arrays) > len(self.program.inputs):  # NumPy would write to the last
             raise explained(self.program, self.dtype, arrays, out, TypeError())
@@ -273,17 +290,24 @@ def compile_program(
 ) -> Kernel:
     """The kernel of a program.
 
-    Args:
-        program: from `trace`.
-        target: "cpu", "cpu:" with a level, "numpy" or "cuda"; by default the environment's
-            FREEBODY_TARGET, else the CPU where LLVM is.
-        width: samples in a vector (2, 4, 8; 16 of float32); by default FREEBODY_WIDTH, else what
-            suits the CPU. Both are read once, when a process first needs a kernel.
-        dtype: "float64" or "float32", of the numbers that come in, are computed with and come out.
+    Parameters
+    ----------
+    program
+        From `trace`.
+    target
+        "cpu", "cpu:" with a level, "numpy" or "cuda"; by default the environment's FREEBODY_TARGET,
+        else the CPU where LLVM is.
+    width
+        Samples in a vector (2, 4, 8; 16 of float32); by default FREEBODY_WIDTH, else what suits the
+        CPU. Both are read once, when a process first needs a kernel.
+    dtype
+        "float64" or "float32", of the numbers that come in, are computed with and come out.
 
-    Raises:
-        KernelError: an unknown target, width or dtype, or one that this machine lacks something
-            for; a constant beyond the range of the dtype.
+    Raises
+    ------
+    KernelError
+        An unknown target, width or dtype, or one that this machine lacks something for; a constant
+        beyond the range of the dtype.
     """
     target = chosen_target(target)
     with locks.KERNELS:

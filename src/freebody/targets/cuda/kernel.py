@@ -46,19 +46,24 @@ class GpuKernel(Kernel):
     ) -> Any:
         """The output, or the tuple of outputs.
 
-        Args:
-            arrays: one for each input, shape (..., *core); on a GPU of the kernel's own type of
-                number.
-            out: array or tuple of arrays to write to, of the whole shape; on the GPU if an input
-                is.
-            threads: of the CPU, which has nothing to share here; refused as other kernels refuse
-                it.
-            stream: of CUDA, which the work goes to; then the call does not wait for it. By default
-                the legacy stream.
+        Parameters
+        ----------
+        arrays
+            One for each input, shape (..., *core); on a GPU of the kernel's own type of number.
+        out
+            Array or tuple of arrays to write to, of the whole shape; on the GPU if an input is.
+        threads
+            Of the CPU, which has nothing to share here; refused as other kernels refuse it.
+        stream
+            Of CUDA, which the work goes to; then the call does not wait for it. By default the
+            legacy stream.
 
-        Raises:
-            ShapeError, BatchError, KernelError: as other kernels.
-            GpuError: what the driver refused.
+        Raises
+        ------
+        ShapeError, BatchError, KernelError
+            As other kernels.
+        GpuError
+            What the driver refused.
         """
         self._require_threads(threads)
         return self._run(*arrays, out=out, stream=stream)

@@ -173,13 +173,20 @@ def _make_gufunc(
 ) -> np.ufunc:
     """The ufunc of a loop over numbers of one type, with fixed core sizes.
 
-    Args:
-        address: of `void loop(char **args, intptr_t *dimensions, intptr_t *steps, void *data)`.
-        name: shown by NumPy in its messages.
-        inputs: names and core shapes.
-        outputs: names and core shapes.
-        keep: whatever must live as long as the code is callable.
-        real: type of the numbers.
+    Parameters
+    ----------
+    address
+        Of `void loop(char **args, intptr_t *dimensions, intptr_t *steps, void *data)`.
+    name
+        Shown by NumPy in its messages.
+    inputs
+        Names and core shapes.
+    outputs
+        Names and core shapes.
+    keep
+        Whatever must live as long as the code is callable.
+    real
+        Type of the numbers.
     """
     functions, data = struct.pack("P", address), struct.pack("P", 0)
     types = bytes([real.number] * (len(inputs) + len(outputs)))

@@ -49,9 +49,12 @@ def emit(program: Program, machine: Machine) -> str:
     """LLVM text of the kernel of `program`: `void @kernel(ptr args, ptr dims, ptr steps, ptr
     data)`, a gufunc loop.
 
-    Args:
-        program: a verified program with at least one input and one output scalar.
-        machine: what it is compiled for, as far as the text depends on it.
+    Parameters
+    ----------
+    program
+        A verified program with at least one input and one output scalar.
+    machine
+        What it is compiled for, as far as the text depends on it.
     """
     own = emit_own(program, machine)
     return declared_once(f"{own}\n{definitions(own, machine)}")

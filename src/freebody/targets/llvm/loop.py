@@ -37,13 +37,18 @@ def gufunc_loop(
 
     A round takes `tiles` groups, each on a tile of its own.
 
-    Args:
-        program: the whole program, whose arguments come in.
-        every: what is computed for every sample (see `hoist`), on tiles of `layout`.
-        machine: what it is compiled for, as far as the text depends on it.
-        tiles: groups in a round.
-        shared: where the uniform numbers are, and what is computed of them once; None if there are
-            none.
+    Parameters
+    ----------
+    program
+        The whole program, whose arguments come in.
+    every
+        What is computed for every sample (see `hoist`), on tiles of `layout`.
+    machine
+        What it is compiled for, as far as the text depends on it.
+    tiles
+        Groups in a round.
+    shared
+        Where the uniform numbers are, and what is computed of them once; None if there are none.
     """
     parts = [
         transfers(program, every, layout, machine.lanes),
