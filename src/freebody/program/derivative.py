@@ -14,7 +14,7 @@ from typing import Any
 from freebody.elementary import Scalar
 from freebody.program.evaluate import evaluated, flat, free_prefix, nested
 from freebody.program.program import Argument, Program
-from freebody.program.trace import trace
+from freebody.program.tracer import trace
 from freebody.scalars.dual import Outer, slopes
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from freebody.elementary import Scalar, maximum, where
 from freebody.program.evaluate import VALUES, flat, free_prefix, nested, values
 from freebody.program.program import Argument, Program
-from freebody.program.trace import trace
+from freebody.program.tracer import trace
 from freebody.scalars.dual import Outer, slopes
 from freebody.scalars.operations import OPERATIONS
 
