@@ -134,9 +134,9 @@ def drive_torques(tree: Tree, q: Vector, needed: Vector, partition: Partition) -
     + Xᵀ n_dependent.
     """
     split = _split(tree, q, partition)
-    asked = tuple(s * n for s, n in zip(split.rate_scale, needed, strict=True))
-    loads = split.factors.solve_transposed(tuple(asked[k] for k in partition.dependent))
-    power = tuple(asked[k] - dot(split.columns[k], loads) for k in split.independent)
+    angular = tuple(s * n for s, n in zip(split.rate_scale, needed, strict=True))
+    loads = split.factors.solve_transposed(tuple(angular[k] for k in partition.dependent))
+    power = tuple(angular[k] - dot(split.columns[k], loads) for k in split.independent)
     also = [i for i, k in enumerate(partition.dependent) if k in partition.driven]
     found: list[Scalar] = [0.0] * tree.nv
     if also:

@@ -49,7 +49,7 @@ def singular_values(A: Matrix) -> tuple[tuple[Vector], Scalar]:
 
 def left_singular_vectors(A: Matrix) -> tuple[tuple[Matrix, Vector], Scalar]:
     """((unit vectors U, one a row; singular values s), 1 where they are sure, else 0) with A Aᵀ =
-    Uᵀ diag(s²) U, as `told`."""
+    Uᵀ diag(s²) U, as `vectors_and_values`."""
     turned = _turned(A, identity(len(A)), _SWEEPS[len(A)])
     squares, whole = _squares(turned)
     sure: Scalar = 1.0
@@ -65,10 +65,10 @@ def left_singular_vectors(A: Matrix) -> tuple[tuple[Matrix, Vector], Scalar]:
         found[i] = _chosen(swapped, b, a), maximum(first, second)
         found[j] = _chosen(swapped, a, b), minimum(first, second)
     ways, sizes = zip(*found, strict=True)
-    return told(ways, sizes), sure
+    return vectors_and_values(ways, sizes), sure
 
 
-def told(ways: Matrix, sizes: Vector) -> tuple[Matrix, Vector]:
+def vectors_and_values(ways: Matrix, sizes: Vector) -> tuple[Matrix, Vector]:
     """Unit vectors and their singular values, the largest first, such that of each vector the first
     entry that is more than half as large as the largest is positive, and values that are lost are
     0."""

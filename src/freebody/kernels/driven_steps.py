@@ -282,8 +282,8 @@ class _DrivenStep:
 
     def explicit(self, q: Vector, qd: Vector, h: Scalar) -> simulation_steps.MotionState:
         rk4 = self.method == "rk4"
-        walk = simulation_steps.runge_kutta if rk4 else simulation_steps.semi_implicit
-        return walk(self.tree, q, qd, h, self._holding if self.held else self._free)
+        advance = simulation_steps.runge_kutta if rk4 else simulation_steps.semi_implicit
+        return advance(self.tree, q, qd, h, self._holding if self.held else self._free)
 
     def implicit(self, q: Vector, qd: Vector, h: Scalar) -> simulation_steps.MotionState:
         def on_bodies(part: float, q: Vector) -> Any:

@@ -102,7 +102,7 @@ class ProgramDescription:
         }
         if not letters:
             return []
-        told = [
+        meanings = [
             f"  {letter} {meaning}" for letter, meaning in MEANINGS.items() if letter in letters
         ]
         return [
@@ -111,7 +111,7 @@ class ProgramDescription:
             *(_TURNED if self._is_turned else ()),
             *(_COUNTED if letters & {"M", "c"} else ()),
             *(_REGROUPED if letters & {*"fnhI"} else ()),
-            *told,
+            *meanings,
         ]
 
     @property

@@ -91,8 +91,7 @@ class Bound:
 
 
 def fetch(model: Model, names: tuple[str, ...], option: Option) -> Bound:
-    """The kernel of the model's structure, compiled when it is first asked for, with the model's
-    numbers."""
+    """The kernel of the model's structure, compiled on first use, with the model's numbers."""
     found = known(model, names, option)
     if found is None:
         large = in_columns(

@@ -34,7 +34,7 @@ DTYPES = {torch.float64: "float64", torch.float32: "float32"}
 
 
 class TensorProgram:
-    """A program for tensors of one type, and those of its derivatives as they are asked for.
+    """A program for tensors of one type, and those of its derivatives, made on first use.
 
     key: what stands for it in a graph.
     """

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class KernelError(FreebodyError, TypeError):
-    """A kernel asked for or called in a way it does not know."""
+    """A kernel requested or called in a way that does not exist."""
 
 
 @dataclass(frozen=True)

@@ -142,7 +142,7 @@ def _cut(array: np.ndarray, axes: int, part: tuple[slice, ...]) -> np.ndarray:
 
 
 def _start(wanted: int) -> int:
-    """Have as many helpers as that, or as many as the system gives; how many may be asked."""
+    """Start so many helpers, or as many as the system gives; how many there are."""
     global _helpers
     with _lock:
         try:

@@ -128,8 +128,8 @@ done:
 
 
 def checked(outputs: tuple[Argument, ...]) -> list[str]:
-    """If asked for, look whether all entries of the outputs are finite; else let go of them, and go
-    the general way."""
+    """Lines that look whether all entries of the outputs are finite, where a call wants that, and
+    else let go of them and go the general way."""
     lines = [
         "  br i1 %checked, label %check, label %good",
         "check:",

@@ -1,5 +1,5 @@
-"""The LLVM text of a kernel's own C function for the interpreter; what it is for is told in
-`fastcall`."""
+"""The LLVM text of a kernel's own C function for the interpreter, whose purpose `fastcall`
+states."""
 
 from __future__ import annotations
 
@@ -178,7 +178,8 @@ def _outputs_given(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[
 
 
 def _outputs_made(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[str]:
-    """From `make`: run into new arrays, and return them, if asked for only where all is finite."""
+    """Lines from `make` on: run into new arrays, and return them; of a checked call only where all
+    is finite."""
     lines = ["make:"]
     for k, argument in enumerate(outputs):
         lines += (_make if argument.shape else _cell)(k, len(inputs) + k, argument, real)

@@ -60,7 +60,7 @@ def _exclusive(room: int, what: str) -> Iterator[None]:
 
 
 def _require_room(size: int, what: str) -> None:
-    """Ask for memory as it will be asked for, and give it back untouched."""
+    """Allocate memory as LLVM will, and give it back untouched."""
     try:
         np.empty(size, np.uint8)
     except MemoryError:

@@ -111,7 +111,7 @@ def at_level(level: str | None) -> Host:
 
 @cache
 def host() -> Host:
-    """The host, asked once."""
+    """The host, found out once."""
     llvm = library()
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()

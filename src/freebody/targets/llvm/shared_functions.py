@@ -66,7 +66,7 @@ def _functions(machine: Machine) -> dict[str, str]:
 
 
 def declared_once(text: str) -> str:
-    """Each piece declares what it calls; LLVM refuses to be told twice."""
+    """Each piece declares what it calls; LLVM refuses a second declaration."""
     lines = text.split("\n")
     declared = dict.fromkeys(line for line in lines if line.startswith("declare "))
     return "\n".join([*(line for line in lines if line not in declared), *declared, ""])
