@@ -232,8 +232,10 @@ class InputKernel:
             name = self.parameters[self.named.place(key)]
             columns[name] = as_floats("fb.kernel", f"p[{name!r}]", value)
         self.named.require({self.named.at[name] for name in columns})
-        if not columns:
-            return self.values
+        return self._with_columns(columns) if columns else self.values
+
+    def _with_columns(self, columns: dict[str, Array]) -> Array:
+        """p with the given values of some entries, by name, the rest the model's own."""
         try:
             shape = np.broadcast_shapes(
                 self.values.shape[:-1], *(x.shape for x in columns.values())

@@ -51,15 +51,7 @@ def chosen_option(
             raise UnknownNameError("quantity", name, function, FORMULAS)
         if listed.count(name) > 1:
             raise FreebodyError(f"{function}: the quantity {name!r} is asked for twice.")
-        if FORMULAS[name].chains in ("open", "arm", "square"):
-            model.require_tree(f"{function}: {name}")
-        if FORMULAS[name].chains == "square":
-            require_square(function, model)
-        if FORMULAS[name].chains == "closed" and not model.loops:
-            raise FreebodyError(
-                f"{function}: {name}: {model.name!r} has no loops; add one with "
-                f"model.with_loop(...)."
-            )
+        _require_chain(function, model, name)
     if not listed:
         raise FreebodyError(f"{function}: give at least one quantity.")
     _require_used(
@@ -78,6 +70,19 @@ def chosen_option(
     if any("redundancy" in FORMULAS[name].inputs for name in listed):
         option = option._replace(redundant=known_branches(model.tree, option).held is not None)
     return listed, _near_home(function, model, listed, option) if model.loops else option
+
+
+def _require_chain(function: str, model: Model, name: str) -> None:
+    """Refuse a quantity that says nothing of chains such as the model."""
+    chains = FORMULAS[name].chains
+    if chains in ("open", "arm", "square"):
+        model.require_tree(f"{function}: {name}")
+    if chains == "square":
+        require_square(function, model)
+    if chains == "closed" and not model.loops:
+        raise FreebodyError(
+            f"{function}: {name}: {model.name!r} has no loops; add one with model.with_loop(...)."
+        )
 
 
 def _near_home(function: str, model: Model, listed: tuple[str, ...], option: Option) -> Option:
