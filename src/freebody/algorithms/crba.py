@@ -115,7 +115,7 @@ def _from_frame_to_frame(tree: Tree, joints: list[Pose]) -> _Seen:
 
 
 def _in_one_frame(tree: Tree, joints: list[Pose]) -> _Seen:
-    """All in the axes of one body, so that nothing is turned on the way inward.
+    """Inertias and columns in the axes of one body, so that nothing is turned on the way inward.
 
     Inertias are still about the origin of their own body: about a far one they would lose digits.
     What goes inward is moved once, to the common origin.

@@ -371,13 +371,13 @@ def solved(S: list[list[Scalar]], right: Vector) -> tuple[Vector, Vector]:
 
 
 def loop_ends(tree: Tree, q: Vector) -> list[tuple[Pose, Pose]]:
-    """Where the frames of each loop stand in the world."""
+    """The poses of each loop's frames in the world."""
     world = world_poses(tree, joint_poses(tree, q))
     return [_ends(tree, world, loop) for loop in tree.loops]
 
 
 def _ends(tree: Tree, world: list[Pose], loop: TreeLoop) -> tuple[Pose, Pose]:
-    """Where frames A and B stand in the world."""
+    """The poses of frames A and B in the world."""
     a, b = loop.frames
     return frame_pose(tree, world, a), frame_pose(tree, world, b)
 

@@ -56,7 +56,7 @@ def balance(
     wrenches: Sequence[Vector],
     external: Sequence[tuple[str, Vector]],
 ) -> BodyResiduals:
-    """How well reactions and external wrenches, world axes, explain a motion.
+    """The residuals that reactions and external wrenches, world axes, leave of a motion.
 
     moving: of every body of the tree. wrenches: of joints and loops, as `closed_wrenches` gives
     them; external: (frame, wrench) of each load.

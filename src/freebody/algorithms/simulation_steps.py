@@ -103,7 +103,7 @@ class Feedback:
     kd: Vector
 
     def law(self, tree: Tree, tau: Vector, h: Scalar) -> Law:
-        """With tau, over a step of h."""
+        """The law of feedback around tau, over a step of h."""
 
         def at(start: float, end: float, q: Vector, qd: Vector) -> Linearised:
             aim = self.q_ref

@@ -66,7 +66,8 @@ class Bound:
         return self.kernel(*arrays, *self.numbers, out=out, threads=threads)
 
     def by_columns(self) -> Bound:
-        """For arrays with an axis more in front of their core, along which robots do not differ."""
+        """The kernel for arrays with an axis more in front of their core, along which robots do not
+        differ."""
         return Bound(self.kernel, tuple(p[..., None, :] if p.ndim > 1 else p for p in self.numbers))
 
     def checked(self, every: bool = False, kept: bool = False) -> Callable[..., Any]:

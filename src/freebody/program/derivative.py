@@ -129,7 +129,7 @@ def applied_back(
 
 
 def _vectors(program: Program, arguments: Sequence[Argument], count: int) -> list[Argument]:
-    """So many of each of the arguments, as uniform inputs."""
+    """Arguments for so many vectors of each of these arguments, as uniform inputs."""
     prefix = free_prefix("vectors", program.inputs)
     return [
         Argument(f"{prefix}{k}", (count, *x.shape), uniform=True) for k, x in enumerate(arguments)

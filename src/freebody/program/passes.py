@@ -173,7 +173,7 @@ class _NodeOrder:
                 self._push(index)
 
     def run(self) -> list[int]:
-        """All nodes in order."""
+        """All nodes in their final order."""
         while self.ready:
             index = heapq.heappop(self.ready)[-1]
             if self.place[index] < 0:  # else it was pushed again since with a better rank
@@ -204,7 +204,7 @@ class _NodeOrder:
 
 
 def _heights(operands: Sequence[Sequence[int]]) -> list[int]:
-    """How long the longest chain is that rests on a node, in `STRIDE`s."""
+    """The length of the longest chain that rests on each node, in `STRIDE`s."""
     height = [0] * len(operands)
     for index in range(len(operands) - 1, -1, -1):
         for operand in operands[index]:

@@ -62,7 +62,8 @@ def in_turn(kernel: Kernel, arguments: Sequence[Array | Placed], steps: int, sam
 
 
 def _strides(x: Array, core: int, steps: int, samples: int) -> tuple[int, int, tuple[int, ...]]:
-    """From step to step, from sample to sample, and of the core; 0 where it is the same."""
+    """Strides of an argument from step to step, from sample to sample, and of the core; 0 where it
+    is the same."""
     batch, shape, own = x.ndim - core, x.shape, x.strides
     rows, lanes = shape[0] if batch == 2 else 1, shape[batch - 1] if batch else 1
     assert rows in (1, steps), (rows, steps)

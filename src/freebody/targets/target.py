@@ -23,7 +23,7 @@ class KernelError(FreebodyError, TypeError):
 
 @dataclass(frozen=True)
 class Target:
-    """Where programs run: emits, compiles, loads, and makes what is called.
+    """A target, on which programs run: it emits, compiles, loads, and makes what is called.
 
     build: the kernel of a verified program, for a width (None: what suits) and a type of number.
     source: what runs, as text, for a width. widths: for each type of number that it computes with,

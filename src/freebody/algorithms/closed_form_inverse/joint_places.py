@@ -1,4 +1,4 @@
-"""Where a joint stands, over scalars: the turn as a sine and a cosine, or the shift.
+"""The place of a joint over scalars: the turn as a sine and a cosine, or the shift.
 
 So that no angle is taken before the end, where it is asked for.
 """
@@ -75,7 +75,7 @@ class JointPlace:
         return add(times(l.along, v), turned)
 
     def point(self, x: Vector) -> Vector:
-        """Where it takes a point."""
+        """The point to which the joint takes a point."""
         l = self.line
         if not l.turning:
             return add(x, scale(self.shift, l.w))

@@ -46,7 +46,7 @@ class Branches:
 
     @cached_property
     def count(self) -> int:
-        """How many branches stand side by side."""
+        """The number of branches side by side."""
         with np.errstate(all="ignore"):
             one = np.float64(1.0)
             home = tuple(tuple(one * x for x in row) for row in self.chain.R)
@@ -122,8 +122,8 @@ class Branches:
         return WantedMotion(turned, sub(p, times(turned, home)))
 
     def miss(self, places: Places, R: Matrix, p: Vector) -> Scalar:
-        """By forward kinematics the square of the distance from the target (m), or of the angle
-        (rad) if it is larger; compared half way along the chain."""
+        """The square of the distance from the target (m), or of the angle (rad) if it is larger, by
+        forward kinematics; compared half way along the chain."""
         half = len(places) // 2
         misses = []
         if self.kind != "orientation":
@@ -149,8 +149,8 @@ class Branches:
 
 
 def _unless_free(places: Places, clear: Scalar) -> Scalar:
-    """How clear it is that a branch exists or does not: with a joint that could stand elsewhere
-    too, not at all."""
+    """The measure of a branch's existence: with a joint that could stand elsewhere too, not at all
+    clear."""
     for place in places:
         clear = where(place.free, 0.0, clear)
     return clear

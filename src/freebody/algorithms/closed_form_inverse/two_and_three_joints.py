@@ -93,8 +93,8 @@ class JointPair:
         return [(add(c, scale(far, l2.w)), 1.0)]
 
     def _on_both_circles(self, c: Vector, p: Vector) -> list[tuple[Vector, Scalar]]:
-        """Where the circles of p and c meet, taken on the smaller of them: the radius of the other
-        would be the root of a difference of squares."""
+        """The points where the circles of p and c meet, taken on the smaller of them: the radius of
+        the other would be the root of a difference of squares."""
         l1, l2 = line(self.s1), line(self.s2)
         first = self._on_circle(self.s1, l1, p, self.s2.w, dot(sub(c, l1.p), l2.w))
         second = self._on_circle(self.s2, l2, c, self.s1.w, dot(sub(p, l2.p), l1.w))[::-1]
@@ -108,7 +108,8 @@ class JointPair:
     def _on_circle(
         self, s: Screw, l: AxisLine, point: Vector, n: Array, height: Scalar
     ) -> list[tuple[Vector, Scalar]]:
-        """Where the circle of a point about a screw meets the plane n · (y - screw.p) = height."""
+        """The points where the circle of a point about a screw meets the plane n · (y - screw.p) =
+        height."""
         across = n - (n @ s.w) * s.w
         sine = float(np.sqrt(across @ across))
         m, side = numbers(across / sine), numbers(np.cross(s.w, across / sine))
@@ -148,7 +149,7 @@ class ThreeJointArm:
 
 
 def arm(screws: Sequence[Screw], c: Array, length: float) -> ThreeJointArm | QuarticArm | None:
-    """How three joints bring c (3,) to a point; None where they are no arm."""
+    """The three joints that bring c (3,) to a point; None where they are no arm."""
     s1, s2, s3 = screws
     if not can_meet(s1, s2, length) or not can_meet(s2, s3, length):
         return None

@@ -70,7 +70,7 @@ _MATRIX, _CUBE = ("nv", "nv"), ("nv", "nv", "nv")
 def _inverse_derivatives(
     given: list[Array], n: int, fetch: Fetch, threads: int | None
 ) -> tuple[Array, ...]:
-    """∂τ/∂q, ∂τ/∂q̇ and M."""
+    """Columns of ∂τ/∂q, ∂τ/∂q̇ and M, (..., column, row), by derivatives along unit vectors."""
     q, qd, qdd = given
     along, none, units = fetch("inverse_dynamics_along"), np.zeros(n), np.eye(n)
     by_q = along(q, qd, qdd, units, none, threads=threads)
@@ -81,7 +81,7 @@ def _inverse_derivatives(
 def _forward_derivatives(
     given: list[Array], n: int, fetch: Fetch, threads: int | None
 ) -> tuple[Array, ...]:
-    """∂q̈/∂q, ∂q̈/∂q̇ and M⁻¹."""
+    """Columns of ∂q̈/∂q, ∂q̈/∂q̇ and M⁻¹, (..., column, row)."""
     q, qd, tau = given
     qdd = fetch("forward_dynamics")(q, qd, tau, threads=threads)
     by_q, by_qd, M = (

@@ -112,7 +112,7 @@ def _wrenches(
 def mass_by_columns(
     given: list[Array], n: int, fetch: Fetch, threads: int | None
 ) -> tuple[Array, ...]:
-    """M."""
+    """Columns of M, (..., column, row), by products of M and unit vectors."""
     (q,) = given
     return (fetch("mass_product")(q, np.eye(n), threads=threads),)
 
@@ -120,7 +120,7 @@ def mass_by_columns(
 def _inverse_mass_by_columns(
     given: list[Array], n: int, fetch: Fetch, threads: int | None
 ) -> tuple[Array, ...]:
-    """M⁻¹."""
+    """Columns of M⁻¹, (..., column, row)."""
     inverse: Array = np.asarray(
         np.linalg.inv(mass_by_columns(given, n, fetch, threads)[0]), dtype=np.float64
     )
@@ -130,7 +130,7 @@ def _inverse_mass_by_columns(
 def _coriolis_by_columns(
     given: list[Array], n: int, fetch: Fetch, threads: int | None
 ) -> tuple[Array, ...]:
-    """C."""
+    """Columns of C, (..., column, row), by products of C and unit vectors."""
     q, qd = given
     return (fetch("coriolis_product")(q, qd, np.eye(n), threads=threads),)
 

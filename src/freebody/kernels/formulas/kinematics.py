@@ -1,4 +1,4 @@
-"""Where frames are, how they move, and how positions move along the rates."""
+"""Kinematics: poses of frames, their motion, and positions moved along the rates."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ class DeviceView:
         return a < d and c < b
 
     def step(self, core: int) -> int | None:
-        """How far apart the entries of the last `core` axes are in C order; None where there is no
+        """The distance between entries of the last `core` axes in C order; None where there is no
         one number."""
         axes = [
             (n, s)

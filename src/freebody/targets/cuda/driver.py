@@ -73,7 +73,7 @@ def _context(device: int) -> Any:
 
 @contextlib.contextmanager
 def current(device: int) -> Iterator[None]:
-    """With a GPU as the calling thread's current one."""
+    """A context with a GPU as the calling thread's current one."""
     call("cuCtxPushCurrent", _context(device))
     try:
         yield

@@ -180,8 +180,8 @@ class _Entry:
         return f"%p{k}.{j}"
 
     def _run(self, k: int, run: int) -> tuple[str, str]:
-        """Where a run of `TOGETHER` entries of argument k begins, and a step that LLVM takes for a
-        number of its own.
+        """The address where a run of `TOGETHER` entries of argument k begins, and a step that LLVM
+        takes for a number of its own.
 
         With the same step the runs would share their offsets, all of them alive for as long as the
         thread writes.

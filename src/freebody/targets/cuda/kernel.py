@@ -221,7 +221,7 @@ class _Call:
         return given
 
     def launch(self, given: Sequence[np.ndarray | DeviceView], outs: Sequence[DeviceView]) -> None:
-        """Everything: copies, what is computed once, and each part for all samples."""
+        """Start the whole call: copies, what is computed once, and each part for all samples."""
         self._require_apart(outs)
         views = [
             self._readable(a, x, outs) for a, x in zip(self.program.inputs, given, strict=True)
@@ -278,7 +278,7 @@ class _Call:
     def _readable(
         self, argument: Argument, given: np.ndarray | DeviceView, outs: Sequence[DeviceView]
     ) -> DeviceView:
-        """On the GPU, apart from what is written; a copy where it has to be."""
+        """An input on the GPU, apart from what is written; a copy where it has to be."""
         if isinstance(given, DeviceView):
             if given.step(len(argument.shape)) is None:
                 raise KernelError(

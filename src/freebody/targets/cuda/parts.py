@@ -39,7 +39,7 @@ class ProgramPart:
 
     @property
     def operations(self) -> int:
-        """How many there are."""
+        """The number of operations."""
         return sum(1 for index in self.nodes if ARITY[self.program.op[index]])
 
     @cached_property

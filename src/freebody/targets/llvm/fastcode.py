@@ -160,7 +160,7 @@ def _inputs_seen(inputs: _Arguments, real: Real) -> list[str]:
 
 
 def _outputs_given(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[str]:
-    """From `taken`: run into the arrays given as `out`, and return what was given."""
+    """Lines from `taken` on: run into the arrays given as `out`, and return what was given."""
     lines = [*_taken(len(outputs)), f"  br label %look{len(inputs) + 1}"]
     flags = _CONTIGUOUS_ALIGNED | _WRITEABLE
     for k, argument in enumerate(outputs):
@@ -260,7 +260,8 @@ def _taken(outputs: int) -> list[str]:
 
 
 def _apart(arguments: tuple[Argument, ...], inputs: int, size: int) -> list[str]:
-    """On to `run` if no output lies where another argument does, else the general way."""
+    """Lines that go on to `run` if no output lies where another argument does, else the general
+    way."""
     lines, apart = ["  %others = sub i64 %count, 1"], "true"
     for k, argument in enumerate(arguments):
         lines += [

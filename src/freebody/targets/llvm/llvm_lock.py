@@ -1,5 +1,6 @@
-"""One thread at a time in LLVM, and only where there is memory for what it does: where it gets
-none, it ends the process. What ends meanwhile waits, and nobody waits for it."""
+"""LLVM used by one thread at a time, and only where there is memory for what it does: where it gets
+none, it ends the process. Finalizers meanwhile leave what they close to the thread in LLVM, and
+nobody waits for them."""
 
 from __future__ import annotations
 

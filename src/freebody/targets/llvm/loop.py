@@ -318,7 +318,7 @@ def _transfer(
 
 
 def _access(arguments: Sequence[Argument], lanes: Lanes) -> list[str]:
-    """How each argument is read or written; uniform ones are read at once."""
+    """Lines that find out how each argument is read or written; uniform ones are read at once."""
     lines: list[str] = []
     core, first, number = len(arguments), 0, 0
     for k, argument in enumerate(arguments):
@@ -407,7 +407,7 @@ def _lane_table(k: int, width: int, last: str | None) -> list[str]:
 
 
 def _equal(name: str, number: str, width: int) -> list[str]:
-    """%name: the number in all lanes."""
+    """Lines that make %name: the number in all lanes."""
     return [
         f"  %{name}.0 = insertelement <{width} x i64> poison, i64 {number}, i64 0",
         f"  %{name} = shufflevector <{width} x i64> %{name}.0, <{width} x i64> poison, "

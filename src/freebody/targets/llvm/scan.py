@@ -120,8 +120,9 @@ def _text(program: Program, machine: Machine) -> str:
 
 
 def _inputs(lines: list[str], program: Program, real: Real) -> str:
-    """To the tile: the state number by number, all others by vectors, the last of which may overlap
-    the one before it. Whether some number is not finite: 0 times it is NaN."""
+    """Lines that bring the inputs to the tile: the state number by number, all others by vectors,
+    the last of which may overlap the one before it. Whether some number is not finite: 0 times it
+    is NaN."""
     seen: dict[int, str] = {}
     place = 0
     for k, argument in enumerate(program.inputs):

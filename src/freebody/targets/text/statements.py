@@ -299,7 +299,7 @@ def _cut(statements: Sequence[Statement], longest: int) -> tuple[list[_Piece], i
 
 
 def _parts(statements: Sequence[Statement], longest: int) -> list[Sequence[Statement]]:
-    """Runs of about equal weight."""
+    """The statements in runs of about equal weight."""
     total = sum(s.weight for s in statements)
     count = max(1, -(-total // longest))
     bounds, done = [0], 0

@@ -29,8 +29,8 @@ _given: dict[str, tuple[Any, ...]] = {}
 
 
 class Compilation(NamedTuple):
-    """How kernels are made: target and width of `compile_program`, the latter for numbers of this
-    type."""
+    """The way in which kernels are made: target and width of `compile_program`, the latter for
+    numbers of this type."""
 
     target: str | None = None
     width: int | None = None

@@ -143,7 +143,8 @@ def _share(each: int, x86: bool) -> str:
 
 
 def _ask(lines: TextLines) -> None:
-    """How many threads there are, where there is work for more than one; on to `cut`."""
+    """Lines that ask XLA for the number of threads, where there is work for more than one; on to
+    `cut`."""
     fields = OFFSETS[_NUMBER]
     lines.append("  %long = icmp ugt i64 %worth, 1\n  br i1 %long, label %ask, label %cut\nask:")
     lines.put("i64", SIZES[_NUMBER], "%asked", fields["struct_size"])
@@ -310,7 +311,8 @@ def _work(arguments: tuple[Argument, ...], real: Real, loop: int, x86: bool) -> 
 
 
 def _read_arrays(lines: TextLines, arguments: tuple[Argument, ...], real: Real) -> None:
-    """Where each array begins and how far its samples are apart; sizes and strides of its core."""
+    """Lines that read where each array begins and how far its samples are apart; sizes and strides
+    of its core."""
     count, axis = len(arguments), 0
     for k, argument in enumerate(arguments):
         lines.field(f"base{k}", "ptr", "%work", BASES + 8 * k)
