@@ -240,11 +240,7 @@ def arranged(
     axes that become one, but not all.
     """
     whole = np.broadcast_shapes(*shapes)
-    groups = _alike(whole, shapes)
-    outer, inner = (groups[0], [*groups[1:]]) if len(groups) > 1 else ([], groups)
-    if outer and prod(whole[axis] for group in inner for axis in group) < _SHORT:
-        outer, inner = [], groups
-    axes = [axis for group in inner for axis in group]
+    outer, axes = _split(whole, shapes)
     size = prod(whole[axis] for axis in outer), prod(whole[axis] for axis in axes)
     placed, varies = [], []
     for array, shape in zip(arrays, shapes, strict=True):
@@ -257,6 +253,16 @@ def arranged(
         placed.append(array.reshape(rows, size[1] if along else 1, *core))
         varies.append(bool(along))
     return size, placed, varies
+
+
+def _split(whole: _Shape, shapes: Sequence[_Shape]) -> tuple[list[int], list[int]]:
+    """The axes that become the outer one, and those that become the inner one."""
+    groups = _alike(whole, shapes)
+    first, *others = groups or [[]]
+    inner = [axis for group in others for axis in group]
+    if others and prod(whole[axis] for axis in inner) >= _SHORT:
+        return first, inner
+    return [], [*first, *inner]
 
 
 def _alike(whole: _Shape, shapes: Sequence[_Shape]) -> list[list[int]]:
